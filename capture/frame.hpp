@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <opencv2/core/mat.hpp>
+
+namespace cartvo {
+
+/// Whether a frame's picture can be trusted.
+enum class FrameStatus : std::uint8_t {
+  good,
+  damaged,  ///< data were lost since the last key frame: never match features in it
+};
+
+/// Where a frame's exposure instant comes from.
+enum class InstantSource : std::uint8_t {
+  file,           ///< written beside the images
+  sender_report,  ///< RTP time stamp related to the camera's clock by an RTCP sender report (RFC 3550, 6.4.1)
+  arrival,        ///< no sender report yet: the instant of arrival stands in for it
+};
+
+/// One image of one camera with the instants that belong to it. All instants: ns since the Unix epoch.
+struct Frame {
+  cv::Mat image;                 ///< CV_8UC1, grey; may lie in memory that `storage` keeps alive; read-only
+  std::int64_t exposure_ns = 0;  ///< exposure, by the camera's clock
+  std::int64_t arrival_ns = 0;   ///< the frame's last packet was received (host's clock)
+  std::int64_t decoded_ns = 0;   ///< the picture was ready (host's clock)
+  std::uint64_t sequence = 0;  ///< counts the camera's frames from 0, lost ones included where that is known
+  FrameStatus status = FrameStatus::good;
+  InstantSource instant_source = InstantSource::file;
+  std::shared_ptr<const void> storage;  ///< owner of the image's memory, or empty if `image` owns it
+};
+
+}  // namespace cartvo

@@ -1,0 +1,26 @@
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "tools/cartvo/commands.hpp"
+
+// `cartvo`: everything people do around the daemon, one subcommand each.
+// Exit codes: 0 success, 1 the work failed, 2 the command line is wrong.
+int main(int argument_count, char** arguments) {
+  CLI::App cartvo{"cartvo: motion from two ordinary IP cameras"};
+  cartvo.set_version_flag("--version", "cartvo " CARTVO_VERSION);
+  cartvo.require_subcommand(1);
+  cartvo.footer("'cartvo COMMAND --help' explains each command.");
+
+  try {
+    cartvo.parse(argument_count, arguments);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    return cartvo.exit(error) == 0 ? EXIT_SUCCESS : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cartvo: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,51 @@
+#include "tools/world/world_settings.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+namespace cartvo::world {
+namespace {
+
+constexpr std::array<std::pair<Scenario, std::string_view>, 10> kNames{{
+    {Scenario::campus, "campus"},
+    {Scenario::turns, "turns"},
+    {Scenario::traffic, "traffic"},
+    {Scenario::standing, "standing"},
+    {Scenario::stop_and_go, "stop_and_go"},
+    {Scenario::exposure, "exposure"},
+    {Scenario::dusk, "dusk"},
+    {Scenario::low_texture, "low_texture"},
+    {Scenario::bumpy, "bumpy"},
+    {Scenario::reversing, "reversing"},
+}};
+
+}  // namespace
+
+const std::vector<Scenario>& allScenarios() {
+  static const std::vector<Scenario> scenarios = [] {
+    std::vector<Scenario> all;
+    for (const auto& [scenario, name] : kNames)
+      all.push_back(scenario);
+    return all;
+  }();
+  return scenarios;
+}
+
+std::string_view scenarioName(Scenario scenario) {
+  for (const auto& [candidate, name] : kNames) {
+    if (candidate == scenario) return name;
+  }
+  throw std::invalid_argument("unknown scenario number " + std::to_string(static_cast<int>(scenario)));
+}
+
+Scenario scenarioFromName(std::string_view name) {
+  std::string known;
+  for (const auto& [scenario, candidate] : kNames) {
+    if (candidate == name) return scenario;
+    known += (known.empty() ? "" : ", ") + std::string(candidate);
+  }
+  throw std::invalid_argument("unknown scenario '" + std::string(name) + "'; there are: " + known);
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+namespace cartvo::world {
+
+/// What happens during a drive. The comment of each says what is made hard.
+enum class Scenario : std::uint8_t {
+  campus,       ///< a lap among buildings and trees, some traffic: the usual day
+  turns,        ///< a winding lane: one tight turn after the other
+  traffic,      ///< vehicles ahead and oncoming; at times they cover some 40 % of the view
+  standing,     ///< the cart stands while vehicles pass and pull in before it
+  stop_and_go,  ///< pulls away and brakes to a stand, again and again
+  exposure,     ///< the cameras' exposure jumps by three stops, again and again
+  dusk,         ///< little light: high gain, strong sensor noise, no shadows
+  low_texture,  ///< fresh smooth asphalt, plain plaster, few things to see
+  bumpy,        ///< a road in bad repair: strong pitch, roll and heave
+  reversing,    ///< forward, a stand, backward, again and again
+};
+
+/// Every scenario in the order of the enumeration.
+const std::vector<Scenario>& allScenarios();
+
+/// The name people type: that of the enumerator.
+std::string_view scenarioName(Scenario scenario);
+
+/// The reverse. Throws std::invalid_argument naming the scenarios there are.
+Scenario scenarioFromName(std::string_view name);
+
+/// One drive and the two cameras that see it. The same settings give the same bytes.
+struct WorldSettings {
+  Scenario scenario = Scenario::campus;
+  std::uint64_t seed = 1;         ///< of the campus, its traffic and the sensors' noise
+  double seconds = 60.0;          ///< length of the drive, s
+  double lead_in_seconds = 2.0;   ///< the cart stands still this long first, s
+  double frame_rate = 18.0;       ///< of each camera, Hz
+  double offset_s = 0.0;          ///< right minus left instant at the start, s
+  double offset_drift_ppm = 0.0;  ///< the right camera's clock: its period is longer by this, 1e-6
+  cv::Size image_size{680, 420};  ///< px
+  double focal_length = 480.0;    ///< nominal, px; the two cameras differ from it by some tenths of a percent
+  double baseline = 0.115;        ///< m
+  int samples_per_pixel = 4;      ///< rays through a smooth pixel: 1, 2 or 4
+  int edge_samples = 8;           ///< further rays where a pixel holds more than one surface: 0, 8 or 16
+  double noise = 1.0;             ///< factor on the sensor noise; 0: none
+  int threads = 2;                ///< that render; the images do not depend on it
+};
+
+}  // namespace cartvo::world

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "capture/camera_source.hpp"
+#include "daemon/pair_processor.hpp"
+
+namespace cartvo {
+
+/// Why there is no result where one was due.
+enum class NoPairCause : std::uint8_t {
+  no_frames,   ///< a camera delivers nothing
+  no_partner,  ///< both deliver, but no two frames belong together
+  damaged,     ///< frames came, but their pictures are damaged
+  wrong_size,  ///< a stream's size is not the rig's
+};
+
+/// A pair that was due by the frame rate but did not come.
+struct NoPair {
+  std::int64_t due_ns = 0;  ///< host's clock, ns since the Unix epoch
+  NoPairCause cause = NoPairCause::no_frames;
+};
+
+/// Receives what the pipeline makes, in order, on the thread that runs it. `no_pair` is for live only and may
+/// be empty.
+struct PipelineSink {
+  std::function<void(const PairResult&)> pair;
+  std::function<void(const NoPair&)> no_pair;
+};
+
+struct PipelineSettings {
+  double frame_rate = 18.0;  ///< Hz, of both cameras; frames pair within half of its period
+};
+
+/// What was made of the frames since the start.
+struct PipelineCounts {
+  std::uint64_t pairs = 0;                 ///< made by the synchroniser
+  std::uint64_t processed = 0;             ///< of these, given to the odometry
+  std::uint64_t skipped = 0;               ///< of these, left out to stay current (live only)
+  std::uint64_t refused_size = 0;          ///< frames whose size is not the rig's
+  std::uint64_t dropped_no_partner = 0;    ///< frames whose partner never came
+  std::uint64_t dropped_damaged = 0;       ///< frames marked as damaged
+  std::uint64_t dropped_out_of_order = 0;  ///< frames older than one before
+  std::uint64_t dropped_overflow = 0;      ///< frames there was no room for
+};
+
+/// The path of a frame through the program:
+/// CameraSource x 2 -> PairSynchroniser -> PairProcessor (rectification, odometry, body motion) -> sink.
+class Pipeline {
+ public:
+  /// The sources and the processor are borrowed and must outlive the pipeline.
+  Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor, const Rig& rig,
+           const PipelineSettings& settings);
+  ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  /// Replay: pulls both sources to their ends on this thread and processes every pair; the same sources give
+  /// the same results. Throws what the sources and the sink throw, and std::runtime_error if a frame's size
+  /// is not the rig's.
+  void replay(const PipelineSink& sink);
+
+  /// Live: a thread per camera reads and pairs; this thread processes the newest pair and skips older ones,
+  /// so that nothing ever waits in a queue. Where no pair comes for a frame period, the sink hears of it once
+  /// per period. Returns after `stop`, or when both sources have ended.
+  void runLive(const PipelineSink& sink);
+
+  /// Ends `runLive` and `replay`. From any thread; interrupts the sources.
+  void stop() noexcept;
+
+  /// From any thread.
+  PipelineCounts counts() const;
+
+  /// How long ago the stage that is slowest to make progress went round: the readers' loops and the
+  /// odometry's loop each turn at least every few hundred milliseconds, with or without frames. For the
+  /// watchdog.
+  std::chrono::nanoseconds sinceProgress() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace cartvo

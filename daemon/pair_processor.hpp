@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "calib/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
@@ -14,21 +14,27 @@
 
 namespace cartvo {
 
-/// All that one pair of frames told. Instants: ns since the Unix epoch.
+/// When one frame was exposed, received and ready (see Frame), and its number.
+struct FrameInstants {
+  std::int64_t exposure_ns = 0;
+  std::int64_t arrival_ns = 0;
+  std::int64_t decoded_ns = 0;
+  std::uint64_t sequence = 0;
+};
+
+/// All that one pair of frames told.
 struct PairResult {
   std::uint64_t sequence = 0;  ///< counts the processed pairs from 0
-  std::int64_t left_exposure_ns = 0;
-  std::int64_t right_exposure_ns = 0;
-  std::int64_t arrival_ns = 0;  ///< the later of the two frames' last packets
-  std::int64_t decoded_ns = 0;  ///< both pictures were ready
-  std::uint64_t left_sequence = 0;
-  std::uint64_t right_sequence = 0;
+  FrameInstants left;
+  FrameInstants right;
   OdometryEstimate estimate;  ///< of the rectified left camera
   BodyMotion motion;          ///< of the cart's body
   StageTimes times;
 
   /// Right minus left exposure, ns.
-  std::int64_t offset_ns() const { return right_exposure_ns - left_exposure_ns; }
+  std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
+  /// The last packet of the pair was received, ns since the Unix epoch.
+  std::int64_t arrival_ns() const { return std::max(left.arrival_ns, right.arrival_ns); }
 };
 
 /// The stages of one pair after pairing: rectification, odometry, motion of the body. The same for live

@@ -9,10 +9,83 @@ enum class Estimator : std::uint8_t {
   thesis,  ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
 };
 
+/// Windows with adaptive FAST thresholds (thesis 4.9).
+struct DetectionSettings {
+  int window_columns = 16;     ///< windows side by side
+  int window_rows = 5;         ///< windows one above the other
+  int minimum_threshold = 6;   ///< grey values; no window's threshold falls below
+  int maximum_threshold = 80;  ///< grey values; nor rises above
+  int initial_threshold = 20;  ///< grey values, of each window before the first image
+};
+
+/// KLT from frame to frame (thesis 4.10-4.13).
+struct TrackingSettings {
+  int levels = 4;                    ///< of the pyramid, the full image among them
+  int iterations = 20;               ///< at most, a level
+  double convergence = 0.01;         ///< px; a level is done when a step is shorter
+  double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
+  double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
+  double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
+  int search_again = 5;              ///< pairs in which a lost feature is looked for before it is dropped
+};
+
+/// The match from left to right (thesis 4.1-4.4, 4.14).
+struct StereoSettings {
+  double minimum_disparity = 0.5;      ///< px; what is farther has no usable depth
+  int maximum_disparity = 128;         ///< px; what is nearer is not found
+  int rows = 1;                        ///< px above and below in which the match may lie
+  double minimum_correlation = 0.85;   ///< normalised, of left and right patch
+  double maximum_second_peak = 0.985;  ///< a rival elsewhere correlates at most so much of the best
+};
+
+/// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).
+struct MotionSettings {
+  int subsets = 128;             ///< random subsets, each giving one pose
+  int subset_size = 4;           ///< features in each
+  int iterations = 10;           ///< of the weights w = 1/|c|, at most
+  double radius = 3.5;           ///< standard deviations of a feature's point beyond which it weighs nothing
+  double pixel_noise = 0.25;     ///< px, standard deviation assumed of a tracked position
+  double disparity_noise = 0.3;  ///< px, standard deviation assumed of a disparity
+};
+
+/// What a feature's motion over t-2, t-1, t says of it.
+struct HistorySettings {
+  double deviation = 2.5;       ///< standard deviations of motion at which a feature keeps half its weight
+  double minimum_weight = 0.1;  ///< below, a feature is removed
+};
+
+/// Refinement over the last frames (thesis 5.1).
+struct RefinementSettings {
+  int frames = 5;      ///< m: the new frame is fitted to the last m - 1; 1 switches the refinement off
+  int iterations = 6;  ///< at most
+};
+
+/// When a motion is believed.
+struct ValiditySettings {
+  int minimum_features = 30;          ///< alive in the left image
+  int minimum_matches = 20;           ///< with a point before and now
+  int minimum_inliers = 15;           ///< explained by the motion
+  double minimum_inlier_ratio = 0.3;  ///< of the matches
+  double maximum_residual = 3.0;      ///< root mean square of the inliers' errors, in standard deviations
+  double maximum_time_step = 1.0;     ///< s between pairs
+  double maximum_speed = 50.0;        ///< m/s; no cart is faster
+  double maximum_rate = 4.0;          ///< rad/s
+};
+
 struct OdometrySettings {
   Estimator estimator = Estimator::thesis;
-  int features = 1000;     ///< aimed at in each left image
+  int features = 1000;     ///< aimed at in each left image, 50 to 20000
   std::uint64_t seed = 1;  ///< of the random subsets
+  DetectionSettings detection;
+  TrackingSettings tracking;
+  StereoSettings stereo;
+  MotionSettings motion;
+  HistorySettings history;
+  RefinementSettings refinement;
+  ValiditySettings validity;
 };
+
+/// Throws std::invalid_argument naming the value, as in "tracking.levels is 0: expected 1 to 8".
+void validate(const OdometrySettings& settings);
 
 }  // namespace cartvo

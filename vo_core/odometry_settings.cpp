@@ -1,0 +1,82 @@
+// The edge at which settings that make no sense are refused.
+#include "vo_core/odometry_settings.hpp"
+
+#include <sstream>
+#include <stdexcept>
+
+#include "vo_core/feature.hpp"
+
+namespace cartvo {
+namespace {
+
+template <typename Number>
+void requireRange(const char* name, Number value, Number low, Number high) {
+  if (value >= low && value <= high) return;  // false for NaN too
+  std::ostringstream message;
+  message << name << " is " << value << ": expected " << low << " to " << high;
+  throw std::invalid_argument(message.str());
+}
+
+void validate(const DetectionSettings& settings) {
+  requireRange("detection.window_columns", settings.window_columns, 1, 100);
+  requireRange("detection.window_rows", settings.window_rows, 1, 100);
+  requireRange("detection.minimum_threshold", settings.minimum_threshold, 1, 254);
+  requireRange("detection.maximum_threshold", settings.maximum_threshold, settings.minimum_threshold, 254);
+  requireRange("detection.initial_threshold", settings.initial_threshold, settings.minimum_threshold,
+               settings.maximum_threshold);
+}
+
+void validate(const TrackingSettings& settings) {
+  requireRange("tracking.levels", settings.levels, 1, 8);
+  requireRange("tracking.iterations", settings.iterations, 1, 100);
+  requireRange("tracking.convergence", settings.convergence, 1e-4, 1.0);
+  requireRange("tracking.minimum_correlation", settings.minimum_correlation, -1.0, 1.0);
+  requireRange("tracking.minimum_score", settings.minimum_score, 0.0, 4080.0);
+  requireRange("tracking.minimum_distance", settings.minimum_distance, 1.0, 100.0);
+  requireRange("tracking.search_again", settings.search_again, 0, kMaximumSearchAgain);
+}
+
+void validate(const StereoSettings& settings) {
+  requireRange("stereo.minimum_disparity", settings.minimum_disparity, 0.01, 100.0);
+  requireRange("stereo.maximum_disparity", settings.maximum_disparity, 16, 1024);
+  requireRange("stereo.rows", settings.rows, 0, 3);
+  requireRange("stereo.minimum_correlation", settings.minimum_correlation, -1.0, 1.0);
+  requireRange("stereo.maximum_second_peak", settings.maximum_second_peak, 0.0, 1.0);
+}
+
+void validate(const MotionSettings& settings) {
+  requireRange("motion.subsets", settings.subsets, 1, 10000);
+  requireRange("motion.subset_size", settings.subset_size, 3, 100);
+  requireRange("motion.iterations", settings.iterations, 1, 100);
+  requireRange("motion.radius", settings.radius, 0.1, 100.0);
+  requireRange("motion.pixel_noise", settings.pixel_noise, 0.001, 10.0);
+  requireRange("motion.disparity_noise", settings.disparity_noise, 0.001, 10.0);
+}
+
+void validate(const ValiditySettings& settings) {
+  requireRange("validity.minimum_features", settings.minimum_features, 3, 20000);
+  requireRange("validity.minimum_matches", settings.minimum_matches, 3, 20000);
+  requireRange("validity.minimum_inliers", settings.minimum_inliers, 3, 20000);
+  requireRange("validity.minimum_inlier_ratio", settings.minimum_inlier_ratio, 0.0, 1.0);
+  requireRange("validity.maximum_residual", settings.maximum_residual, 0.1, 100.0);
+  requireRange("validity.maximum_time_step", settings.maximum_time_step, 0.001, 60.0);
+  requireRange("validity.maximum_speed", settings.maximum_speed, 0.1, 1000.0);
+  requireRange("validity.maximum_rate", settings.maximum_rate, 0.01, 100.0);
+}
+
+}  // namespace
+
+void validate(const OdometrySettings& settings) {
+  requireRange("features", settings.features, 50, 20000);
+  validate(settings.detection);
+  validate(settings.tracking);
+  validate(settings.stereo);
+  validate(settings.motion);
+  requireRange("history.deviation", settings.history.deviation, 0.1, 100.0);
+  requireRange("history.minimum_weight", settings.history.minimum_weight, 0.0, 1.0);
+  requireRange("refinement.frames", settings.refinement.frames, 1, kHistoryLength);
+  requireRange("refinement.iterations", settings.refinement.iterations, 1, 100);
+  validate(settings.validity);
+}
+
+}  // namespace cartvo

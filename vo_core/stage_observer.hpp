@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+
+namespace cartvo {
+
+/// The stages of one pair, in the order of the thesis' Table 5-2 where they occur there.
+enum class Stage : std::uint8_t {
+  rectify,
+  pyramid,
+  optical_flow,
+  disparity,
+  reproject,
+  motion,
+  detect,
+  weights,
+  minimum_distance
+};
+constexpr int kStageCount = 9;
+const char* stageName(Stage stage);
+
+/// Is told when a stage begins and ends; whoever owns a clock measures. vo_core itself has none.
+class StageObserver {
+ public:
+  virtual ~StageObserver() = default;
+  virtual void begin(Stage stage) = 0;
+  virtual void end(Stage stage) = 0;
+};
+
+/// For callers who do not measure.
+class NullStageObserver final : public StageObserver {
+ public:
+  void begin(Stage /*stage*/) override {}
+  void end(Stage /*stage*/) override {}
+};
+
+/// A stage lasts as long as this object lives.
+class StageScope {
+ public:
+  StageScope(StageObserver& observer, Stage stage) : observer_(observer), stage_(stage) {
+    observer_.begin(stage_);
+  }
+  ~StageScope() { observer_.end(stage_); }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  StageObserver& observer_;
+  Stage stage_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,193 @@
+#include "calib/rig_file.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "calib/atomic_file.hpp"
+#include "calib/rig_import.hpp"
+#include "calib/rotation.hpp"
+#include "calib/strict_yaml.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kFormatVersion = 1;
+constexpr int kLargestSide = 8192;
+constexpr double kShortestBaseline = 0.005, kLongestBaseline = 10.0;
+
+CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
+  yaml.allowOnly({"fx", "fy", "cx", "cy", "distortion"});
+  CameraModel camera;
+  camera.size = size;
+  camera.fx = yaml["fx"].number(1.0, 1e5);
+  camera.fy = yaml["fy"].number(1.0, 1e5);
+  camera.cx = yaml["cx"].number(-size.width, 2.0 * size.width);
+  camera.cy = yaml["cy"].number(-size.height, 2.0 * size.height);
+  const std::vector<double> distortion = yaml["distortion"].numbers(camera.distortion.size());
+  std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  return camera;
+}
+
+Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
+  yaml.allowOnly({"rotation", "translation"});
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  const std::vector<double> rotation = yaml["rotation"].numbers(9);
+  const Eigen::Matrix3d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
+  if (!isRotation(matrix))
+    yaml["rotation"].failExpecting("three orthonormal rows of a right-handed rotation");
+  transform.linear() = nearestRotation(matrix);
+  const std::vector<double> translation = yaml["translation"].numbers(3);
+  transform.translation() = Eigen::Vector3d(translation[0], translation[1], translation[2]);
+  return transform;
+}
+
+Rig readOwnRig(const StrictYaml& yaml) {
+  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera"});
+  yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
+  const std::vector<double> size = yaml["image_size"].numbers(2);
+  for (const double side : size) {
+    if (side < 16 || side > kLargestSide || side != std::floor(side)) {
+      yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
+    }
+  }
+  const cv::Size image_size(static_cast<int>(size[0]), static_cast<int>(size[1]));
+  Rig rig;
+  rig.name = yaml["name"].text();
+  rig.left = readCamera(yaml["left"], image_size);
+  rig.right = readCamera(yaml["right"], image_size);
+  rig.T_right_left = readTransform(yaml["T_right_left"]);
+  if (rig.baseline() < kShortestBaseline || rig.baseline() > kLongestBaseline) {
+    yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
+  }
+  rig.T_body_camera =
+      yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
+  return rig;
+}
+
+/// With as few digits as give the same double back.
+std::string exact(double value) {
+  char text[32];
+  for (int digits = 6; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::stod(text) == value) break;
+  }
+  return text;
+}
+
+std::string list(const std::vector<double>& values) {
+  std::string text = "[";
+  for (const double value : values)
+    text += (text.size() > 1 ? ", " : "") + exact(value);
+  return text + "]";
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    if (character == '"' || character == '\\') result += '\\';
+    result += static_cast<unsigned char>(character) < ' ' ? ' ' : character;
+  }
+  return result + "\"";
+}
+
+std::string cameraText(const CameraModel& camera) {
+  return "  fx: " + exact(camera.fx) + "\n  fy: " + exact(camera.fy) + "\n  cx: " + exact(camera.cx) +
+         "\n  cy: " + exact(camera.cy) +
+         "\n  distortion: " + list({camera.distortion.begin(), camera.distortion.end()}) + "\n";
+}
+
+std::string transformText(const Eigen::Isometry3d& transform) {
+  std::string text = "  rotation:\n";
+  for (int row = 0; row < 3; ++row) {
+    const Eigen::Vector3d values = transform.linear().row(row);
+    text += "    - " + list({values.x(), values.y(), values.z()}) + "\n";
+  }
+  const Eigen::Vector3d translation = transform.translation();
+  return text + "  translation: " + list({translation.x(), translation.y(), translation.z()}) + "\n";
+}
+
+void validateCamera(const CameraModel& camera, const std::string& side) {
+  const auto check = [&](bool holds, const char* what) {
+    if (!holds) throw std::invalid_argument("rig: the " + side + " camera's " + what);
+  };
+  check(camera.size.width >= 16 && camera.size.height >= 16, "image size is below 16x16 px");
+  check(camera.size.width <= kLargestSide && camera.size.height <= kLargestSide,
+        "image side is above 8192 px");
+  check(std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0,
+        "focal lengths must be above 0 px");
+  check(std::isfinite(camera.cx) && std::isfinite(camera.cy), "principal point must be finite");
+  for (const double coefficient : camera.distortion) {
+    check(std::isfinite(coefficient), "distortion must be finite");
+  }
+}
+
+}  // namespace
+
+Rig readRig(const std::filesystem::path& file) {
+  const StrictYaml yaml = StrictYaml::readFile(file);
+  if (yaml.has("cartvo_rig")) return readOwnRig(yaml);
+  if (yaml.has("K1")) return readOpenCvRig(file);
+  throw std::runtime_error(
+      file.string() +
+      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 "
+      "K2 D2 R T image_size");
+}
+
+std::string rigText(const Rig& rig) {
+  return "# A stereo rig: what the two cameras are, how they stand to each other, how they sit on the cart.\n"
+         "cartvo_rig: " +
+         std::to_string(kFormatVersion) +
+         "  # version of this format\n"
+         "name: " +
+         quoted(rig.name) +
+         "\n"
+         "# Width and height of the raw images that this calibration holds for, px. Other sizes are "
+         "refused.\n"
+         "image_size: [" +
+         std::to_string(rig.left.size.width) + ", " + std::to_string(rig.left.size.height) +
+         "]\n"
+         "# Pinhole with Brown's distortion: focal lengths and principal point in px, pixel centres at "
+         "integers;\n"
+         "# distortion k1 k2 p1 p2 k3 k4 k5 k6 as in OpenCV.\n"
+         "left:\n" +
+         cameraText(rig.left) + "right:\n" + cameraText(rig.right) +
+         "# Takes a point from the left camera's axes to the right's (x right, y down, z forward; m), row by "
+         "row.\n"
+         "# Side by side, the translation is about [-baseline, 0, 0].\n"
+         "T_right_left:\n" +
+         transformText(rig.T_right_left) +
+         "# Takes a point from the left camera's axes to the cart's (x forward, y left, z up; m; origin on "
+         "the\n"
+         "# ground below the rear axle). The rotation's columns are the camera's right, down and forward; "
+         "the\n"
+         "# translation is where the left camera sits.\n"
+         "T_body_camera:\n" +
+         transformText(rig.T_body_camera);
+}
+
+void writeRig(const std::filesystem::path& file, const Rig& rig) {
+  validateRig(rig);
+  writeFileAtomically(file, rigText(rig));
+}
+
+void validateRig(const Rig& rig) {
+  validateCamera(rig.left, "left");
+  validateCamera(rig.right, "right");
+  if (rig.left.size != rig.right.size) {
+    throw std::invalid_argument("rig: both cameras must have the same image size");
+  }
+  for (const Eigen::Isometry3d& transform : {rig.T_right_left, rig.T_body_camera}) {
+    if (!isRotation(transform.linear())) throw std::invalid_argument("rig: a rotation is not orthonormal");
+    if (!transform.translation().allFinite()) throw std::invalid_argument("rig: a translation is not finite");
+  }
+  if (!(rig.baseline() >= kShortestBaseline && rig.baseline() <= kLongestBaseline)) {
+    throw std::invalid_argument("rig: the baseline is " + exact(rig.baseline()) +
+                                " m, expected 0.005 m to 10 m; was the board's square given in millimetres?");
+  }
+}
+
+}  // namespace cartvo

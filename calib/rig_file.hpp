@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "calib/rig.hpp"
+
+namespace cartvo {
+
+/// Reads a rig: our own YAML format (see config/ and `rigText`) or an OpenCV FileStorage (readOpenCvRig),
+/// told apart by their contents. Our own is read strictly: an unknown, missing or repeated key, a wrong type
+/// or a value out of range throws std::runtime_error naming file, line, key, what was expected and what was
+/// found.
+Rig readRig(const std::filesystem::path& file);
+
+/// The rig in our own format, with comments. Reading it gives back the same rig to the last bit.
+std::string rigText(const Rig& rig);
+
+/// Writes `rigText`, atomically: a reader, or a power cut, meets the old file or the new one, whole.
+void writeRig(const std::filesystem::path& file, const Rig& rig);
+
+/// Throws std::invalid_argument, naming the value, if the rig cannot be one: sizes, focal lengths, rotations,
+/// or a baseline between 5 mm and 10 m (a larger one is a calibration in millimetres).
+void validateRig(const Rig& rig);
+
+}  // namespace cartvo

@@ -1,0 +1,159 @@
+#include "calib/strict_yaml.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace cartvo {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 1 << 20;
+
+std::string readText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
+  }
+  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kLargestFile) {
+    throw std::runtime_error(file.string() + ": is larger than 1 MiB, which no rig file is");
+  }
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  // OpenCV before 4 writes a directive that YAML does not know; a comment in its place keeps the line
+  // numbers.
+  if (text.starts_with("%YAML:")) text.front() = '#';
+  return text;
+}
+
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 60;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
+std::string describe(const YAML::Node& node) {
+  switch (node.Type()) {
+    case YAML::NodeType::Scalar:
+      return "'" + shortened(node.Scalar()) + "'";
+    case YAML::NodeType::Sequence:
+      return "a sequence of " + std::to_string(node.size());
+    case YAML::NodeType::Map:
+      return "a map";
+    default:
+      return "nothing";
+  }
+}
+
+template <typename Number>
+bool parse(const std::string& text, Number& number) {
+  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+bool collectNumbers(const YAML::Node& node, std::vector<double>& numbers) {
+  if (node.IsSequence()) {
+    return std::all_of(node.begin(), node.end(),
+                       [&](const YAML::Node& item) { return collectNumbers(item, numbers); });
+  }
+  double number = 0.0;
+  if (!node.IsScalar() || !parse(node.Scalar(), number) || !std::isfinite(number)) return false;
+  numbers.push_back(number);
+  return true;
+}
+
+std::string shortest(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+}  // namespace
+
+StrictYaml::StrictYaml(std::filesystem::path file, std::string key, YAML::Node node)
+    : file_(std::move(file)), key_(std::move(key)), node_(std::move(node)) {}
+
+StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
+  try {
+    StrictYaml root(file, "", YAML::Load(readText(file)));
+    if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
+    return root;
+  } catch (const YAML::ParserException& error) {
+    throw std::runtime_error(file.string() + ":" + std::to_string(error.mark.line + 1) +
+                             ": is not YAML: " + error.msg);
+  }
+}
+
+void StrictYaml::allowOnly(std::initializer_list<const char*> keys) const {
+  if (!node_.IsMap()) failExpecting("a map of keys and values");
+  std::string known;
+  for (const char* key : keys)
+    known += (known.empty() ? "" : ", ") + std::string(key);
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : std::string();
+    const StrictYaml at_key(file_, (key_.empty() ? "" : key_ + ".") + shortened(key), entry.first);
+    const bool is_known =
+        std::any_of(keys.begin(), keys.end(), [&](const char* name) { return key == name; });
+    if (!is_known) at_key.failExpecting("one of the keys " + known);
+    if (!seen.insert(key).second) at_key.failExpecting("each key once");
+  }
+}
+
+bool StrictYaml::has(const std::string& key) const {
+  return node_.IsMap() && node_[key].IsDefined();
+}
+
+StrictYaml StrictYaml::operator[](const std::string& key) const {
+  const std::string full_key = key_.empty() ? key : key_ + "." + key;
+  if (!has(key)) StrictYaml(file_, full_key, node_).failExpecting("this key, which is missing");
+  return {file_, full_key, node_[key]};
+}
+
+std::string StrictYaml::text() const {
+  if (!node_.IsScalar()) failExpecting("text");
+  return node_.Scalar();
+}
+
+std::int64_t StrictYaml::integer(std::int64_t least, std::int64_t most) const {
+  std::int64_t value = 0;
+  if (!node_.IsScalar() || !parse(node_.Scalar(), value) || value < least || value > most) {
+    failExpecting("an integer from " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  return value;
+}
+
+double StrictYaml::number(double least, double most) const {
+  double value = 0.0;
+  if (!node_.IsScalar() || !parse(node_.Scalar(), value) || !(value >= least && value <= most)) {
+    failExpecting("a number from " + shortest(least) + " to " + shortest(most));
+  }
+  return value;
+}
+
+std::vector<double> StrictYaml::numbers() const {
+  std::vector<double> values;
+  if (!node_.IsSequence() || !collectNumbers(node_, values)) failExpecting("a sequence of numbers");
+  return values;
+}
+
+std::vector<double> StrictYaml::numbers(std::size_t count) const {
+  std::vector<double> values;
+  if (!node_.IsSequence() || !collectNumbers(node_, values) || values.size() != count) {
+    failExpecting("a sequence of " + std::to_string(count) + " numbers");
+  }
+  return values;
+}
+
+void StrictYaml::failExpecting(const std::string& expected) const {
+  const int line = node_.Mark().line + 1;
+  std::string message = file_.string();
+  if (line > 0) message += ":" + std::to_string(line);
+  if (!key_.empty()) message += ": " + key_;
+  throw std::runtime_error(message + ": expected " + expected + ", found " + describe(node_));
+}
+
+}  // namespace cartvo

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 
 #include "calib/rig.hpp"
@@ -13,6 +12,8 @@
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
+
+class Rectifier;
 
 /// When one frame was exposed, received and ready (see Frame), and its number.
 struct FrameInstants {
@@ -41,17 +42,18 @@ struct PairResult {
 /// cameras and replay. Deterministic; not thread-safe.
 class PairProcessor {
  public:
-  /// `tables_file`: where the rectification tables are kept; computed, but not kept, if empty.
-  /// Throws what the tables and the odometry throw.
-  PairProcessor(const Rig& rig, const std::filesystem::path& tables_file, const OdometrySettings& settings);
+  /// `rectifier` is the rig's (loadOrBuildTables). Throws what the odometry throws.
+  PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings);
   ~PairProcessor();
   PairProcessor(PairProcessor&&) noexcept;
   PairProcessor& operator=(PairProcessor&&) noexcept;
 
   PairResult process(const FramePair& pair);
 
-  /// Turns the axes of the rectified left camera into those of the rig's left camera.
-  const Eigen::Isometry3d& T_left_rectified() const;
+  const Rectifier& rectifier() const;
+
+  /// Rotates the axes of the rectified left camera into those of the rig's left camera.
+  Eigen::Isometry3d T_left_rectified() const;
 
  private:
   class Implementation;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "capture/frame.hpp"
+
+namespace cartvo {
+
+enum class VideoCodec : std::uint8_t { h264, h265 };
+
+/// What a decoder or a file needs to know of a stream before its first picture.
+struct StreamFormat {
+  VideoCodec codec = VideoCodec::h264;
+  std::vector<std::uint8_t> parameter_sets;  ///< Annex B, from the session description; may be empty
+};
+
+/// One picture as the camera sent it, with the instants that belong to it.
+struct EncodedUnit {
+  std::vector<std::uint8_t> data;  ///< an access unit in Annex B form (with start codes)
+  std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s, from the connection's first
+  std::int64_t exposure_ns = 0;    ///< as Frame's
+  std::int64_t arrival_ns = 0;     ///< as Frame's
+  std::uint64_t sequence = 0;      ///< as Frame's
+  InstantSource instant_source = InstantSource::arrival;
+  FrameStatus status = FrameStatus::good;  ///< damaged: data were lost since the last key frame
+  bool key = false;                        ///< decodable without those before it
+};
+
+/// Receives what a camera sends, encoded as received (a recorder). Called in the thread that reads the
+/// camera, so it must be quick; it must not throw.
+class StreamObserver {
+ public:
+  virtual ~StreamObserver() = default;
+
+  /// A connection was opened; units of this format follow.
+  virtual void onStream(const StreamFormat& format) noexcept = 0;
+  virtual void onUnit(const EncodedUnit& unit) noexcept = 0;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,112 @@
+#include "capture/pair_synchroniser.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace cartvo {
+
+PairSynchroniser::PairSynchroniser(const PairSynchroniserSettings& settings) : settings_(settings) {
+  if (settings.period_ns < 0) throw std::invalid_argument("pairing: the frame period cannot be negative");
+  if (settings.queue_length < 1)
+    throw std::invalid_argument("pairing: the queue must hold one frame at least");
+  if (settings.restart_after < 1) throw std::invalid_argument("pairing: restart_after must be 1 at least");
+}
+
+void PairSynchroniser::push(CameraSide which, Frame frame) {
+  Side& side = sides_[index(which)];
+  ++side.counts.received;
+  if (!accept(side, frame)) {
+    ++side.counts.out_of_order;
+    return;
+  }
+  side.period.add(frame.exposure_ns);
+  if (frame.status == FrameStatus::damaged) {
+    ++side.counts.damaged;
+    return;
+  }
+  side.waiting.push_back(std::move(frame));
+  if (side.waiting.size() > settings_.queue_length) drop(side, &PairingCounts::overflow);
+}
+
+/// Whether the frame lies after the one before it. A row of frames that lie before it, in order among
+/// themselves, means that the clock was set back: they are followed from then on.
+bool PairSynchroniser::accept(Side& side, const Frame& frame) {
+  if (!side.last_ns || frame.exposure_ns > *side.last_ns) {
+    side.last_ns = frame.exposure_ns;
+    side.backward_in_row = 0;
+    return true;
+  }
+  const bool continues = side.backward_in_row > 0 && frame.exposure_ns > side.last_backward_ns;
+  side.backward_in_row = continues ? side.backward_in_row + 1 : 1;
+  side.last_backward_ns = frame.exposure_ns;
+  if (side.backward_in_row < settings_.restart_after) return false;
+  restart(side, frame);
+  return true;
+}
+
+void PairSynchroniser::restart(Side& side, const Frame& frame) {
+  while (!side.waiting.empty())
+    drop(side, &PairingCounts::clock_restarted);
+  side.period.restart();
+  side.last_ns = frame.exposure_ns;
+  side.backward_in_row = 0;
+  time_restarted_ = true;
+}
+
+std::optional<FramePair> PairSynchroniser::pop() {
+  Side& left = sides_[index(CameraSide::left)];
+  Side& right = sides_[index(CameraSide::right)];
+  const std::int64_t period = periodNs();
+  while (!left.waiting.empty() && !right.waiting.empty()) {
+    const std::int64_t offset = right.waiting.front().exposure_ns - left.waiting.front().exposure_ns;
+    Side& older = offset >= 0 ? left : right;
+    const InstantSource left_clock = left.waiting.front().instant_source;
+    const InstantSource right_clock = right.waiting.front().instant_source;
+    if (left_clock != right_clock) {
+      // Before its first report a camera's instants rest on arrival: those go, the camera's own clock stays.
+      drop(left_clock == InstantSource::arrival ? left : right, &PairingCounts::clock_mismatch);
+      continue;
+    }
+    if (std::abs(offset) <= period / 2) {
+      FramePair pair{std::move(left.waiting.front()), std::move(right.waiting.front()), time_restarted_};
+      left.waiting.pop_front();
+      right.waiting.pop_front();
+      ++left.counts.paired;
+      ++right.counts.paired;
+      time_restarted_ = false;
+      return pair;
+    }
+    const bool learning = period == 0 && !left.finished && !right.finished;
+    if (learning) return std::nullopt;
+    drop(older, &PairingCounts::no_partner);
+  }
+  if (right.finished && right.waiting.empty()) {
+    while (!left.waiting.empty())
+      drop(left, &PairingCounts::no_partner);
+  }
+  if (left.finished && left.waiting.empty()) {
+    while (!right.waiting.empty())
+      drop(right, &PairingCounts::no_partner);
+  }
+  return std::nullopt;
+}
+
+void PairSynchroniser::finish(CameraSide side) {
+  sides_[index(side)].finished = true;
+}
+
+std::int64_t PairSynchroniser::periodNs() const {
+  if (settings_.period_ns > 0) return settings_.period_ns;
+  const std::int64_t left = sides_[0].period.periodNs();
+  const std::int64_t right = sides_[1].period.periodNs();
+  // Of two cameras at different rates the faster one sets the bound.
+  return left == 0 || right == 0 ? 0 : std::min(left, right);
+}
+
+void PairSynchroniser::drop(Side& side, std::uint64_t PairingCounts::*reason) {
+  side.waiting.pop_front();
+  ++(side.counts.*reason);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "capture/camera_source.hpp"
+#include "capture/credentials.hpp"
+#include "capture/encoded_unit.hpp"
+
+namespace cartvo {
+
+enum class RtspTransport : std::uint8_t { tcp, udp };
+
+/// Where exposure instants come from.
+enum class RtspInstants : std::uint8_t {
+  sender_reports,  ///< the camera's clock; arrival stands in until the first report
+  arrival,         ///< the host's clock, for cameras or re-streamers without usable sender reports
+};
+
+struct RtspCameraSettings {
+  std::string url;  ///< rtsp://host[:port]/path, without credentials
+  Credentials credentials;
+  RtspTransport transport = RtspTransport::tcp;
+  RtspInstants instants = RtspInstants::sender_reports;
+
+  std::chrono::milliseconds connect_timeout{
+      5000};                                      ///< from the first packet sent to the first frame received
+  std::chrono::milliseconds stall_timeout{1000};  ///< without a frame for so long, the connection is given up
+
+  std::chrono::milliseconds first_retry{250};      ///< pause before the first reconnection; doubles each time
+  std::chrono::milliseconds longest_retry{2000};   ///< bound of that pause
+  std::chrono::milliseconds refused_retry{60000};  ///< pause after a refused password: cameras lock accounts
+
+  int decoder_threads = 1;  ///< slice threads; never frame threads, which add a frame of latency each
+};
+
+/// One IP camera over RTSP (RFC 2326), H.264 or H.265. Connects, and reconnects for ever. No thread of its
+/// own: `read` receives and decodes in the caller's thread.
+///
+/// `read` looks at its timeout between packets, so on a connection that has fallen silent it takes up to
+/// `stall_timeout`, and up to `connect_timeout` while a connection is being opened. `interrupt` is heeded
+/// within 0.1 s.
+class RtspCamera : public CameraSource {
+ public:
+  /// Checks the settings only; the first `read` connects. Throws std::invalid_argument for a URL that is not
+  /// RTSP's, holds credentials (the message does not repeat them), or settings that make no sense.
+  explicit RtspCamera(const RtspCameraSettings& settings);
+  ~RtspCamera() override;
+  RtspCamera(const RtspCamera&) = delete;
+  RtspCamera& operator=(const RtspCamera&) = delete;
+
+  /// Hands everything received to `observer`, which must outlive the camera. Call before the first `read`.
+  void observe(StreamObserver& observer);
+
+  ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override;
+  CameraHealth health() const override;
+  void interrupt() noexcept override;
+
+ private:
+  class Receiver;
+  std::unique_ptr<Receiver> receiver_;
+};
+
+}  // namespace cartvo

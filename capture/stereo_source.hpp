@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "capture/camera_source.hpp"
+#include "capture/image_folder.hpp"
+
+namespace cartvo {
+
+enum class SourceKind : std::uint8_t { recording, kitti, euroc };
+
+/// Two cameras on disk, with what lies beside them that tells of the rig. Fields that do not apply are empty.
+struct StereoSource {
+  SourceKind kind = SourceKind::kitti;
+  std::unique_ptr<CameraSource> left;
+  std::unique_ptr<CameraSource> right;
+  std::int64_t period_ns = 0;  ///< nominal time between a camera's frames; 0: unknown, to be learned
+  std::size_t pairs = 0;       ///< images of the shorter side; 0: unknown
+  std::optional<RectifiedStereo> rectified;  ///< the images are rectified already (KITTI's calib.txt)
+  std::filesystem::path rig_file;            ///< rig.yaml in the folder
+  std::array<std::filesystem::path, 2> sensor_files;  ///< EuRoC's sensor.yaml, left and right
+  std::string rig_text;            ///< a recording's rig file, as it was handed to the recorder
+  std::string configuration_text;  ///< a recording's configuration
+};
+
+/// Finds out what `path` is and opens it. Throws std::runtime_error that lists what was looked for if it is
+/// none of the kinds, or that says what is wrong with it.
+StereoSource openSource(const std::filesystem::path& path);
+
+}  // namespace cartvo

@@ -20,7 +20,8 @@ std::string readText(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
   }
   if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kLargestFile) {
-    throw std::runtime_error(file.string() + ": is larger than 1 MiB, which no rig file is");
+    throw std::runtime_error(file.string() +
+                             ": is larger than 1 MiB, too large for a file of keys and values");
   }
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   // OpenCV before 4 writes a directive that YAML does not know; a comment in its place keeps the line
@@ -149,11 +150,15 @@ std::vector<double> StrictYaml::numbers(std::size_t count) const {
 }
 
 void StrictYaml::failExpecting(const std::string& expected) const {
+  fail("expected " + expected + ", found " + describe(node_));
+}
+
+void StrictYaml::fail(const std::string& problem) const {
   const int line = node_.Mark().line + 1;
   std::string message = file_.string();
   if (line > 0) message += ":" + std::to_string(line);
   if (!key_.empty()) message += ": " + key_;
-  throw std::runtime_error(message + ": expected " + expected + ", found " + describe(node_));
+  throw std::runtime_error(message + ": " + problem);
 }
 
 }  // namespace cartvo

@@ -36,6 +36,10 @@ class StrictYaml {
 
   [[noreturn]] void failExpecting(const std::string& expected) const;
 
+  /// As `failExpecting`, with a sentence of its own: "FILE:LINE: KEY: PROBLEM". Does not repeat the value,
+  /// which may be secret.
+  [[noreturn]] void fail(const std::string& problem) const;
+
  private:
   StrictYaml(std::filesystem::path file, std::string key, YAML::Node node);
 

@@ -1,0 +1,177 @@
+// cartvod's configuration file, read once and strictly. config/cartvod.yaml explains each key; a test holds
+// the two to each other.
+
+#include "daemon/configuration.hpp"
+
+#include <array>
+#include <cmath>
+#include <regex>
+#include <utility>
+
+#include "calib/strict_yaml.hpp"
+
+namespace cartvo {
+namespace {
+
+using Keys = std::initializer_list<const char*>;
+constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
+constexpr Keys kCamerasKeys = {"left", "right", "transport", "frame_rate", "stall_timeout"};
+constexpr Keys kCameraKeys = {"url", "username", "password_file", "password_credential"};
+constexpr Keys kOdometryKeys = {"estimator", "features", "seed", "threads"};
+constexpr Keys kLcmKeys = {"url", "time_to_live"};
+constexpr Keys kRecordingKeys = {"directory"};
+constexpr Keys kLoggingKeys = {"level"};
+
+/// Takes one of the named values, or says which there are.
+template <typename Value, std::size_t count>
+Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Value>, count>& choices) {
+  std::string names;
+  for (const auto& [name, value] : choices) {
+    if (yaml.text() == name) return value;
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  yaml.failExpecting("one of " + names);
+}
+
+std::chrono::milliseconds duration(const StrictYaml& seconds, double least, double most) {
+  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(least, most)));
+}
+
+/// A path, from the configuration file's folder if it is relative.
+std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& folder) {
+  if (yaml.text().empty()) yaml.failExpecting("a path");
+  return (folder / yaml.text()).lexically_normal();
+}
+
+std::string streamUrl(const StrictYaml& yaml) {
+  static const std::regex kRtspUrl("rtsps?://[^/@]+(/[^@]*)?");
+  const std::string url = yaml.text();
+  if (url.find('@') != std::string::npos) {
+    // The value is not repeated: it holds a password.
+    yaml.fail(
+        "a URL must not hold user and password, because URLs end up in logs; use username and "
+        "password_file or password_credential");
+  }
+  if (!std::regex_match(url, kRtspUrl)) {
+    yaml.failExpecting("a URL such as rtsp://192.168.1.64:554/Streaming/Channels/101");
+  }
+  return url;
+}
+
+CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::path& folder) {
+  yaml.allowOnly(kCameraKeys);
+  CameraConfiguration camera;
+  camera.url = streamUrl(yaml["url"]);
+  if (yaml.has("username")) camera.username = yaml["username"].text();
+  if (yaml.has("password_file")) camera.password_file = path(yaml["password_file"], folder);
+  if (yaml.has("password_credential")) {
+    const StrictYaml name = yaml["password_credential"];
+    camera.password_credential = name.text();
+    if (camera.password_credential.empty() || camera.password_credential.find('/') != std::string::npos) {
+      name.failExpecting("the name of a systemd credential, without '/'");
+    }
+  }
+  const bool has_file = !camera.password_file.empty();
+  const bool has_credential = !camera.password_credential.empty();
+  if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
+  if (!camera.username.empty() && !has_file && !has_credential) {
+    yaml.fail("username needs password_file or password_credential beside it");
+  }
+  if (camera.username.empty() && (has_file || has_credential)) {
+    yaml.fail("a password needs username beside it");
+  }
+  return camera;
+}
+
+void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Configuration& configuration) {
+  yaml.allowOnly(kCamerasKeys);
+  configuration.left = readCamera(yaml["left"], folder);
+  configuration.right = readCamera(yaml["right"], folder);
+  if (configuration.left.url == configuration.right.url) {
+    yaml["right"]["url"].fail("both cameras have the same URL; stereo needs two");
+  }
+  if (yaml.has("transport")) {
+    configuration.transport = choice<RtspTransport, 2>(
+        yaml["transport"], {{{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}});
+  }
+  if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
+  if (yaml.has("stall_timeout")) {
+    configuration.stall_timeout = duration(yaml["stall_timeout"], 0.1, 60.0);
+  }
+}
+
+void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kOdometryKeys);
+  OdometrySettings& odometry = configuration.odometry;
+  if (yaml.has("estimator")) {
+    odometry.estimator = choice<Estimator, 1>(yaml["estimator"], {{{"thesis", Estimator::thesis}}});
+  }
+  if (yaml.has("features")) odometry.features = static_cast<int>(yaml["features"].integer(50, 20000));
+  if (yaml.has("seed")) {
+    odometry.seed = static_cast<std::uint64_t>(yaml["seed"].integer(0, std::int64_t{1} << 53));
+  }
+  if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
+}
+
+void readLcm(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kLcmKeys);
+  if (yaml.has("url")) {
+    static const std::regex kUdpMulticastUrl(R"(udpm://[0-9.]+:[0-9]+(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
+    configuration.lcm_url = yaml["url"].text();
+    if (!std::regex_match(configuration.lcm_url, kUdpMulticastUrl)) {
+      yaml["url"].failExpecting("a URL such as udpm://239.255.76.67:7667?ttl=0");
+    }
+  }
+  if (yaml.has("time_to_live")) configuration.time_to_live = duration(yaml["time_to_live"], 0.01, 10.0);
+}
+
+void readLogging(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kLoggingKeys);
+  if (!yaml.has("level")) return;
+  using Level = spdlog::level::level_enum;
+  configuration.log_level = choice<Level, 4>(
+      yaml["level"],
+      {{{"debug", Level::debug}, {"info", Level::info}, {"warning", Level::warn}, {"error", Level::err}}});
+}
+
+}  // namespace
+
+Configuration readConfiguration(const std::filesystem::path& file) {
+  const StrictYaml yaml = StrictYaml::readFile(file);
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  yaml.allowOnly(kRootKeys);
+
+  Configuration configuration;
+  readCameras(yaml["cameras"], folder, configuration);
+  configuration.rig = path(yaml["rig"], folder);
+  if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);
+  if (yaml.has("odometry")) readOdometry(yaml["odometry"], configuration);
+  if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
+  if (yaml.has("recording")) {
+    yaml["recording"].allowOnly(kRecordingKeys);
+    if (yaml["recording"].has("directory")) {
+      configuration.recording_directory = path(yaml["recording"]["directory"], folder);
+    }
+  }
+  if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
+  return configuration;
+}
+
+std::vector<std::string> configurationKeys() {
+  std::vector<std::string> keys(kRootKeys.begin(), kRootKeys.end());
+  const auto add = [&keys](const std::string& section, const Keys& names) {
+    for (const char* name : names) {
+      keys.push_back(section + "." + name);
+    }
+  };
+  add("cameras", kCamerasKeys);
+  add("cameras.left", kCameraKeys);
+  add("cameras.right", kCameraKeys);
+  add("odometry", kOdometryKeys);
+  add("lcm", kLcmKeys);
+  add("recording", kRecordingKeys);
+  add("logging", kLoggingKeys);
+  return keys;
+}
+
+}  // namespace cartvo

@@ -30,7 +30,4 @@ Vector6d logarithm(const Eigen::Isometry3d& motion);
 /// The exponential of SE(3), the inverse of `logarithm` (ibid., eq. 172).
 Eigen::Isometry3d exponential(const Vector6d& twist);
 
-/// The adjoint of SE(3): T exp(x) T^-1 = exp(Ad_T x), for twists in the order (v, omega) (ibid., eq. 175).
-Matrix6d adjoint(const Eigen::Isometry3d& transform);
-
 }  // namespace cartvo

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+
+#include <opencv2/core/types.hpp>
 
 #include "capture/camera_source.hpp"
 #include "daemon/pair_processor.hpp"
@@ -33,7 +34,9 @@ struct PipelineSink {
 };
 
 struct PipelineSettings {
-  double frame_rate = 18.0;  ///< Hz, of both cameras; frames pair within half of its period
+  cv::Size image_size;         ///< the rig's: frames of another size are refused
+  std::int64_t period_ns = 0;  ///< between a camera's frames; 0: learned from them (replay only). Frames pair
+                               ///< within half of it.
 };
 
 /// What was made of the frames since the start.
@@ -41,11 +44,19 @@ struct PipelineCounts {
   std::uint64_t pairs = 0;                 ///< made by the synchroniser
   std::uint64_t processed = 0;             ///< of these, given to the odometry
   std::uint64_t skipped = 0;               ///< of these, left out to stay current (live only)
-  std::uint64_t refused_size = 0;          ///< frames whose size is not the rig's
+  std::uint64_t refused_size = 0;          ///< frames whose size is not the rig's (live only)
   std::uint64_t dropped_no_partner = 0;    ///< frames whose partner never came
   std::uint64_t dropped_damaged = 0;       ///< frames marked as damaged
   std::uint64_t dropped_out_of_order = 0;  ///< frames older than one before
   std::uint64_t dropped_overflow = 0;      ///< frames there was no room for
+  std::uint64_t dropped_clock = 0;  ///< frames whose instants cannot be compared with the other camera's
+};
+
+/// How long ago each loop of `runLive` went round, in seconds. They turn with or without frames.
+struct PipelineProgress {
+  double left_reader = 0.0;   ///< bounded by CameraSource::read and the camera's connection time-out
+  double right_reader = 0.0;  ///< as the left's
+  double odometry = 0.0;      ///< bounded by a frame period and the time of a pair
 };
 
 /// The path of a frame through the program:
@@ -53,20 +64,22 @@ struct PipelineCounts {
 class Pipeline {
  public:
   /// The sources and the processor are borrowed and must outlive the pipeline.
-  Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor, const Rig& rig,
+  Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor,
            const PipelineSettings& settings);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Replay: pulls both sources to their ends on this thread and processes every pair; the same sources give
-  /// the same results. Throws what the sources and the sink throw, and std::runtime_error if a frame's size
-  /// is not the rig's.
+  /// Replay: pulls both sources to their ends on this thread, the one whose next frame was exposed earlier
+  /// first, and processes every pair; the same sources give the same results. Throws what the sources and the
+  /// sink throw, and std::runtime_error if a frame's size is not the rig's.
   void replay(const PipelineSink& sink);
 
   /// Live: a thread per camera reads and pairs; this thread processes the newest pair and skips older ones,
-  /// so that nothing ever waits in a queue. Where no pair comes for a frame period, the sink hears of it once
-  /// per period. Returns after `stop`, or when both sources have ended.
+  /// so that nothing ever waits in a queue. A pair is missed when a whole period has passed after it was due;
+  /// the sink then hears of it, and again each period until one comes. Returns after `stop`, or when both
+  /// sources have ended. Throws what a source, the processor or the sink throws, after all threads have
+  /// ended.
   void runLive(const PipelineSink& sink);
 
   /// Ends `runLive` and `replay`. From any thread; interrupts the sources.
@@ -75,10 +88,12 @@ class Pipeline {
   /// From any thread.
   PipelineCounts counts() const;
 
-  /// How long ago the stage that is slowest to make progress went round: the readers' loops and the
-  /// odometry's loop each turn at least every few hundred milliseconds, with or without frames. For the
-  /// watchdog.
-  std::chrono::nanoseconds sinceProgress() const;
+  /// What a person has to mend about the streams, as a sentence (a picture's size that is not the rig's);
+  /// empty if there is nothing. From any thread.
+  std::string problem() const;
+
+  /// From any thread, while `runLive` runs.
+  PipelineProgress progress() const;
 
  private:
   class Implementation;

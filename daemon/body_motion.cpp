@@ -1,0 +1,90 @@
+// The camera's motion seen from the cart: poses, velocities and their covariances carried from the rectified
+// left camera to the body. Equations are those of J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for
+// state estimation in robotics", 2018 (arXiv:1812.01537), and of T. Barfoot, "State Estimation for Robotics",
+// 2017.
+
+#include "daemon/body_motion.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "vo_core/rigid_motion.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kSmallAngle = 1e-5;  // below it the series are exact to double precision
+
+// V(theta), which takes the linear velocity to the translation (Solà, eq. 174).
+Eigen::Matrix3d translationJacobian(const Eigen::Vector3d& rotation) {
+  const double angle = rotation.norm();
+  const Eigen::Matrix3d W = skew(rotation);
+  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
+  const double squared = angle * angle;
+  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / squared * W +
+         (angle - std::sin(angle)) / (squared * angle) * W * W;
+}
+
+Eigen::Vector3d rotationLogarithm(const Eigen::Matrix3d& rotation) {
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  const double scale = sine < kSmallAngle ? 2.0 / q.w() : 2.0 * std::atan2(sine, q.w()) / sine;
+  return scale * q.vec();
+}
+
+// The inverse of the right Jacobian of SE(3) by its series in Bernoulli numbers (Barfoot, eq. 7.76b, with the
+// sign of the right Jacobian). The next term is ad^6/30240: below 1e-9 for the 0.2 rad of a fast turn.
+Matrix6d inverseRightJacobian(const Vector6d& twist) {
+  Matrix6d ad = Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(twist.tail<3>());
+  ad.topRightCorner<3, 3>() = skew(twist.head<3>());
+  const Matrix6d squared = ad * ad;
+  return Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
+}
+
+}  // namespace
+
+Vector6d logarithm(const Eigen::Isometry3d& motion) {
+  const Eigen::Vector3d rotation = rotationLogarithm(motion.rotation());
+  Vector6d twist;
+  twist << translationJacobian(rotation).inverse() * motion.translation(), rotation;
+  return twist;
+}
+
+Eigen::Isometry3d exponential(const Vector6d& twist) {
+  const Eigen::Vector3d rotation = twist.tail<3>();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (const double angle = rotation.norm(); angle > 0.0) {
+    motion.linear() = Eigen::AngleAxisd(angle, rotation / angle).toRotationMatrix();
+  }
+  motion.translation() = translationJacobian(rotation) * twist.head<3>();
+  return motion;
+}
+
+BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified) {
+  const Eigen::Isometry3d T_rectified_body = T_body_rectified.inverse();
+  const Matrix6d Ad = adjoint(T_body_rectified);
+
+  BodyMotion motion;
+  motion.T_world_body = T_body_rectified * estimate.T_world_camera * T_rectified_body;
+  // T_body (T exp(x)) T_body^-1 = (T_body T T_body^-1) exp(Ad x): Solà, eq. 20.
+  motion.pose_covariance = Ad * estimate.pose_covariance * Ad.transpose();
+  motion.T_previous_current = T_body_rectified * estimate.T_previous_current * T_rectified_body;
+
+  if (!estimate.valid || !(estimate.time_step > 0.0)) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    motion.velocity.setConstant(kUnknown);
+    motion.angular_velocity.setConstant(kUnknown);
+    motion.twist_covariance.setConstant(kUnknown);
+    return motion;
+  }
+  const Vector6d twist = logarithm(motion.T_previous_current);
+  motion.velocity = twist.head<3>() / estimate.time_step;
+  motion.angular_velocity = twist.tail<3>() / estimate.time_step;
+  const Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
+  motion.twist_covariance = J * estimate.motion_covariance * J.transpose();
+  return motion;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <cartvo/health_t.hpp>
+#include <cartvo/odometry_t.hpp>
+
+#include "capture/camera_source.hpp"
+#include "daemon/pipeline.hpp"
+
+namespace cartvo {
+
+/// What the daemon's other parts say at the moment a health message is made.
+struct HealthSnapshot {
+  CameraHealth left;
+  CameraHealth right;
+  PipelineCounts counts;
+  std::string problem;  ///< what a person should mend first; empty: see the cameras' last errors
+};
+
+/// Gathers what happened since the last health message. One thread.
+class HealthMonitor {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit HealthMonitor(Clock::time_point start);
+
+  /// A pair was processed and published as `message`.
+  void add(const PairResult& result, const odometry_t& message);
+  /// A message was published for a pair that did not come.
+  void addNoPair();
+
+  /// Makes the message for the time since the last one and begins anew.
+  health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
+
+ private:
+  /// Of the pairs since the last message, ms.
+  struct Window {
+    std::vector<double> latency, process, offset, left_decode, right_decode;
+  };
+
+  Clock::time_point start_;
+  Clock::time_point last_;
+  Window window_;
+  std::int64_t valid_ = 0;
+  std::int64_t invalid_ = 0;
+  std::uint64_t last_left_frames_ = 0;
+  std::uint64_t last_right_frames_ = 0;
+  std::uint64_t last_pairs_ = 0;
+};
+
+/// The value below which `fraction` of the values lie (nearest rank); NaN if there are none.
+double percentile(std::vector<double> values, double fraction);
+
+}  // namespace cartvo

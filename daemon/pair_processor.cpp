@@ -1,0 +1,96 @@
+// What happens to a pair of frames once it is one: the screen that shows the whole path.
+
+#include "daemon/pair_processor.hpp"
+
+#include <utility>
+
+#include "calib/rectifier.hpp"
+
+namespace cartvo {
+namespace {
+
+StereoCamera stereoCamera(const Rectification& rectification) {
+  StereoCamera camera;
+  camera.focal_length = rectification.focal_length;
+  camera.cx = rectification.cx;
+  camera.cy = rectification.cy;
+  camera.baseline = rectification.baseline;
+  camera.width = rectification.size.width;
+  camera.height = rectification.size.height;
+  return camera;
+}
+
+Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  transform.linear() = rotation;
+  return transform;
+}
+
+FrameInstants instants(const Frame& frame) {
+  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence};
+}
+
+}  // namespace
+
+class PairProcessor::Implementation {
+ public:
+  Implementation(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+      : rectifier_(std::move(rectifier)),
+        T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
+        T_body_rectified_(rig.T_body_camera * T_left_rectified_),
+        odometry_(stereoCamera(rectifier_.rectification()), settings) {}
+
+  PairResult process(const FramePair& pair) {
+    PairResult result;
+    result.sequence = next_sequence_++;
+    result.left = instants(pair.left);
+    result.right = instants(pair.right);
+
+    clock_.startPair();
+    const StereoImages images = rectify(pair);
+    result.estimate = odometry_.process(images, clock_);
+    result.motion = bodyMotion(result.estimate, T_body_rectified_);
+    result.times = clock_.endPair();
+    return result;
+  }
+
+  const Rectifier& rectifier() const { return rectifier_; }
+  const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
+
+ private:
+  StereoImages rectify(const FramePair& pair) {
+    StereoImages images;
+    images.left_exposure_ns = pair.left.exposure_ns;
+    images.right_exposure_ns = pair.right.exposure_ns;
+    clock_.begin(Stage::rectify);
+    rectifier_.rectifyLeft(pair.left.image, images.left);
+    rectifier_.rectifyRight(pair.right.image, images.right);
+    clock_.end(Stage::rectify);
+    return images;
+  }
+
+  Rectifier rectifier_;
+  Eigen::Isometry3d T_left_rectified_;
+  Eigen::Isometry3d T_body_rectified_;
+  StereoOdometry odometry_;
+  StageClock clock_;
+  std::uint64_t next_sequence_ = 0;
+};
+
+PairProcessor::PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings)) {}
+PairProcessor::~PairProcessor() = default;
+PairProcessor::PairProcessor(PairProcessor&&) noexcept = default;
+PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;
+
+PairResult PairProcessor::process(const FramePair& pair) {
+  return implementation_->process(pair);
+}
+const Rectifier& PairProcessor::rectifier() const {
+  return implementation_->rectifier();
+}
+Eigen::Isometry3d PairProcessor::T_left_rectified() const {
+  return implementation_->T_left_rectified();
+}
+
+}  // namespace cartvo

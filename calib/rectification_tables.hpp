@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,15 @@ RectificationTables buildTables(const Rig& rig, const RectificationSettings& set
 /// all before it; little-endian.
 void writeTables(const std::filesystem::path& file, const RectificationTables& tables);
 
-/// Throws std::runtime_error naming the file and what is wrong with it. Reads no more than `size` calls for.
-RectificationTables readTables(const std::filesystem::path& file, cv::Size size);
+/// The file holds whole tables, but of another rig or other settings.
+class TablesOfAnotherRig : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The tables of a rig of this image size and fingerprint. Throws TablesOfAnotherRig, or std::runtime_error
+/// naming the file and what is wrong with it. Reads no more bytes than `size` calls for.
+RectificationTables readTables(const std::filesystem::path& file, cv::Size size, std::uint64_t fingerprint);
 
 /// Where loaded tables come from.
 enum class TablesOrigin : std::uint8_t {

@@ -185,7 +185,7 @@ void validateRig(const Rig& rig) {
     if (!transform.translation().allFinite()) throw std::invalid_argument("rig: a translation is not finite");
   }
   if (!(rig.baseline() >= kShortestBaseline && rig.baseline() <= kLongestBaseline)) {
-    throw std::invalid_argument("rig: the baseline is " + exact(rig.baseline()) +
+    throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +
                                 " m, expected 0.005 m to 10 m; was the board's square given in millimetres?");
   }
 }

@@ -1,0 +1,49 @@
+#include "calib/rectifier.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "calib/remap.hpp"
+
+namespace cartvo {
+
+Rectifier::Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables)
+    : rig_name_(rig.name), rectification_(computeRectification(rig, settings)), tables_(std::move(tables)) {
+  if (tables_.size != rectification_.size || tables_.fingerprint != tablesFingerprint(rig, settings)) {
+    throw std::invalid_argument("rectifier: the tables are not those of rig '" + rig.name + "'");
+  }
+}
+
+void Rectifier::rectifyLeft(const cv::Mat& raw, cv::Mat& rectified) const {
+  rectify("left", tables_.left, raw, rectified);
+}
+
+void Rectifier::rectifyRight(const cv::Mat& raw, cv::Mat& rectified) const {
+  rectify("right", tables_.right, raw, rectified);
+}
+
+void Rectifier::rectify(const char* side, const PixelSources& sources, const cv::Mat& raw,
+                        cv::Mat& rectified) const {
+  const auto text = [](cv::Size size) {
+    return std::to_string(size.width) + "x" + std::to_string(size.height);
+  };
+  if (raw.size() != rectification_.size) {
+    throw std::runtime_error(std::string("the ") + side + " camera's images are " + text(raw.size()) +
+                             " but rig '" + rig_name_ + "' was calibrated at " + text(rectification_.size) +
+                             ": set the camera to " + text(rectification_.size) + ", or calibrate it at " +
+                             text(raw.size()));
+  }
+  if (raw.type() != CV_8UC1) {
+    throw std::runtime_error(std::string("the ") + side +
+                             " camera's images are not grey with 8 bits a pixel");
+  }
+  if (rectification_.is_identity) {
+    rectified = raw;
+    return;
+  }
+  if (rectified.datastart == raw.datastart) rectified.release();
+  rectified.create(raw.size(), CV_8UC1);
+  remap(raw, sources, rectified);
+}
+
+}  // namespace cartvo

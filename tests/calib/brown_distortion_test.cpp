@@ -1,0 +1,51 @@
+#include "calib/brown_distortion.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
+
+#include "calib/rigs.hpp"
+
+namespace cartvo {
+namespace {
+
+TEST(BrownDistortion, DistortsAsOpenCvProjects) {
+  const Rig rig = test::cartRig();
+  CameraModel camera = rig.left;
+  camera.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01, 0.02, 0.01, -0.003};
+  const BrownDistortion lens(camera);
+  for (const NormalisedPoint ideal : {NormalisedPoint{0.0, 0.0}, {0.5, 0.3}, {-0.6, 0.1}, {0.2, -0.4}}) {
+    std::vector<cv::Point2d> expected;
+    cv::projectPoints(std::vector<cv::Point3d>{{ideal.x, ideal.y, 1.0}}, cv::Vec3d(), cv::Vec3d(),
+                      cv::Matx33d::eye(), camera.distortion, expected);
+    const NormalisedPoint distorted = lens.distort(ideal);
+    EXPECT_NEAR(distorted.x, expected[0].x, 1e-12);
+    EXPECT_NEAR(distorted.y, expected[0].y, 1e-12);
+  }
+}
+
+TEST(BrownDistortion, UndistortingUndoesDistorting) {
+  const BrownDistortion lens(test::cartRig().left);
+  for (double y = -0.45; y <= 0.45; y += 0.15) {
+    for (double x = -0.75; x <= 0.75; x += 0.15) {
+      const NormalisedPoint back = lens.undistort(lens.distort({x, y}));
+      EXPECT_NEAR(back.x, x, 1e-11);
+      EXPECT_NEAR(back.y, y, 1e-11);
+    }
+  }
+}
+
+TEST(BrownDistortion, EndsWhereTheModelFolds) {
+  CameraModel camera;
+  camera.distortion = {-0.3};
+  const BrownDistortion lens(camera);
+  // r (1 - 0.3 r^2) turns back at r = 1 / sqrt(0.9).
+  EXPECT_NEAR(lens.largestRadius(), 1.0 / std::sqrt(0.9), 2e-3);
+  EXPECT_NEAR(lens.distort({5.0, 0.0}).x, lens.distort({lens.largestRadius(), 0.0}).x, 1e-12);
+  EXPECT_THROW(lens.undistort({0.8, 0.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cartvo

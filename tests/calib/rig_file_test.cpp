@@ -146,7 +146,7 @@ TEST(RigFile, OfAbsurdSizeIsNotRead) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "rig.yaml", std::string((1 << 20) + 1, '#'));
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "rig.yaml"); }),
-              EndsWith("is larger than 1 MiB, which no rig file is"));
+              EndsWith("is larger than 1 MiB, too large for a file of keys and values"));
 }
 
 TEST(RigFile, NestedWithoutEndIsRefused) {

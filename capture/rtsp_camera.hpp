@@ -1,10 +1,8 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "capture/camera_source.hpp"
@@ -31,9 +29,12 @@ struct RtspCameraSettings {
       5000};                                      ///< from the first packet sent to the first frame received
   std::chrono::milliseconds stall_timeout{1000};  ///< without a frame for so long, the connection is given up
 
-  std::chrono::milliseconds first_retry{250};      ///< pause before the first reconnection; doubles each time
-  std::chrono::milliseconds longest_retry{2000};   ///< bound of that pause
-  std::chrono::milliseconds refused_retry{60000};  ///< pause after a refused password: cameras lock accounts
+  std::chrono::milliseconds first_retry{250};     ///< pause before the first reconnection; doubles each time
+  std::chrono::milliseconds longest_retry{2000};  ///< bound of that pause
+
+  /// Pause after a refused password; doubles each time. Cameras lock an account after a few wrong ones.
+  std::chrono::milliseconds refused_retry{30000};
+  std::chrono::milliseconds longest_refused_retry{30 * 60 * 1000};
 
   int decoder_threads = 1;  ///< slice threads; never frame threads, which add a frame of latency each
 };

@@ -1,0 +1,48 @@
+#pragma once
+
+// What capture's own sources share to hold FFmpeg's objects; not for use outside capture.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavcodec/bsf.h>
+#include <libavformat/avformat.h>
+}
+
+#include "capture/encoded_unit.hpp"
+
+namespace cartvo::ffmpeg {
+
+struct InputCloser {
+  void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
+};
+struct CodecContextFree {
+  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
+};
+struct PacketFree {
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+};
+struct FilterFree {
+  void operator()(AVBSFContext* filter) const { av_bsf_free(&filter); }
+};
+
+using Input = std::unique_ptr<AVFormatContext, InputCloser>;
+using CodecContext = std::unique_ptr<AVCodecContext, CodecContextFree>;
+using Packet = std::unique_ptr<AVPacket, PacketFree>;
+using Filter = std::unique_ptr<AVBSFContext, FilterFree>;
+
+/// Throws std::bad_alloc.
+Packet makePacket();
+
+/// FFmpeg's words for one of its error codes. Holds no URL.
+std::string errorText(int error);
+
+AVCodecID codecId(VideoCodec codec);
+
+/// A copy in memory of FFmpeg's with the padding it asks for. Throws std::bad_alloc.
+void setExtradata(AVCodecParameters& parameters, const std::vector<std::uint8_t>& data);
+
+}  // namespace cartvo::ffmpeg

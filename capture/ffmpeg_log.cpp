@@ -1,0 +1,70 @@
+#include "capture/ffmpeg_log.hpp"
+
+#include <array>
+#include <cstdarg>
+#include <mutex>
+#include <utility>
+
+extern "C" {
+#include <libavutil/log.h>
+}
+
+namespace cartvo {
+namespace {
+
+// FFmpeg's log is one per process, so what receives it is too.
+struct SharedSink {
+  std::mutex mutex;
+  FfmpegLogSink sink;
+};
+
+SharedSink& sharedSink() {
+  static SharedSink shared;
+  return shared;
+}
+
+void forward(void* context, int level, const char* format, va_list arguments) {
+  if (level > AV_LOG_WARNING) return;
+  const std::lock_guard lock(sharedSink().mutex);
+  if (!sharedSink().sink) return;
+  std::array<char, 1024> line{};
+  int prefix = 1;
+  av_log_format_line2(context, level, format, arguments, line.data(), static_cast<int>(line.size()), &prefix);
+  std::string message = line.data();
+  while (!message.empty() && message.back() == '\n')
+    message.pop_back();
+  sharedSink().sink(withoutCredentials(message));
+}
+
+}  // namespace
+
+void setFfmpegLogSink(FfmpegLogSink sink) {
+  keepFfmpegQuiet();
+  const std::lock_guard lock(sharedSink().mutex);
+  sharedSink().sink = std::move(sink);
+}
+
+void keepFfmpegQuiet() {
+  static std::once_flag once;
+  std::call_once(once, [] { av_log_set_callback(forward); });
+}
+
+std::string withoutCredentials(const std::string& text) {
+  std::string result;
+  std::size_t copied = 0;
+  for (std::size_t scheme = text.find("://"); scheme != std::string::npos;
+       scheme = text.find("://", copied)) {
+    const std::size_t begin = scheme + 3;
+    const std::size_t end = text.find_first_of("/ \t\n'\"", begin);
+    const std::size_t at = text.substr(0, end).rfind('@');
+    result.append(text, copied, begin - copied);
+    copied = begin;
+    if (at != std::string::npos && at >= begin) {
+      result += "***";
+      copied = at;
+    }
+  }
+  return result.append(text, copied, std::string::npos);
+}
+
+}  // namespace cartvo

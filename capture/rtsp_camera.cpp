@@ -1,0 +1,298 @@
+#include "capture/rtsp_camera.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "capture/access_unit_assembler.hpp"
+#include "capture/exposure_clock.hpp"
+#include "capture/frame_period.hpp"
+#include "capture/loss_detector.hpp"
+#include "capture/nal_units.hpp"
+#include "capture/rtsp_session.hpp"
+#include "capture/video_decoder.hpp"
+
+namespace cartvo {
+namespace {
+
+using Clock = RtspSession::Clock;
+using std::chrono::milliseconds;
+
+void check(const RtspCameraSettings& settings) {
+  checkRtspUrl(settings.url);
+  const bool times_make_sense =
+      settings.connect_timeout.count() > 0 && settings.stall_timeout.count() > 0 &&
+      settings.first_retry.count() > 0 && settings.longest_retry >= settings.first_retry &&
+      settings.refused_retry.count() > 0 && settings.longest_refused_retry >= settings.refused_retry;
+  if (!times_make_sense) {
+    throw std::invalid_argument(
+        "a camera's time-outs must be positive, and the longest retry not the shortest");
+  }
+  if (settings.decoder_threads < 1)
+    throw std::invalid_argument("a camera's decoder needs one thread at least");
+}
+
+/// Turns the packets of one connection into numbered, stamped units and these into frames.
+class Stream {
+ public:
+  Stream(const StreamFormat& format, const RtspCameraSettings& settings)
+      : codec_(format.codec),
+        instants_(settings.instants),
+        assembler_(format.codec),
+        losses_(format),
+        decoder_(format, settings.decoder_threads) {}
+
+  void add(const StreamFragment& fragment) { assembler_.add(fragment); }
+
+  /// The next unit, numbered from `next_sequence` on, which is advanced. Nothing before the first key frame.
+  std::optional<EncodedUnit> takeUnit(std::uint64_t& next_sequence) {
+    while (std::optional<AssembledUnit> assembled = assembler_.take()) {
+      EncodedUnit unit;
+      unit.key = holdsKeySlice(assembled->data);
+      if (!started_ && !unit.key) continue;
+      started_ = true;
+      const std::uint64_t missed = framesMissed(assembled->pts);
+      unit.status = losses_.inspect(assembled->data, assembled->data_lost, missed);
+      next_sequence += missed;
+      unit.sequence = next_sequence++;
+      unit.data = std::move(assembled->data);
+      unit.pts = assembled->pts;
+      unit.arrival_ns = assembled->arrival_ns;
+      const auto reference = instants_ == RtspInstants::arrival ? std::nullopt : assembled->reference_us;
+      const ExposureClock::Instant instant = clock_.stamp(unit.pts, reference, unit.arrival_ns);
+      unit.exposure_ns = instant.exposure_ns;
+      unit.instant_source = instant.source;
+      return unit;
+    }
+    return std::nullopt;
+  }
+
+  VideoDecoder& decoder() { return decoder_; }
+
+ private:
+  bool holdsKeySlice(const std::vector<std::uint8_t>& data) const {
+    const std::vector<NalUnit> units = splitNalUnits(codec_, data);
+    return std::any_of(units.begin(), units.end(),
+                       [](const NalUnit& u) { return u.kind == NalKind::key_slice; });
+  }
+
+  /// How many pictures lie between this one and the one before, by the RTP time stamps.
+  std::uint64_t framesMissed(std::int64_t pts) {
+    const std::int64_t period = period_.periodNs();
+    const std::int64_t step = last_pts_ ? pts - *last_pts_ : 0;
+    last_pts_ = pts;
+    period_.add(pts);
+    if (period == 0 || step < period) return 0;
+    const auto periods = std::llround(static_cast<double>(step) / static_cast<double>(period));
+    return static_cast<std::uint64_t>(std::max(periods - 1, 0LL));
+  }
+
+  VideoCodec codec_;
+  RtspInstants instants_;
+  AccessUnitAssembler assembler_;
+  LossDetector losses_;
+  ExposureClock clock_;
+  FramePeriod period_;  ///< here of RTP time stamps, not ns
+  std::optional<std::int64_t> last_pts_;
+  bool started_ = false;
+  VideoDecoder decoder_;
+};
+
+}  // namespace
+
+/// Connects, receives and reconnects, in the thread that calls `read`.
+class RtspCamera::Receiver {
+ public:
+  explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
+    check(settings_);
+    health_.instant_source = InstantSource::arrival;
+  }
+
+  void observe(StreamObserver& observer) { observer_ = &observer; }
+
+  ReadOutcome read(Frame& frame, milliseconds timeout) {
+    const Clock::time_point deadline = Clock::now() + timeout;
+    for (;;) {
+      if (interrupted_) return ended();
+      if (stream_ && takeFrame(frame)) return ReadOutcome::frame;
+      if (session_) {
+        receive();
+      } else if (waitUntil(std::min(next_attempt_, deadline)) && Clock::now() >= next_attempt_) {
+        connect();
+      }
+      if (interrupted_) return ended();
+      if (stream_ && takeFrame(frame)) return ReadOutcome::frame;
+      if (Clock::now() >= deadline) return ReadOutcome::timed_out;
+    }
+  }
+
+  CameraHealth health() const {
+    const std::lock_guard lock(mutex_);
+    return health_;
+  }
+
+  void interrupt() noexcept {
+    {
+      const std::lock_guard lock(mutex_);
+      interrupted_ = true;
+    }
+    wake_.notify_all();
+  }
+
+ private:
+  /// False if it was interrupted.
+  bool waitUntil(Clock::time_point instant) {
+    std::unique_lock lock(mutex_);
+    return !wake_.wait_until(lock, instant, [this] { return interrupted_.load(); });
+  }
+
+  void connect() {
+    try {
+      session_.emplace(settings_, interrupted_);
+      stream_.emplace(session_->format(), settings_);
+    } catch (const RtspError& error) {
+      drop();
+      if (error.kind() == RtspError::Kind::interrupted) return;
+      const bool refused = error.kind() == RtspError::Kind::refused;
+      retryAfter(refused ? refusedPause() : failurePause());
+      const std::lock_guard lock(mutex_);
+      health_.state = refused ? CameraState::refused : CameraState::connecting;
+      health_.last_error = error.what();
+      return;
+    }
+    silent_after_ = Clock::now() + settings_.connect_timeout;  // a camera may wait for its next key frame
+    if (observer_ != nullptr) observer_->onStream(session_->format());
+  }
+
+  void receive() {
+    switch (session_->receive(fragment_, silent_after_)) {
+      case RtspSession::Outcome::fragment:
+        stream_->add(fragment_);
+        while (std::optional<EncodedUnit> unit = stream_->takeUnit(next_sequence_)) {
+          silent_after_ = Clock::now() + settings_.stall_timeout;
+          if (observer_ != nullptr) observer_->onUnit(*unit);
+          stream_->decoder().send(*unit);
+          collectFrames();
+        }
+        break;
+      case RtspSession::Outcome::silent:
+        lose(CameraState::stalled, "the camera at " + rtspHost(settings_.url) + " sent no picture for " +
+                                       std::to_string(patience().count()) + " ms; connecting again");
+        break;
+      case RtspSession::Outcome::lost:
+        lose(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
+                                          " was lost (" + session_->reason() + "); connecting again");
+        break;
+      case RtspSession::Outcome::interrupted:
+        break;
+    }
+  }
+
+  milliseconds patience() const { return streaming_ ? settings_.stall_timeout : settings_.connect_timeout; }
+
+  void collectFrames() {
+    while (std::optional<Frame> frame = stream_->decoder().receive()) {
+      streaming_ = true;
+      failures_ = 0;
+      refusals_ = 0;
+      // One unit gives one frame; more wait only where a decoder reorders.
+      if (frames_.size() >= kMostFrames) frames_.pop_front();
+      frames_.push_back(std::move(*frame));
+    }
+  }
+
+  bool takeFrame(Frame& frame) {
+    if (frames_.empty()) return false;
+    frame = std::move(frames_.front());
+    frames_.pop_front();
+    const std::lock_guard lock(mutex_);
+    health_.state = CameraState::streaming;
+    health_.instant_source = frame.instant_source;
+    ++health_.frames;
+    if (frame.status == FrameStatus::damaged) ++health_.damaged;
+    return true;
+  }
+
+  void lose(CameraState state, const std::string& reason) {
+    // The first attempt follows at once after a stream that ran; a camera that only accepts connections must
+    // not be asked in a tight loop.
+    retryAfter(streaming_ ? milliseconds(0) : failurePause());
+    drop();
+    const std::lock_guard lock(mutex_);
+    health_.state = state;
+    health_.last_error = reason;
+    ++health_.reconnections;
+  }
+
+  void drop() {
+    streaming_ = false;
+    stream_.reset();
+    session_.reset();
+  }
+
+  void retryAfter(milliseconds pause) { next_attempt_ = Clock::now() + pause; }
+
+  milliseconds failurePause() { return doubled(settings_.first_retry, failures_++, settings_.longest_retry); }
+  milliseconds refusedPause() {
+    return doubled(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
+  }
+
+  static milliseconds doubled(milliseconds first, int times, milliseconds longest) {
+    return std::min(longest, first * (1 << std::min(times, 16)));
+  }
+
+  ReadOutcome ended() {
+    drop();
+    frames_.clear();
+    const std::lock_guard lock(mutex_);
+    health_.state = CameraState::ended;
+    return ReadOutcome::ended;
+  }
+
+  static constexpr std::size_t kMostFrames = 16;
+
+  const RtspCameraSettings settings_;
+  StreamObserver* observer_ = nullptr;
+
+  // The reading thread's own.
+  std::optional<RtspSession> session_;
+  std::optional<Stream> stream_;
+  StreamFragment fragment_;
+  std::deque<Frame> frames_;
+  bool streaming_ = false;  ///< this connection has delivered a frame
+  Clock::time_point silent_after_;
+  Clock::time_point next_attempt_;
+  std::uint64_t next_sequence_ = 0;
+  int failures_ = 0;
+  int refusals_ = 0;
+
+  mutable std::mutex mutex_;  ///< guards health_
+  std::condition_variable wake_;
+  std::atomic<bool> interrupted_ = false;
+  CameraHealth health_;
+};
+
+RtspCamera::RtspCamera(const RtspCameraSettings& settings)
+    : receiver_(std::make_unique<Receiver>(settings)) {}
+RtspCamera::~RtspCamera() = default;
+
+void RtspCamera::observe(StreamObserver& observer) {
+  receiver_->observe(observer);
+}
+ReadOutcome RtspCamera::read(Frame& frame, milliseconds timeout) {
+  return receiver_->read(frame, timeout);
+}
+CameraHealth RtspCamera::health() const {
+  return receiver_->health();
+}
+void RtspCamera::interrupt() noexcept {
+  receiver_->interrupt();
+}
+
+}  // namespace cartvo

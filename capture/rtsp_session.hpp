@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "capture/access_unit_assembler.hpp"
+#include "capture/encoded_unit.hpp"
+#include "capture/rtsp_camera.hpp"
+
+namespace cartvo {
+
+/// Why a connection could not be opened. The text names the camera, never its password.
+class RtspError : public std::runtime_error {
+ public:
+  enum class Kind : std::uint8_t { unreachable, refused, interrupted };
+  RtspError(Kind kind, const std::string& what) : std::runtime_error(what), kind_(kind) {}
+  Kind kind() const { return kind_; }
+
+ private:
+  Kind kind_;
+};
+
+/// One connection to a camera, from its opening to its loss. Every call that may block has a deadline.
+class RtspSession {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  enum class Outcome : std::uint8_t { fragment, silent, lost, interrupted };
+
+  /// Connects and starts the stream, within `settings.connect_timeout`. `interrupted` ends it, and each later
+  /// call, within 0.1 s; it must outlive the session. Throws RtspError.
+  RtspSession(const RtspCameraSettings& settings, const std::atomic<bool>& interrupted);
+  ~RtspSession();
+  RtspSession(const RtspSession&) = delete;
+  RtspSession& operator=(const RtspSession&) = delete;
+
+  const StreamFormat& format() const;
+
+  /// Waits for the next RTP packet of the video stream. `fragment.data` is valid until the next call. After
+  /// any other outcome than `fragment` the session is of no more use.
+  Outcome receive(StreamFragment& fragment, Clock::time_point deadline);
+
+  /// What ended the session, in words.
+  const std::string& reason() const;
+
+ private:
+  struct Connection;
+  std::unique_ptr<Connection> connection_;
+};
+
+/// Throws std::invalid_argument, without repeating the URL, unless it is "rtsp://host[:port]/path" without
+/// user, password or white space.
+void checkRtspUrl(const std::string& url);
+
+/// The URL's "host[:port]", for messages.
+std::string rtspHost(const std::string& url);
+
+}  // namespace cartvo

@@ -41,7 +41,7 @@ void validate(const StereoSettings& settings) {
   requireRange("stereo.maximum_disparity", settings.maximum_disparity, 16, 1024);
   requireRange("stereo.rows", settings.rows, 0, 3);
   requireRange("stereo.minimum_correlation", settings.minimum_correlation, -1.0, 1.0);
-  requireRange("stereo.maximum_second_peak", settings.maximum_second_peak, 0.0, 1.0);
+  requireRange("stereo.uniqueness", settings.uniqueness, 0.0, 1.0);
 }
 
 void validate(const MotionSettings& settings) {

@@ -31,11 +31,11 @@ struct TrackingSettings {
 
 /// The match from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
-  double minimum_disparity = 0.5;      ///< px; what is farther has no usable depth
-  int maximum_disparity = 128;         ///< px; what is nearer is not found
-  int rows = 1;                        ///< px above and below in which the match may lie
-  double minimum_correlation = 0.85;   ///< normalised, of left and right patch
-  double maximum_second_peak = 0.985;  ///< a rival elsewhere correlates at most so much of the best
+  double minimum_disparity = 0.5;     ///< px; what is farther has no usable depth
+  int maximum_disparity = 128;        ///< px; what is nearer is not found
+  int rows = 1;                       ///< px above and below in which the match may lie
+  double minimum_correlation = 0.85;  ///< normalised, of left and right patch
+  double uniqueness = 0.8;            ///< 1 - correlation is at most so much of the best rival's elsewhere
 };
 
 /// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).
@@ -50,8 +50,8 @@ struct MotionSettings {
 
 /// What a feature's motion over t-2, t-1, t says of it.
 struct HistorySettings {
-  double deviation = 2.5;       ///< standard deviations of motion at which a feature keeps half its weight
-  double minimum_weight = 0.1;  ///< below, a feature is removed
+  double deviation = 2.0;       ///< standard deviations of motion at which a feature tends to half its weight
+  double minimum_weight = 0.2;  ///< below, a feature is removed
 };
 
 /// Refinement over the last frames (thesis 5.1).
@@ -66,10 +66,10 @@ struct ValiditySettings {
   int minimum_matches = 20;           ///< with a point before and now
   int minimum_inliers = 15;           ///< explained by the motion
   double minimum_inlier_ratio = 0.3;  ///< of the matches
-  double maximum_residual = 3.0;      ///< root mean square of the inliers' errors, in standard deviations
-  double maximum_time_step = 1.0;     ///< s between pairs
-  double maximum_speed = 50.0;        ///< m/s; no cart is faster
-  double maximum_rate = 4.0;          ///< rad/s
+  double maximum_residual = 3.0;   ///< median of the matches' errors, in units of that of the assumed noise
+  double maximum_time_step = 1.0;  ///< s between pairs
+  double maximum_speed = 50.0;     ///< m/s; no cart is faster
+  double maximum_rate = 4.0;       ///< rad/s
 };
 
 struct OdometrySettings {

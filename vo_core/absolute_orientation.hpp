@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+namespace cartvo {
+
+/// A point seen in two frames, and how much it counts (>= 0).
+struct PointPair {
+  Eigen::Vector3d from;
+  Eigen::Vector3d to;
+  double weight = 1.0;
+};
+
+/// The motion T that minimises sum w |to - T from|^2 (thesis 4.15; B. Horn, "Closed-form solution of absolute
+/// orientation using unit quaternions", 1987): the rotation is the eigenvector of the greatest eigenvalue of
+/// Horn's 4x4 matrix, the translation what is left between the centroids. No scale. Nothing if less than
+/// three pairs weigh anything or they lie on one line, which leaves the rotation about it open.
+std::optional<Eigen::Isometry3d> absoluteOrientation(const std::vector<PointPair>& pairs);
+
+}  // namespace cartvo

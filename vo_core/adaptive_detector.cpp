@@ -1,0 +1,109 @@
+// Windows with adaptive FAST thresholds.
+#include "vo_core/adaptive_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core/utility.hpp>
+
+namespace cartvo {
+namespace {
+
+constexpr double kCornersPerFeature = 2.0;  // a window's corners aimed at, for each feature aimed at
+constexpr double kAdaptation = 0.4;         // power of the ratio of counts by which a threshold moves
+constexpr double kMostAtOnce = 1.5;         // a threshold changes by this factor an image, at most
+
+bool stronger(const Corner& a, const Corner& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+}  // namespace
+
+AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int features,
+                                   const cv::Size& image_size)
+    : settings_(settings), features_(features), corner_target_(0.0), image_size_(image_size) {
+  const int columns = settings.window_columns;
+  const int rows = settings.window_rows;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const cv::Point from(column * image_size.width / columns, row * image_size.height / rows);
+      const cv::Point to((column + 1) * image_size.width / columns, (row + 1) * image_size.height / rows);
+      windows_.emplace_back(from, to);
+    }
+  }
+  corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
+  thresholds_.assign(windows_.size(), settings.initial_threshold);
+  corner_counts_.assign(windows_.size(), 0);
+  scores_.create(image_size, CV_16UC1);
+}
+
+int AdaptiveDetector::threshold(int index) const {
+  return static_cast<int>(std::lround(thresholds_[index]));
+}
+
+void AdaptiveDetector::adaptThreshold(int index, int corners) {
+  corner_counts_[index] = corners;
+  const double ratio = (corners + 1.0) / (corner_target_ + 1.0);
+  const double factor = std::clamp(std::pow(ratio, kAdaptation), 1.0 / kMostAtOnce, kMostAtOnce);
+  thresholds_[index] = std::clamp<double>(thresholds_[index] * factor, settings_.minimum_threshold,
+                                          settings_.maximum_threshold);
+}
+
+int AdaptiveDetector::windowAt(double x, double y) const {
+  const int pixel_x = std::clamp(static_cast<int>(x), 0, image_size_.width - 1);
+  const int pixel_y = std::clamp(static_cast<int>(y), 0, image_size_.height - 1);
+  // The inverse of the windows' integer division: window c holds the pixels [c W / n, (c + 1) W / n).
+  const int column = ((pixel_x + 1) * settings_.window_columns - 1) / image_size_.width;
+  const int row = ((pixel_y + 1) * settings_.window_rows - 1) / image_size_.height;
+  return row * settings_.window_columns + column;
+}
+
+std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
+                                             SpacingGrid& spacing) {
+  const int count = windowCount();
+  std::vector<std::vector<Corner>> corners(windows_.size());
+  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      scoreWindow(image, windows_[i], threshold(i), scores_);
+  });
+  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      corners[i] = localMaxima(scores_, windows_[i]);
+      std::sort(corners[i].begin(), corners[i].end(), stronger);
+    }
+  });
+
+  std::vector<int> wanted(windows_.size());
+  for (int i = 0; i < count; ++i) {
+    adaptThreshold(i, static_cast<int>(corners[i].size()));
+    wanted[i] = (i + 1) * features_ / count - i * features_ / count;  // sums up to features_ exactly
+  }
+  for (const Eigen::Vector2d& pixel : alive)
+    --wanted[windowAt(pixel.x(), pixel.y())];
+
+  int room = std::max(features_ - static_cast<int>(alive.size()), 0);
+  std::vector<Corner> chosen;
+  std::vector<Corner> left_over;
+  for (int i = 0; i < count; ++i) {
+    for (const Corner& corner : corners[i]) {
+      if (wanted[i] <= 0 || room <= 0) {
+        left_over.push_back(corner);
+      } else if (spacing.insert({corner.x, corner.y})) {
+        chosen.push_back(corner);
+        --wanted[i];
+        --room;
+      }
+    }
+  }
+  std::sort(left_over.begin(), left_over.end(), stronger);
+  for (const Corner& corner : left_over) {
+    if (room <= 0) break;
+    if (!spacing.insert({corner.x, corner.y})) continue;
+    chosen.push_back(corner);
+    --room;
+  }
+  return chosen;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,24 @@
+// What a feature's past says of its trustworthiness.
+#include "vo_core/feature_history.hpp"
+
+#include <Eigen/LU>
+
+namespace cartvo {
+namespace {
+
+double normalisedSquare(const WorldStep& step) {
+  return step.displacement.dot(step.covariance.inverse() * step.displacement) / 3.0;
+}
+
+}  // namespace
+
+double motionVariance(const WorldStep& earlier, const WorldStep& later) {
+  return 0.5 * (normalisedSquare(earlier) + normalisedSquare(later));
+}
+
+double historyWeight(double weight, double motion_variance, const HistorySettings& settings) {
+  const double now = 1.0 / (1.0 + motion_variance / (settings.deviation * settings.deviation));
+  return 0.5 * (weight + now);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,139 @@
+// The life of features: detected, tracked, lost and found, matched, dropped.
+#include "vo_core/feature_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core/utility.hpp>
+
+#include "vo_core/klt.hpp"
+#include "vo_core/stereo_matcher.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kFarAway = 1000.0;  // m, where a feature without a disparity is taken to be
+constexpr double kOutside = 32.0;    // px; predicted farther outside the image, a feature is gone
+
+/// Calls work(i) for each i below count, on OpenCV's threads; each i must write to its own place only.
+template <typename Work>
+void forEachIndex(std::size_t count, const Work& work) {
+  cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      work(static_cast<std::size_t>(i));
+  });
+}
+
+}  // namespace
+
+FeatureSet::FeatureSet(const StereoCamera& camera, const OdometrySettings& settings)
+    : camera_(camera),
+      settings_(settings),
+      detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
+
+double FeatureSet::minimumDistance() const {
+  const double spacing = std::sqrt(static_cast<double>(camera_.width) * camera_.height / settings_.features);
+  return std::max(std::min(settings_.tracking.minimum_distance, 0.5 * spacing), 1.0);
+}
+
+int FeatureSet::seenCount() const {
+  return static_cast<int>(std::count_if(features_.begin(), features_.end(),
+                                        [&](const Feature& feature) { return seen(feature); }));
+}
+
+Eigen::Vector2d FeatureSet::predictPixel(const Feature& feature, const FrameWindow& window,
+                                         const std::optional<Eigen::Isometry3d>& T_world_camera) const {
+  const Observation& last = feature.last();
+  const FrameRecord* frame = window.find(last.frame);
+  if (!T_world_camera || frame == nullptr || !frame->T_world_camera) return last.left;
+  const double disparity = camera_.focal_length * camera_.baseline / kFarAway;
+  const Eigen::Vector3d point =
+      last.matched() ? last.point : cartvo::triangulate(camera_, {last.left, disparity});
+  const Eigen::Vector3d predicted = T_world_camera->inverse() * *frame->T_world_camera * point;
+  if (predicted.z() < 0.1) return {-1e6, -1e6};  // behind the camera now
+  return project(camera_, predicted);
+}
+
+void FeatureSet::track(const ImagePyramid& left, std::int64_t frame, const FrameWindow& window,
+                       const std::optional<Eigen::Isometry3d>& T_world_camera) {
+  frame_ = frame;
+  std::vector<KltResult> results(features_.size());
+  std::vector<unsigned char> gone(features_.size(), 0);
+  forEachIndex(features_.size(), [&](std::size_t i) {
+    const Feature& feature = features_[i];
+    const FrameRecord* before = window.find(feature.last().frame);
+    if (before == nullptr) {
+      gone[i] = 1;
+      return;
+    }
+    const Eigen::Vector2d guess = predictPixel(feature, window, T_world_camera);
+    if (guess.x() < -kOutside || guess.y() < -kOutside || guess.x() > camera_.width + kOutside ||
+        guess.y() > camera_.height + kOutside) {
+      gone[i] = 1;
+      return;
+    }
+    results[i] = trackPatch(before->left, left, feature.last().left, guess, settings_.tracking);
+    gone[i] = !results[i].found && frame - feature.last().frame > settings_.tracking.search_again ? 1 : 0;
+  });
+
+  std::vector<Feature> kept;
+  kept.reserve(features_.size());
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    if (gone[i] != 0) continue;
+    kept.push_back(features_[i]);
+    if (!results[i].found) continue;
+    Observation observation;
+    observation.frame = frame;
+    observation.left = results[i].position;
+    kept.back().observe(observation);
+  }
+  features_ = std::move(kept);
+}
+
+void FeatureSet::keepDistance(SpacingGrid& spacing) {
+  std::stable_sort(features_.begin(), features_.end(),
+                   [](const Feature& a, const Feature& b) { return a.age() > b.age(); });
+  std::erase_if(features_, [&](const Feature& feature) {
+    return seen(feature) && !spacing.insert(feature.last().left);
+  });
+}
+
+void FeatureSet::detect(const cv::Mat& left, SpacingGrid& spacing) {
+  std::vector<Eigen::Vector2d> alive;
+  for (const Feature& feature : features_)
+    if (seen(feature)) alive.push_back(feature.last().left);
+  for (const Corner& corner : detector_.detect(left, alive, spacing)) {
+    if (corner.score < settings_.tracking.minimum_score) continue;
+    Feature feature(next_id_++, corner.score);
+    Observation observation;
+    observation.frame = frame_;
+    observation.left = Eigen::Vector2d(corner.x, corner.y);
+    feature.observe(observation);
+    features_.push_back(feature);
+  }
+}
+
+void FeatureSet::matchStereo(const ImagePyramid& left, const ImagePyramid& right) {
+  forEachIndex(features_.size(), [&](std::size_t i) {
+    Feature& feature = features_[i];
+    if (!seen(feature)) return;
+    Observation& observation = feature.last();
+    const auto match = cartvo::matchStereo(left, right, observation.left, settings_.stereo);
+    if (!match) return;
+    observation.disparity = match->disparity;
+    observation.right_row = observation.left.y() + match->row_offset;
+  });
+}
+
+void FeatureSet::triangulate() {
+  for (Feature& feature : features_)
+    if (seen(feature) && feature.last().matched())
+      feature.last().point = cartvo::triangulate(camera_, {feature.last().left, feature.last().disparity});
+}
+
+void FeatureSet::removeUnweighted() {
+  std::erase_if(features_,
+                [&](const Feature& feature) { return feature.weight < settings_.history.minimum_weight; });
+}
+
+}  // namespace cartvo

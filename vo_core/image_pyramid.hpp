@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace cartvo {
+
+/// One image of a pyramid with a mirrored border around it, so that a patch whose centre lies inside the
+/// image can be read without asking at each pixel. Level l holds pixel (x, y) of the image at (x, y) / 2^l.
+class PyramidLevel {
+ public:
+  static constexpr int kBorder = 24;  ///< px
+
+  PyramidLevel() = default;
+  /// `image`: any type of one channel, at least 2x2; it is converted to `type` (CV_8U or CV_32F).
+  PyramidLevel(const cv::Mat& image, int type);
+
+  int width() const { return padded_.cols - 2 * kBorder; }
+  int height() const { return padded_.rows - 2 * kBorder; }
+  bool contains(const Eigen::Vector2d& pixel) const {
+    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= width() - 1 && pixel.y() <= height() - 1;
+  }
+
+  /// The pixel (x, y), which may lie up to kBorder outside the image; the row goes on to its right.
+  template <typename Value>
+  const Value* at(int x, int y) const {
+    return padded_.ptr<Value>(y + kBorder) + x + kBorder;
+  }
+
+ private:
+  cv::Mat padded_;
+};
+
+/// What one image of a pair is turned into, once, for all stages.
+struct ImagePyramid {
+  std::vector<PyramidLevel> grey;  ///< CV_32F, Gaussian pyramid, for the KLT and the NCC
+  std::vector<PyramidLevel> dog;   ///< CV_8U, difference of Gaussians around 128, kDogLevels, for the SAD
+};
+
+constexpr int kDogLevels = 4;
+
+/// `image`: CV_8UC1. `grey_levels` >= 1 levels of grey (fewer if the image is too small to be halved
+/// further).
+ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
+
+}  // namespace cartvo

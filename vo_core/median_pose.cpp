@@ -1,0 +1,35 @@
+// One pose out of many, unmoved by a minority of wrong ones.
+#include "vo_core/median_pose.hpp"
+
+#include <algorithm>
+
+#include "vo_core/rigid_motion.hpp"
+
+namespace cartvo {
+
+Eigen::Isometry3d medianPose(const std::vector<Eigen::Isometry3d>& poses) {
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+  base.linear() = poses.front().linear();
+  std::vector<Vector6d> vectors;
+  vectors.reserve(poses.size());
+  for (const Eigen::Isometry3d& pose : poses) {
+    Vector6d vector = vectorFromMotion(base.inverse() * pose);
+    vector.head<3>() = pose.translation();
+    vectors.push_back(vector);
+  }
+
+  Vector6d median;
+  std::vector<double> component(vectors.size());
+  for (int i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < vectors.size(); ++j)
+      component[j] = vectors[j][i];
+    const auto middle = component.begin() + static_cast<std::ptrdiff_t>(component.size() / 2);
+    std::nth_element(component.begin(), middle, component.end());
+    median[i] = *middle;
+  }
+  Eigen::Isometry3d pose = motionFromVector(median);
+  pose.linear() = base.linear() * pose.linear();
+  return pose;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,121 @@
+// From features to a motion that is believed or a reason why not.
+#include "vo_core/motion_measurement.hpp"
+
+#include "vo_core/feature_history.hpp"
+#include "vo_core/window_refinement.hpp"
+
+namespace cartvo {
+namespace {
+
+/// A point in the world, with its covariance in world axes.
+EarlierPoint carryToWorld(const Observation& observation, const Eigen::Matrix3d& covariance,
+                          const Eigen::Isometry3d& T_world_camera) {
+  return {T_world_camera * observation.point,
+          T_world_camera.linear() * covariance * T_world_camera.linear().transpose()};
+}
+
+}  // namespace
+
+Eigen::Matrix3d MotionMeter::covarianceOf(const Observation& observation) const {
+  return pointCovariance(camera_, observation.point, settings_.motion.pixel_noise,
+                         settings_.motion.disparity_noise);
+}
+
+bool MotionMeter::plausible(const Eigen::Isometry3d& motion, double time_step) const {
+  const Vector6d vector = vectorFromMotion(motion);
+  return vector.allFinite() && vector.head<3>().norm() <= settings_.validity.maximum_speed * time_step &&
+         vector.tail<3>().norm() <= settings_.validity.maximum_rate * time_step;
+}
+
+MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std::int64_t reference,
+                                       std::int64_t current, double time_step) {
+  MotionMeasurement measurement;
+  std::vector<PointMatch> matches;
+  for (const Feature& feature : features) {
+    const Observation& now = feature.last();
+    const Observation* then = feature.at(reference);
+    if (now.frame != current || !now.matched() || then == nullptr || !then->matched()) continue;
+    matches.push_back({then->point, now.point, covarianceOf(*then), covarianceOf(now), feature.weight});
+  }
+  measurement.matched = static_cast<int>(matches.size());
+  if (measurement.matched < settings_.validity.minimum_matches) {
+    measurement.reasons = OdometryReason::too_few_matches;
+    return measurement;
+  }
+  const auto motion = estimateMotion(matches, settings_.motion, random_);
+  if (!motion) {
+    measurement.reasons = OdometryReason::too_few_inliers;
+    return measurement;
+  }
+  measurement.T_reference_current = motion->T_reference_current;
+  measurement.scale = motion->scale;
+  measurement.inliers = motion->inliers;
+  const ValiditySettings& validity = settings_.validity;
+  if (motion->inliers < validity.minimum_inliers ||
+      motion->inliers < validity.minimum_inlier_ratio * measurement.matched)
+    measurement.reasons = measurement.reasons | OdometryReason::too_few_inliers;
+  if (motion->scale > validity.maximum_residual)
+    measurement.reasons = measurement.reasons | OdometryReason::high_residual;
+  if (!plausible(motion->T_reference_current, time_step))
+    measurement.reasons = measurement.reasons | OdometryReason::implausible_motion;
+  return measurement;
+}
+
+void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow& window,
+                         std::int64_t current, double time_step, MotionMeasurement& measurement) const {
+  const FrameRecord& reference = *window.reference();
+  const Eigen::Isometry3d T_world_reference = *reference.T_world_camera;
+  const std::int64_t oldest =
+      std::min(current - std::max(settings_.refinement.frames - 1, 1), reference.index);
+  std::vector<RefinementFeature> refined_features;
+  for (const Feature& feature : features) {
+    const Observation& now = feature.last();
+    if (now.frame != current || !now.matched()) continue;
+    RefinementFeature refined{now.point, covarianceOf(now), feature.weight, {}};
+    for (int back = 1; back < kHistoryLength; ++back) {
+      const Observation& earlier = feature.seen(back);
+      const FrameRecord* frame =
+          earlier.frame >= oldest && earlier.matched() ? window.find(earlier.frame) : nullptr;
+      if (frame != nullptr && frame->T_world_camera)
+        refined.earlier.push_back(carryToWorld(earlier, covarianceOf(earlier), *frame->T_world_camera));
+    }
+    if (!refined.earlier.empty()) refined_features.push_back(std::move(refined));
+  }
+  const RefinedPose refined =
+      refinePose(T_world_reference * measurement.T_reference_current, refined_features, measurement.scale,
+                 settings_.motion.radius, settings_.refinement);
+  if (!refined.converged) {
+    measurement.reasons = OdometryReason::too_few_inliers;
+    return;
+  }
+  if (settings_.refinement.frames > 1)
+    measurement.T_reference_current = T_world_reference.inverse() * refined.T_world_camera;
+  measurement.covariance = refined.covariance;
+  if (!plausible(measurement.T_reference_current, time_step))
+    measurement.reasons = OdometryReason::implausible_motion;
+}
+
+void MotionMeter::weighHistory(std::vector<Feature>& features, const FrameWindow& window,
+                               std::int64_t current, const Eigen::Isometry3d& T_world_camera,
+                               double scale) const {
+  for (Feature& feature : features) {
+    if (feature.last().frame != current) continue;
+    const Observation* observations[3] = {&feature.seen(0), &feature.seen(1), &feature.seen(2)};
+    EarlierPoint points[3];
+    bool complete = true;
+    for (int i = 0; i < 3; ++i) {
+      const FrameRecord* frame = i == 0 ? nullptr : window.find(observations[i]->frame);
+      complete =
+          complete && observations[i]->matched() && (i == 0 || (frame != nullptr && frame->T_world_camera));
+      if (!complete) break;
+      points[i] = carryToWorld(*observations[i], scale * scale * covarianceOf(*observations[i]),
+                               i == 0 ? T_world_camera : *frame->T_world_camera);
+    }
+    if (!complete) continue;
+    const WorldStep later{points[0].world - points[1].world, points[0].covariance + points[1].covariance};
+    const WorldStep earlier{points[1].world - points[2].world, points[1].covariance + points[2].covariance};
+    feature.weight = historyWeight(feature.weight, motionVariance(earlier, later), settings_.history);
+  }
+}
+
+}  // namespace cartvo

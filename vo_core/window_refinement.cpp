@@ -1,0 +1,95 @@
+// The refinement of the newest pose over the last frames, and what it knows of its own error.
+#include "vo_core/window_refinement.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "vo_core/prediction_error.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kSettled = 1e-6;  // m and rad
+// Errors are taken to spread at least by this part of the assumed noise: identical images have none.
+constexpr double kLeastVariance = 0.01;
+
+/// The normal equations of one linearisation.
+struct NormalEquations {
+  Matrix6d hessian = Matrix6d::Zero();  // of the weighted squares (the weights held)
+  Vector6d gradient = Vector6d::Zero();
+  Matrix6d derivative = Matrix6d::Zero();  // of the gradient, the weights' own change with the error included
+  Matrix6d spread = Matrix6d::Zero();      // sum over features of their gradients' squares
+};
+
+NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
+                          const std::vector<RefinementFeature>& features, double scale, double radius) {
+  NormalEquations sum;
+  const Eigen::Matrix3d R_camera_world = T_world_camera.linear().transpose();
+  const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
+  for (const RefinementFeature& feature : features) {
+    Vector6d feature_gradient = Vector6d::Zero();
+    // However long its track, a feature has one current point: its sightings share one vote.
+    const double vote = feature.weight / static_cast<double>(feature.earlier.size());
+    for (const EarlierPoint& earlier : feature.earlier) {
+      const Eigen::Vector3d predicted = T_camera_world * earlier.world;
+      const Eigen::Vector3d error = predicted - feature.current;
+      const Eigen::Matrix3d information =
+          (R_camera_world * earlier.covariance * R_camera_world.transpose() + feature.current_covariance)
+              .inverse() /
+          (scale * scale);
+      const double c = normalisedError(error, information);
+      const double weight = vote * errorWeight(c, radius);
+      if (weight <= 0.0) continue;
+
+      Eigen::Matrix<double, 3, 6> J;  // of the error by a perturbation of T_world_camera on the right
+      J.leftCols<3>() = -Eigen::Matrix3d::Identity();
+      J.rightCols<3>() = skew(predicted);
+      const Eigen::Matrix<double, 6, 3> weighted = weight * J.transpose() * information;
+      const Matrix6d square = weighted * J;
+      const Vector6d slope = weighted * error;
+      sum.hessian += square;
+      sum.derivative += square;
+      if (c > 1.0) sum.derivative -= slope * slope.transpose() / (weight * c * c);
+      sum.spread += kLeastVariance * weight * square;
+      feature_gradient += slope;
+    }
+    sum.gradient += feature_gradient;
+    sum.spread += feature_gradient * feature_gradient.transpose();
+  }
+  return sum;
+}
+
+/// Whether each direction of the motion is held: no eigenvalue vanishes beside the others.
+bool wellConditioned(const Matrix6d& hessian) {
+  const Eigen::LDLT<Matrix6d> factor(hessian);
+  const auto pivots = factor.vectorD();
+  return factor.info() == Eigen::Success && pivots.minCoeff() > 1e-9 * pivots.maxCoeff();
+}
+
+}  // namespace
+
+RefinedPose refinePose(const Eigen::Isometry3d& T_world_camera,
+                       const std::vector<RefinementFeature>& features, double scale, double radius,
+                       const RefinementSettings& settings) {
+  RefinedPose refined;
+  refined.T_world_camera = T_world_camera;
+  Eigen::Isometry3d pose = T_world_camera;
+  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
+    const NormalEquations equations = linearise(pose, features, scale, radius);
+    if (!wellConditioned(equations.hessian)) return refined;
+    const Vector6d step = -equations.hessian.ldlt().solve(equations.gradient);
+    pose = pose * motionFromVector(step);
+    if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
+  }
+  const NormalEquations equations = linearise(pose, features, scale, radius);
+  if (!wellConditioned(equations.derivative)) return refined;
+  const Matrix6d inverse = equations.derivative.inverse();
+  const Matrix6d covariance = inverse * equations.spread * inverse.transpose();
+  if (!covariance.allFinite()) return refined;
+  refined.T_world_camera = pose;
+  refined.covariance = 0.5 * (covariance + covariance.transpose());
+  refined.converged = true;
+  return refined;
+}
+
+}  // namespace cartvo

@@ -12,6 +12,8 @@ int main(int argument_count, char** arguments) {
   cartvo.require_subcommand(1);
   cartvo.footer("'cartvo COMMAND --help' explains each command.");
 
+  cartvo::addEvaluateCommand(cartvo);
+
   try {
     cartvo.parse(argument_count, arguments);
   } catch (const CLI::RuntimeError& error) {

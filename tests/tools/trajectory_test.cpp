@@ -1,0 +1,123 @@
+#include "tools/trajectory/trajectory.hpp"
+
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::HasSubstr;
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
+
+std::string messageOfReading(const std::filesystem::path& file) {
+  try {
+    readTrajectory(file);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+Trajectory helix() {
+  Trajectory trajectory;
+  for (int i = 0; i < 5; ++i) {
+    StampedPose stamped;
+    stamped.time_ns = 1'403'715'273'262'142'976 + i * 55'555'555;
+    stamped.pose.linear() =
+        Eigen::AngleAxisd(0.7 * i, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    stamped.pose.translation() = Eigen::Vector3d(i, -0.5 * i, 0.001 * i);
+    trajectory.push_back(stamped);
+  }
+  return trajectory;
+}
+
+TEST(Trajectory, InTumFormatKeepsPosesAndInstantsToTheNanosecond) {
+  const test::TemporaryFolder folder;
+  writeTum(folder / "a.tum", helix());
+  const Trajectory read = readTrajectory(folder / "a.tum");
+  ASSERT_EQ(read.size(), 5u);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].time_ns, helix()[i].time_ns);
+    EXPECT_TRUE(read[i].pose.isApprox(helix()[i].pose, 1e-8));
+  }
+  EXPECT_FALSE(isKittiTrajectory(folder / "a.tum"));
+}
+
+TEST(Trajectory, InKittiFormatKeepsPosesAndCountsRows) {
+  const test::TemporaryFolder folder;
+  writeKitti(folder / "a.txt", helix());
+  const Trajectory read = readTrajectory(folder / "a.txt");
+  ASSERT_EQ(read.size(), 5u);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].time_ns, static_cast<std::int64_t>(i));
+    EXPECT_TRUE(read[i].pose.isApprox(helix()[i].pose, 1e-8));
+  }
+  EXPECT_TRUE(isKittiTrajectory(folder / "a.txt"));
+}
+
+TEST(Trajectory, TakesCommentsEmptyLinesAndInstantsInAnyNotation) {
+  const test::TemporaryFolder folder;
+  write(folder / "a.tum",
+        "# seconds x y z qx qy qz qw\n\n-0.5 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1 # here\r\n.25 0 0 0 0 0 0 1\n"
+        "1.5e0 0 0 0 0 0 0 1\n2.123456789123 0 0 0 0 0 0 1\n");
+  const Trajectory read = readTrajectory(folder / "a.tum");
+  std::vector<std::int64_t> instants;
+  for (const StampedPose& stamped : read)
+    instants.push_back(stamped.time_ns);
+  EXPECT_THAT(instants, ::testing::ElementsAre(-500'000'000, 0, 250'000'000, 1'500'000'000, 2'123'456'789));
+}
+
+TEST(Trajectory, WrittenWithInstantsBeforeZeroIsReadBack) {
+  const test::TemporaryFolder folder;
+  writeTum(folder / "a.tum", {{-1'250'000'001, Eigen::Isometry3d::Identity()}});
+  EXPECT_EQ(readTrajectory(folder / "a.tum").front().time_ns, -1'250'000'001);
+}
+
+struct BadTrajectory {
+  std::string name, text, message;
+};
+void PrintTo(const BadTrajectory& bad, std::ostream* stream) {
+  *stream << bad.name;
+}
+
+class BadTrajectoryFile : public ::testing::TestWithParam<BadTrajectory> {};
+
+TEST_P(BadTrajectoryFile, IsRefusedNamingTheLine) {
+  const test::TemporaryFolder folder;
+  write(folder / "a.txt", GetParam().text);
+  EXPECT_THAT(messageOfReading(folder / "a.txt"),
+              HasSubstr((folder / "a.txt").string() + GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , BadTrajectoryFile,
+    ::testing::Values(
+        BadTrajectory{"WrongCount", "0 1 2\n",
+                      ":1: expected 8 numbers (TUM: seconds x y z qx qy qz qw) or 12"},
+        BadTrajectory{"MixedFormats", "0 0 0 0 0 0 0 1\n1 0 0 0 0 1 0 0 0 0 1 0\n",
+                      ":2: expected 8 numbers as in the rows before, found 12"},
+        BadTrajectory{"NoNumber", "# x\n0 0 zero 0 0 0 0 1\n",
+                      ":2: expected a number in column 3, found 'zero'"},
+        BadTrajectory{"NotFinite", "0 0 nan 0 0 0 0 1\n", ":1: expected a number in column 3, found 'nan'"},
+        BadTrajectory{"NoQuaternion", "0 0 0 0 1 1 1 1\n", ":1: expected a unit quaternion"},
+        BadTrajectory{"NoRotation", "1 0 0 0 0 1 0 0 0 0 2 0\n", ":1: expected the rows of a 3x4 pose"},
+        BadTrajectory{"TimeStandsStill", "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
+                      ":2: expected instants that increase"},
+        BadTrajectory{"InstantTooLarge", "1e300 0 0 0 0 0 0 1\n", ":1: expected an instant in seconds"},
+        BadTrajectory{"Empty", "# nothing\n", ": holds no poses"}),
+    [](const auto& test_case) { return test_case.param.name; });
+
+TEST(Trajectory, MissingIsSaid) {
+  EXPECT_THAT(messageOfReading("/no/such/poses.txt"), HasSubstr("/no/such/poses.txt: cannot be read"));
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,62 @@
+#include "tools/world/lighting.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/world/hash.hpp"
+#include "tools/world/noise.hpp"
+#include "tools/world/patterns.hpp"
+
+namespace cartvo::world {
+
+Lighting lightingOf(const WorldSettings& settings) {
+  Lighting lighting;
+  Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 601U}));
+  const double azimuth = random.uniform(0.0, 6.28);
+  const double elevation = random.uniform(0.60, 0.95);
+  lighting.to_sun = Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation),
+                                    std::sin(azimuth) * std::cos(elevation), std::sin(elevation))
+                        .cast<float>();
+  lighting.clouds = static_cast<float>(random.uniform(0.35, 0.75));
+  lighting.seed = random.bits();
+  if (settings.scenario == Scenario::dusk) {
+    constexpr float kDim = 0.02F;
+    lighting.sun = 0.0F;
+    lighting.sky *= kDim;
+    lighting.ground *= kDim;
+  }
+  if (settings.scenario == Scenario::low_texture) {  // an overcast day: hardly a shadow to see
+    lighting.sun = 0.15F;
+    lighting.sky = 0.6F;
+    lighting.ground = 0.15F;
+  }
+  return lighting;
+}
+
+float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint) {
+  const Eigen::Vector3f d = direction.normalized();
+  // The clouds' layer curves away toward the horizon.
+  const float height = std::max(d.z(), 0.0F) + 0.09F;
+  const float x = d.x() / height;
+  const float y = d.y() / height;
+  const float n = noise(x, y, footprint / height, {3.2F, 0.02F, 0.75F}, lighting.seed);
+  const float cover = smoothStep(0.9F - 2.2F * lighting.clouds, 2.3F - 2.2F * lighting.clouds, n);
+  const float clear = 1.1F - 0.75F * smoothStep(0.0F, 0.6F, d.z());
+  const float cloud = 2.1F + 0.55F * std::min(n, 1.5F);
+  float radiance = lighting.sky * (clear + (cloud - clear) * cover);
+
+  const float azimuth = std::atan2(d.y(), d.x());
+  const float along = 4.0F * azimuth;
+  const auto ridge = plainNoises(along, 0.3F, {1.9F, 0.61F, 0.13F, 0.033F}, lighting.seed + 1U);
+  const float crest = 0.035F + 0.022F * ridge[0] + 0.008F * ridge[1] + 0.003F * ridge[2] + 0.0012F * ridge[3];
+  const float wooded = 1.0F - filteredStep(crest, d.z(), std::max(footprint, 1e-4F));
+  if (wooded > 0.0F) {
+    const float trees =
+        noise(azimuth * 100.0F, d.z() * 100.0F, footprint * 100.0F, {6.4F, 0.2F, 0.9F}, lighting.seed + 2U);
+    const float hill = lighting.sky * 0.45F * std::exp(0.35F * std::clamp(trees, -2.0F, 2.0F));
+    radiance += wooded * (hill - radiance);
+  }
+  return radiance;
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "tools/world/world_settings.hpp"
+
+namespace cartvo::world {
+
+/// Light on the campus; unit: what a white surface facing the midday sun sends back.
+struct Lighting {
+  Eigen::Vector3f to_sun{0.45F, 0.55F, 0.70F};  ///< unit length after lightingOf()
+  float sun = 0.85F;                            ///< direct light on a surface facing it; 0: no shadows
+  float sky = 0.30F;                            ///< from above, on a level surface
+  float ground = 0.07F;                         ///< sent back by the ground, on a downward surface
+  float clouds = 0.5F;                          ///< 0..1
+  std::uint32_t seed = 0;
+
+  /// Diffuse light from sky and ground on a surface facing `normal`.
+  float ambient(const Eigen::Vector3f& normal) const {
+    const float up = 0.5F + 0.5F * normal.z();
+    return sky * up + ground * (1.0F - up);
+  }
+};
+
+Lighting lightingOf(const WorldSettings& settings);
+
+/// What is seen along `direction` (need not be of unit length) where nothing stands: clouds and, near the
+/// horizon, far wooded hills; at infinity. `footprint`: the pixel's angle, rad.
+float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint);
+
+}  // namespace cartvo::world

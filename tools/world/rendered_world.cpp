@@ -1,0 +1,243 @@
+// Puts the parts together: path, campus, drive, traffic, cameras, light.
+#include "tools/world/rendered_world.hpp"
+
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <sstream>
+#include <stdexcept>
+
+#include <opencv2/core.hpp>
+
+#include "tools/world/campus.hpp"
+#include "tools/world/drive.hpp"
+#include "tools/world/hash.hpp"
+#include "tools/world/lens.hpp"
+#include "tools/world/photometry.hpp"
+#include "tools/world/renderer.hpp"
+#include "tools/world/scene.hpp"
+#include "tools/world/traffic.hpp"
+
+namespace cartvo::world {
+namespace {
+
+constexpr int kLook =
+    1;  ///< raised whenever the same settings give other images, so that cached streams expire
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument("rendered world: " + what);
+}
+
+const WorldSettings& validated(const WorldSettings& s) {
+  require(s.seconds > 0.0 && s.seconds <= 3600.0, "seconds must lie in (0, 3600]");
+  require(s.frame_rate > 0.0 && s.frame_rate <= 240.0, "frame_rate must lie in (0, 240] Hz");
+  require(s.lead_in_seconds >= 0.0, "lead_in_seconds must not be negative");
+  require(std::abs(s.offset_s) <= 1.0, "offset_s must lie in [-1, 1] s");
+  require(std::abs(s.offset_drift_ppm) <= 10000.0, "offset_drift_ppm must lie in [-10000, 10000]");
+  require(s.image_size.width >= 32 && s.image_size.width <= 4096 && s.image_size.height >= 32 &&
+              s.image_size.height <= 4096,
+          "image_size must lie between 32x32 and 4096x4096");
+  require(s.focal_length >= 0.4 * s.image_size.width,
+          "focal_length must be at least 0.4 of the image's width");
+  require(s.baseline > 0.0 && s.baseline <= 2.0, "baseline must lie in (0, 2] m");
+  const int samples = s.samples_per_pixel;
+  require(samples == 1 || samples == 2 || samples == 4, "samples_per_pixel must be 1, 2 or 4");
+  require(s.edge_samples == 0 || s.edge_samples == 8 || s.edge_samples == 16,
+          "edge_samples must be 0, 8 or 16");
+  require(s.noise >= 0.0, "noise must not be negative");
+  require(s.threads >= 1 && s.threads <= 256, "threads must lie in [1, 256]");
+  return s;
+}
+
+std::size_t sideIndex(CameraSide side) {
+  return side == CameraSide::left ? 0 : 1;
+}
+
+TextureStyle styleOf(const WorldSettings& settings) {
+  return {settings.scenario == Scenario::low_texture ? 0.3F : 1.0F,
+          static_cast<std::uint32_t>(settings.seed) * 7919U};
+}
+
+/// A camera that sees the same field in few pixels, for the exposure control.
+CameraModel meterModel(const CameraModel& camera) {
+  CameraModel model = camera;
+  const double scale = 34.0 / camera.size.width;
+  model.size = cv::Size(34, std::max(1, static_cast<int>(std::lround(camera.size.height * scale))));
+  model.fx *= scale;
+  model.fy *= scale;
+  model.cx = (camera.cx + 0.5) * scale - 0.5;
+  model.cy = (camera.cy + 0.5) * scale - 0.5;
+  return model;
+}
+
+}  // namespace
+
+class RenderedWorld::Implementation {
+ public:
+  explicit Implementation(const WorldSettings& wanted)
+      : settings(validated(wanted)),
+        rig(simulatedRig(settings)),
+        path(campusPath(settings)),
+        drive(path, settings),
+        campus(buildCampus(path, settings)),
+        traffic(path, drive, settings, campus),
+        scene(campus.meshes, campus.instances),
+        lighting(lightingOf(settings)),
+        style(styleOf(settings)),
+        rays{RayTable(rig.left), RayTable(rig.right)},
+        T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
+        T_start_map(drive.T_map_body(0.0).inverse()),
+        exposure(settings, meter()) {}
+
+  double instant(int index, CameraSide side) const {
+    const double period = 1.0 / settings.frame_rate;
+    if (side == CameraSide::left) return index * period;
+    return settings.offset_s + index * period * (1.0 + 1e-6 * settings.offset_drift_ppm);
+  }
+  std::int64_t instantNs(int index, CameraSide side) const {
+    return std::llround(1e9 * instant(index, side));
+  }
+
+  cv::Mat image(int index, CameraSide side) {
+    const std::lock_guard lock(mutex);
+    const std::size_t camera = sideIndex(side);
+    const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
+    moveTo(seconds);
+    const RenderSettings sampling{settings.samples_per_pixel, settings.edge_samples, settings.threads};
+    const std::uint32_t image_seed =
+        hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
+                static_cast<std::uint32_t>(camera)});
+    const cv::Mat radiance =
+        renderRadiance(scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera, image_seed));
+    SensorSettings sensor;
+    sensor.gain = camera == 0 ? 1.0F : 1.03F;
+    const CameraModel& model = camera == 0 ? rig.left : rig.right;
+    sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
+    sensor.vignette = camera == 0 ? 0.30F : 0.33F;
+    sensor.noise = static_cast<float>(settings.noise);
+    return exposeImage(radiance, exposure.exposure(seconds), sensor, mixBits(image_seed + 17U),
+                       settings.threads);
+  }
+
+  DepthImage depth(int index, CameraSide side) {
+    const std::lock_guard lock(mutex);
+    const std::size_t camera = sideIndex(side);
+    const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
+    moveTo(seconds);
+    DepthImage result;
+    renderDepthAndMotion(scene, RenderSettings{1, 0, settings.threads},
+                         viewAt(seconds, rays[camera], camera, 0), result.depth, result.moving);
+    return result;
+  }
+
+ private:
+  void moveTo(double seconds) {
+    traffic.placeAt(seconds, campus.instances);
+    scene.update();
+  }
+
+  View viewAt(double seconds, const RayTable& table, std::size_t camera, std::uint32_t seed) const {
+    View view;
+    view.rays = &table;
+    view.size = settings.image_size;
+    view.T_map_camera = (drive.T_map_body(seconds) * T_body_camera[camera]).cast<float>();
+    view.sample_seed = seed;
+    return view;
+  }
+
+  /// The mean light of the left camera's view over the drive.
+  std::vector<double> meter() {
+    const CameraModel model = meterModel(rig.left);
+    const RayTable table(model);
+    std::vector<double> metered;
+    for (double t = 0.0; t < settings.seconds + 1.0; t += ExposureControl::kMeterStep) {
+      moveTo(t);
+      View view = viewAt(t, table, 0, 1U);
+      view.size = model.size;
+      metered.push_back(
+          cv::mean(renderRadiance(scene, lighting, style, RenderSettings{1, 0, settings.threads}, view))[0]);
+    }
+    return metered;
+  }
+
+ public:
+  const WorldSettings settings;
+  const Rig rig;
+  const Path path;
+  const Drive drive;
+  Campus campus;
+  const Traffic traffic;
+  Scene scene;
+  const Lighting lighting;
+  const TextureStyle style;
+  const std::array<RayTable, 2> rays;
+  const std::array<Eigen::Isometry3d, 2> T_body_camera;
+  const Eigen::Isometry3d T_start_map;
+  const ExposureControl exposure;
+  std::mutex mutex;  ///< the scene is moved to each image's instant
+};
+
+RenderedWorld::RenderedWorld(const WorldSettings& settings)
+    : implementation_(std::make_unique<Implementation>(settings)) {}
+
+RenderedWorld::~RenderedWorld() = default;
+
+Rig RenderedWorld::rig() const {
+  return implementation_->rig;
+}
+
+double RenderedWorld::frameRate() const {
+  return implementation_->settings.frame_rate;
+}
+
+int RenderedWorld::pairCount() const {
+  return std::max(1, static_cast<int>(std::floor(implementation_->settings.seconds * frameRate())));
+}
+
+std::int64_t RenderedWorld::leftInstant(int index) const {
+  return implementation_->instantNs(index, CameraSide::left);
+}
+
+std::int64_t RenderedWorld::rightInstant(int index) const {
+  return implementation_->instantNs(index, CameraSide::right);
+}
+
+void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
+  left = image(index, CameraSide::left);
+  right = image(index, CameraSide::right);
+}
+
+cv::Mat RenderedWorld::image(int index, CameraSide side) const {
+  return implementation_->image(index, side);
+}
+
+DepthImage RenderedWorld::renderDepth(int index, CameraSide side) const {
+  return implementation_->depth(index, side);
+}
+
+Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {
+  return implementation_->T_start_map * implementation_->drive.T_map_body(seconds);
+}
+
+Trajectory RenderedWorld::truth() const {
+  Trajectory truth;
+  for (int index = 0; index < pairCount(); ++index) {
+    const std::int64_t instant = leftInstant(index);
+    truth.push_back({instant, T_world_body(1e-9 * static_cast<double>(instant))});
+  }
+  return truth;
+}
+
+std::string RenderedWorld::cacheKey() const {
+  const WorldSettings& s = implementation_->settings;
+  std::ostringstream key;
+  key.precision(17);
+  key << "world-" << kLook << '-' << scenarioName(s.scenario) << "-seed" << s.seed << '-' << s.seconds
+      << "s-lead" << s.lead_in_seconds << '-' << s.frame_rate << "Hz-offset" << s.offset_s << "s-drift"
+      << s.offset_drift_ppm << "ppm-" << s.image_size.width << 'x' << s.image_size.height << "-f"
+      << s.focal_length << "-b" << s.baseline << "-spp" << s.samples_per_pixel << '+' << s.edge_samples
+      << "-noise" << s.noise;
+  return key.str();
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,89 @@
+#include "tools/world/speed_profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cartvo::world {
+namespace {
+
+constexpr double kAcceleration = 1.1;         // m/s^2
+constexpr double kBraking = 1.6;              // m/s^2
+constexpr double kLateralAcceleration = 2.1;  // m/s^2
+constexpr double kYawRate = 0.47;             // rad/s: 27 deg/s
+constexpr double kTopSpeed = 6.0;             // m/s
+constexpr double kGrid = 0.5;                 // m along the path
+
+/// The speed each kGrid of the path that its bends allow, slowing down early enough for them.
+std::vector<double> bendLimits(const Path& path) {
+  const int count = static_cast<int>(path.length() / kGrid);
+  std::vector<double> limits(count);
+  for (int i = 0; i < count; ++i) {
+    const double curvature = std::max(std::abs(path.at(kGrid * i).curvature), 1e-4);
+    limits[i] = std::min({kTopSpeed, std::sqrt(kLateralAcceleration / curvature), kYawRate / curvature});
+  }
+  for (int i = 2 * count - 1; i >= 0; --i) {  // twice round: the path is closed
+    const double ahead = limits[(i + 1) % count];
+    limits[i % count] = std::min(limits[i % count], std::sqrt(ahead * ahead + 1.4 * kBraking * kGrid));
+  }
+  return limits;
+}
+
+/// What the scenario asks for at `time` after the lead-in, m/s.
+double wantedSpeed(Scenario scenario, double time) {
+  const double cruise = 5.3 + 0.6 * std::sin(0.31 * time) + 0.3 * std::sin(0.83 * time);
+  switch (scenario) {
+    case Scenario::standing:
+      return 0.0;
+    case Scenario::traffic:
+      return 3.6 + 0.8 * std::sin(0.4 * time);
+    case Scenario::stop_and_go:
+      return std::fmod(time, 11.0) < 6.5 ? cruise : 0.0;
+    case Scenario::reversing: {
+      const double phase = std::fmod(time, 17.0);
+      if (phase < 7.0) return 2.6;
+      if (phase < 9.5) return 0.0;
+      return phase < 14.5 ? -1.7 : 0.0;
+    }
+    default:
+      return cruise;
+  }
+}
+
+/// A running mean over the last `count` values: never looks ahead, so a stand stays a stand.
+void smoothCausally(std::vector<double>& values, int count) {
+  const std::vector<double> raw = values;
+  double sum = raw.front() * count;
+  for (int i = 0; i < static_cast<int>(raw.size()); ++i) {
+    sum += raw[i] - raw[std::max(i - count, 0)];
+    values[i] = sum / count;
+    if (std::abs(values[i]) < 1e-9) values[i] = 0.0;
+  }
+}
+
+}  // namespace
+
+std::vector<double> speedProfile(const Path& path, const WorldSettings& settings) {
+  const std::vector<double> limits = bendLimits(path);
+  const int steps = static_cast<int>(std::ceil((settings.seconds + 2.0) / kSpeedStep));
+  std::vector<double> speeds(steps, 0.0);
+  double speed = 0.0;
+  double distance = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    const double time = i * kSpeedStep - settings.lead_in_seconds;
+    if (time > 0.0) {
+      const auto cell = static_cast<std::ptrdiff_t>(std::floor(distance / kGrid));
+      const auto count = static_cast<std::ptrdiff_t>(limits.size());
+      const double limit = limits[((cell % count) + count) % count];
+      const double wanted = std::clamp(wantedSpeed(settings.scenario, time), -limit, limit);
+      const double slowing = std::abs(wanted) < std::abs(speed) ? kBraking : kAcceleration;
+      speed += std::clamp(wanted - speed, -slowing * kSpeedStep, slowing * kSpeedStep);
+    }
+    distance += speed * kSpeedStep;
+    speeds[i] = speed;
+  }
+  for (int pass = 0; pass < 3; ++pass)
+    smoothCausally(speeds, 14);
+  return speeds;
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,137 @@
+#include "tools/simulate/simulated_camera.hpp"
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+extern "C" {
+#include <libavutil/error.h>
+}
+
+#include <gtest/gtest.h>
+
+#include "support/pattern_content.hpp"
+#include "tools/simulate/encode_content.hpp"
+#include "tools/simulate/stream_client.hpp"
+
+namespace cartvo::simulate {
+namespace {
+
+// Capital letters and a colon would break a client that pastes credentials together carelessly.
+const std::string kPassword = "Right-1";
+
+constexpr std::int64_t kMicrosecond = 1'000;
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+std::int64_t nowNs() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+const EncodedPair& encodedPattern() {
+  static const EncodedPair pair =
+      encodeContent(test::PatternContent({.size = {160, 120}, .pairs = 40, .offset_s = 0.0125}),
+                    {.key_frame_interval = 0.5}, {});
+  return pair;
+}
+
+std::shared_ptr<const EncodedStream> leftStream() {
+  return {&encodedPattern().left, [](const void*) {}};
+}
+std::shared_ptr<const EncodedStream> rightStream() {
+  return {&encodedPattern().right, [](const void*) {}};
+}
+
+// How far an instant is from the nearest one of a 20 Hz grid through `reference_ns`.
+std::int64_t distanceToGrid(std::int64_t instant_ns, std::int64_t reference_ns) {
+  constexpr std::int64_t kPeriod = 50 * kMillisecond;
+  const std::int64_t phase = ((instant_ns - reference_ns) % kPeriod + kPeriod) % kPeriod;
+  return std::min(phase, kPeriod - phase);
+}
+
+TEST(SimulatedCamera, senderReportsCarryTheInstantsOfExposure) {
+  SimulatedCamera camera(leftStream(), {.password = kPassword});
+  const std::int64_t epoch = nowNs() + 2'500 * kMillisecond;
+  camera.startContent(epoch);
+
+  const test::ReceivedStream received = test::receive(camera.port(), "admin:" + kPassword, 200);
+
+  ASSERT_EQ(received.open_error, 0);
+  EXPECT_TRUE(received.ended);
+  EXPECT_TRUE(camera.finished());
+  int with_instant = 0;
+  int content = 0;
+  for (const test::ReceivedPacket& packet : received.packets) {
+    if (packet.instant_ns == 0) continue;
+    ++with_instant;
+    if (packet.instant_ns < epoch - 25 * kMillisecond) continue;
+    // RTP counts in steps of 11 us; the sender report's own step adds to that.
+    EXPECT_LE(distanceToGrid(packet.instant_ns, epoch), 20 * kMicrosecond);
+    EXPECT_NEAR(static_cast<double>(packet.instant_ns - epoch), 50e6 * content, 20e3);
+    EXPECT_GE(packet.arrival_ns, packet.instant_ns - 20 * kMicrosecond);
+    ++content;
+  }
+  EXPECT_EQ(content, 40);
+  EXPECT_GT(with_instant, 50);
+}
+
+TEST(SimulatedCamera, asksForThePassword) {
+  const SimulatedCamera camera(leftStream(), {.password = kPassword});
+
+  EXPECT_EQ(test::receive(camera.port(), "admin:wrong", 1).open_error, AVERROR_HTTP_UNAUTHORIZED);
+  EXPECT_EQ(test::receive(camera.port(), "somebody:" + kPassword, 1).open_error, AVERROR_HTTP_UNAUTHORIZED);
+}
+
+TEST(SimulatedCamera, servesClientsThatComeLateLeaveAndReturnFromAKeyFrameOn) {
+  SimulatedCamera camera(leftStream(), {.password = kPassword});
+  camera.startContent(nowNs());
+  for (int visit = 0; visit < 2; ++visit) {
+    const test::ReceivedStream received = test::receive(camera.port(), "admin:" + kPassword, 5);
+    ASSERT_EQ(received.packets.size(), 5U);
+    EXPECT_TRUE(received.packets.front().key_frame);
+  }
+}
+
+TEST(SimulatedCamera, countsThePlayingClients) {
+  SimulatedCamera camera(leftStream(), {.password = kPassword});
+  EXPECT_EQ(camera.playingClients(), 0);
+
+  std::thread client([&camera] { test::receive(camera.port(), "admin:" + kPassword, 20); });
+  const std::int64_t deadline = nowNs() + 5'000 * kMillisecond;
+  while (camera.playingClients() == 0 && nowNs() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(camera.playingClients(), 1);
+  client.join();
+  while (camera.playingClients() > 0 && nowNs() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(camera.playingClients(), 0);
+}
+
+TEST(SimulatedCamera, twoCamerasKeepTheirOffset) {
+  const std::int64_t switched_on = nowNs();
+  const SimulatedCameraSettings settings{.password = kPassword, .switched_on_ns = switched_on};
+  SimulatedCamera left(leftStream(), settings);
+  SimulatedCamera right(rightStream(), settings);
+
+  const auto last = [](const SimulatedCamera& camera) {
+    return test::receive(camera.port(), "admin:" + kPassword, 30).packets.back().instant_ns;
+  };
+  EXPECT_LE(distanceToGrid(last(left), switched_on), 20 * kMicrosecond);
+  EXPECT_LE(distanceToGrid(last(right), switched_on + 12'500 * kMicrosecond), 20 * kMicrosecond);
+}
+
+TEST(SimulatedCamera, refusesAPortThatIsTaken) {
+  const SimulatedCamera camera(leftStream(), {.password = kPassword});
+  try {
+    const SimulatedCamera second(leftStream(), {.port = camera.port(), .password = kPassword});
+    FAIL() << "listens twice on one port";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what())
+                  .find("a simulated camera cannot listen on 127.0.0.1:" + std::to_string(camera.port())),
+              0U)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace cartvo::simulate

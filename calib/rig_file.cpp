@@ -68,6 +68,15 @@ Rig readOwnRig(const StrictYaml& yaml) {
   return rig;
 }
 
+Rig rigFrom(const StrictYaml& yaml, const std::filesystem::path& name) {
+  if (yaml.has("cartvo_rig")) return readOwnRig(yaml);
+  if (yaml.has("K1")) return openCvRig(yaml, name);
+  throw std::runtime_error(
+      name.string() +
+      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 "
+      "K2 D2 R T image_size");
+}
+
 /// With as few digits as give the same double back.
 std::string exact(double value) {
   char text[32];
@@ -128,13 +137,11 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
 }  // namespace
 
 Rig readRig(const std::filesystem::path& file) {
-  const StrictYaml yaml = StrictYaml::readFile(file);
-  if (yaml.has("cartvo_rig")) return readOwnRig(yaml);
-  if (yaml.has("K1")) return readOpenCvRig(file);
-  throw std::runtime_error(
-      file.string() +
-      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 "
-      "K2 D2 R T image_size");
+  return rigFrom(StrictYaml::readFile(file), file);
+}
+
+Rig parseRig(const std::string& text, const std::filesystem::path& name) {
+  return rigFrom(StrictYaml::parse(text, name), name);
 }
 
 std::string rigText(const Rig& rig) {

@@ -13,6 +13,9 @@ namespace cartvo {
 /// found.
 Rig readRig(const std::filesystem::path& file);
 
+/// As `readRig`, of a text that lies elsewhere (in a recording); `name` stands for the file in errors.
+Rig parseRig(const std::string& text, const std::filesystem::path& name);
+
 /// The rig in our own format, with comments. Reading it gives back the same rig to the last bit.
 std::string rigText(const Rig& rig);
 

@@ -134,17 +134,20 @@ std::map<std::string, Projection> readProjections(const std::filesystem::path& f
 }  // namespace
 
 Rig readOpenCvRig(const std::filesystem::path& file) {
-  const StrictYaml yaml = StrictYaml::readFile(file);
+  return openCvRig(StrictYaml::readFile(file), file);
+}
+
+Rig openCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   const cv::Size size = readSize(yaml["image_size"]);
   Rig rig;
-  rig.name = file.stem().string();
+  rig.name = name.stem().string();
   rig.left = readOpenCvCamera(yaml, "1", size);
   rig.right = readOpenCvCamera(yaml, "2", size);
   rig.T_right_left.linear() = rotationFrom(rowMajor(readMatrix(yaml["R"], 9)), yaml["R"]);
   const std::vector<double> T = readMatrix(yaml["T"], 3);
   rig.T_right_left.translation() = Eigen::Vector3d(T[0], T[1], T[2]);
   rig.T_body_camera = forwardLookingMount();
-  return validated(rig, file);
+  return validated(rig, name);
 }
 
 Rig readEurocRig(const std::filesystem::path& left_sensor, const std::filesystem::path& right_sensor) {

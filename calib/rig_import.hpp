@@ -8,6 +8,8 @@
 
 namespace cartvo {
 
+class StrictYaml;
+
 // Rigs from other tools' files. None of these formats knows the cart: T_body_camera is forwardLookingMount().
 // All throw std::runtime_error naming file, line, key and what was expected.
 
@@ -15,6 +17,9 @@ namespace cartvo {
 /// the left camera's axes to the right's. T must be in metres. Other keys are let pass; thin-prism and tilt
 /// coefficients must be zero.
 Rig readOpenCvRig(const std::filesystem::path& file);
+
+/// The same of a file that is read already; `name` gives the rig its name and stands for the file in errors.
+Rig openCvRig(const StrictYaml& yaml, const std::filesystem::path& name);
 
 /// The two sensor.yaml of a EuRoC sequence (pinhole, radial-tangential). T_BS maps a camera's axes to the
 /// sensor body's, so T_right_left = inverse(T_BS right) * T_BS left.

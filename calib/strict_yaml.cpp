@@ -23,11 +23,7 @@ std::string readText(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() +
                              ": is larger than 1 MiB, too large for a file of keys and values");
   }
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  // OpenCV before 4 writes a directive that YAML does not know; a comment in its place keeps the line
-  // numbers.
-  if (text.starts_with("%YAML:")) text.front() = '#';
-  return text;
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string shortened(const std::string& text) {
@@ -49,7 +45,7 @@ std::string describe(const YAML::Node& node) {
 }
 
 template <typename Number>
-bool parse(const std::string& text, Number& number) {
+bool parseNumber(const std::string& text, Number& number) {
   const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
   return error == std::errc{} && end == text.data() + text.size();
@@ -61,7 +57,7 @@ bool collectNumbers(const YAML::Node& node, std::vector<double>& numbers) {
                        [&](const YAML::Node& item) { return collectNumbers(item, numbers); });
   }
   double number = 0.0;
-  if (!node.IsScalar() || !parse(node.Scalar(), number) || !std::isfinite(number)) return false;
+  if (!node.IsScalar() || !parseNumber(node.Scalar(), number) || !std::isfinite(number)) return false;
   numbers.push_back(number);
   return true;
 }
@@ -78,12 +74,19 @@ StrictYaml::StrictYaml(std::filesystem::path file, std::string key, YAML::Node n
     : file_(std::move(file)), key_(std::move(key)), node_(std::move(node)) {}
 
 StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
+  return parse(readText(file), file);
+}
+
+StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name) {
+  // OpenCV before 4 writes a directive that YAML does not know; a comment in its place keeps the line
+  // numbers.
+  if (text.starts_with("%YAML:")) text.front() = '#';
   try {
-    StrictYaml root(file, "", YAML::Load(readText(file)));
+    StrictYaml root(name, "", YAML::Load(text));
     if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
     return root;
   } catch (const YAML::ParserException& error) {
-    throw std::runtime_error(file.string() + ":" + std::to_string(error.mark.line + 1) +
+    throw std::runtime_error(name.string() + ":" + std::to_string(error.mark.line + 1) +
                              ": is not YAML: " + error.msg);
   }
 }
@@ -121,7 +124,7 @@ std::string StrictYaml::text() const {
 
 std::int64_t StrictYaml::integer(std::int64_t least, std::int64_t most) const {
   std::int64_t value = 0;
-  if (!node_.IsScalar() || !parse(node_.Scalar(), value) || value < least || value > most) {
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || value < least || value > most) {
     failExpecting("an integer from " + std::to_string(least) + " to " + std::to_string(most));
   }
   return value;
@@ -129,7 +132,7 @@ std::int64_t StrictYaml::integer(std::int64_t least, std::int64_t most) const {
 
 double StrictYaml::number(double least, double most) const {
   double value = 0.0;
-  if (!node_.IsScalar() || !parse(node_.Scalar(), value) || !(value >= least && value <= most)) {
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= least && value <= most)) {
     failExpecting("a number from " + shortest(least) + " to " + shortest(most));
   }
   return value;

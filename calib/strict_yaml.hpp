@@ -18,6 +18,9 @@ class StrictYaml {
   /// means.
   static StrictYaml readFile(const std::filesystem::path& file);
 
+  /// As `readFile`, of a text that lies elsewhere; `name` stands for the file in errors.
+  static StrictYaml parse(std::string text, const std::filesystem::path& name);
+
   /// Refuses keys beside these, and keys given twice.
   void allowOnly(std::initializer_list<const char*> keys) const;
 

@@ -29,4 +29,19 @@ void setExtradata(AVCodecParameters& parameters, const std::vector<std::uint8_t>
   parameters.extradata_size = static_cast<int>(data.size());
 }
 
+void readPictureSize(AVCodecParameters& parameters, const std::vector<std::uint8_t>& picture) {
+  const CodecContext context(avcodec_alloc_context3(avcodec_find_decoder(parameters.codec_id)));
+  const std::unique_ptr<AVCodecParserContext, decltype(&av_parser_close)> parser(
+      av_parser_init(parameters.codec_id), av_parser_close);
+  if (!context || !parser) throw std::bad_alloc();
+  if (avcodec_parameters_to_context(context.get(), &parameters) < 0) return;
+  parser->flags |= PARSER_FLAG_COMPLETE_FRAMES;
+  std::uint8_t* parsed = nullptr;
+  int parsed_size = 0;
+  av_parser_parse2(parser.get(), context.get(), &parsed, &parsed_size, picture.data(),
+                   static_cast<int>(picture.size()), AV_NOPTS_VALUE, AV_NOPTS_VALUE, 0);
+  parameters.width = parser->width;
+  parameters.height = parser->height;
+}
+
 }  // namespace cartvo::ffmpeg

@@ -45,4 +45,8 @@ AVCodecID codecId(VideoCodec codec);
 /// A copy in memory of FFmpeg's with the padding it asks for. Throws std::bad_alloc.
 void setExtradata(AVCodecParameters& parameters, const std::vector<std::uint8_t>& data);
 
+/// Fills in width and height from the parameter sets in the extradata or in `picture`, a key picture; leaves
+/// them where that fails.
+void readPictureSize(AVCodecParameters& parameters, const std::vector<std::uint8_t>& picture);
+
 }  // namespace cartvo::ffmpeg

@@ -51,7 +51,7 @@ std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folde
 /// instants that do not increase.
 ImageFolder readImageFolder(const std::filesystem::path& folder);
 
-/// Median time between the left camera's frames, ns; 0 if there is only one.
+/// Median time between the frames, ns; 0 if there is only one.
 std::int64_t nominalPeriodNs(const ImageSequence& sequence);
 
 /// Plays one camera of an image folder, as fast as it is read.

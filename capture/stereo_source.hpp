@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -21,6 +23,7 @@ struct StereoSource {
   std::int64_t period_ns = 0;  ///< nominal time between a camera's frames; 0: unknown, to be learned
   std::size_t pairs = 0;       ///< images of the shorter side; 0: unknown
   std::optional<RectifiedStereo> rectified;  ///< the images are rectified already (KITTI's calib.txt)
+  std::filesystem::path calib_file;          ///< KITTI's calib.txt
   std::filesystem::path rig_file;            ///< rig.yaml in the folder
   std::array<std::filesystem::path, 2> sensor_files;  ///< EuRoC's sensor.yaml, left and right
   std::string rig_text;            ///< a recording's rig file, as it was handed to the recorder

@@ -1,0 +1,52 @@
+#include "capture/stereo_source.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "capture/recording_source.hpp"
+
+namespace cartvo {
+namespace {
+
+StereoSource openRecording(const std::filesystem::path& path) {
+  RecordingInfo info = readRecordingInfo(path);
+  StereoSource source;
+  source.kind = SourceKind::recording;
+  source.left = std::make_unique<RecordingSource>(path, "left");
+  source.right = std::make_unique<RecordingSource>(path, "right");
+  source.rig_text = std::move(info.rig);
+  source.configuration_text = std::move(info.configuration);
+  return source;
+}
+
+StereoSource openImageFolder(const std::filesystem::path& path) {
+  ImageFolder folder = readImageFolder(path);
+  StereoSource source;
+  source.kind = folder.layout == FolderLayout::kitti ? SourceKind::kitti : SourceKind::euroc;
+  source.period_ns = std::min(nominalPeriodNs(folder.left), nominalPeriodNs(folder.right));
+  source.pairs = std::min(folder.left.images.size(), folder.right.images.size());
+  source.left = std::make_unique<ImageSequenceSource>(std::move(folder.left));
+  source.right = std::make_unique<ImageSequenceSource>(std::move(folder.right));
+  source.rectified = folder.rectified;
+  source.calib_file = std::move(folder.calib_file);
+  source.rig_file = std::move(folder.rig_file);
+  source.sensor_files = std::move(folder.sensor_files);
+  return source;
+}
+
+}  // namespace
+
+StereoSource openSource(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) throw std::runtime_error(path.string() + " does not exist");
+  if (!std::filesystem::is_directory(path)) throw std::runtime_error(path.string() + " is not a folder");
+  if (isRecording(path)) return openRecording(path);
+  if (detectImageFolder(path)) return openImageFolder(path);
+  throw std::runtime_error(
+      path.string() +
+      " is nothing that can be replayed. Looked for: a recording (recording.json, left.mkv, "
+      "right.mkv), KITTI's layout (image_0, image_1, times.txt), EuRoC's layout (cam0 and cam1, "
+      "in it or in mav0)");
+}
+
+}  // namespace cartvo

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "capture/encoded_unit.hpp"
+
+namespace cartvo::test {
+
+/// A textured picture that moves with its index.
+cv::Mat movingPicture(cv::Size size, int index);
+
+/// Pictures 0 to count-1 encoded as a camera does: no B-frames, a key frame each `key_interval`, parameter
+/// sets in each key frame. Exposure instants are 50 ms apart. `encoder_options`: "key=value:key=value" of
+/// libx264 or libx265.
+std::vector<EncodedUnit> encodeSequence(VideoCodec codec, cv::Size size, int count, int key_interval,
+                                        const std::string& encoder_options);
+
+/// A digest of an image's pixels.
+std::uint64_t digest(const cv::Mat& image);
+
+}  // namespace cartvo::test

@@ -1,0 +1,323 @@
+#include "capture/pair_synchroniser.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cartvo {
+namespace {
+
+constexpr std::int64_t kPeriod = 50'000'000;
+
+Frame frameAt(std::int64_t instant_ns, std::uint64_t sequence = 0) {
+  Frame frame;
+  frame.exposure_ns = instant_ns;
+  frame.sequence = sequence;
+  frame.instant_source = InstantSource::sender_report;
+  return frame;
+}
+
+Frame damagedAt(std::int64_t instant_ns) {
+  Frame frame = frameAt(instant_ns);
+  frame.status = FrameStatus::damaged;
+  return frame;
+}
+
+PairSynchroniser nominal() {
+  return PairSynchroniser({.period_ns = kPeriod, .queue_length = 16, .restart_after = 8});
+}
+
+std::vector<FramePair> popAll(PairSynchroniser& synchroniser) {
+  std::vector<FramePair> pairs;
+  while (std::optional<FramePair> pair = synchroniser.pop())
+    pairs.push_back(std::move(*pair));
+  return pairs;
+}
+
+std::uint64_t accounted(const PairingCounts& c) {
+  return c.paired + c.no_partner + c.damaged + c.out_of_order + c.overflow + c.clock_mismatch +
+         c.clock_restarted;
+}
+
+TEST(PairSynchroniser, PairsAtOnceWhatIsHalfAPeriodApartAtMost) {
+  PairSynchroniser synchroniser = nominal();
+  synchroniser.push(CameraSide::left, frameAt(0));
+  EXPECT_FALSE(synchroniser.pop());
+  synchroniser.push(CameraSide::right, frameAt(kPeriod / 2));
+  const std::optional<FramePair> pair = synchroniser.pop();
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->offset_ns(), kPeriod / 2);
+  EXPECT_FALSE(pair->time_restarted);
+}
+
+TEST(PairSynchroniser, NeverPairsBeyondHalfAPeriod) {
+  PairSynchroniser synchroniser = nominal();
+  synchroniser.push(CameraSide::left, frameAt(0));
+  synchroniser.push(CameraSide::right, frameAt(kPeriod / 2 + 1));
+  EXPECT_FALSE(synchroniser.pop());
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
+  synchroniser.push(CameraSide::left,
+                    frameAt(kPeriod));  // nearer than half a period to the waiting right one
+  const std::optional<FramePair> pair = synchroniser.pop();
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->offset_ns(), kPeriod / 2 + 1 - kPeriod);
+}
+
+TEST(PairSynchroniser, DamagedFramesNeverMakeAPair) {
+  PairSynchroniser synchroniser = nominal();
+  synchroniser.push(CameraSide::left, damagedAt(0));
+  synchroniser.push(CameraSide::right, frameAt(0));
+  synchroniser.push(CameraSide::left, frameAt(kPeriod));
+  synchroniser.push(CameraSide::right, frameAt(kPeriod));
+  const std::vector<FramePair> pairs = popAll(synchroniser);
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].left.exposure_ns, kPeriod);
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).damaged, 1U);
+  EXPECT_EQ(synchroniser.counts(CameraSide::right).no_partner, 1U);
+}
+
+TEST(PairSynchroniser, DropsDuplicateAndBackwardInstants) {
+  PairSynchroniser synchroniser = nominal();
+  for (const std::int64_t instant : {std::int64_t{0}, kPeriod, kPeriod, kPeriod / 3, 2 * kPeriod}) {
+    synchroniser.push(CameraSide::left, frameAt(instant));
+  }
+  for (const std::int64_t instant : {std::int64_t{0}, kPeriod, 2 * kPeriod}) {
+    synchroniser.push(CameraSide::right, frameAt(instant));
+  }
+  EXPECT_EQ(popAll(synchroniser).size(), 3U);
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).out_of_order, 2U);
+}
+
+TEST(PairSynchroniser, FollowsAClockThatWasSetBackAndSaysSo) {
+  PairSynchroniser synchroniser = nominal();
+  const std::int64_t set_back = 3'600'000'000'000;
+  const auto push_both = [&](std::int64_t instant) {
+    synchroniser.push(CameraSide::left, frameAt(instant));
+    synchroniser.push(CameraSide::right, frameAt(instant + 1000));
+    return popAll(synchroniser);
+  };
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(push_both(set_back + i * kPeriod).size(), 1U);
+  int pairs = 0;
+  int restarts = 0;
+  for (int i = 0; i < 20; ++i) {
+    for (const FramePair& pair : push_both(i * kPeriod)) {
+      ++pairs;
+      if (pair.time_restarted) ++restarts;
+    }
+  }
+  EXPECT_EQ(pairs, 13);  // the first seven of the backward ones are not believed
+  EXPECT_EQ(restarts, 1);
+}
+
+TEST(PairSynchroniser, ACameraThatFallsSilentDoesNotGrowTheQueueOfTheOther) {
+  PairSynchroniser synchroniser = nominal();
+  for (int i = 0; i < 100; ++i) {
+    synchroniser.push(CameraSide::left, frameAt(i * kPeriod));
+    if (i < 10 || i >= 90) synchroniser.push(CameraSide::right, frameAt(i * kPeriod + 3));
+  }
+  const std::vector<FramePair> pairs = popAll(synchroniser);
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).overflow, 84U);
+  EXPECT_FALSE(pairs.empty());
+  for (const FramePair& pair : pairs)
+    EXPECT_EQ(pair.offset_ns(), 3);
+}
+
+TEST(PairSynchroniser, GoesOnAtOnceWhenASilentCameraReturns) {
+  PairSynchroniser synchroniser = nominal();
+  int pairs = 0;
+  for (int i = 0; i < 100; ++i) {
+    synchroniser.push(CameraSide::left, frameAt(i * kPeriod));
+    if (i < 10 || i >= 90) synchroniser.push(CameraSide::right, frameAt(i * kPeriod + 3));
+    pairs += static_cast<int>(popAll(synchroniser).size());
+  }
+  EXPECT_EQ(pairs, 20);
+}
+
+TEST(PairSynchroniser, NeverComparesInstantsOfDifferentClocks) {
+  PairSynchroniser synchroniser = nominal();
+  Frame by_arrival = frameAt(0);
+  by_arrival.instant_source = InstantSource::arrival;
+  synchroniser.push(CameraSide::left, by_arrival);
+  synchroniser.push(CameraSide::right, frameAt(0));
+  EXPECT_FALSE(synchroniser.pop());
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).clock_mismatch, 1U);
+}
+
+TEST(PairSynchroniser, WithoutAPeriodOnlyOneInstantPairsUntilItIsLearned) {
+  PairSynchroniser synchroniser({});
+  synchroniser.push(CameraSide::left, frameAt(0));
+  synchroniser.push(CameraSide::right, frameAt(0));
+  EXPECT_TRUE(synchroniser.pop());
+  synchroniser.push(CameraSide::left, frameAt(kPeriod));
+  synchroniser.push(CameraSide::right, frameAt(kPeriod + 1));
+  EXPECT_FALSE(synchroniser.pop());
+  for (int i = 2; i < 6; ++i) {
+    synchroniser.push(CameraSide::left, frameAt(i * kPeriod));
+    synchroniser.push(CameraSide::right, frameAt(i * kPeriod + 1));
+  }
+  EXPECT_EQ(popAll(synchroniser).size(), 5U);
+  EXPECT_NEAR(static_cast<double>(synchroniser.periodNs()), static_cast<double>(kPeriod), 2.0);
+}
+
+TEST(PairSynchroniser, DropsWhatWaitsForACameraThatHasEnded) {
+  PairSynchroniser synchroniser = nominal();
+  synchroniser.push(CameraSide::left, frameAt(0));
+  synchroniser.push(CameraSide::left, frameAt(kPeriod));
+  synchroniser.push(CameraSide::right, frameAt(0));
+  synchroniser.finish(CameraSide::right);
+  EXPECT_EQ(popAll(synchroniser).size(), 1U);
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
+}
+
+TEST(PairSynchroniser, RefusesSettingsThatMakeNoSense) {
+  EXPECT_THROW(PairSynchroniser({.period_ns = -1, .queue_length = 1, .restart_after = 1}),
+               std::invalid_argument);
+  EXPECT_THROW(PairSynchroniser({.period_ns = 0, .queue_length = 0, .restart_after = 1}),
+               std::invalid_argument);
+  EXPECT_THROW(PairSynchroniser({.period_ns = 0, .queue_length = 1, .restart_after = 0}),
+               std::invalid_argument);
+}
+
+/// Two free-running cameras with the faults of real ones.
+struct Scenario {
+  double skew = 0.0;           ///< right against left, relative
+  std::int64_t offset_ns = 0;  ///< at the start
+  double jitter_ns = 0.0;      ///< standard deviation of each instant
+  double drop = 0.0;           ///< probability that a frame is lost
+  double damage = 0.0;         ///< probability that it is damaged
+  int frames = 0;
+  std::int64_t given_period_ns = kPeriod;
+};
+
+struct Outcome {
+  std::vector<FramePair> pairs;
+  PairingCounts left, right;
+};
+
+Outcome run(const Scenario& scenario, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> jitter(0.0, 1.0);
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  struct Event {
+    std::int64_t arrival;
+    CameraSide side;
+    Frame frame;
+  };
+  std::vector<Event> events;
+  for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+    std::int64_t last_arrival = 0;
+    for (int i = 0; i < scenario.frames; ++i) {
+      const double stretch = side == CameraSide::right ? 1.0 + scenario.skew : 1.0;
+      const std::int64_t begin = side == CameraSide::right ? scenario.offset_ns : 0;
+      const double instant = i * static_cast<double>(kPeriod) * stretch + scenario.jitter_ns * jitter(random);
+      Frame frame = frameAt(begin + static_cast<std::int64_t>(instant), static_cast<std::uint64_t>(i));
+      if (chance(random) < scenario.damage) frame.status = FrameStatus::damaged;
+      const bool lost = chance(random) < scenario.drop;
+      const auto delay = static_cast<std::int64_t>(chance(random) * 2.0 * static_cast<double>(kPeriod));
+      last_arrival = std::max(last_arrival, frame.exposure_ns + delay);
+      if (!lost) events.push_back({last_arrival, side, std::move(frame)});
+    }
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
+  PairSynchroniser synchroniser(
+      {.period_ns = scenario.given_period_ns, .queue_length = 16, .restart_after = 8});
+  Outcome outcome;
+  const auto collect = [&] {
+    while (std::optional<FramePair> pair = synchroniser.pop())
+      outcome.pairs.push_back(std::move(*pair));
+  };
+  for (Event& event : events) {
+    synchroniser.push(event.side, std::move(event.frame));
+    collect();
+  }
+  synchroniser.finish(CameraSide::left);
+  synchroniser.finish(CameraSide::right);
+  collect();
+  outcome.left = synchroniser.counts(CameraSide::left);
+  outcome.right = synchroniser.counts(CameraSide::right);
+  return outcome;
+}
+
+void expectSound(const Outcome& outcome) {
+  std::set<std::uint64_t> left;
+  std::set<std::uint64_t> right;
+  std::int64_t last_left = -kPeriod * 100;
+  std::int64_t last_right = last_left;
+  for (const FramePair& pair : outcome.pairs) {
+    EXPECT_LE(std::abs(pair.offset_ns()), kPeriod / 2);
+    EXPECT_TRUE(left.insert(pair.left.sequence).second) << "a left frame was used twice";
+    EXPECT_TRUE(right.insert(pair.right.sequence).second) << "a right frame was used twice";
+    EXPECT_GT(pair.left.exposure_ns, last_left);
+    EXPECT_GT(pair.right.exposure_ns, last_right);
+    EXPECT_EQ(pair.left.status, FrameStatus::good);
+    EXPECT_EQ(pair.right.status, FrameStatus::good);
+    last_left = pair.left.exposure_ns;
+    last_right = pair.right.exposure_ns;
+  }
+  EXPECT_EQ(accounted(outcome.left), outcome.left.received);
+  EXPECT_EQ(accounted(outcome.right), outcome.right.received);
+}
+
+TEST(PairSynchroniser, StaysSoundUnderRandomJitterDropsAndDamage) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Scenario scenario;
+    scenario.frames = 200;
+    scenario.offset_ns = static_cast<std::int64_t>(seed) * kPeriod / 100 - kPeriod;
+    scenario.jitter_ns = seed % 5 * 2e6;
+    scenario.drop = seed % 4 * 0.1;
+    scenario.damage = seed % 3 * 0.05;
+    scenario.given_period_ns = seed % 2 == 0 ? kPeriod : 0;
+    const Outcome outcome = run(scenario, seed);
+    if (scenario.given_period_ns != 0) expectSound(outcome);
+    EXPECT_GT(outcome.pairs.size(), 40U) << "seed " << seed;
+    EXPECT_EQ(accounted(outcome.left), outcome.left.received);
+  }
+}
+
+TEST(PairSynchroniser, ALearnedPeriodIsRightDespiteDrops) {
+  Scenario scenario;
+  scenario.frames = 1000;
+  scenario.offset_ns = kPeriod / 3;
+  scenario.drop = 0.3;
+  scenario.given_period_ns = 0;
+  const Outcome outcome = run(scenario, 7);
+  expectSound(outcome);
+  EXPECT_NEAR(static_cast<double>(outcome.pairs.size()), 1000 * 0.7 * 0.7, 50.0);
+}
+
+TEST(PairSynchroniser, ASweepingOffsetCostsOneFrameForEachPeriodThatItSweeps) {
+  Scenario scenario;  // 50 ppm at 20 fps sweep one period in 20,000 frames: here through two and a half
+  scenario.frames = 50000;
+  scenario.skew = 50e-6;
+  const Outcome outcome = run(scenario, 1);
+  expectSound(outcome);
+  EXPECT_GE(outcome.pairs.size(), 49990U);
+  EXPECT_LE(outcome.left.no_partner + outcome.right.no_partner, 12U);
+  std::size_t gap = 0;
+  for (std::size_t i = 1; i < outcome.pairs.size(); ++i) {
+    gap = std::max(
+        gap, static_cast<std::size_t>(outcome.pairs[i].left.sequence - outcome.pairs[i - 1].left.sequence));
+  }
+  EXPECT_LE(gap, 2U);
+}
+
+TEST(PairSynchroniser, AtTheSwapWithJitterPairsGoOnComing) {
+  Scenario scenario;
+  scenario.frames = 1000;
+  scenario.offset_ns = kPeriod / 2;
+  scenario.jitter_ns = 5e5;
+  const Outcome outcome = run(scenario, 3);
+  expectSound(outcome);
+  EXPECT_GT(outcome.pairs.size(), 500U);
+}
+
+}  // namespace
+}  // namespace cartvo

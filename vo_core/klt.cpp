@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/affine_alignment.hpp"
 #include "vo_core/patch.hpp"
 
 namespace cartvo {
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int kSide = 15;                // px
 constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
+constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
 using Template = Patch<kSide, kSide>;
 
 /// The patch before, its gradients (mean removed, which makes the shift blind to a change of brightness) and
@@ -91,21 +93,6 @@ Eigen::Vector2d mismatch(const Linearisation& before, const Template& after) {
   return sum;
 }
 
-double correlationOf(const Template& centred_before, Template& after) {
-  removeMean(after);
-  double product = 0.0;
-  double before_square = 0.0;
-  double after_square = 0.0;
-  for (int i = 0; i < kSide * Template::kStride; ++i) {
-    const double then = centred_before.value[i];
-    const double now = after.value[i];
-    product += then * now;
-    before_square += then * then;
-    after_square += now * now;
-  }
-  return product / std::sqrt(std::max(before_square * after_square, 1e-12));
-}
-
 }  // namespace
 
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
@@ -133,7 +120,7 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
       samplePatch(target, position, moved);
       const Eigen::Vector2d step = patch.inverse_structure * mismatch(patch, moved);
       position -= step;
-      if (step.squaredNorm() < settings.convergence * settings.convergence) break;
+      if (step.squaredNorm() < kCoarse * kCoarse) break;
     }
     if (target.contains(position))
       shift = (position - centre) / scale;
@@ -142,8 +129,11 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
   }
   result.position = from + shift;
   if (!after.grey.front().contains(result.position)) return result;
-  samplePatch(after.grey.front(), result.position, moved);
-  result.correlation = correlationOf(patch.grey, moved);
+  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, result.position,
+                                   settings.iterations, settings.convergence);
+  if (!aligned) return result;
+  result.position = aligned->position;
+  result.correlation = aligned->correlation;
   result.found = result.correlation >= settings.minimum_correlation;
   return result;
 }

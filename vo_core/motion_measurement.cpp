@@ -17,8 +17,9 @@ EarlierPoint carryToWorld(const Observation& observation, const Eigen::Matrix3d&
 }  // namespace
 
 Eigen::Matrix3d MotionMeter::covarianceOf(const Observation& observation) const {
-  return pointCovariance(camera_, observation.point, settings_.motion.pixel_noise,
-                         settings_.motion.disparity_noise);
+  const double near = settings_.motion.near_noise * observation.disparity;
+  return pointCovariance(camera_, observation.point, settings_.motion.pixel_noise + near,
+                         settings_.motion.disparity_noise + near);
 }
 
 bool MotionMeter::plausible(const Eigen::Isometry3d& motion, double time_step) const {
@@ -89,7 +90,7 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     return;
   }
   if (settings_.refinement.frames > 1)
-    measurement.T_reference_current = T_world_reference.inverse() * refined.T_world_camera;
+    measurement.T_reference_current = orthonormalised(T_world_reference.inverse() * refined.T_world_camera);
   measurement.covariance = refined.covariance;
   if (!plausible(measurement.T_reference_current, time_step))
     measurement.reasons = OdometryReason::implausible_motion;

@@ -51,6 +51,7 @@ void validate(const MotionSettings& settings) {
   requireRange("motion.radius", settings.radius, 0.1, 100.0);
   requireRange("motion.pixel_noise", settings.pixel_noise, 0.001, 10.0);
   requireRange("motion.disparity_noise", settings.disparity_noise, 0.001, 10.0);
+  requireRange("motion.near_noise", settings.near_noise, 0.0, 1.0);
 }
 
 void validate(const ValiditySettings& settings) {

@@ -44,8 +44,9 @@ struct MotionSettings {
   int subset_size = 4;           ///< features in each
   int iterations = 10;           ///< of the weights w = 1/|c|, at most
   double radius = 3.5;           ///< standard deviations of a feature's point beyond which it weighs nothing
-  double pixel_noise = 0.25;     ///< px, standard deviation assumed of a tracked position
-  double disparity_noise = 0.3;  ///< px, standard deviation assumed of a disparity
+  double pixel_noise = 0.2;      ///< px, standard deviation assumed of a tracked position far away
+  double disparity_noise = 0.2;  ///< px, standard deviation assumed of a disparity far away
+  double near_noise = 0.01;      ///< added to both for each px of disparity: near patches deform more
 };
 
 /// What a feature's motion over t-2, t-1, t says of it.

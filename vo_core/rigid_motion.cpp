@@ -33,8 +33,10 @@ Matrix6d adjoint(const Eigen::Isometry3d& T) {
   return matrix;
 }
 
-Eigen::Isometry3d scaledMotion(const Eigen::Isometry3d& motion, double fraction) {
-  return motionFromVector(fraction * vectorFromMotion(motion));
+Eigen::Isometry3d orthonormalised(const Eigen::Isometry3d& motion) {
+  Eigen::Isometry3d result = motion;
+  result.linear() = Eigen::Quaterniond(motion.linear()).normalized().toRotationMatrix();
+  return result;
 }
 
 Matrix6d composedCovariance(const Matrix6d& pose_covariance, const Eigen::Isometry3d& motion,

@@ -19,8 +19,9 @@ Vector6d vectorFromMotion(const Eigen::Isometry3d& motion);
 /// (x, y, z, rotation).
 Matrix6d adjoint(const Eigen::Isometry3d& T);
 
-/// The part `fraction` of a motion (2: twice as far), at constant body velocity.
-Eigen::Isometry3d scaledMotion(const Eigen::Isometry3d& motion, double fraction);
+/// The same motion with its rotation made exactly orthonormal. Isometry3d::inverse() transposes: in a chain
+/// of poses that are multiplied and inverted in turn, an error of the last digit doubles at each link.
+Eigen::Isometry3d orthonormalised(const Eigen::Isometry3d& motion);
 
 /// The covariance of pose * motion, both given as perturbations on the right and independent.
 Matrix6d composedCovariance(const Matrix6d& pose_covariance, const Eigen::Isometry3d& motion,

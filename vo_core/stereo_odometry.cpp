@@ -162,7 +162,7 @@ void StereoOdometry::Implementation::refineAndWeigh() {
   const FrameRecord& reference = *window_.reference();
   meter_.refine(features_.features(), window_, current_.index, secondsSince(reference), motion_);
   if (!motion_.valid()) return;
-  current_.T_world_camera = *reference.T_world_camera * motion_.T_reference_current;
+  current_.T_world_camera = orthonormalised(*reference.T_world_camera * motion_.T_reference_current);
   meter_.weighHistory(features_.features(), window_, current_.index, *current_.T_world_camera, motion_.scale);
   features_.removeUnweighted();
 }

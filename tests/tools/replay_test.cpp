@@ -1,0 +1,266 @@
+#include "tools/replay/replay.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
+
+#include "calib/atomic_file.hpp"
+#include "calib/rig_file.hpp"
+#include "calib/rig_import.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/test_data.hpp"
+#include "tools/evaluate/association.hpp"
+#include "tools/evaluate/evaluation.hpp"
+#include "tools/replay/motion_csv.hpp"
+#include "tools/replay/output_files.hpp"
+#include "tools/replay/summary.hpp"
+#include "tools/replay/truth.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <typename Call>
+std::string messageOf(Call call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> fieldsOf(const std::string& line) {
+  std::vector<std::string> fields(1);
+  for (const char character : line) {
+    if (character == ',') {
+      fields.emplace_back();
+    } else {
+      fields.back() += character;
+    }
+  }
+  return fields;
+}
+
+/// The first pairs of a KITTI sequence as a folder of links.
+void linkFirstPairs(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs) {
+  for (const char* camera : {"image_0", "image_1"}) {
+    std::filesystem::create_directories(folder / camera);
+    for (int i = 0; i < pairs; ++i) {
+      char name[16];
+      std::snprintf(name, sizeof name, "%06d.png", i);
+      std::filesystem::create_symlink(std::filesystem::canonical(sequence / camera / name),
+                                      folder / camera / name);
+    }
+  }
+  std::filesystem::copy(sequence / "calib.txt", folder / "calib.txt");
+  for (const char* list : {"times.txt", "poses.txt"}) {
+    std::ifstream all(sequence / list);
+    std::ofstream first(folder / list);
+    std::string line;
+    for (int i = 0; i < pairs && std::getline(all, line); ++i)
+      first << line << '\n';
+  }
+}
+
+Replay replayed(const std::filesystem::path& source) {
+  ReplaySettings settings;
+  settings.source = source;
+  return replaySource(settings, [](const PairResult&, std::size_t) {});
+}
+
+/// The first pairs of kitti_06, each test in a folder of its own; most of them look at one and the same
+/// replay.
+class ReplayOfKitti : public ::testing::Test {
+ protected:
+  static constexpr int kPairs = 6;
+
+  void SetUp() override {
+    CARTVO_NEEDS_DATA(sequence, "kitti_06");
+    linkFirstPairs(sequence, folder_.path(), kPairs);
+  }
+
+  const Replay& replayOfAll() const {
+    static const Replay replay = replayed(folder_.path());
+    return replay;
+  }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(ReplayOfKitti, FollowsTheTruthPairByPair) {
+  const Replay& replay = replayOfAll();
+  ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kPairs));
+  EXPECT_FALSE(replay.pairs.front().valid);
+  for (std::size_t i = 1; i < replay.pairs.size(); ++i)
+    EXPECT_TRUE(replay.pairs[i].valid) << i;
+  const Trajectory truth = readTrajectory(folder_ / "poses.txt");
+  const Evaluation evaluation = evaluate(associateByRows(leftCameraTrajectory(replay), truth));
+  EXPECT_LT(*evaluation.final_drift_fraction, 0.05);
+}
+
+TEST_F(ReplayOfKitti, GivesTheSameBytesTwiceAndWithAnyNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  std::vector<std::string> poses;
+  for (const int count : {1, 2}) {
+    cv::setNumThreads(count);
+    const std::filesystem::path file = folder_ / ("out" + std::to_string(poses.size()));
+    writeKitti(file, leftCameraTrajectory(replayed(folder_.path())));
+    poses.push_back(contents(file));
+  }
+  cv::setNumThreads(threads);
+  poses.push_back([&] {
+    writeKitti(folder_ / "out", leftCameraTrajectory(replayOfAll()));
+    return contents(folder_ / "out");
+  }());
+  EXPECT_EQ(poses[0], poses[1]);
+  EXPECT_EQ(poses[1], poses[2]);
+}
+
+TEST_F(ReplayOfKitti, TellsMotionAndErrorsInTheBodysAxes) {
+  const Replay& replay = replayOfAll();
+  const Truth truth = readTruth(folder_ / "poses.txt", replay);
+  const std::vector<std::string> rows = linesOf(motionCsv(replay, &truth));
+  ASSERT_EQ(rows.size(), kPairs + 1u);
+  const std::vector<std::string> header = fieldsOf(rows.front());
+  const auto column = [&](const std::vector<std::string>& fields, const std::string& name) {
+    return fields.at(std::find(header.begin(), header.end(), name) - header.begin());
+  };
+  for (const std::string& row : rows)
+    ASSERT_EQ(fieldsOf(row).size(), header.size());
+  EXPECT_EQ(column(fieldsOf(rows[1]), "Vx"), "");
+  EXPECT_EQ(column(fieldsOf(rows[1]), "error_Vx"), "");
+  for (std::size_t i = 2; i < rows.size(); ++i) {
+    const std::vector<std::string> fields = fieldsOf(rows[i]);
+    EXPECT_NEAR(std::stod(column(fields, "Vx")), 12.0, 2.0);  // forward, as kitti_06 drives
+    EXPECT_NEAR(std::stod(column(fields, "Vy")), 0.0, 1.0);
+    EXPECT_NEAR(std::stod(column(fields, "error_Vx")), 0.0, 0.6);
+    EXPECT_NEAR(std::stod(column(fields, "error_yaw_rate")), 0.0, 0.05);
+  }
+  EXPECT_GT(std::stod(column(fieldsOf(rows.back()), "x")), 5.0);
+}
+
+TEST_F(ReplayOfKitti, TakesATruthOfTheBodyByTimeAsWell) {
+  const Replay& replay = replayOfAll();
+  writeTum(folder_ / "truth.tum", bodyTrajectory(replay));
+  const Truth truth = readTruth(folder_ / "truth.tum", replay);
+  ASSERT_EQ(truth.size(), replay.pairs.size());
+  const std::vector<std::string> last = fieldsOf(linesOf(motionCsv(replay, &truth)).back());
+  EXPECT_NEAR(std::stod(last.back()), 0.0, 1e-6);  // error_position
+}
+
+TEST_F(ReplayOfKitti, TimesEachStageOfEachPair) {
+  const std::vector<std::string> rows = linesOf(timingCsv(replayOfAll()));
+  ASSERT_EQ(rows.size(), kPairs + 1u);
+  EXPECT_THAT(rows.front(), ::testing::StartsWith("pair,rectify_ms,pyramid_ms,"));
+  EXPECT_THAT(rows.front(), ::testing::EndsWith(",total_ms"));
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const std::vector<std::string> fields = fieldsOf(rows[i]);
+    double sum = 0.0;
+    for (std::size_t k = 1; k + 1 < fields.size(); ++k)
+      sum += std::stod(fields[k]);
+    EXPECT_LE(sum, std::stod(fields.back()) + 0.01);
+    EXPECT_GT(sum, 0.0);
+  }
+}
+
+TEST_F(ReplayOfKitti, IsSummedUp) {
+  ReplaySettings settings;
+  settings.source = folder_.path();
+  settings.odometry.features = 500;
+  const Replay replay = replaySource(settings, [](const PairResult&, std::size_t expected) {
+    EXPECT_EQ(expected, static_cast<std::size_t>(kPairs));
+  });
+  const nlohmann::ordered_json summary = replaySummary(settings, replay);
+  EXPECT_EQ(summary["kind"], "kitti");
+  EXPECT_EQ(summary["estimator"], "thesis");
+  EXPECT_EQ(summary["features"], 500);
+  EXPECT_EQ(summary["pairs"], kPairs);
+  EXPECT_EQ(summary["valid"], kPairs - 1);
+  EXPECT_EQ(summary["invalid_by_reason"], (nlohmann::ordered_json{{"first_pair", 1}}));
+  EXPECT_EQ(summary["invalid_pairs"], nlohmann::ordered_json::array({0}));
+  EXPECT_GT(summary["path_length_m"], 5.0);
+  EXPECT_GT(summary["time_ms"]["total"]["median"], 0.0);
+}
+
+TEST_F(ReplayOfKitti, TakesItsRigFromTheFolderBeforeCalibTxtAndTheGivenOneBeforeBoth) {
+  const auto found = [&](const std::filesystem::path& given) {
+    return findRig(openSource(folder_.path()), folder_.path(), given);
+  };
+  EXPECT_EQ(found({}).rig.name, "KITTI");
+  EXPECT_EQ(found({}).rig.left.size, cv::Size(1226, 370));
+  Rig rig = readKittiRig(folder_ / "calib.txt", {1226, 370});
+  rig.name = "beside the images";
+  writeRig(folder_ / "rig.yaml", rig);
+  EXPECT_EQ(found({}).rig.name, "beside the images");
+  rig.name = "given";
+  writeRig(folder_ / "other.yaml", rig);
+  EXPECT_EQ(found(folder_ / "other.yaml").rig.name, "given");
+  EXPECT_EQ(found(folder_ / "other.yaml").origin, (folder_ / "other.yaml").string());
+}
+
+TEST_F(ReplayOfKitti, RefusesARigOfAnotherSize) {
+  writeRig(folder_ / "rig.yaml", readKittiRig(folder_ / "calib.txt", {1241, 376}));
+  EXPECT_THAT(messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
+}
+
+TEST_F(ReplayOfKitti, WithoutARigIsRefusedSayingWhatWouldDo) {
+  std::filesystem::remove(folder_ / "calib.txt");
+  EXPECT_THAT(messageOf([&] { replayed(folder_.path()); }), HasSubstr("Give --rig FILE, or put a rig.yaml"));
+}
+
+TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
+  CARTVO_NEEDS_DATA(sequence, "kitti_06");
+  const Replay& replay = replayOfAll();
+  EXPECT_THAT(messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
+              HasSubstr("has 51 poses for 6 pairs"));
+}
+
+TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {
+  CARTVO_NEEDS_DATA(folder, "euroc_still");
+  const Replay replay = replayed(folder);
+  ASSERT_EQ(replay.pairs.size(), 40u);
+  EXPECT_EQ(replay.rig.rig.name, "EuRoC");
+  for (std::size_t i = 1; i < replay.pairs.size(); ++i)
+    EXPECT_TRUE(replay.pairs[i].valid) << i;
+  const Eigen::Isometry3d& end = replay.pairs.back().T_first_left;
+  EXPECT_LT(end.translation().norm(), 0.03);
+  EXPECT_LT(Eigen::AngleAxisd(end.linear()).angle(), 0.5 * std::numbers::pi / 180.0);
+}
+
+TEST(Replay, OfWhatIsNoSourceIsRefused) {
+  const test::TemporaryFolder folder;
+  EXPECT_THAT(messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));
+  EXPECT_THAT(messageOf([] { replayed("/no/such/folder"); }), HasSubstr("/no/such/folder"));
+}
+
+TEST(Replay, IntoAFileIsRefused) {
+  const test::TemporaryFolder folder;
+  writeFileAtomically(folder / "out", "a file");
+  EXPECT_THAT(messageOf([&] { prepareOutputFolder(folder / "out"); }),
+              HasSubstr("is not a folder; --output-dir"));
+  EXPECT_THAT(messageOf([&] { prepareOutputFolder(folder / "out/inside"); }), HasSubstr("cannot be made"));
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,146 @@
+// `cartvo replay`: what the daemon would have made of recorded images, written as text.
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <lcm/lcm-cpp.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "calib/atomic_file.hpp"
+#include "daemon/configuration.hpp"
+#include "daemon/lcm_connection.hpp"
+#include "daemon/odometry_publisher.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/report.hpp"
+#include "tools/replay/motion_csv.hpp"
+#include "tools/replay/output_files.hpp"
+#include "tools/replay/replay.hpp"
+#include "tools/replay/summary.hpp"
+#include "tools/replay/truth.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  ReplaySettings replay;
+  std::filesystem::path output;
+  std::filesystem::path truth;
+  int threads = 2;
+  bool publish = false;
+};
+
+/// The truth and the estimate where the truth is known, both of the body.
+AssociatedTrajectories withTruth(const Replay& replay, const Truth& truth) {
+  const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
+  AssociatedTrajectories associated;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!truth[i]) {
+      ++associated.unmatched;
+      continue;
+    }
+    const ReplayedPair& pair = replay.pairs[i];
+    associated.truth.push_back({pair.exposure_ns, *truth[i]});
+    associated.estimate.push_back(
+        {pair.exposure_ns, T_body_left * pair.T_first_left * T_body_left.inverse()});
+  }
+  return associated;
+}
+
+Replay replayWithProgress(const Options& options) {
+  const Configuration defaults;
+  std::unique_ptr<lcm::LCM> lcm;
+  std::optional<OdometryPublisher> publisher;
+  if (options.publish) {
+    lcm = connectLcm(defaults.lcm_url);
+    publisher.emplace(*lcm, defaults.time_to_live);
+  }
+  ProgressBar progress("pairs");
+  return replaySource(options.replay, [&](const PairResult& result, std::size_t expected) {
+    if (publisher) publisher->publish(result);
+    progress.show(result.sequence + 1, expected);
+  });
+}
+
+void run(const Options& options) {
+  prepareOutputFolder(options.output);
+  cv::setNumThreads(options.threads);
+  const Replay replay = replayWithProgress(options);
+  std::optional<Truth> truth;
+  if (!options.truth.empty()) truth = readTruth(options.truth, replay);
+
+  nlohmann::ordered_json summary = replaySummary(options.replay, replay);
+  summary["threads"] = options.threads;
+  if (truth) {
+    summary["truth"] = options.truth.string();
+    summary["evaluation"] = evaluationJson(evaluate(withTruth(replay, *truth)));
+  }
+  writeKitti(options.output / "poses.txt", leftCameraTrajectory(replay));
+  writeTum(options.output / "trajectory.tum", bodyTrajectory(replay));
+  writeFileAtomically(options.output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
+  writeFileAtomically(options.output / "timing.csv", timingCsv(replay));
+  writeFileAtomically(options.output / "summary.json", summary.dump(2) + "\n");
+
+  for (const std::string& problem : replay.problems)
+    std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());
+  std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
+              replay.pairs.size(), summary["valid"].get<std::size_t>(),
+              summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
+              summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
+  if (truth) std::fputs(evaluationTable(evaluate(withTruth(replay, *truth))).c_str(), stdout);
+}
+
+}  // namespace
+
+void addReplayCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("replay", "Estimate the motion from a recording or a folder of images");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("SOURCE", options->replay.source,
+                   "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
+      ->required();
+  command->add_option("--output-dir", options->output, "Folder for the results; made if it is missing")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option("--rig", options->replay.rig,
+                   "Rig file: cartvo's own or OpenCV FileStorage with K1 D1 K2 D2 R T image_size")
+      ->type_name("FILE");
+  command
+      ->add_option("--estimator", options->replay.odometry.estimator, "How the motion is estimated: thesis")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Estimator>{{"thesis", Estimator::thesis}})
+                      .description(""))
+      ->type_name("NAME")
+      ->default_str(estimatorName(options->replay.odometry.estimator));
+  command->add_option("--features", options->replay.odometry.features, "Features aimed at in each left image")
+      ->check(CLI::Range(50, 20000))
+      ->capture_default_str();
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads for the image operations; the results do not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command
+      ->add_option("--truth", options->truth,
+                   "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
+      ->type_name("FILE");
+  command->add_flag("--publish", options->publish, "Publish each pair over LCM too, as cartvod does");
+  command->footer(
+      "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml or KITTI's calib.txt "
+      "in the\n"
+      "folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), Motionestimation.csv, "
+      "timing.csv and\n"
+      "summary.json; see cartvo-replay(1) for what is in them. The same source gives the same poses.txt, to "
+      "the byte.\n"
+      "Examples:\n"
+      "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
+      "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

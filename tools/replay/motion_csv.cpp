@@ -1,0 +1,119 @@
+#include "tools/replay/motion_csv.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "daemon/body_motion.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr const char* kMotionColumns = "Vx,Vy,Vz,pitch_rate,yaw_rate,roll_rate";
+
+using Row = std::string;
+
+void add(Row& row, double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, ",%.9g", value);
+  row += std::isfinite(value) ? text : ",";
+}
+
+void add(Row& row, const Vector6d& motion) {
+  for (const double value : motion)
+    add(row, value);
+}
+
+void addEmpty(Row& row, int columns) {
+  row.append(static_cast<std::size_t>(columns), ',');
+}
+
+/// Velocities and rates in the order of the columns.
+Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity) {
+  Vector6d columns;
+  columns << velocity, angular_velocity.y(), angular_velocity.z(), angular_velocity.x();
+  return columns;
+}
+
+/// The constant twist that makes the true motion between two pairs in the time between them.
+Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
+  const Vector6d twist = logarithm(before.inverse() * now) / time_step;
+  return motionColumns(twist.head<3>(), twist.tail<3>());
+}
+
+void addPose(Row& row, const Eigen::Isometry3d& T_first_body) {
+  const Eigen::Matrix3d R = T_first_body.linear();
+  const Eigen::Vector3d position = T_first_body.translation();
+  for (const double coordinate : position)
+    add(row, coordinate);
+  add(row, std::atan2(R(2, 1), R(2, 2)));
+  add(row, std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))));
+  add(row, std::atan2(R(1, 0), R(0, 0)));
+}
+
+/// Where the pair is whose exposure the motion of pair `index` was measured from, looked for backwards: it
+/// need not be the one before, if that one had no estimate.
+std::size_t previousOf(const Replay& replay, std::size_t index) {
+  const double expected = replay.pairs[index].time_step;
+  std::size_t previous = index - 1;
+  const auto step = [&](std::size_t from) {
+    return 1e-9 * static_cast<double>(replay.pairs[index].exposure_ns - replay.pairs[from].exposure_ns);
+  };
+  while (previous > 0 && std::abs(step(previous) - expected) > std::abs(step(previous - 1) - expected))
+    --previous;
+  return previous;
+}
+
+void addErrors(Row& row, const Replay& replay, const Truth& truth, std::size_t index,
+               const Eigen::Isometry3d& T_first_body) {
+  const ReplayedPair& pair = replay.pairs[index];
+  const std::size_t previous = pair.valid && index > 0 ? previousOf(replay, index) : index;
+  if (previous != index && truth[index] && truth[previous]) {
+    const Vector6d measured = motionColumns(pair.velocity, pair.angular_velocity);
+    add(row, measured - trueMotion(*truth[previous], *truth[index], pair.time_step));
+  } else {
+    addEmpty(row, 6);
+  }
+  if (truth[index]) {
+    add(row, (T_first_body.translation() - truth[index]->translation()).norm());
+  } else {
+    addEmpty(row, 1);
+  }
+}
+
+}  // namespace
+
+std::string motionCsv(const Replay& replay, const Truth* truth) {
+  std::string csv = std::string("pair,time,valid,") + kMotionColumns +
+                    ",x,y,z,roll,pitch,yaw,offset_ms,features,tracked,matched,inliers";
+  if (truth != nullptr) {
+    csv += ",error_Vx,error_Vy,error_Vz,error_pitch_rate,error_yaw_rate,error_roll_rate,error_position";
+  }
+  csv += '\n';
+  const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
+  for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
+    const ReplayedPair& pair = replay.pairs[index];
+    const Eigen::Isometry3d T_first_body = T_body_left * pair.T_first_left * T_body_left.inverse();
+    char head[64];
+    std::snprintf(head, sizeof head, "%zu,%lld.%09lld,%d", index,
+                  static_cast<long long>(pair.exposure_ns / 1'000'000'000),
+                  static_cast<long long>(pair.exposure_ns % 1'000'000'000), pair.valid ? 1 : 0);
+    Row row = head;
+    if (pair.valid) {
+      add(row, motionColumns(pair.velocity, pair.angular_velocity));
+    } else {
+      addEmpty(row, 6);
+    }
+    addPose(row, T_first_body);
+    add(row, 1e-6 * static_cast<double>(pair.offset_ns));
+    for (const int count :
+         {pair.counts.detected, pair.counts.tracked, pair.counts.matched, pair.counts.inliers}) {
+      row += ',';
+      row += std::to_string(count);
+    }
+    if (truth != nullptr) addErrors(row, replay, *truth, index, T_first_body);
+    csv += row + '\n';
+  }
+  return csv;
+}
+
+}  // namespace cartvo

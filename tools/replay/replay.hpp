@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "capture/stereo_source.hpp"
+#include "daemon/pipeline.hpp"
+#include "tools/replay/source_rig.hpp"
+#include "tools/trajectory/trajectory.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+struct ReplaySettings {
+  std::filesystem::path source;
+  std::filesystem::path rig;  ///< empty: found beside the source
+  OdometrySettings odometry;
+};
+
+/// What is kept of one pair.
+struct ReplayedPair {
+  std::int64_t exposure_ns = 0;  ///< of the left image
+  std::int64_t offset_ns = 0;
+  bool valid = false;
+  OdometryReason reasons = OdometryReason::none;
+  std::uint32_t reset_counter = 0;
+  double time_step = 0.0;  ///< s since the pair that the motion is measured from; 0 if not valid
+  FeatureCounts counts;
+  Eigen::Vector3d velocity;          ///< as BodyMotion's; NaN if not valid
+  Eigen::Vector3d angular_velocity;  ///< as BodyMotion's; NaN if not valid
+  Eigen::Isometry3d T_first_left;    ///< the rig's left camera, its own axes, since the first pair
+  StageTimes times;
+};
+
+/// A source as the pipeline saw it. Where the pose began anew after a loss, the new epoch goes on from the
+/// last pose known, and a pair without an estimate repeats it, so that there is one unbroken path.
+struct Replay {
+  SourceKind kind = SourceKind::kitti;
+  FoundRig rig;
+  std::vector<ReplayedPair> pairs;
+  PipelineCounts counts;
+  std::vector<std::string> problems;  ///< what the sources said of themselves (a recording cut short)
+};
+
+/// Is told of each pair as it was processed, and how many are expected (0: unknown).
+using ReplayObserver = std::function<void(const PairResult& result, std::size_t expected)>;
+
+/// Runs the daemon's pipeline over a source on disk, each pair in turn, none dropped for time. Throws what
+/// the source, the rig or the settings are refused for.
+Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer);
+
+/// Poses of the left camera, in its own axes, relative to the first pair's.
+Trajectory leftCameraTrajectory(const Replay& replay);
+
+/// Poses of the cart's body, relative to the first pair's. A pair that is not later than the one before (the
+/// camera's clock was set back) has none.
+Trajectory bodyTrajectory(const Replay& replay);
+
+}  // namespace cartvo

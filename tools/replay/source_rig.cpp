@@ -1,0 +1,45 @@
+#include "tools/replay/source_rig.hpp"
+
+#include <stdexcept>
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/rig_file.hpp"
+#include "calib/rig_import.hpp"
+
+namespace cartvo {
+namespace {
+
+/// KITTI's calib.txt does not say how large the images are; the first one does.
+cv::Size firstImageSize(const std::filesystem::path& folder) {
+  const std::filesystem::path first = readImageFolder(folder).left.images.front();
+  const cv::Mat image = cv::imread(first.string(), cv::IMREAD_GRAYSCALE);
+  if (image.empty()) throw std::runtime_error(first.string() + ": cannot be read as an image");
+  return image.size();
+}
+
+}  // namespace
+
+FoundRig findRig(const StereoSource& source, const std::filesystem::path& path,
+                 const std::filesystem::path& given) {
+  const std::filesystem::path& rig_file = given.empty() ? source.rig_file : given;
+  if (!rig_file.empty()) return {readRig(rig_file), rig_file.string()};
+  if (!source.rig_text.empty()) {
+    const std::filesystem::path recording = path / "recording.json";
+    return {parseRig(source.rig_text, recording), recording.string()};
+  }
+  const auto& [left_sensor, right_sensor] = source.sensor_files;
+  if (!left_sensor.empty() && !right_sensor.empty()) {
+    return {readEurocRig(left_sensor, right_sensor), left_sensor.string()};
+  }
+  if (!source.calib_file.empty()) {
+    return {readKittiRig(source.calib_file, firstImageSize(path)), source.calib_file.string()};
+  }
+  throw std::runtime_error(
+      path.string() +
+      ": nothing says what the cameras are. Give --rig FILE, or put a rig.yaml (cartvo's own or "
+      "OpenCV's K1 D1 K2 D2 R T image_size) or KITTI's calib.txt into the folder");
+}
+
+}  // namespace cartvo

@@ -1,0 +1,137 @@
+#include "tools/replay/summary.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/version.hpp>
+
+#include "daemon/health_monitor.hpp"
+#include "tools/evaluate/evaluation.hpp"
+
+namespace cartvo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* reasonName(OdometryReason reason) {
+  switch (reason) {
+    case OdometryReason::none:
+      return "none";
+    case OdometryReason::first_pair:
+      return "first_pair";
+    case OdometryReason::too_few_features:
+      return "too_few_features";
+    case OdometryReason::too_few_matches:
+      return "too_few_matches";
+    case OdometryReason::too_few_inliers:
+      return "too_few_inliers";
+    case OdometryReason::high_residual:
+      return "high_residual";
+    case OdometryReason::time_step:
+      return "time_step";
+    case OdometryReason::implausible_motion:
+      return "implausible_motion";
+  }
+  return "unknown";
+}
+
+const char* kindName(SourceKind kind) {
+  switch (kind) {
+    case SourceKind::recording:
+      return "recording";
+    case SourceKind::kitti:
+      return "kitti";
+    case SourceKind::euroc:
+      return "euroc";
+  }
+  return "unknown";
+}
+
+Json pairsJson(const Replay& replay) {
+  Json invalid = Json::array();
+  Json by_reason = Json::object();
+  for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
+    const ReplayedPair& pair = replay.pairs[index];
+    if (pair.valid) continue;
+    invalid.push_back(index);
+    for (auto bits = static_cast<std::uint32_t>(pair.reasons); bits != 0; bits &= bits - 1) {
+      const std::string name = reasonName(static_cast<OdometryReason>(bits & -bits));
+      by_reason[name] = by_reason.value(name, 0) + 1;
+    }
+  }
+  Json json;
+  json["pairs"] = replay.pairs.size();
+  json["valid"] = replay.pairs.size() - invalid.size();
+  json["invalid"] = invalid.size();
+  json["invalid_by_reason"] = by_reason;
+  json["invalid_pairs"] = invalid;
+  json["resets"] = replay.pairs.back().reset_counter;
+  return json;
+}
+
+Json framesJson(const PipelineCounts& counts) {
+  return {{"dropped_no_partner", counts.dropped_no_partner},
+          {"dropped_damaged", counts.dropped_damaged},
+          {"dropped_out_of_order", counts.dropped_out_of_order},
+          {"dropped_overflow", counts.dropped_overflow},
+          {"dropped_clock", counts.dropped_clock}};
+}
+
+/// Of the pairs after the first, which has nothing to compare with.
+template <typename Value>
+Json timesJson(const Replay& replay, Value value) {
+  std::vector<double> milliseconds;
+  const std::size_t first = replay.pairs.size() > 1 ? 1 : 0;
+  for (std::size_t i = first; i < replay.pairs.size(); ++i) {
+    milliseconds.push_back(1000.0 * value(replay.pairs[i].times));
+  }
+  return {{"median", percentile(milliseconds, 0.5)},
+          {"p99", percentile(milliseconds, 0.99)},
+          {"max", *std::max_element(milliseconds.begin(), milliseconds.end())}};
+}
+
+Json timesJson(const Replay& replay) {
+  Json json;
+  json["total"] = timesJson(replay, [](const StageTimes& times) { return times.total; });
+  for (int i = 0; i < kStageCount; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    json[stageName(stage)] = timesJson(replay, [stage](const StageTimes& times) { return times.of(stage); });
+  }
+  return json;
+}
+
+}  // namespace
+
+const char* estimatorName(Estimator estimator) {
+  switch (estimator) {
+    case Estimator::thesis:
+      return "thesis";
+  }
+  return "unknown";
+}
+
+Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
+  const Rig& rig = replay.rig.rig;
+  Json json;
+  json["source"] = settings.source.string();
+  json["kind"] = kindName(replay.kind);
+  json["rig"] = {{"name", rig.name},
+                 {"origin", replay.rig.origin},
+                 {"image_size", {rig.left.size.width, rig.left.size.height}},
+                 {"baseline_m", rig.baseline()}};
+  json["estimator"] = estimatorName(settings.odometry.estimator);
+  json["features"] = settings.odometry.features;
+  json["seed"] = settings.odometry.seed;
+  json.update(pairsJson(replay));
+  json["frames"] = framesJson(replay.counts);
+  json["problems"] = replay.problems;
+  json["duration_s"] =
+      1e-9 * static_cast<double>(replay.pairs.back().exposure_ns - replay.pairs.front().exposure_ns);
+  json["path_length_m"] = distancesAlong(leftCameraTrajectory(replay)).back();
+  json["time_ms"] = timesJson(replay);
+  json["versions"] = {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}};
+  return json;
+}
+
+}  // namespace cartvo

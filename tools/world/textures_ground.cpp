@@ -65,8 +65,8 @@ float markings(const SurfacePoint& p) {
 }  // namespace
 
 float asphalt(const SurfacePoint& p, const TextureStyle& style) {
-  const float grain = noise(p.x, p.y, p.footprint, {25.6F, 0.012F, 0.93F}, style.seed + 11U);
-  float r = 0.17F * factor(0.36F * style.contrast * grain);
+  const float grain = noise(p.x, p.y, p.footprint, {25.6F, 0.012F, 1.0F}, style.seed + 11U);
+  float r = 0.17F * factor(0.42F * style.contrast * grain);
   const float ruts = filteredPulse(0.45F, 1.0F, std::abs(p.v), 0.5F);
   r *= 1.0F - 0.12F * ruts;
   if (style.contrast > 0.5F) {

@@ -70,8 +70,8 @@ std::string shortest(double number) {
 
 }  // namespace
 
-StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node)
-    : file_(std::move(file)), key_(std::move(key)), node_(node) {}
+StrictYaml::StrictYaml(std::filesystem::path file, std::string key, YAML::Node node)
+    : file_(std::move(file)), key_(std::move(key)), node_(std::move(node)) {}
 
 StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
   return parse(readText(file), file);
@@ -108,7 +108,7 @@ void StrictYaml::allowOnly(std::initializer_list<const char*> keys) const {
 }
 
 bool StrictYaml::has(const std::string& key) const {
-  return node_.IsMap() && node_[key].IsDefined();
+  return node_.IsMap() && node_[key].IsDefined() && !node_[key].IsNull();
 }
 
 StrictYaml StrictYaml::operator[](const std::string& key) const {

@@ -24,6 +24,7 @@ class StrictYaml {
   /// Refuses keys beside these, and keys given twice.
   void allowOnly(std::initializer_list<const char*> keys) const;
 
+  /// Whether the key is there with a value.
   bool has(const std::string& key) const;
 
   /// The value of a key; a missing one is an error.
@@ -44,7 +45,7 @@ class StrictYaml {
   [[noreturn]] void fail(const std::string& problem) const;
 
  private:
-  StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node);
+  StrictYaml(std::filesystem::path file, std::string key, YAML::Node node);
 
   std::filesystem::path file_;
   std::string key_;

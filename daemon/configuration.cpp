@@ -22,6 +22,15 @@ constexpr Keys kLcmKeys = {"url", "time_to_live"};
 constexpr Keys kRecordingKeys = {"directory"};
 constexpr Keys kLoggingKeys = {"level"};
 
+using LogLevel = spdlog::level::level_enum;
+constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", LogLevel::debug},
+                                                                      {"info", LogLevel::info},
+                                                                      {"warning", LogLevel::warn},
+                                                                      {"error", LogLevel::err}}};
+constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
+    {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
+constexpr std::array<std::pair<const char*, Estimator>, 1> kEstimators{{{"thesis", Estimator::thesis}}};
+
 /// Takes one of the named values, or says which there are.
 template <typename Value, std::size_t count>
 Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Value>, count>& choices) {
@@ -31,6 +40,14 @@ Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Val
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
   yaml.failExpecting("one of " + names);
+}
+
+template <typename Value, std::size_t count>
+const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, count>& choices) {
+  for (const auto& [name, named] : choices) {
+    if (named == value) return name;
+  }
+  return "";
 }
 
 std::chrono::milliseconds duration(const StrictYaml& seconds, double least, double most) {
@@ -91,8 +108,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
     yaml["right"]["url"].fail("both cameras have the same URL; stereo needs two");
   }
   if (yaml.has("transport")) {
-    configuration.transport = choice<RtspTransport, 2>(
-        yaml["transport"], {{{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}});
+    configuration.transport = choice(yaml["transport"], kTransports);
   }
   if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
   if (yaml.has("stall_timeout")) {
@@ -104,7 +120,7 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kOdometryKeys);
   OdometrySettings& odometry = configuration.odometry;
   if (yaml.has("estimator")) {
-    odometry.estimator = choice<Estimator, 1>(yaml["estimator"], {{{"thesis", Estimator::thesis}}});
+    odometry.estimator = choice(yaml["estimator"], kEstimators);
   }
   if (yaml.has("features")) odometry.features = static_cast<int>(yaml["features"].integer(50, 20000));
   if (yaml.has("seed")) {
@@ -128,10 +144,11 @@ void readLcm(const StrictYaml& yaml, Configuration& configuration) {
 void readLogging(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLoggingKeys);
   if (!yaml.has("level")) return;
-  using Level = spdlog::level::level_enum;
-  configuration.log_level = choice<Level, 4>(
-      yaml["level"],
-      {{{"debug", Level::debug}, {"info", Level::info}, {"warning", Level::warn}, {"error", Level::err}}});
+  configuration.log_level = choice(yaml["level"], kLogLevels);
+}
+
+double seconds(std::chrono::milliseconds duration) {
+  return std::chrono::duration<double>(duration).count();
 }
 
 }  // namespace
@@ -155,6 +172,42 @@ Configuration readConfiguration(const std::filesystem::path& file) {
   }
   if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
   return configuration;
+}
+
+std::string effectiveConfiguration(const Configuration& configuration) {
+  YAML::Emitter yaml;
+  const auto camera = [&yaml](const char* side, const CameraConfiguration& settings) {
+    yaml << YAML::Key << side << YAML::BeginMap << YAML::Key << "url" << settings.url;
+    if (!settings.username.empty()) yaml << YAML::Key << "username" << settings.username;
+    if (!settings.password_file.empty())
+      yaml << YAML::Key << "password_file" << settings.password_file.string();
+    if (!settings.password_credential.empty())
+      yaml << YAML::Key << "password_credential" << settings.password_credential;
+    yaml << YAML::EndMap;
+  };
+  yaml << YAML::BeginMap << YAML::Key << "cameras" << YAML::BeginMap;
+  camera("left", configuration.left);
+  camera("right", configuration.right);
+  yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
+  yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
+  yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
+  yaml << YAML::Key << "rig" << configuration.rig.string();
+  if (!configuration.tables.empty()) yaml << YAML::Key << "tables" << configuration.tables.string();
+  yaml << YAML::Key << "odometry" << YAML::BeginMap << YAML::Key << "estimator"
+       << "thesis";
+  yaml << YAML::Key << "features" << configuration.odometry.features;
+  yaml << YAML::Key << "seed" << configuration.odometry.seed;
+  yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
+  yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
+  yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;
+  if (!configuration.recording_directory.empty()) {
+    yaml << YAML::Key << "recording" << YAML::BeginMap;
+    yaml << YAML::Key << "directory" << configuration.recording_directory.string() << YAML::EndMap;
+  }
+  yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
+       << nameOf(configuration.log_level, kLogLevels);
+  yaml << YAML::EndMap << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
 }
 
 std::vector<std::string> configurationKeys() {

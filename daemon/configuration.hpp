@@ -46,6 +46,10 @@ struct Configuration {
 /// taken from the file's folder. Opens no other file.
 Configuration readConfiguration(const std::filesystem::path& file);
 
+/// The configuration in effect as YAML that `readConfiguration` reads back; passwords are not in it, only
+/// where they come from. A recording keeps it beside its streams.
+std::string effectiveConfiguration(const Configuration& configuration);
+
 /// Every key that `readConfiguration` knows, as "cameras.left.url".
 std::vector<std::string> configurationKeys();
 

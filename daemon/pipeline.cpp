@@ -104,9 +104,7 @@ class Pipeline::Implementation {
   void stop() noexcept;
   PipelineCounts counts() const;
   std::string problem() const { return live_.problem(); }
-  PipelineProgress progress() const {
-    return {left_beat_.seconds(), right_beat_.seconds(), odometry_beat_.seconds()};
-  }
+  PipelineProgress progress() const { return {left_beat_.seconds(), right_beat_.seconds()}; }
 
  private:
   void readCamera(CameraSource& source, CameraSide side, Heartbeat& heartbeat) noexcept;
@@ -119,7 +117,7 @@ class Pipeline::Implementation {
   PairProcessor& processor_;
   PipelineSettings settings_;
   LivePairing live_;
-  Heartbeat left_beat_, right_beat_, odometry_beat_;
+  Heartbeat left_beat_, right_beat_;
   std::atomic<bool> stopped_ = false;
   std::atomic<std::uint64_t> processed_ = 0;
 
@@ -198,7 +196,6 @@ void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
-    odometry_beat_.beat();
     const std::optional<FramePair> pair = live_.take(missed);
     if (pair) {
       processPair(*pair, sink);

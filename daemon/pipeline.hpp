@@ -52,11 +52,11 @@ struct PipelineCounts {
   std::uint64_t dropped_clock = 0;  ///< frames whose instants cannot be compared with the other camera's
 };
 
-/// How long ago each loop of `runLive` went round, in seconds. They turn with or without frames.
+/// How long ago each camera's reader went round, in seconds; it does so with or without frames, at least
+/// after the camera's connection time-out.
 struct PipelineProgress {
-  double left_reader = 0.0;   ///< bounded by CameraSource::read and the camera's connection time-out
-  double right_reader = 0.0;  ///< as the left's
-  double odometry = 0.0;      ///< bounded by a frame period and the time of a pair
+  double left_reader = 0.0;
+  double right_reader = 0.0;
 };
 
 /// The path of a frame through the program:

@@ -2,6 +2,7 @@
 
 #include "daemon/service_manager.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include <sys/stat.h>
@@ -12,7 +13,9 @@ namespace cartvo {
 
 ServiceManager::ServiceManager() {
   std::uint64_t period_us = 0;
-  if (sd_watchdog_enabled(0, &period_us) > 0) watchdog_period_ = std::chrono::microseconds(period_us);
+  if (sd_watchdog_enabled(0, &period_us) > 0) {
+    feeding_period_ = std::min(feeding_period_, std::chrono::microseconds(period_us / 4));
+  }
 }
 
 void ServiceManager::ready() {
@@ -27,9 +30,11 @@ void ServiceManager::status(const std::string& text) {
 
 void ServiceManager::feedWatchdog() {
   const auto now = std::chrono::steady_clock::now();
-  if (watchdog_period_.count() == 0 || now - last_fed_ < watchdog_period_ / 4) return;
+  if (now - last_fed_ < feeding_period_) return;
   last_fed_ = now;
-  sd_notify(0, "WATCHDOG=1");
+  // systemd arms the watchdog at READY=1; until then it is the start's time-out that is pushed on, so that
+  // cameras may be absent for ever but a stage that hangs is noticed.
+  sd_notify(0, is_ready_ ? "WATCHDOG=1" : "EXTEND_TIMEOUT_USEC=30000000");
 }
 
 void ServiceManager::stopping() {

@@ -21,7 +21,7 @@ class ServiceManager {
 
  private:
   bool is_ready_ = false;
-  std::chrono::microseconds watchdog_period_{0};  ///< 0: systemd does not watch
+  std::chrono::microseconds feeding_period_ = std::chrono::seconds(2);
   std::chrono::steady_clock::time_point last_fed_;
 };
 

@@ -1,0 +1,96 @@
+// cartvod: two IP cameras in, the cart's motion out on LCM, until SIGTERM.
+// Exit codes: 0 stopped cleanly, 1 could not go on, 2 the command line or the configuration is wrong.
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "daemon/configuration.hpp"
+#include "daemon/daemon.hpp"
+#include "daemon/log.hpp"
+#include "daemon/stop_signals.hpp"
+
+namespace {
+
+constexpr int kStopped = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongConfiguration = 2;
+
+struct CommandLine {
+  std::filesystem::path configuration;
+  std::filesystem::path recording_directory;
+  bool check_only = false;
+};
+
+void describe(CLI::App& app, CommandLine& command_line) {
+  app.description(
+      "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
+  app.set_version_flag("--version", "cartvod " CARTVO_VERSION);
+  app.add_option("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
+      ->required();
+  app.add_flag("--check-config", command_line.check_only,
+               "Check the configuration and what it names, then exit");
+  app.add_option("--record", command_line.recording_directory,
+                 "Record both streams as received into this folder (overrides recording.directory)");
+}
+
+/// Stops the daemon at the first signal, or returns when the thread is told to end.
+void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals, cartvo::Daemon& daemon) {
+  while (!end.stop_requested()) {
+    const std::optional<int> signal = signals.wait(std::chrono::milliseconds(50));
+    if (!signal) continue;
+    spdlog::info("received {}", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
+    daemon.stop();
+    return;
+  }
+}
+
+int run(const CommandLine& command_line) {
+  const cartvo::StopSignals signals;
+  cartvo::Configuration configuration;
+  try {
+    configuration = cartvo::readConfiguration(command_line.configuration);
+    if (!command_line.recording_directory.empty()) {
+      configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
+    }
+    cartvo::checkConfiguration(configuration);
+  } catch (const std::exception& error) {
+    spdlog::error(error.what());
+    return kWrongConfiguration;
+  }
+  if (command_line.check_only) {
+    std::printf("%s: in order\n", command_line.configuration.c_str());
+    return kStopped;
+  }
+  try {
+    cartvo::setUpLog(configuration.log_level);
+    cartvo::Daemon daemon(configuration);
+    const std::jthread signal_watch([&](const std::stop_token& end) { watchSignals(end, signals, daemon); });
+    daemon.run();
+  } catch (const std::exception& error) {
+    spdlog::error(error.what());
+    return kFailed;
+  }
+  return kStopped;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  cartvo::setUpLog(spdlog::level::info);
+  CLI::App app;
+  CommandLine command_line;
+  describe(app, command_line);
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kStopped : kWrongConfiguration;
+  }
+  return run(command_line);
+}

@@ -1,0 +1,256 @@
+// Puts cartvod together and keeps its records while it runs.
+
+#include "daemon/daemon.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <lcm/lcm-cpp.hpp>
+#include <opencv2/core/utility.hpp>
+#include <spdlog/spdlog.h>
+
+#include "calib/rectification_tables.hpp"
+#include "calib/rectifier.hpp"
+#include "calib/rig_file.hpp"
+#include "capture/rtsp_camera.hpp"
+#include "capture/stream_recorder.hpp"
+#include "daemon/credentials.hpp"
+#include "daemon/health_monitor.hpp"
+#include "daemon/lcm_connection.hpp"
+#include "daemon/log.hpp"
+#include "daemon/odometry_publisher.hpp"
+#include "daemon/odometry_reasons.hpp"
+#include "daemon/pipeline.hpp"
+#include "daemon/progress_watch.hpp"
+#include "daemon/service_manager.hpp"
+
+namespace cartvo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kHealthPeriod{1};
+
+RtspCameraSettings cameraSettings(const Configuration& configuration, const CameraConfiguration& camera) {
+  RtspCameraSettings settings;
+  settings.url = camera.url;
+  settings.credentials = {camera.username, readPassword(camera)};
+  settings.transport = configuration.transport;
+  settings.stall_timeout = configuration.stall_timeout;
+  return settings;
+}
+
+Rectifier loadRectifier(const Rig& rig, const std::filesystem::path& tables_file) {
+  const RectificationSettings settings;
+  if (tables_file.empty()) return {rig, settings, buildTables(rig, settings)};
+  LoadedTables loaded = loadOrBuildTables(rig, settings, tables_file);
+  spdlog::info("rectification tables: {}", loaded.explanation);
+  return {rig, settings, std::move(loaded.tables)};
+}
+
+PipelineSettings pipelineSettings(const Configuration& configuration, const Rig& rig) {
+  return {rig.left.size, std::llround(1e9 / configuration.frame_rate)};
+}
+
+std::string fileText(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+const char* stateName(CameraState state) {
+  switch (state) {
+    case CameraState::connecting:
+      return "connecting";
+    case CameraState::streaming:
+      return "streaming";
+    case CameraState::stalled:
+      return "stalled";
+    case CameraState::refused:
+      return "refused";
+    case CameraState::ended:
+      return "ended";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+class Daemon::Implementation {
+ public:
+  explicit Implementation(const Configuration& configuration);
+  void run();
+  void stop() noexcept { pipeline_.stop(); }
+
+ private:
+  void startRecording();
+  void onPair(const PairResult& result);
+  void onNoPair(const NoPair& no_pair);
+  void turn();
+  void publishHealth(Clock::time_point now);
+  void logValidity(const odometry_t& message);
+  void logState(const char* side, const CameraHealth& health, std::optional<CameraState>& last);
+  std::string statusLine(const health_t& health) const;
+
+  Configuration configuration_;
+  Rig rig_;
+  std::unique_ptr<lcm::LCM> lcm_;
+  // The recorder outlives the cameras that feed it.
+  std::unique_ptr<StreamRecorder> recorder_;
+  RtspCamera left_;
+  RtspCamera right_;
+  PairProcessor processor_;
+  Pipeline pipeline_;
+  OdometryPublisher publisher_;
+  HealthMonitor health_;
+  ServiceManager service_;
+  RepeatedWarnings warnings_;
+  Clock::time_point next_health_;
+  std::uint64_t reported_failures_ = 0;
+  std::optional<CameraState> left_state_;
+  std::optional<CameraState> right_state_;
+  std::optional<bool> was_valid_;
+};
+
+Daemon::Implementation::Implementation(const Configuration& configuration)
+    : configuration_(configuration),
+      rig_(readRig(configuration.rig)),
+      lcm_(connectLcm(configuration.lcm_url)),
+      left_(cameraSettings(configuration, configuration.left)),
+      right_(cameraSettings(configuration, configuration.right)),
+      processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
+      pipeline_(left_, right_, processor_, pipelineSettings(configuration, rig_)),
+      publisher_(*lcm_, configuration.time_to_live),
+      health_(Clock::now()),
+      next_health_(Clock::now() + kHealthPeriod) {
+  cv::setNumThreads(configuration.threads);
+  const MulticastRoute route = findMulticastRoute(configuration.lcm_url);
+  spdlog::info("LCM: {} through {}", configuration.lcm_url, route.interface);
+  if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+  if (!configuration.recording_directory.empty()) startRecording();
+}
+
+void Daemon::Implementation::startRecording() {
+  recorder_ = std::make_unique<StreamRecorder>(RecordingSettings{configuration_.recording_directory,
+                                                                 effectiveConfiguration(configuration_),
+                                                                 fileText(configuration_.rig)});
+  left_.observe(recorder_->left());
+  right_.observe(recorder_->right());
+  spdlog::info("recording to {}", configuration_.recording_directory.string());
+}
+
+void Daemon::Implementation::run() {
+  spdlog::info("cartvod " CARTVO_VERSION ": rig '{}', {}x{}, baseline {:.1f} mm; left {}, right {}",
+               rig_.name, rig_.left.size.width, rig_.left.size.height, 1e3 * rig_.baseline(),
+               configuration_.left.url, configuration_.right.url);
+  service_.status("waiting for both cameras");
+  pipeline_.runLive({[this](const PairResult& result) { onPair(result); },
+                     [this](const NoPair& no_pair) { onNoPair(no_pair); }});
+  service_.stopping();
+  const PipelineCounts counts = pipeline_.counts();
+  spdlog::info("stopped after {} pairs, {} of them skipped to stay current", counts.pairs, counts.skipped);
+}
+
+void Daemon::Implementation::onPair(const PairResult& result) {
+  const odometry_t& message = publisher_.publish(result);
+  health_.add(result, message);
+  if (message.status == odometry_t::VALID) service_.ready();
+  logValidity(message);
+  turn();
+}
+
+void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
+  const odometry_t& message = publisher_.publish(no_pair);
+  health_.addNoPair();
+  logValidity(message);
+  turn();
+}
+
+void Daemon::Implementation::logValidity(const odometry_t& message) {
+  const bool valid = message.status == odometry_t::VALID;
+  if (was_valid_ == valid) return;
+  was_valid_ = valid;
+  if (valid) {
+    spdlog::info("odometry is valid");
+  } else {
+    spdlog::info("odometry is not valid: {}", reasonNames(message.reasons));
+  }
+}
+
+/// Once for each message; that is at the frame rate, whatever the cameras do.
+void Daemon::Implementation::turn() {
+  if (const std::string stuck = stuckReader(pipeline_.progress()); stuck.empty()) {
+    service_.feedWatchdog();
+  } else {
+    warnings_.warn("the " + stuck + " makes no progress; systemd's watchdog is not fed");
+  }
+  if (const auto now = Clock::now(); now >= next_health_) {
+    publishHealth(now);
+    next_health_ = std::max(next_health_ + kHealthPeriod, now);
+  }
+}
+
+void Daemon::Implementation::publishHealth(Clock::time_point now) {
+  const HealthSnapshot snapshot{left_.health(), right_.health(), pipeline_.counts(), pipeline_.problem()};
+  const health_t message = health_.summarise(now, snapshot);
+  lcm_->publish(kHealthChannel, &message);
+  service_.status(statusLine(message));
+  logState("left", snapshot.left, left_state_);
+  logState("right", snapshot.right, right_state_);
+  if (!message.problem.empty()) warnings_.warn(message.problem);
+  if (publisher_.failures() > reported_failures_) {
+    warnings_.warn(
+        "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
+    reported_failures_ = publisher_.failures();
+  }
+  if (recorder_) {
+    if (const std::string error = recorder_->health().error; !error.empty()) {
+      warnings_.warn("recording has stopped: " + error);
+    }
+  }
+}
+
+void Daemon::Implementation::logState(const char* side, const CameraHealth& health,
+                                      std::optional<CameraState>& last) {
+  if (last == health.state) return;
+  last = health.state;
+  if (health.state == CameraState::streaming || health.last_error.empty()) {
+    spdlog::info("{} camera: {}", side, stateName(health.state));
+  } else {
+    spdlog::warn("{} camera: {}: {}", side, stateName(health.state), health.last_error);
+  }
+}
+
+std::string Daemon::Implementation::statusLine(const health_t& health) const {
+  if (!health.problem.empty()) return health.problem;
+  return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
+                     was_valid_.value_or(false) ? "odometry valid" : "no valid odometry", health.pair_rate,
+                     health.latency_p50_ms, health.offset_ms, health.pairs_skipped);
+}
+
+Daemon::Daemon(const Configuration& configuration)
+    : implementation_(std::make_unique<Implementation>(configuration)) {}
+Daemon::~Daemon() = default;
+void Daemon::run() {
+  implementation_->run();
+}
+void Daemon::stop() noexcept {
+  implementation_->stop();
+}
+
+void checkConfiguration(const Configuration& configuration) {
+  const Rig rig = readRig(configuration.rig);
+  computeRectification(rig, RectificationSettings{});
+  validate(configuration.odometry);
+  for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
+    const bool given_by_systemd =
+        camera->password_file.empty() && std::getenv("CREDENTIALS_DIRECTORY") == nullptr;
+    if (!given_by_systemd) readPassword(*camera);
+  }
+  findMulticastRoute(configuration.lcm_url);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,248 @@
+// The configuration file: what is accepted, and what each mistake is told.
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "daemon/configuration.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::filesystem::path kShipped = std::filesystem::path(CARTVO_SOURCE_DIR) / "config/cartvod.yaml";
+
+constexpr const char* kMinimal = R"(cameras:
+  left:
+    url: rtsp://10.0.0.1/left
+  right:
+    url: rtsp://10.0.0.2/right
+rig: rig.yaml
+)";
+
+class ConfigurationFile : public testing::Test {
+ protected:
+  Configuration read(const std::string& text) {
+    const std::filesystem::path file = folder_ / "cartvod.yaml";
+    std::ofstream(file) << text;
+    return readConfiguration(file);
+  }
+
+  /// The error's text; fails the test if there is none.
+  std::string errorOf(const std::string& text) {
+    try {
+      read(text);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted:\n" << text;
+    return {};
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(ConfigurationFile, NeedsNoMoreThanTwoUrlsAndARig) {
+  const Configuration configuration = read(kMinimal);
+  EXPECT_EQ(configuration.left.url, "rtsp://10.0.0.1/left");
+  EXPECT_EQ(configuration.right.url, "rtsp://10.0.0.2/right");
+  EXPECT_EQ(configuration.rig, folder_ / "rig.yaml");
+  EXPECT_TRUE(configuration.tables.empty());
+  EXPECT_TRUE(configuration.recording_directory.empty());
+}
+
+TEST_F(ConfigurationFile, TakesRelativePathsFromItsOwnFolder) {
+  const Configuration configuration =
+      read(std::string(kMinimal) + "tables: cache/tables.bin\nrecording: {directory: /var/lib/x}\n");
+  EXPECT_EQ(configuration.tables, folder_ / "cache/tables.bin");
+  EXPECT_EQ(configuration.recording_directory, "/var/lib/x");
+}
+
+TEST_F(ConfigurationFile, NamesAnUnknownKeyWithFileAndLine) {
+  EXPECT_THAT(
+      errorOf(std::string(kMinimal) + "odometry:\n  feature: 1000\n"),
+      AllOf(HasSubstr("cartvod.yaml:8: odometry.feature"), HasSubstr("estimator, features, seed, threads")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "camera: 1\n"), HasSubstr("cartvod.yaml:7: camera"));
+}
+
+TEST_F(ConfigurationFile, NamesAKeyGivenTwice) {
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "rig: other.yaml\n"),
+              AllOf(HasSubstr("cartvod.yaml:7: rig"), HasSubstr("each key once")));
+}
+
+TEST_F(ConfigurationFile, NamesAMissingKey) {
+  EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n"),
+              AllOf(HasSubstr("cartvod.yaml"), HasSubstr("rig"), HasSubstr("missing")));
+  EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\nrig: rig.yaml\n"),
+              AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("cameras.right"), HasSubstr("missing")));
+}
+
+TEST_F(ConfigurationFile, NamesAWrongTypeAndAValueOutOfRange) {
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: many}\n"),
+              AllOf(HasSubstr("cartvod.yaml:7: odometry.features"), HasSubstr("an integer from 50 to 20000"),
+                    HasSubstr("'many'")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: 10}\n"), HasSubstr("found '10'"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: [1, 2]\n"), HasSubstr("a map of keys and values"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {time_to_live: 0}\n"),
+              AllOf(HasSubstr("lcm.time_to_live"), HasSubstr("a number from 0.01 to 10")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "logging: {level: loud}\n"),
+              AllOf(HasSubstr("logging.level"), HasSubstr("one of debug, info, warning, error"),
+                    HasSubstr("'loud'")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {url: \"tcp://1.2.3.4\"}\n"),
+              HasSubstr("udpm://239.255.76.67"));
+}
+
+TEST_F(ConfigurationFile, NamesALineThatIsNotYaml) {
+  EXPECT_THAT(errorOf("cameras:\n  left: {url: [}\n"),
+              AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("not YAML")));
+}
+
+TEST_F(ConfigurationFile, NamesAFileThatIsNotThere) {
+  try {
+    readConfiguration(folder_ / "none.yaml");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("none.yaml"), HasSubstr("does the file exist?")));
+  }
+}
+
+TEST_F(ConfigurationFile, RefusesAPasswordInAUrlWithoutRepeatingIt) {
+  const std::string error = errorOf(
+      "cameras:\n  left:\n    url: rtsp://admin:geheim@10.0.0.1/left\n  right: {url: rtsp://b/2}\nrig: r\n");
+  EXPECT_THAT(error, AllOf(HasSubstr("cartvod.yaml:3: cameras.left.url"), HasSubstr("password_file"),
+                           Not(HasSubstr("geheim"))));
+}
+
+TEST_F(ConfigurationFile, RefusesCredentialsThatDoNotFitTogether) {
+  const auto with = [](const std::string& left) {
+    return "cameras:\n  left: {url: rtsp://a/1, " + left + "}\n  right: {url: rtsp://a/2}\nrig: rig.yaml\n";
+  };
+  EXPECT_THAT(errorOf(with("username: admin")),
+              AllOf(HasSubstr(":2: cameras.left"), HasSubstr("password_file or")));
+  EXPECT_THAT(errorOf(with("password_file: p")), HasSubstr("needs username"));
+  EXPECT_THAT(errorOf(with("username: u, password_file: p, password_credential: c")), HasSubstr("not both"));
+  EXPECT_THAT(errorOf(with("username: u, password_credential: ../c")), HasSubstr("without '/'"));
+}
+
+TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
+  EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/1}\nrig: rig.yaml\n"),
+              AllOf(HasSubstr(":3: cameras.right.url"), HasSubstr("same URL")));
+}
+
+TEST_F(ConfigurationFile, IsWrittenOutSoThatItReadsBackTheSame) {
+  const Configuration configuration = read(std::string(kMinimal) +
+                                           "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1}\n"
+                                           "recording: {directory: rec}\nlogging: {level: warning}\n");
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  EXPECT_THAT(text, AllOf(HasSubstr("features: 777"), HasSubstr("level: warning")));
+}
+
+TEST_F(ConfigurationFile, AsksForEachKeyItKnows) {
+  // A map in the place of each key's value is an error that names the key: so each is really read.
+  for (const std::string& key : configurationKeys()) {
+    YAML::Node document = YAML::LoadFile(kShipped.string());
+    YAML::Node node;
+    node.reset(document);
+    std::istringstream parts(key);
+    std::string part;
+    while (std::getline(parts, part, '.')) {
+      const YAML::Node next = node[part];
+      node.reset(next);
+    }
+    if (node.IsDefined() && node.IsMap()) continue;  // a section
+    node = YAML::Load("{nonsense: 1}");
+    std::string dumped = YAML::Dump(document);
+    EXPECT_THAT(errorOf(dumped), HasSubstr(key)) << dumped;
+  }
+}
+
+/// The shipped file's keys, active or commented out, with the comment above each.
+std::map<std::string, std::string> documentedKeys() {
+  static const std::regex kKey("^( *)(# )?([a-z_]+):( .*)?$");
+  std::map<std::string, std::string> documented;
+  std::ifstream stream(kShipped);
+  std::vector<std::string> sections;
+  std::string comment;
+  for (std::string line; std::getline(stream, line);) {
+    std::smatch parts;
+    const bool is_key =
+        std::regex_match(line, parts, kKey) && (!parts[2].matched || line.find(". ") == std::string::npos);
+    if (!is_key) {
+      const std::size_t text = line.find("# ");
+      comment = line.empty() ? "" : comment + " " + (text == std::string::npos ? "" : line.substr(text + 2));
+      continue;
+    }
+    sections.resize(static_cast<std::size_t>(parts[1].length()) / 2);
+    std::string key;
+    for (const std::string& section : sections)
+      key += section + ".";
+    documented[key + parts[3].str()] = comment;
+    sections.push_back(parts[3]);
+    comment.clear();
+  }
+  return documented;
+}
+
+TEST_F(ConfigurationFile, ShippedFileLoads) {
+  const Configuration configuration = readConfiguration(kShipped);
+  EXPECT_EQ(configuration.left.password_credential, "left-camera-password");
+}
+
+TEST_F(ConfigurationFile, DemoFileLoads) {
+  const Configuration configuration =
+      readConfiguration(std::filesystem::path(CARTVO_SOURCE_DIR) / "config/demo.yaml");
+  EXPECT_EQ(configuration.left.url, "rtsp://127.0.0.1:8554/Streaming/Channels/101");
+}
+
+TEST_F(ConfigurationFile, ShippedFileDocumentsEachKeyAndNoOther) {
+  const std::map<std::string, std::string> documented = documentedKeys();
+  const std::vector<std::string> known = configurationKeys();
+  for (const std::string& key : known)
+    EXPECT_TRUE(documented.contains(key)) << key << " is not in cartvod.yaml";
+  for (const auto& [key, comment] : documented)
+    EXPECT_THAT(known, testing::Contains(key));
+}
+
+TEST_F(ConfigurationFile, ShippedFileStatesTheDefaultsThatTheCodeHas) {
+  static const std::regex kDefault("default (udpm:[^ ]+|[^ :]+)");
+  const YAML::Node effective = YAML::Load(effectiveConfiguration(read(kMinimal)));
+  static const std::set<std::string> kSections = {"cameras", "cameras.left", "cameras.right", "odometry",
+                                                  "lcm",     "recording",    "logging"};
+  int checked = 0;
+  for (const auto& [key, comment] : documentedKeys()) {
+    const std::size_t dot = key.rfind('.');
+    const std::string name = key.substr(dot == std::string::npos ? 0 : dot + 1);
+    YAML::Node section;
+    section.reset(effective);
+    std::istringstream parts(key);
+    std::string part;
+    while (std::getline(parts, part, '.') && section.IsDefined() && part != name) {
+      const YAML::Node next = section[part];
+      section.reset(next);
+    }
+    const YAML::Node value = section.IsDefined() ? section[name] : YAML::Node(YAML::NodeType::Undefined);
+    if (kSections.contains(key)) continue;
+    if (comment.find("required") != std::string::npos || comment.find("As left") != std::string::npos)
+      continue;
+    std::smatch stated;
+    const std::string tail = comment;
+    ASSERT_TRUE(std::regex_search(tail, stated, std::regex("default (udpm:[^ ]+|[^ :]+)")))
+        << key << ":" << comment;
+    EXPECT_EQ(stated[1].str(), value.IsDefined() ? value.Scalar() : "none") << key;
+    ++checked;
+  }
+  EXPECT_GT(checked, 10);
+}
+
+}  // namespace
+}  // namespace cartvo

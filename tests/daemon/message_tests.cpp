@@ -1,0 +1,178 @@
+// What controllers receive: the fields of valid and invalid messages, and that each fits into one Ethernet
+// frame.
+
+#include <cmath>
+#include <limits>
+
+#include <cartvo/health_t.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/health_monitor.hpp"
+#include "daemon/odometry_publisher.hpp"
+#include "daemon/odometry_reasons.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kEthernetFrame = 1400;  // bytes that LCM sends without fragments, its own header left room for
+
+constexpr std::int32_t bits(std::int32_t first, std::int32_t second) {
+  return first | second;
+}
+
+PairResult validResult() {
+  PairResult result;
+  result.left = {1'000'000'500'000, 1'000'020'000'000, 1'000'025'000'000, 7};
+  result.right = {1'000'003'500'000, 1'000'021'000'000, 1'000'024'000'000, 9};
+  result.estimate.valid = true;
+  result.estimate.time_step = 0.05;
+  result.estimate.reset_counter = 3;
+  result.estimate.counts = {900, 800, 700, 600};
+  result.motion.T_world_body.translation() = Eigen::Vector3d(1.0, 2.0, 3.0);
+  result.motion.T_world_body.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  result.motion.velocity = Eigen::Vector3d(4.0, 0.1, -0.2);
+  result.motion.angular_velocity = Eigen::Vector3d(0.01, 0.02, 0.3);
+  for (int i = 0; i < 36; ++i)
+    result.motion.pose_covariance(i / 6, i % 6) = i;
+  result.motion.twist_covariance = Matrix6d::Identity();
+  return result;
+}
+
+TEST(OdometryMessage, HoldsTheEstimateInMicrosecondsAndBodyAxes) {
+  const odometry_t message = odometryMessage(validResult());
+  EXPECT_EQ(message.utime, 1'000'000'500);
+  EXPECT_EQ(message.arrival_utime, 1'000'021'000) << "the later of the two last packets";
+  EXPECT_EQ(message.offset_us, 3'000);
+  EXPECT_EQ(message.status, +odometry_t::VALID);
+  EXPECT_EQ(message.reasons, 0);
+  EXPECT_EQ(message.reset_counter, 3);
+  EXPECT_EQ(message.features, 900);
+  EXPECT_EQ(message.tracked, 800);
+  EXPECT_EQ(message.inliers, 600);
+  EXPECT_DOUBLE_EQ(message.position_world_body[2], 3.0);
+  EXPECT_NEAR(message.orientation_world_body[0], std::cos(0.25), 1e-12) << "w comes first";
+  EXPECT_NEAR(message.orientation_world_body[3], std::sin(0.25), 1e-12);
+  EXPECT_DOUBLE_EQ(message.velocity_body[0], 4.0);
+  EXPECT_DOUBLE_EQ(message.angular_velocity_body[2], 0.3);
+  EXPECT_DOUBLE_EQ(message.pose_covariance_body[1], 1.0) << "row by row";
+  EXPECT_DOUBLE_EQ(message.pose_covariance_body[6], 6.0);
+}
+
+TEST(OdometryMessage, InvalidHoldsThePoseButNoMeasurement) {
+  PairResult result = validResult();
+  result.estimate.valid = false;
+  result.estimate.reasons = OdometryReason::too_few_matches | OdometryReason::high_residual;
+  const odometry_t message = odometryMessage(result);
+  EXPECT_EQ(message.status, +odometry_t::INVALID);
+  EXPECT_EQ(message.reasons, bits(odometry_t::REASON_TOO_FEW_MATCHES, odometry_t::REASON_HIGH_RESIDUAL));
+  EXPECT_DOUBLE_EQ(message.position_world_body[0], 1.0);
+  for (const double value : message.velocity_body)
+    EXPECT_TRUE(std::isnan(value));
+  for (const double value : message.angular_velocity_body)
+    EXPECT_TRUE(std::isnan(value));
+  for (const double value : message.twist_covariance_body)
+    EXPECT_TRUE(std::isnan(value));
+  for (const double value : message.pose_covariance_body)
+    EXPECT_TRUE(std::isnan(value));
+}
+
+TEST(OdometryMessage, IsNeverValidWithoutAVelocity) {
+  PairResult result = validResult();
+  result.motion.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const odometry_t message = odometryMessage(result);
+  EXPECT_EQ(message.status, +odometry_t::INVALID);
+  EXPECT_EQ(message.reasons, odometry_t::REASON_TIME_STEP);
+}
+
+TEST(OdometryMessage, ForAMissingPairSaysWhyAndKeepsThePose) {
+  const odometry_t last = odometryMessage(validResult());
+  const odometry_t message = odometryMessage(NoPair{5'000'000'000, NoPairCause::wrong_size}, last);
+  EXPECT_EQ(message.utime, 5'000'000);
+  EXPECT_EQ(message.arrival_utime, 0);
+  EXPECT_EQ(message.status, +odometry_t::INVALID);
+  EXPECT_EQ(message.reasons, bits(odometry_t::REASON_NO_PAIR, odometry_t::REASON_WRONG_SIZE));
+  EXPECT_EQ(message.reset_counter, 3);
+  EXPECT_DOUBLE_EQ(message.position_world_body[1], 2.0);
+  EXPECT_NEAR(message.orientation_world_body[3], std::sin(0.25), 1e-12);
+  EXPECT_TRUE(std::isnan(message.velocity_body[0]));
+}
+
+TEST(OdometryMessage, FitsIntoOneEthernetFrame) {
+  EXPECT_LE(odometry_t{}.getEncodedSize(), kEthernetFrame);
+}
+
+TEST(OdometryMessage, NamesItsReasons) {
+  EXPECT_EQ(reasonNames(bits(odometry_t::REASON_NO_PAIR, odometry_t::REASON_DAMAGED_FRAME)),
+            "no pair, damaged frame");
+  EXPECT_EQ(reasonNames(0), "");
+}
+
+HealthSnapshot snapshot(std::uint64_t frames) {
+  HealthSnapshot snapshot;
+  snapshot.left.state = CameraState::streaming;
+  snapshot.left.instant_source = InstantSource::sender_report;
+  snapshot.left.frames = frames;
+  snapshot.right.state = CameraState::streaming;
+  snapshot.right.frames = frames;
+  snapshot.counts.pairs = frames;
+  snapshot.counts.dropped_no_partner = 4;
+  snapshot.counts.skipped = 2;
+  return snapshot;
+}
+
+TEST(HealthMessage, SumsUpTheTimeSinceTheLastOne) {
+  const HealthMonitor::Clock::time_point start;
+  HealthMonitor monitor(start);
+  PairResult result = validResult();
+  result.times.total = 0.006;
+  odometry_t message = odometryMessage(result);
+  for (int i = 0; i < 100; ++i) {
+    message.publication_utime = message.arrival_utime + 1000 * (i + 1);
+    monitor.add(result, message);
+  }
+  monitor.addNoPair();
+  const health_t health = monitor.summarise(start + std::chrono::seconds(2), snapshot(36));
+  EXPECT_FLOAT_EQ(health.latency_p50_ms, 50.0F);
+  EXPECT_FLOAT_EQ(health.latency_p99_ms, 99.0F);
+  EXPECT_FLOAT_EQ(health.process_ms, 6.0F);
+  EXPECT_FLOAT_EQ(health.offset_ms, 3.0F);
+  EXPECT_FLOAT_EQ(health.left.decode_ms, 5.0F);
+  EXPECT_FLOAT_EQ(health.right.decode_ms, 3.0F);
+  EXPECT_FLOAT_EQ(health.pair_rate, 18.0F);
+  EXPECT_FLOAT_EQ(health.left.frame_rate, 18.0F);
+  EXPECT_EQ(health.left.instant_source, +camera_health_t::SENDER_REPORT);
+  EXPECT_EQ(health.estimates_valid, 100);
+  EXPECT_EQ(health.estimates_invalid, 1);
+  EXPECT_EQ(health.dropped_no_partner, 4);
+  EXPECT_EQ(health.pairs_skipped, 2);
+  EXPECT_EQ(health.uptime_us, 2'000'000);
+  EXPECT_GT(health.memory_mb, 1.0F);
+
+  const health_t next = monitor.summarise(start + std::chrono::seconds(3), snapshot(36));
+  EXPECT_FLOAT_EQ(next.pair_rate, 0.0F);
+  EXPECT_TRUE(std::isnan(next.latency_p50_ms));
+}
+
+TEST(HealthMessage, NamesTheFirstThingToMend) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot bad = snapshot(0);
+  bad.right.state = CameraState::refused;
+  bad.right.last_error = "the camera refused the password";
+  EXPECT_EQ(monitor.summarise({}, bad).problem, "right camera: the camera refused the password");
+  bad.problem = "left camera: the stream is 704x576";
+  EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
+}
+
+TEST(HealthMessage, FitsIntoOneEthernetFrameWithTheLongestTexts) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot long_texts = snapshot(1);
+  long_texts.left.last_error = long_texts.right.last_error = long_texts.problem =
+      std::string(199, 'x') + "\u00e4\u00f6";
+  const health_t health = monitor.summarise({}, long_texts);
+  EXPECT_EQ(health.problem, std::string(199, 'x')) << "no half of a character";
+  EXPECT_LE(health.getEncodedSize(), kEthernetFrame);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,188 @@
+// Live: the newest pair wins, nothing ages in a queue, and a camera's silence is said at the full rate.
+
+#include <future>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "daemon/pipeline.hpp"
+#include "daemon/progress_watch.hpp"
+#include "synthetic_cameras.hpp"
+
+namespace cartvo {
+namespace {
+
+using std::chrono::milliseconds;
+using test::TickingCamera;
+
+Frame leftWall(int index, std::int64_t exposure_ns) {
+  return test::wallFrame(index, 0, exposure_ns);
+}
+Frame rightWall(int index, std::int64_t exposure_ns) {
+  return test::wallFrame(index, 12, exposure_ns);
+}
+Frame silence(int /*index*/, std::int64_t /*exposure_ns*/) {
+  return {};
+}
+
+struct LiveRun {
+  std::vector<PairResult> pairs;
+  std::vector<std::int64_t> ages_ns;  ///< of each pair when its result came: now minus arrival
+  std::vector<NoPair> no_pairs;
+  PipelineCounts counts;
+  std::string problem;
+};
+
+/// Runs for a while; `on_pair` may be slow, as a stage would be.
+LiveRun runFor(milliseconds time, TickingCamera::Deliver left_delivers, TickingCamera::Deliver right_delivers,
+               const std::function<void()>& on_pair) {
+  const Rig rig = test::smallRig();
+  PairProcessor processor = test::smallProcessor(rig);
+  TickingCamera left(std::move(left_delivers));
+  TickingCamera right(std::move(right_delivers));
+  Pipeline pipeline(left, right, processor, {rig.left.size, test::kPeriod_ns});
+  LiveRun run;
+  const auto timer = std::async(std::launch::async, [&] {
+    std::this_thread::sleep_for(time);
+    run.problem = pipeline.problem();
+    pipeline.stop();
+  });
+  pipeline.runLive({[&](const PairResult& result) {
+                      run.pairs.push_back(result);
+                      run.ages_ns.push_back(hostNow() - result.arrival_ns());
+                      on_pair();
+                    },
+                    [&](const NoPair& no_pair) { run.no_pairs.push_back(no_pair); }});
+  timer.wait();
+  run.counts = pipeline.counts();
+  return run;
+}
+
+void quick() {}
+
+TEST(PipelineLive, ProcessesPairsAsTheyComeAndStopsWhenTold) {
+  const LiveRun run = runFor(milliseconds(600), leftWall, rightWall, quick);
+  EXPECT_GT(run.pairs.size(), 5u);
+  EXPECT_TRUE(run.pairs.back().estimate.valid);
+  EXPECT_EQ(run.counts.processed + run.counts.skipped, run.counts.pairs);
+  EXPECT_EQ(run.problem, "");
+}
+
+TEST(PipelineLive, ASlowStageSkipsPairsInsteadOfQueueingThem) {
+  // The stage takes five periods; a queue would let the age grow by four periods with each pair.
+  const LiveRun run =
+      runFor(milliseconds(1500), leftWall, rightWall, [] { std::this_thread::sleep_for(milliseconds(100)); });
+  ASSERT_GT(run.pairs.size(), 5u);
+  EXPECT_GT(run.counts.skipped, run.counts.processed) << "four of five are left out";
+  // All but the newest may remain one hand-over: none was older than a few periods when its turn came.
+  for (std::size_t i = 1; i < run.pairs.size(); ++i) {
+    EXPECT_GT(run.pairs[i].left.sequence, run.pairs[i - 1].left.sequence) << "in order";
+    EXPECT_LT(run.ages_ns[i], 600'000'000);
+  }
+  EXPECT_GT(run.pairs.back().left.sequence, 40u) << "the last one is of the end, not of the beginning";
+}
+
+TEST(PipelineLive, ABurstIsReducedToItsNewestPair) {
+  // Both cameras deliver ten frames at once, twice a second, as a bad link does.
+  const auto bursty = [](int disparity) {
+    return [disparity](int index, std::int64_t exposure_ns) {
+      if (index % 10 == 0) std::this_thread::sleep_for(milliseconds(180));
+      return test::wallFrame(index, disparity, exposure_ns);
+    };
+  };
+  const LiveRun run = runFor(milliseconds(1200), bursty(0), bursty(12),
+                             [] { std::this_thread::sleep_for(milliseconds(30)); });
+  EXPECT_GT(run.counts.skipped, 0u);
+  EXPECT_EQ(run.counts.processed + run.counts.skipped, run.counts.pairs);
+}
+
+TEST(PipelineLive, ASilentCameraIsSaidOncePerPeriod) {
+  const LiveRun run = runFor(milliseconds(1000), leftWall, silence, quick);
+  EXPECT_TRUE(run.pairs.empty());
+  // 50 periods pass; the first two are waited for. A loaded machine may make less of them, never more.
+  EXPECT_LE(run.no_pairs.size(), 50u);
+  EXPECT_GE(run.no_pairs.size(), 25u);
+  EXPECT_EQ(run.no_pairs.front().cause, NoPairCause::no_frames);
+}
+
+TEST(PipelineLive, ACameraThatGoesSilentIsSaidFromThenOn) {
+  const auto dies = [](int index, std::int64_t exposure_ns) {
+    return index < 10 ? rightWall(index, exposure_ns) : Frame{};
+  };
+  const LiveRun run = runFor(milliseconds(1000), leftWall, dies, quick);
+  EXPECT_FALSE(run.pairs.empty());
+  EXPECT_LE(run.pairs.size(), 10u);
+  EXPECT_GE(run.no_pairs.size(), 15u);
+}
+
+TEST(PipelineLive, DamagedFramesAreTheReasonThatNoPairComes) {
+  const auto damaged = [](int index, std::int64_t exposure_ns) {
+    Frame frame = leftWall(index, exposure_ns);
+    frame.status = FrameStatus::damaged;
+    return frame;
+  };
+  const LiveRun run = runFor(milliseconds(500), damaged, rightWall, quick);
+  EXPECT_TRUE(run.pairs.empty());
+  ASSERT_FALSE(run.no_pairs.empty());
+  EXPECT_EQ(run.no_pairs.front().cause, NoPairCause::damaged);
+  EXPECT_GT(run.counts.dropped_damaged, 5u);
+}
+
+TEST(PipelineLive, AStreamOfAnotherSizeIsRefusedAndNamed) {
+  const auto large = [](int /*index*/, std::int64_t exposure_ns) {
+    Frame frame;
+    frame.image = cv::Mat::zeros(576, 704, CV_8UC1);
+    frame.exposure_ns = exposure_ns;
+    return frame;
+  };
+  const LiveRun run = runFor(milliseconds(500), leftWall, large, quick);
+  EXPECT_TRUE(run.pairs.empty());
+  ASSERT_FALSE(run.no_pairs.empty());
+  EXPECT_EQ(run.no_pairs.front().cause, NoPairCause::wrong_size);
+  EXPECT_GT(run.counts.refused_size, 5u);
+  EXPECT_NE(run.problem.find("right camera: the stream is 704x576, but the rig is for 320x240"),
+            std::string::npos);
+}
+
+TEST(PipelineLive, AFailureInASourceEndsTheRunWithItsMessage) {
+  const auto broken = [](int index, std::int64_t exposure_ns) -> Frame {
+    if (index == 3) throw std::runtime_error("the decoder is broken");
+    return rightWall(index, exposure_ns);
+  };
+  try {
+    runFor(milliseconds(300), leftWall, broken, quick);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "the decoder is broken");
+  }
+}
+
+TEST(PipelineLive, AbsentCamerasAreProgressAHangingReaderIsNot) {
+  const Rig rig = test::smallRig();
+  PairProcessor processor = test::smallProcessor(rig);
+  std::promise<void> released;
+  const std::shared_future<void> release = released.get_future().share();
+  TickingCamera left(silence);
+  TickingCamera right([release](int index, std::int64_t) {
+    if (index == 5) release.wait();
+    return Frame{};
+  });
+  Pipeline pipeline(left, right, processor, {rig.left.size, test::kPeriod_ns});
+  const auto run = std::async(std::launch::async, [&] { pipeline.runLive({[](const PairResult&) {}, {}}); });
+  std::this_thread::sleep_for(milliseconds(1000));
+  const PipelineProgress progress = pipeline.progress();
+  EXPECT_LT(progress.left_reader, 0.7) << "goes round although nothing comes";
+  EXPECT_GT(progress.right_reader, 0.5) << "hangs in a read";
+  released.set_value();
+  pipeline.stop();
+  run.wait();
+}
+
+TEST(ProgressWatch, NamesTheReaderThatHangs) {
+  EXPECT_EQ(stuckReader({0.2, 4.0}), "");
+  EXPECT_EQ(stuckReader({60.0, 0.1}), "left camera's reader");
+  EXPECT_EQ(stuckReader({0.1, 60.0}), "right camera's reader");
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -14,6 +14,7 @@ int main(int argument_count, char** arguments) {
 
   cartvo::addReplayCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
+  cartvo::addWatchCommand(cartvo);
 
   try {
     cartvo.parse(argument_count, arguments);

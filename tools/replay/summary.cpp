@@ -8,7 +8,6 @@
 
 #include "daemon/health_monitor.hpp"
 #include "tools/evaluate/evaluation.hpp"
-#include "tools/replay/estimator_names.hpp"
 
 namespace cartvo {
 namespace {
@@ -103,6 +102,14 @@ Json timesJson(const Replay& replay) {
 }
 
 }  // namespace
+
+const char* estimatorName(Estimator estimator) {
+  switch (estimator) {
+    case Estimator::thesis:
+      return "thesis";
+  }
+  return "unknown";
+}
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   const Rig& rig = replay.rig.rig;

@@ -26,14 +26,7 @@ struct Pixel {
 /// What some rays through a pixel brought back.
 struct PixelLight {
   float radiance = 0.0F;
-  bool mixed = false;         ///< more than one surface, or partly in shadow
-  std::uint32_t surface = 0;  ///< names the first ray's surface and whether the sun reaches it
-};
-
-/// One ray a pixel: a picture that is right where the surroundings are of one surface, and the surfaces.
-struct FirstLook {
-  cv::Mat radiance;  ///< CV_32FC1
-  cv::Mat surface;   ///< CV_32SC1, see PixelLight
+  bool mixed = false;  ///< more than one surface, or partly in shadow
 };
 
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
@@ -74,7 +67,6 @@ class PacketRenderer {
   void castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt);
   void castSunRays(int rays, int samples);
   PixelLight gather(const Pixel& pixel, int first, int samples) const;
-  void moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const;
   float pixelAngle(const Pixel& pixel) const {
     const auto x = static_cast<float>(pixel.x);
     const auto y = static_cast<float>(pixel.y);
@@ -115,7 +107,7 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = salt == 0 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(valid_.data(), scene_.handle(), &context, &packet_);
 }
 
@@ -169,22 +161,6 @@ void PacketRenderer::castSunRays(int rays, int samples) {
   }
 }
 
-/// A lone ray that does not pass through the pixel's centre found the surface; shade it where the centre
-/// meets it.
-void PacketRenderer::moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const {
-  const Eigen::Vector2f d = view_.rays->direction(static_cast<float>(pixel.x), static_cast<float>(pixel.y));
-  direction = view_.T_map_camera.linear() * Eigen::Vector3f(d.x(), d.y(), 1.0F);
-  const Eigen::Vector3f origin = view_.T_map_camera.translation();
-  const float depth = (hit.position - origin).dot(hit.normal) / direction.dot(hit.normal);
-  if (!(std::abs(depth - hit.depth) < 0.2F * hit.depth)) return;  // grazing: stay
-  const Eigen::Vector3f shift = origin + depth * direction - hit.position;
-  const Eigen::Vector3f in_object = scene_.directions(hit.instance).transpose() * shift;
-  const QuadShading& quad = scene_.shading(hit.instance, hit.quad);
-  hit.uv += Eigen::Vector2f(quad.gradient_u.dot(in_object), quad.gradient_v.dot(in_object));
-  hit.position += shift;
-  hit.depth = depth;
-}
-
 PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) const {
   PixelLight light;
   const float angle = pixelAngle(pixel);
@@ -222,8 +198,6 @@ PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) co
       ++count;
     }
     const float inverse = 1.0F / static_cast<float>(count);
-    if (i == first)
-      light.surface = sky ? 0U : (hashOf({instance, surface}) & ~1U) | (sunlit_[i] > 0.0F ? 1U : 0U);
     light.mixed = light.mixed || count < samples;
     if (sky) {
       light.radiance += weight * static_cast<float>(count) * skyRadiance(lighting_, direction, angle);
@@ -234,7 +208,6 @@ PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) co
     hit.normal.normalize();
     hit.depth *= inverse;
     hit.sunlit *= inverse;
-    if (samples == 1) moveToCentre(pixel, hit, direction);
     light.mixed = light.mixed || (hit.sunlit > 0.0F && hit.sunlit < 1.0F);
     light.radiance += weight * static_cast<float>(count) *
                       surfaceRadiance(scene_, lighting_, style_, hit, direction * inverse, angle);
@@ -242,71 +215,40 @@ PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) co
   return light;
 }
 
-/// The first look: one ray a pixel, 4 by 4 pixels a packet.
-void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look) {
-  constexpr int kBlock = 4;
+/// A square of the image: all its pixels first, then again those that hold an edge.
+void renderTile(PacketRenderer& renderer, const RenderSettings& settings, const cv::Rect& tile,
+                cv::Mat& radiance) {
+  const int samples = settings.samples_per_pixel;
+  const int block_width = samples == 4 ? 2 : 4;
+  const int block_height = kLanes / samples / block_width;
   std::array<Pixel, kLanes> pixels;
   std::array<PixelLight, kLanes> light;
-  for (int y = tile.y; y < tile.br().y; y += kBlock) {
-    for (int x = tile.x; x < tile.br().x; x += kBlock) {
+  std::vector<Pixel> edges;
+  for (int y = tile.y; y < tile.br().y; y += block_height) {
+    for (int x = tile.x; x < tile.br().x; x += block_width) {
       std::size_t count = 0;
-      for (int v = y; v < std::min(y + kBlock, tile.br().y); ++v) {
-        for (int u = x; u < std::min(x + kBlock, tile.br().x); ++u)
+      for (int v = y; v < std::min(y + block_height, tile.br().y); ++v) {
+        for (int u = x; u < std::min(x + block_width, tile.br().x); ++u)
           pixels[count++] = {u, v};
       }
-      renderer.render({pixels.data(), count}, 1, 0, light);
+      renderer.render({pixels.data(), count}, samples, 0, light);
       for (std::size_t i = 0; i < count; ++i) {
-        look.radiance.at<float>(pixels[i].y, pixels[i].x) = light[i].radiance;
-        look.surface.at<std::int32_t>(pixels[i].y, pixels[i].x) = static_cast<std::int32_t>(light[i].surface);
+        radiance.at<float>(pixels[i].y, pixels[i].x) = light[i].radiance;
+        if (light[i].mixed) edges.push_back(pixels[i]);
       }
     }
   }
-}
-
-/// Whether a pixel's neighbours show another surface, or light where it has shadow.
-bool nearEdge(const cv::Mat& surface, int x, int y) {
-  const std::int32_t own = surface.at<std::int32_t>(y, x);
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, surface.rows - 1); ++v) {
-    const auto* row = surface.ptr<std::int32_t>(v);
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, surface.cols - 1); ++u) {
-      if (row[u] != own) return true;
-    }
-  }
-  return false;
-}
-
-/// Casts `samples` rays through each of the pixels and mixes what they bring into `radiance`, of which they
-/// make up `share`. Returns the pixels that hold more than one surface.
-std::vector<Pixel> renderAgain(PacketRenderer& renderer, const std::vector<Pixel>& pixels, int samples,
-                               std::uint32_t salt, float share, cv::Mat& radiance) {
-  std::vector<Pixel> mixed;
-  std::array<PixelLight, kLanes> light;
-  const auto per_packet = static_cast<std::size_t>(kLanes / samples);
-  for (std::size_t i = 0; i < pixels.size(); i += per_packet) {
-    const std::size_t count = std::min(per_packet, pixels.size() - i);
-    renderer.render({&pixels[i], count}, samples, salt, light);
+  if (settings.edge_samples == 0) return;
+  const auto per_packet = static_cast<std::size_t>(kLanes / settings.edge_samples);
+  const float share =
+      static_cast<float>(settings.edge_samples) / static_cast<float>(settings.edge_samples + samples);
+  for (std::size_t i = 0; i < edges.size(); i += per_packet) {
+    const std::size_t count = std::min(per_packet, edges.size() - i);
+    renderer.render({&edges[i], count}, settings.edge_samples, 1, light);
     for (std::size_t k = 0; k < count; ++k) {
-      const Pixel& pixel = pixels[i + k];
-      float& value = radiance.at<float>(pixel.y, pixel.x);
+      float& value = radiance.at<float>(edges[i + k].y, edges[i + k].x);
       value += share * (light[k].radiance - value);
-      if (light[k].mixed) mixed.push_back(pixel);
     }
-  }
-  return mixed;
-}
-
-/// The second look at a tile: several rays where an edge is near, more where it passes through the pixel.
-void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& tile, FirstLook& look) {
-  constexpr int kStep = 4;  // samples at a time
-  std::vector<Pixel> edges;
-  for (int y = tile.y; y < tile.br().y; ++y) {
-    for (int x = tile.x; x < tile.br().x; ++x) {
-      if (nearEdge(look.surface, x, y)) edges.push_back({x, y});
-    }
-  }
-  for (int samples = kStep; samples <= edge_samples; samples += kStep) {  // beside the first look's one
-    const float share = static_cast<float>(kStep) / static_cast<float>(samples + 1);
-    edges = renderAgain(renderer, edges, kStep, static_cast<std::uint32_t>(samples), share, look.radiance);
   }
 }
 
@@ -315,23 +257,15 @@ void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& til
 cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const TextureStyle& style,
                        const RenderSettings& settings, const View& view) {
   static const SamplePatterns patterns;
-  FirstLook look{cv::Mat(view.size, CV_32FC1), cv::Mat(view.size, CV_32SC1)};
+  cv::Mat radiance(view.size, CV_32FC1);
   const int columns = (view.size.width + kTile - 1) / kTile;
   const int rows = (view.size.height + kTile - 1) / kTile;
-  const auto eachTile = [&](const auto& work) {
-    parallelFor(columns * rows, settings.threads, [&](int i) {
-      PacketRenderer renderer(scene, lighting, style, view, patterns);
-      const cv::Rect tile(i % columns * kTile, i / columns * kTile, kTile, kTile);
-      work(renderer, tile & cv::Rect(cv::Point(), view.size));
-    });
-  };
-  eachTile([&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirst(renderer, tile, look); });
-  if (settings.edge_samples > 0) {
-    eachTile([&](PacketRenderer& renderer, const cv::Rect& tile) {
-      renderEdges(renderer, settings.edge_samples, tile, look);
-    });
-  }
-  return look.radiance;
+  parallelFor(columns * rows, settings.threads, [&](int i) {
+    PacketRenderer renderer(scene, lighting, style, view, patterns);
+    const cv::Rect tile(i % columns * kTile, i / columns * kTile, kTile, kTile);
+    renderTile(renderer, settings, tile & cv::Rect(cv::Point(), view.size), radiance);
+  });
+  return radiance;
 }
 
 void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, const View& view,

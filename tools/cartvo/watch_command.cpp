@@ -1,0 +1,51 @@
+// The command line of `cartvo watch`.
+
+#include <cstdio>
+#include <memory>
+
+#include "tools/cartvo/commands.hpp"
+#include "tools/watch/watch.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  WatchSettings watch;
+  std::filesystem::path trajectory;
+  std::filesystem::path summary;
+};
+
+void run(const Options& options) {
+  const OdometryStatistics statistics = watchOdometry(options.watch);
+  const OdometrySummary summary = statistics.summarise();
+  std::printf("%s", summaryText(summary).c_str());
+  if (!options.trajectory.empty()) writeTum(options.trajectory, statistics.trajectory());
+  if (!options.summary.empty()) writeSummary(options.summary, summary);
+}
+
+}  // namespace
+
+void addWatchCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("watch", "Show the odometry that cartvod publishes, live, and sum it up");
+  const auto options = std::make_shared<Options>();
+  WatchSettings& watch = options->watch;
+  command->add_option("--url", watch.url, "LCM URL, as lcm.url in cartvod's configuration")
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", watch.seconds, "End this long after the first message (default: at Ctrl-C)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--until-silent", watch.until_silent, "End when no pair was heard of for so many seconds")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--wait", watch.first_message, "Seconds to wait for the first message")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--trajectory", options->trajectory,
+                      "Write the valid poses of the body here (TUM format)");
+  command->add_option("--summary", options->summary, "Write the summary here (JSON)");
+  command->add_flag("--plain", watch.plain, "Print a line a second instead of redrawing one");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <cartvo/odometry_t.hpp>
+#include <lcm/lcm-cpp.hpp>
+
+namespace cartvo {
+
+/// What a controller wants of CARTVO_ODOMETRY: the newest message, nothing older. LCM keeps the *old*
+/// messages when a subscriber is slow and drops the new ones, so each update drains the queue.
+class LatestOdometry {
+ public:
+  explicit LatestOdometry(lcm::LCM& lcm) : lcm_(lcm) {
+    lcm_.subscribe("CARTVO_ODOMETRY", &LatestOdometry::onMessage, this);
+  }
+
+  /// Waits up to `timeout_ms` for a message, then takes all that wait. False if there was none.
+  bool update(int timeout_ms) {
+    const bool received = lcm_.handleTimeout(timeout_ms) > 0;
+    while (received && lcm_.handleTimeout(0) > 0) {
+    }
+    return received;
+  }
+
+  const odometry_t& message() const { return message_; }
+
+  /// Messages of this daemon run that never arrived.
+  std::int64_t lost() const { return lost_; }
+
+  /// Whether the message may be acted on at `now_utime` (us since the Unix epoch): valid, and not too old.
+  bool isUsable(std::int64_t now_utime) const {
+    return message_.status == odometry_t::VALID && now_utime - message_.utime <= message_.time_to_live_us;
+  }
+
+ private:
+  void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
+                 const odometry_t* message) {
+    const bool restarted = message->sequence <= message_.sequence;
+    if (has_message_ && !restarted) lost_ += message->sequence - message_.sequence - 1;
+    if (restarted) lost_ = 0;
+    message_ = *message;
+    has_message_ = true;
+  }
+
+  lcm::LCM& lcm_;
+  odometry_t message_{};
+  bool has_message_ = false;
+  std::int64_t lost_ = 0;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,87 @@
+// What `cartvo watch` says at its end, computed from the messages alone.
+
+#include "tools/watch/odometry_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cartvo {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// Nearest rank; NaN of nothing.
+double percentile(std::vector<double> values, double fraction) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double rank = std::ceil(fraction * static_cast<double>(values.size())) - 1.0;
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 0.0));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+StampedPose pose(const odometry_t& message) {
+  const double* q = message.orientation_world_body;
+  StampedPose stamped;
+  stamped.time_ns = message.utime * 1000;
+  stamped.pose.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+  stamped.pose.translation() = Eigen::Map<const Eigen::Vector3d>(message.position_world_body);
+  return stamped;
+}
+
+}  // namespace
+
+void OdometryStatistics::count(const odometry_t& message) {
+  ++counts_.messages;
+  if (message.sequence <= last_sequence_) ++counts_.restarts;
+  if (last_sequence_ >= 0 && message.sequence > last_sequence_)
+    counts_.lost += message.sequence - last_sequence_ - 1;
+  if (message.sequence > last_sequence_ && message.reset_counter != last_reset_counter_ &&
+      counts_.messages > 1) {
+    ++counts_.resets;
+  }
+  last_sequence_ = message.sequence;
+}
+
+void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_ns) {
+  count(message);
+  const bool same_epoch = last_was_valid_ && message.reset_counter == last_reset_counter_;
+  last_reset_counter_ = message.reset_counter;
+  last_was_valid_ = message.status == odometry_t::VALID;
+  if ((message.reasons & odometry_t::REASON_NO_PAIR) != 0) {
+    ++counts_.no_pair;
+    return;
+  }
+  receptions_ns_.push_back(reception_ns);
+  latencies_ms_.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
+  ages_ms_.push_back(static_cast<double>(reception_ns / 1000 - message.utime) * 1e-3);
+  offsets_ms_.push_back(static_cast<double>(message.offset_us) * 1e-3);
+  if (!last_was_valid_) return;
+  ++counts_.valid;
+  const StampedPose stamped = pose(message);
+  if (same_epoch && !trajectory_.empty()) {
+    counts_.path_length += (stamped.pose.translation() - trajectory_.back().pose.translation()).norm();
+  }
+  trajectory_.push_back(stamped);
+}
+
+double OdometryStatistics::currentFrameRate(std::int64_t now_ns) const {
+  const auto first = std::upper_bound(receptions_ns_.begin(), receptions_ns_.end(), now_ns - kSecond_ns);
+  return static_cast<double>(receptions_ns_.end() - first);
+}
+
+OdometrySummary OdometryStatistics::summarise() const {
+  OdometrySummary summary = counts_;
+  if (receptions_ns_.size() > 1) {
+    summary.seconds = static_cast<double>(receptions_ns_.back() - receptions_ns_.front()) * 1e-9;
+    summary.frame_rate = static_cast<double>(receptions_ns_.size() - 1) / std::max(summary.seconds, 1e-9);
+  }
+  summary.latency_p50_ms = percentile(latencies_ms_, 0.5);
+  summary.latency_p99_ms = percentile(latencies_ms_, 0.99);
+  summary.age_p50_ms = percentile(ages_ms_, 0.5);
+  summary.age_p99_ms = percentile(ages_ms_, 0.99);
+  summary.offset_median_ms = percentile(offsets_ms_, 0.5);
+  return summary;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,179 @@
+// `cartvo watch`: listens as any controller would, and shows people what it hears.
+
+#include "tools/watch/watch.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <lcm/lcm-cpp.hpp>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "daemon/host_clock.hpp"
+#include "daemon/lcm_connection.hpp"
+#include "daemon/odometry_reasons.hpp"
+#include "daemon/stop_signals.hpp"
+
+namespace cartvo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
+constexpr int kPoll_ms = 50;
+constexpr int kQueue = 1000;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Draws the live line: over itself on a terminal, else a new one each second.
+class LiveLine {
+ public:
+  explicit LiveLine(const WatchSettings& settings)
+      : over_itself_(!settings.plain && isatty(STDOUT_FILENO) != 0) {}
+  ~LiveLine() {
+    if (over_itself_ && drawn_) std::puts("");
+  }
+  LiveLine(const LiveLine&) = delete;
+  LiveLine& operator=(const LiveLine&) = delete;
+
+  void draw(const odometry_t& message, const OdometryStatistics& statistics) {
+    if (drawn_ && secondsSince(last_) < (over_itself_ ? 0.2 : 1.0)) return;
+    drawn_ = true;
+    last_ = Clock::now();
+    const std::string line = liveLine(message, statistics.currentFrameRate(hostNow()));
+    std::printf(over_itself_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+    std::fflush(stdout);
+  }
+
+ private:
+  bool over_itself_;
+  bool drawn_ = false;
+  Clock::time_point last_;
+};
+
+/// The receiving end: every message in order, its reception beside it.
+class Listener {
+ public:
+  explicit Listener(lcm::LCM& lcm) : lcm_(lcm) {
+    lcm.subscribe(kOdometryChannel, &Listener::onMessage, this)->setQueueCapacity(kQueue);
+  }
+
+  /// Waits up to 50 ms; true if a message came.
+  bool receive() {
+    received_ = false;
+    if (lcm_.handleTimeout(kPoll_ms) < 0) throw std::runtime_error("LCM: receiving failed");
+    return received_;
+  }
+  const odometry_t& last() const { return last_; }
+
+ private:
+  void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
+                 const odometry_t* message) {
+    last_ = *message;
+    received_ = true;
+  }
+
+  lcm::LCM& lcm_;
+  odometry_t last_{};
+  bool received_ = false;
+};
+
+[[noreturn]] void failUnheard(const WatchSettings& settings) {
+  const MulticastRoute route = findMulticastRoute(settings.url);
+  throw std::runtime_error(
+      fmt::format("no message on {} within {:.0f} s.\n"
+                  "  Is the daemon running?      systemctl status cartvod; it publishes at the full rate "
+                  "even without cameras\n"
+                  "  Does it use the same URL?   here: {}; there: lcm.url in its configuration\n"
+                  "  The same route?             here through {}; see 'ip route get {}' on both sides\n"
+                  "  On another host?            then the daemon needs ttl=1 in lcm.url, and the network "
+                  "must pass multicast",
+                  kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
+}
+
+}  // namespace
+
+OdometryStatistics watchOdometry(const WatchSettings& settings) {
+  const StopSignals signals;
+  const std::unique_ptr<lcm::LCM> lcm = connectLcm(settings.url);
+  if (const std::string warning = multicastWarning(findMulticastRoute(settings.url)); !warning.empty()) {
+    std::fprintf(stderr, "cartvo watch: %s\n", warning.c_str());
+  }
+  Listener listener(*lcm);
+  LiveLine line(settings);
+  OdometryStatistics statistics;
+  Clock::time_point first = Clock::now();
+  Clock::time_point last_pair = first;
+  bool heard = false;
+  while (!signals.wait(std::chrono::nanoseconds(0))) {
+    if (listener.receive()) {
+      const odometry_t& message = listener.last();
+      if (!heard) first = last_pair = Clock::now();
+      heard = true;
+      statistics.add(message, hostNow());
+      if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
+      line.draw(message, statistics);
+    }
+    if (!heard && secondsSince(first) > settings.first_message) failUnheard(settings);
+    if (heard && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;
+    if (statistics.hasPairs() && settings.until_silent > 0.0 &&
+        secondsSince(last_pair) >= settings.until_silent)
+      break;
+  }
+  if (!heard) failUnheard(settings);
+  return statistics;
+}
+
+std::string liveLine(const odometry_t& message, double frame_rate) {
+  const double latency_ms = static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3;
+  if (message.status != odometry_t::VALID) {
+    return fmt::format("{:5.1f} fps  INVALID: {}", frame_rate, reasonNames(message.reasons));
+  }
+  return fmt::format(
+      "{:5.1f} fps  latency {:5.1f} ms  speed {:6.2f} m/s  yaw {:+6.1f} deg/s  features {:5d}  offset "
+      "{:+5.1f} ms  valid",
+      frame_rate, latency_ms, message.velocity_body[0], message.angular_velocity_body[2] * kDegreesPerRadian,
+      message.features, static_cast<double>(message.offset_us) * 1e-3);
+}
+
+std::string summaryText(const OdometrySummary& summary) {
+  const auto pairs = static_cast<double>(summary.messages - summary.no_pair);
+  return fmt::format(
+      "messages          {} ({} lost, {} without a pair)\n"
+      "valid             {} ({:.1f} % of the pairs)\n"
+      "frame rate        {:.2f} pairs/s over {:.1f} s\n"
+      "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n"
+      "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n"
+      "offset            median {:+.2f} ms (right minus left)\n"
+      "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
+      summary.messages, summary.lost, summary.no_pair, summary.valid,
+      pairs > 0.0 ? 100.0 * static_cast<double>(summary.valid) / pairs : 0.0, summary.frame_rate,
+      summary.seconds, summary.latency_p50_ms, summary.latency_p99_ms, summary.age_p50_ms, summary.age_p99_ms,
+      summary.offset_median_ms, summary.path_length, summary.resets, summary.restarts);
+}
+
+void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary) {
+  const nlohmann::ordered_json json = {
+      {"messages", summary.messages},
+      {"lost", summary.lost},
+      {"no_pair", summary.no_pair},
+      {"valid", summary.valid},
+      {"restarts", summary.restarts},
+      {"resets", summary.resets},
+      {"seconds", summary.seconds},
+      {"frame_rate", summary.frame_rate},
+      {"path_length_m", summary.path_length},
+      {"latency_ms", {{"p50", summary.latency_p50_ms}, {"p99", summary.latency_p99_ms}}},
+      {"age_ms", {{"p50", summary.age_p50_ms}, {"p99", summary.age_p99_ms}}},
+      {"offset_median_ms", summary.offset_median_ms},
+  };
+  std::ofstream stream(file);
+  stream << json.dump(2) << '\n';
+  if (!stream.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+}  // namespace cartvo

@@ -175,7 +175,6 @@ class RtspCamera::Receiver {
       case RtspSession::Outcome::fragment:
         stream_->add(fragment_);
         while (std::optional<EncodedUnit> unit = stream_->takeUnit(next_sequence_)) {
-          silent_after_ = Clock::now() + settings_.stall_timeout;
           if (observer_ != nullptr) observer_->onUnit(*unit);
           stream_->decoder().send(*unit);
           collectFrames();
@@ -199,6 +198,8 @@ class RtspCamera::Receiver {
   void collectFrames() {
     while (std::optional<Frame> frame = stream_->decoder().receive()) {
       streaming_ = true;
+      silent_after_ =
+          Clock::now() + settings_.stall_timeout;  // packets that give no picture are a stall, too
       failures_ = 0;
       refusals_ = 0;
       // One unit gives one frame; more wait only where a decoder reorders.

@@ -162,7 +162,7 @@ RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_
     av_packet_unref(self.packet.get());
     const int error = av_read_frame(self.input.get(), self.packet.get());
     if (self.interrupted) return Outcome::interrupted;
-    if (error == AVERROR(EAGAIN)) continue;
+    if (error == AVERROR(EAGAIN) && Clock::now() < deadline) continue;
     if (error < 0) {
       if (Clock::now() >= deadline) return Outcome::silent;
       self.reason = error == AVERROR_EOF ? "the camera closed the connection" : ffmpeg::errorText(error);

@@ -10,8 +10,9 @@ namespace cartvo {
 namespace {
 
 constexpr double kCornersPerFeature = 2.0;  // a window's corners aimed at, for each feature aimed at
-constexpr double kAdaptation = 0.4;         // power of the ratio of counts by which a threshold moves
+constexpr double kAdaptation = 0.2;         // power of the ratio of counts by which a threshold moves
 constexpr double kMostAtOnce = 1.5;         // a threshold changes by this factor an image, at most
+constexpr int kFirstLooks = 6;              // at the first image, before its corners are taken
 
 bool stronger(const Corner& a, const Corner& b) {
   if (a.score != b.score) return a.score > b.score;
@@ -22,7 +23,11 @@ bool stronger(const Corner& a, const Corner& b) {
 
 AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int features,
                                    const cv::Size& image_size)
-    : settings_(settings), features_(features), corner_target_(0.0), image_size_(image_size) {
+    : settings_(settings),
+      features_(features),
+      corner_target_(0.0),
+      image_size_(image_size),
+      first_looks_(kFirstLooks) {
   const int columns = settings.window_columns;
   const int rows = settings.window_rows;
   for (int row = 0; row < rows; ++row) {
@@ -59,24 +64,31 @@ int AdaptiveDetector::windowAt(double x, double y) const {
   return row * settings_.window_columns + column;
 }
 
-std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
-                                             SpacingGrid& spacing) {
-  const int count = windowCount();
+std::vector<std::vector<Corner>> AdaptiveDetector::findCorners(const cv::Mat& image) {
   std::vector<std::vector<Corner>> corners(windows_.size());
-  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+  cv::parallel_for_(cv::Range(0, windowCount()), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i)
       scoreWindow(image, windows_[i], threshold(i), scores_);
   });
-  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+  cv::parallel_for_(cv::Range(0, windowCount()), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       corners[i] = localMaxima(scores_, windows_[i]);
       std::sort(corners[i].begin(), corners[i].end(), stronger);
     }
   });
+  for (int i = 0; i < windowCount(); ++i)
+    adaptThreshold(i, static_cast<int>(corners[i].size()));
+  return corners;
+}
 
+std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
+                                             SpacingGrid& spacing) {
+  for (; first_looks_ > 0; --first_looks_)
+    findCorners(image);
+  const std::vector<std::vector<Corner>> corners = findCorners(image);
+  const int count = windowCount();
   std::vector<int> wanted(windows_.size());
   for (int i = 0; i < count; ++i) {
-    adaptThreshold(i, static_cast<int>(corners[i].size()));
     wanted[i] = (i + 1) * features_ / count - i * features_ / count;  // sums up to features_ exactly
   }
   for (const Eigen::Vector2d& pixel : alive)

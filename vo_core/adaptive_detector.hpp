@@ -31,6 +31,8 @@ class AdaptiveDetector {
   double cornerTarget() const { return corner_target_; }
 
  private:
+  /// Of each window, strongest first; adapts the thresholds.
+  std::vector<std::vector<Corner>> findCorners(const cv::Mat& image);
   void adaptThreshold(int index, int corners);
   int windowAt(double x, double y) const;
 
@@ -38,6 +40,7 @@ class AdaptiveDetector {
   int features_;
   double corner_target_;
   cv::Size image_size_;
+  int first_looks_;  ///< still to be had at the first image, whose thresholds are a mere guess
   std::vector<cv::Rect> windows_;
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;

@@ -13,7 +13,7 @@ namespace cartvo {
 namespace {
 
 constexpr double kFarAway = 1000.0;  // m, where a feature without a disparity is taken to be
-constexpr double kOutside = 32.0;    // px; predicted farther outside the image, a feature is gone
+constexpr double kOutside = 8.0;     // px; predicted farther outside the image, a feature is gone
 
 /// Calls work(i) for each i below count, on OpenCV's threads; each i must write to its own place only.
 template <typename Work>

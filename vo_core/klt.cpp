@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kSide = 15;                // px
 constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
+constexpr int kShiftIterations = 8;      // a shift that takes longer is lost
+constexpr double kWorthAligning = 0.5;   // correlation after the shift, of which a warp may make a match
 constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
 using Template = Patch<kSide, kSide>;
 
@@ -93,6 +95,21 @@ Eigen::Vector2d mismatch(const Linearisation& before, const Template& after) {
   return sum;
 }
 
+double correlationOf(const Template& centred_before, Template& after) {
+  removeMean(after);
+  double product = 0.0;
+  double before_square = 0.0;
+  double after_square = 0.0;
+  for (int i = 0; i < kSide * Template::kStride; ++i) {
+    const double then = centred_before.value[i];
+    const double now = after.value[i];
+    product += then * now;
+    before_square += then * then;
+    after_square += now * now;
+  }
+  return product / std::sqrt(std::max(before_square * after_square, 1e-12));
+}
+
 }  // namespace
 
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
@@ -115,7 +132,7 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
       continue;
     }
     Eigen::Vector2d position = centre + shift * scale;
-    for (int iteration = 0; iteration < settings.iterations; ++iteration) {
+    for (int iteration = 0; iteration < kShiftIterations; ++iteration) {
       if (!target.contains(position)) break;
       samplePatch(target, position, moved);
       const Eigen::Vector2d step = patch.inverse_structure * mismatch(patch, moved);
@@ -129,6 +146,9 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
   }
   result.position = from + shift;
   if (!after.grey.front().contains(result.position)) return result;
+  samplePatch(after.grey.front(), result.position, moved);
+  if (correlationOf(patch.grey, moved) < std::min(kWorthAligning, settings.minimum_correlation))
+    return result;
   const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, result.position,
                                    settings.iterations, settings.convergence);
   if (!aligned) return result;

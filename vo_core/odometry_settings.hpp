@@ -21,8 +21,8 @@ struct DetectionSettings {
 /// KLT from frame to frame (thesis 4.10-4.13).
 struct TrackingSettings {
   int levels = 4;                    ///< of the pyramid, the full image among them
-  int iterations = 20;               ///< at most, a level
-  double convergence = 0.01;         ///< px; a level is done when a step is shorter
+  int iterations = 10;               ///< at most, of the last, affine step
+  double convergence = 0.01;         ///< px; the track is done when a step is shorter
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
   double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it

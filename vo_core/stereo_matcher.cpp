@@ -167,12 +167,15 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
       correlation[sample] = correlate(left, strip, sample, 3 + row);
     for (int sample = 1; sample < kSamples - 1; ++sample) {
       const double middle = correlation[sample];
-      if (middle <= best.correlation || middle < correlation[sample - 1] || middle < correlation[sample + 1])
-        continue;
-      const double offset = sinusoidalPeak(correlation[sample - 1], middle, correlation[sample + 1]);
-      best.correlation = middle;
+      if (middle <= 0.0 || middle < correlation[sample - 1] || middle < correlation[sample + 1]) continue;
+      // Peaks are compared, not samples: between two columns the right row's samples may be lower than those
+      // of a wrong row whose texture happens to meet a column.
+      const Peak peak = sinusoidalPeak(correlation[sample - 1], middle, correlation[sample + 1]);
+      if (peak.height <= best.correlation) continue;
+      best.correlation = peak.height;
       best.row_offset = row;
-      best.disparity = disparity - (sample - (kNccRadius + 1) + offset);  // to the right is less disparity
+      best.disparity =
+          disparity - (sample - (kNccRadius + 1) + peak.offset);  // to the right is less disparity
     }
   }
   return best;

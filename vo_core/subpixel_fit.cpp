@@ -6,12 +6,12 @@
 
 namespace cartvo {
 
-double sinusoidalPeak(double left, double middle, double right) {
+Peak sinusoidalPeak(double left, double middle, double right) {
   const double cosine = (left + right) / (2.0 * middle);
-  if (!(middle > 0.0) || !(cosine < 1.0) || !(cosine > -1.0)) return 0.0;
+  if (!(middle > 0.0) || !(cosine < 1.0) || !(cosine > -1.0)) return {0.0, middle};
   const double frequency = std::acos(cosine);
   const double phase = std::atan((left - right) / (2.0 * middle * std::sin(frequency)));
-  return std::clamp(-phase / frequency, -0.5, 0.5);
+  return {std::clamp(-phase / frequency, -0.5, 0.5), middle / std::cos(phase)};
 }
 
 }  // namespace cartvo

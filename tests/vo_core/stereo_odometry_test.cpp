@@ -1,0 +1,214 @@
+// The whole odometry in a rendered corridor with known motion, and on what goes wrong.
+#include "vo_core/stereo_odometry.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
+
+#include "vo_core/corridor_world.hpp"
+
+namespace cartvo {
+namespace {
+
+const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+constexpr std::int64_t kPeriod = 50'000'000;  // ns
+
+OdometrySettings smallSettings() {
+  OdometrySettings settings;
+  settings.features = 400;
+  return settings;
+}
+
+Eigen::Isometry3d drive(double frame) {
+  Vector6d vector;
+  vector << 0.01 * frame, 0.004 * frame, 0.15 * frame, 0.001 * frame, 0.006 * frame, -0.002 * frame;
+  return motionFromVector(vector);
+}
+
+/// The drive's pairs, rendered once.
+const std::vector<StereoImages>& drivePairs() {
+  static const std::vector<StereoImages> pairs = [] {
+    std::vector<StereoImages> rendered;
+    const test::CorridorWorld world(1);
+    for (int i = 0; i < 10; ++i)
+      rendered.push_back(world.render(kCamera, drive(i), i * kPeriod));
+    return rendered;
+  }();
+  return pairs;
+}
+
+std::vector<OdometryEstimate> run(const std::vector<StereoImages>& pairs, const OdometrySettings& settings) {
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  std::vector<OdometryEstimate> estimates;
+  for (const StereoImages& pair : pairs)
+    estimates.push_back(odometry.process(pair, observer));
+  return estimates;
+}
+
+StereoImages uniformPair(int grey, std::int64_t time_ns) {
+  const cv::Mat image(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(grey));
+  return {image, image, time_ns, time_ns};
+}
+
+TEST(StereoOdometry, FollowsAKnownMotion) {
+  const auto estimates = run(drivePairs(), smallSettings());
+  EXPECT_FALSE(estimates[0].valid);
+  EXPECT_EQ(estimates[0].reasons, OdometryReason::first_pair);
+  for (std::size_t i = 1; i < estimates.size(); ++i) {
+    ASSERT_TRUE(estimates[i].valid) << i;
+    EXPECT_EQ(estimates[i].reasons, OdometryReason::none);
+    EXPECT_EQ(estimates[i].reset_counter, 0U);
+    EXPECT_NEAR(estimates[i].time_step, 0.05, 1e-9);
+    const auto frame = static_cast<double>(i);
+    const Vector6d error = vectorFromMotion(estimates[i].T_world_camera.inverse() * drive(frame));
+    EXPECT_LT(error.head<3>().norm(), 0.01 * 0.15 * frame + 0.004) << i;
+    EXPECT_LT(error.tail<3>().norm(), 0.002) << i;
+    EXPECT_GE(estimates[i].counts.detected, estimates[i].counts.tracked);
+    EXPECT_GE(estimates[i].counts.tracked, estimates[i].counts.matched);
+    EXPECT_GE(estimates[i].counts.matched, estimates[i].counts.inliers);
+    EXPECT_GT(
+        Eigen::SelfAdjointEigenSolver<Matrix6d>(estimates[i].motion_covariance).eigenvalues().minCoeff(),
+        0.0);
+  }
+  EXPECT_GT(estimates.back().pose_covariance.trace(), estimates[1].pose_covariance.trace());
+}
+
+TEST(StereoOdometry, EachPoseIsTheReferencesTimesTheMotion) {
+  const auto estimates = run(drivePairs(), smallSettings());
+  for (std::size_t i = 1; i < estimates.size(); ++i)
+    EXPECT_LT((estimates[i].T_world_camera.matrix() -
+               (estimates[i - 1].T_world_camera * estimates[i].T_previous_current).matrix())
+                  .norm(),
+              1e-9);
+}
+
+TEST(StereoOdometry, GivesTheSameBytesWhateverTheNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const auto one = run(drivePairs(), smallSettings());
+  cv::setNumThreads(2);
+  const auto two = run(drivePairs(), smallSettings());
+  cv::setNumThreads(threads);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].T_world_camera.matrix(), two[i].T_world_camera.matrix());
+    EXPECT_EQ(one[i].pose_covariance, two[i].pose_covariance);
+  }
+}
+
+TEST(StereoOdometry, IdenticalImagesMeanRest) {
+  StereoImages pair = drivePairs()[0];
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < 5; ++i) {
+    pair.left_exposure_ns = pair.right_exposure_ns = i * kPeriod;
+    pairs.push_back(pair);
+  }
+  const auto estimates = run(pairs, smallSettings());
+  for (std::size_t i = 1; i < estimates.size(); ++i) {
+    EXPECT_TRUE(estimates[i].valid);
+    EXPECT_LT(vectorFromMotion(estimates[i].T_world_camera).norm(), 1e-6);
+  }
+}
+
+TEST(StereoOdometry, ImagesWithoutTextureAreInvalidWithTheirReason) {
+  for (const int grey : {0, 128, 255}) {
+    const auto estimates = run(
+        {uniformPair(grey, 0), uniformPair(grey, kPeriod), uniformPair(grey, 2 * kPeriod)}, smallSettings());
+    EXPECT_EQ(estimates[2].reasons, OdometryReason::too_few_features);
+    EXPECT_FALSE(estimates[2].valid);
+    EXPECT_EQ(estimates[2].T_previous_current.matrix(), Eigen::Matrix4d::Identity());
+  }
+}
+
+TEST(StereoOdometry, BridgesAShortGap) {
+  std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 7);
+  pairs[3] = uniformPair(0, 3 * kPeriod);
+  pairs[4] = uniformPair(0, 4 * kPeriod);
+  const auto estimates = run(pairs, smallSettings());
+  EXPECT_FALSE(estimates[3].valid);
+  EXPECT_FALSE(estimates[4].valid);
+  EXPECT_EQ(estimates[4].T_world_camera.matrix(), estimates[2].T_world_camera.matrix());
+  ASSERT_TRUE(estimates[5].valid);
+  EXPECT_EQ(estimates[5].reset_counter, 0U);
+  EXPECT_NEAR(estimates[5].time_step, 0.15, 1e-9);
+  EXPECT_LT((estimates[5].T_world_camera.translation() - drive(5).translation()).norm(), 0.03);
+}
+
+TEST(StereoOdometry, BeginsANewEpochAfterALoss) {
+  const test::CorridorWorld elsewhere(99);
+  std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 4);
+  for (int i = 4; i < 7; ++i)
+    pairs.push_back(elsewhere.render(kCamera, drive(i), i * kPeriod));
+  const auto estimates = run(pairs, smallSettings());
+  EXPECT_TRUE(estimates[3].valid);
+  EXPECT_FALSE(estimates[4].valid);  // the cut
+  EXPECT_EQ(estimates[4].reset_counter, 0U);
+  ASSERT_TRUE(estimates[5].valid);
+  EXPECT_EQ(estimates[5].reset_counter, 1U);
+  EXPECT_EQ(estimates[6].reset_counter, 1U);
+  const Eigen::Isometry3d expected = drive(4).inverse() * drive(5);  // the world is the camera of pair 4 now
+  EXPECT_LT((estimates[5].T_world_camera.translation() - expected.translation()).norm(), 0.01);
+}
+
+TEST(StereoOdometry, ATimeStepOutOfRangeBeginsANewEpoch) {
+  for (const std::int64_t step : {std::int64_t{0}, -kPeriod, 10'000'000'000}) {
+    std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 4);
+    const std::int64_t before = pairs[1].left_exposure_ns;
+    pairs[2].left_exposure_ns = before + step;
+    pairs[3].left_exposure_ns = before + step + kPeriod;
+    const auto estimates = run(pairs, smallSettings());
+    EXPECT_EQ(estimates[2].reasons, OdometryReason::time_step);
+    EXPECT_EQ(estimates[2].reset_counter, 1U);
+    EXPECT_EQ(estimates[2].T_world_camera.matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_TRUE(estimates[3].valid);
+    EXPECT_EQ(estimates[3].reset_counter, 1U);
+  }
+}
+
+TEST(StereoOdometry, SwappedImagesGiveNoMotion) {
+  std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 6);
+  for (StereoImages& pair : pairs)
+    std::swap(pair.left, pair.right);
+  for (const OdometryEstimate& estimate : run(pairs, smallSettings()))
+    EXPECT_FALSE(estimate.valid);
+}
+
+TEST(StereoOdometry, NoiseGivesNoMotion) {
+  cv::RNG random(5);
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < 5; ++i) {
+    StereoImages pair = uniformPair(0, i * kPeriod);
+    pair.left = pair.left.clone();
+    pair.right = pair.right.clone();
+    random.fill(pair.left, cv::RNG::UNIFORM, 0, 255);
+    random.fill(pair.right, cv::RNG::UNIFORM, 0, 255);
+    pairs.push_back(pair);
+  }
+  for (const OdometryEstimate& estimate : run(pairs, smallSettings()))
+    EXPECT_FALSE(estimate.valid);
+}
+
+TEST(StereoOdometry, NamesEachStageOnceAPair) {
+  struct Recorder final : StageObserver {
+    std::vector<Stage> begun;
+    std::vector<Stage> ended;
+    void begin(Stage stage) override { begun.push_back(stage); }
+    void end(Stage stage) override { ended.push_back(stage); }
+  } recorder;
+  StereoOdometry odometry(kCamera, smallSettings());
+  odometry.process(drivePairs()[0], recorder);
+  EXPECT_EQ(recorder.begun, recorder.ended);
+  EXPECT_EQ(recorder.begun.size(), kStageCount - 1U);  // all but rectify, which is not ours
+}
+
+TEST(StereoOdometry, RefusesImagesOfAnotherKind) {
+  StereoOdometry odometry(kCamera, smallSettings());
+  NullStageObserver observer;
+  StereoImages pair = drivePairs()[0];
+  pair.right = cv::Mat(10, 10, CV_8UC1);
+  EXPECT_THROW(odometry.process(pair, observer), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <opencv2/core.hpp>
+
+namespace cartvo::test {
+
+/// A band-limited picture defined at every real coordinate: a sum of waves of random directions and phases,
+/// no shorter than 6 px. Images made of it are exact, however they are shifted or warped.
+class WaveTexture {
+ public:
+  explicit WaveTexture(std::uint64_t seed) {
+    std::mt19937_64 engine(seed);
+    const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
+    for (Wave& wave : waves_) {
+      const double length = 6.0 + 30.0 * uniform() * uniform();
+      const double angle = 2.0 * M_PI * uniform();
+      wave = {2.0 * M_PI / length * std::cos(angle), 2.0 * M_PI / length * std::sin(angle),
+              2.0 * M_PI * uniform()};
+    }
+  }
+
+  /// Grey values around 128, within about 60.
+  double operator()(double x, double y) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_)
+      sum += std::sin(wave.x * x + wave.y * y + wave.phase);
+    return 128.0 + 8.0 * sum;
+  }
+
+ private:
+  struct Wave {
+    double x, y, phase;
+  };
+  std::array<Wave, 24> waves_{};
+};
+
+/// A CV_8UC1 image whose pixel (x, y) is value(x, y), rounded.
+template <typename Value>
+cv::Mat draw(int width, int height, const Value& value) {
+  cv::Mat image(height, width, CV_8UC1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      image.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(value(x, y));
+  return image;
+}
+
+/// Mean and standard deviation of what was added.
+class Statistics {
+ public:
+  void add(double value) {
+    ++count_;
+    sum_ += value;
+    square_ += value * value;
+  }
+  int count() const { return count_; }
+  double mean() const { return sum_ / count_; }
+  double deviation() const { return std::sqrt(std::max(square_ / count_ - mean() * mean(), 0.0)); }
+
+ private:
+  int count_ = 0;
+  double sum_ = 0.0, square_ = 0.0;
+};
+
+/// Normally distributed numbers, the same on each platform.
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed) : engine_(seed) {}
+  double uniform() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1.0p-53; }
+  double gaussian() { return std::sqrt(-2.0 * std::log(uniform())) * std::cos(2.0 * M_PI * uniform()); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace cartvo::test

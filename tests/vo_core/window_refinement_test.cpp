@@ -1,0 +1,127 @@
+// The refinement lowers the error of noisy chains, and its covariance is honest.
+#include "vo_core/window_refinement.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/motion_estimator.hpp"
+#include "vo_core/point_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kRadius = 3.5;
+
+/// Features of a scene seen by `frames` frames one motion apart, the last of which is the current one; poses
+/// of the earlier ones are exact.
+std::vector<RefinementFeature> seenBy(int frames, int count, std::uint64_t seed) {
+  test::Noise noise(seed);
+  const Eigen::Isometry3d T = test::forwardMotion();
+  Eigen::Isometry3d T_first_current = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < frames; ++i) {
+    poses.push_back(T_first_current);
+    T_first_current = T_first_current * T;
+  }
+  std::vector<RefinementFeature> features;
+  for (const Eigen::Vector3d& point : test::scatter(count, noise)) {
+    RefinementFeature feature;
+    feature.current = test::measured(poses.back().inverse() * (point + Eigen::Vector3d(0, 0, 3)), noise);
+    feature.current_covariance = test::covarianceOf(feature.current);
+    for (int i = 0; i < frames - 1; ++i) {
+      const Eigen::Vector3d seen =
+          test::measured(poses[i].inverse() * (point + Eigen::Vector3d(0, 0, 3)), noise);
+      feature.earlier.push_back(
+          {poses[i] * seen, poses[i].linear() * test::covarianceOf(seen) * poses[i].linear().transpose()});
+    }
+    features.push_back(feature);
+  }
+  return features;
+}
+
+Eigen::Isometry3d truth(int frames) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < frames - 1; ++i)
+    pose = pose * test::forwardMotion();
+  return pose;
+}
+
+Vector6d errorOf(const Eigen::Isometry3d& pose, int frames) {
+  return vectorFromMotion(pose.inverse() * truth(frames));
+}
+
+TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
+  double before = 0.0;
+  double two_frames = 0.0;
+  double five_frames = 0.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto features = seenBy(5, 150, seed);
+    auto last_only = features;
+    std::vector<PointMatch> matches;
+    for (RefinementFeature& feature : last_only) {
+      feature.earlier = {feature.earlier.back()};
+      matches.push_back({feature.earlier[0].world, feature.current, feature.earlier[0].covariance,
+                         feature.current_covariance, 1.0});
+    }
+    SubsetRandom random(seed);
+    const Eigen::Isometry3d start = estimateMotion(matches, MotionSettings{}, random)->T_reference_current;
+    before += errorOf(start, 5).squaredNorm();
+    two_frames += errorOf(refinePose(start, last_only, 1.0, kRadius, RefinementSettings{}).T_world_camera, 5)
+                      .squaredNorm();
+    five_frames += errorOf(refinePose(start, features, 1.0, kRadius, RefinementSettings{}).T_world_camera, 5)
+                       .squaredNorm();
+  }
+  EXPECT_LT(two_frames, 0.7 * before);
+  EXPECT_LT(five_frames, 0.9 * two_frames);
+}
+
+/// Mean normalised estimation error squared over many trials; 6 if the covariance is honest.
+double meanNees(int frames, double noise_scale) {
+  constexpr int kTrials = 200;
+  double sum = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    auto features = seenBy(frames, 150, 100 + trial);
+    for (RefinementFeature& feature : features) {  // a wrong idea of the noise must not matter
+      feature.current_covariance *= noise_scale * noise_scale;
+      for (EarlierPoint& earlier : feature.earlier)
+        earlier.covariance *= noise_scale * noise_scale;
+    }
+    const RefinedPose refined = refinePose(truth(frames), features, 1.0, kRadius, RefinementSettings{});
+    EXPECT_TRUE(refined.converged);
+    const Vector6d error = errorOf(refined.T_world_camera, frames);
+    sum += error.dot(refined.covariance.ldlt().solve(error));
+  }
+  return sum / kTrials;
+}
+
+TEST(WindowRefinement, CovarianceAgreesWithTheErrors) {
+  // The mean of 200 chi-squared numbers of six degrees lies within 5.5 and 6.5 in 95 % of all cases.
+  EXPECT_NEAR(meanNees(2, 1.0), 6.0, 0.9);
+  // Triangulated points are biased a little outwards, which weighs more as more frames lower the variance.
+  EXPECT_NEAR(meanNees(5, 1.0), 6.0, 2.5);
+}
+
+TEST(WindowRefinement, CovarianceComesFromTheErrorsNotFromTheAssumedNoise) {
+  EXPECT_NEAR(meanNees(2, 1.6), 6.0, 1.2);
+}
+
+TEST(WindowRefinement, LeavesAnOpenPoseAsItCame) {
+  auto features = seenBy(2, 150, 1);
+  features.resize(2);
+  EXPECT_FALSE(refinePose(truth(2), features, 1.0, kRadius, RefinementSettings{}).converged);
+  EXPECT_FALSE(refinePose(truth(2), {}, 1.0, kRadius, RefinementSettings{}).converged);
+}
+
+TEST(WindowRefinement, IdenticalPointsGiveACovarianceThatCanBeInverted) {
+  auto features = seenBy(2, 100, 1);
+  for (RefinementFeature& feature : features)
+    feature.current = feature.earlier[0].world;
+  const RefinedPose refined =
+      refinePose(Eigen::Isometry3d::Identity(), features, 1.0, kRadius, RefinementSettings{});
+  EXPECT_TRUE(refined.converged);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(refined.covariance).eigenvalues().minCoeff(), 0.0);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -51,16 +51,21 @@ bool parseNumber(const std::string& text, Number& number) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-bool collectNumbers(const YAML::Node& node, std::vector<double>& numbers) {
+/// Bounded, because aliases let a short file stand for an endless sequence.
+bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& numbers) {
+  constexpr std::size_t kMostNumbers = 10'000;
   if (node.IsSequence()) {
-    return std::all_of(node.begin(), node.end(),
-                       [&](const YAML::Node& item) { return collectNumbers(item, numbers); });
+    return levels > 0 && std::all_of(node.begin(), node.end(), [&](const YAML::Node& item) {
+             return collectNumbers(item, levels - 1, numbers);
+           });
   }
   double number = 0.0;
   if (!node.IsScalar() || !parseNumber(node.Scalar(), number) || !std::isfinite(number)) return false;
   numbers.push_back(number);
-  return true;
+  return numbers.size() <= kMostNumbers;
 }
+
+constexpr int kMatrixLevels = 2;  // a sequence of rows
 
 std::string shortest(double number) {
   std::ostringstream text;
@@ -140,13 +145,14 @@ double StrictYaml::number(double least, double most) const {
 
 std::vector<double> StrictYaml::numbers() const {
   std::vector<double> values;
-  if (!node_.IsSequence() || !collectNumbers(node_, values)) failExpecting("a sequence of numbers");
+  if (!node_.IsSequence() || !collectNumbers(node_, kMatrixLevels, values))
+    failExpecting("a sequence of numbers");
   return values;
 }
 
 std::vector<double> StrictYaml::numbers(std::size_t count) const {
   std::vector<double> values;
-  if (!node_.IsSequence() || !collectNumbers(node_, values) || values.size() != count) {
+  if (!node_.IsSequence() || !collectNumbers(node_, kMatrixLevels, values) || values.size() != count) {
     failExpecting("a sequence of " + std::to_string(count) + " numbers");
   }
   return values;

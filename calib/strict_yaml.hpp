@@ -34,7 +34,8 @@ class StrictYaml {
   std::int64_t integer(std::int64_t least, std::int64_t most) const;
   double number(double least, double most) const;
 
-  /// A sequence of numbers, of any length or of `count`; nested sequences are taken row by row.
+  /// A sequence of numbers, of any length or of `count`; a sequence of sequences is taken row by row. At
+  /// most 10,000.
   std::vector<double> numbers() const;
   std::vector<double> numbers(std::size_t count) const;
 

@@ -7,6 +7,7 @@
 
 #include "calib/atomic_file.hpp"
 #include "calib/rigs.hpp"
+#include "calib/strict_yaml.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -154,6 +155,19 @@ TEST(RigFile, NestedWithoutEndIsRefused) {
   writeFileAtomically(folder / "rig.yaml", std::string(100'000, '['));
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "rig.yaml"); }),
               StartsWith((folder / "rig.yaml").string()));
+}
+
+TEST(RigFile, WhoseAliasesStandForABillionNumbersIsRefused) {
+  const test::TemporaryFolder folder;
+  std::string text = "a: &l0 [0, 0, 0, 0, 0, 0, 0, 0]\n";
+  for (int level = 0; level < 10; ++level) {
+    const std::string alias = "*l" + std::to_string(level);
+    text += "b" + std::to_string(level) + ": &l" + std::to_string(level + 1) + " [" + alias + ", " + alias +
+            ", " + alias + ", " + alias + ", " + alias + ", " + alias + ", " + alias + ", " + alias + "]\n";
+  }
+  writeFileAtomically(folder / "rig.yaml", text);
+  EXPECT_THAT(test::messageOf([&] { StrictYaml::readFile(folder / "rig.yaml")["b9"].numbers(); }),
+              HasSubstr("b9: expected a sequence of numbers"));
 }
 
 }  // namespace

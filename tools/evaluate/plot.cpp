@@ -105,12 +105,21 @@ struct Axes {
   }
 };
 
+/// The multiples of a step from `low` to `high`.
+std::vector<double> multiples(double step, double low, double high) {
+  std::vector<double> values;
+  for (auto i = std::llround(std::ceil(low / step)); static_cast<double>(i) * step <= high; ++i) {
+    values.push_back(static_cast<double>(i) * step);
+  }
+  return values;
+}
+
 void drawGrid(Sheet& sheet, const Axes& axes, double x_step, double y_step) {
-  for (double x = std::ceil(axes.x_low / x_step) * x_step; x <= axes.x_high; x += x_step) {
+  for (const double x : multiples(x_step, axes.x_low, axes.x_high)) {
     sheet.line({axes({x, axes.y_low}), axes({x, axes.y_high})}, kGrid, 1);
     sheet.text(label(x, x_step), axes({x, axes.y_low}) + cv::Point2d(0, 20), Anchor::centre, kInk);
   }
-  for (double y = std::ceil(axes.y_low / y_step) * y_step; y <= axes.y_high; y += y_step) {
+  for (const double y : multiples(y_step, axes.y_low, axes.y_high)) {
     sheet.line({axes({axes.x_low, y}), axes({axes.x_high, y})}, kGrid, 1);
     sheet.text(label(y, y_step), axes({axes.x_low, y}) + cv::Point2d(-8, 5), Anchor::right, kInk);
   }

@@ -16,9 +16,11 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr double kNear = 28.0;  // m from the road: trees beyond show no single leaves
+
 std::vector<Vector2d> loopPolygon(Scenario scenario) {
   if (scenario == Scenario::turns) {
-    return {{-20, 0},   {18, 0},    {34, 17},   {56, -3},  {78, 15},  {97, -12},
+    return {{0, 0},     {18, 0},    {34, 17},   {56, -3},  {78, 15},  {97, -12},
             {80, -33},  {97, -55},  {70, -70},  {52, -50}, {34, -69}, {12, -50},
             {-10, -66}, {-30, -45}, {-18, -24}, {-38, -8}, {-20, 0}};
   }
@@ -72,6 +74,13 @@ class Layout {
   void tryBuilding(const Vector2d& centre, double yaw, int most_storeys);
   void place(std::uint32_t mesh, const Vector2d& at, double yaw, double scale);
   Vector2d anywhere(double margin);
+  static Eigen::Affine3f standing(const Vector2d& at, double yaw);
+  double distanceToPath(const Vector2d& at) const {
+    double nearest = 1e9;
+    for (const PathPoint& p : samples_)
+      nearest = std::min(nearest, (at - p.position).norm());
+    return nearest;
+  }
 
   const Path& path_;
   Campus& campus_;
@@ -163,13 +172,16 @@ void Layout::addBorders() {
   }
 }
 
+Eigen::Affine3f Layout::standing(const Vector2d& at, double yaw) {
+  const Eigen::Vector3d foot(at.x(), at.y(), terrainHeight(at.x(), at.y()) - 0.08);
+  return Eigen::Translation3f(foot.cast<float>()) *
+         Eigen::Affine3f(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
+}
+
 void Layout::place(std::uint32_t mesh, const Vector2d& at, double yaw, double scale) {
   Instance instance;
   instance.mesh = mesh;
-  instance.placement = Eigen::Translation3f(
-      Eigen::Vector3d(at.x(), at.y(), terrainHeight(at.x(), at.y()) - 0.08).cast<float>());
-  instance.placement.rotate(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
-  instance.placement.scale(static_cast<float>(scale));
+  instance.placement = standing(at, yaw) * Eigen::Scaling(static_cast<float>(scale));
   instance.seed = random_.bits();
   instance.tone_shift = static_cast<float>(random_.uniform(-0.3, 0.3));
   campus_.instances.push_back(instance);
@@ -177,18 +189,32 @@ void Layout::place(std::uint32_t mesh, const Vector2d& at, double yaw, double sc
 
 void Layout::addTrees() {
   constexpr int kKinds = 6;
-  std::vector<std::uint32_t> trees;
-  std::vector<std::uint32_t> bushes;
-  std::vector<std::uint32_t> tufts;
+  std::vector<std::uint32_t> near_trees;
+  std::vector<std::uint32_t> far_trees;
+  std::vector<Mesh> bushes;
+  std::vector<Mesh> tufts;
   for (int i = 0; i < kKinds; ++i) {
-    trees.push_back(addMesh(makeTree(random_.bits())));
-    bushes.push_back(addMesh(makeBush(random_.bits())));
-    tufts.push_back(addMesh(makeTuft(random_.bits())));
+    const std::uint32_t seed = random_.bits();
+    near_trees.push_back(addMesh(makeTree(seed, Detail::leaves)));
+    far_trees.push_back(addMesh(makeTree(seed, Detail::sprays)));
+    bushes.push_back(makeBush(random_.bits()));
+    tufts.push_back(makeTuft(random_.bits()));
   }
-  const auto plant = [&](const std::vector<std::uint32_t>& kinds, const Vector2d& at, double room,
-                         double from, double to) {
-    if (!clearOfRoad(at, 0.4) || !clearOfBuildings(at, room)) return;
-    place(kinds[random_.below(kKinds)], at, random_.uniform(0.0, 6.28), random_.uniform(from, to));
+  const auto roomFor = [&](const Vector2d& at, double room) {
+    return clearOfRoad(at, 0.4) && clearOfBuildings(at, room);
+  };
+  const auto plantTree = [&](const Vector2d& at, double from, double to) {
+    if (!roomFor(at, 2.3)) return;
+    const bool near = distanceToPath(at) < kNear;
+    place((near ? near_trees : far_trees)[random_.below(kKinds)], at, random_.uniform(0.0, 6.28),
+          random_.uniform(from, to));
+  };
+  const auto plantSmall = [&](const std::vector<Mesh>& kinds, const Vector2d& at, double room, double from,
+                              double to) {
+    if (!roomFor(at, room)) return;
+    const auto scale = static_cast<float>(random_.uniform(from, to));
+    fixed().addMesh(kinds[random_.below(kKinds)],
+                    standing(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale), random_.bits());
   };
   const double density = sparse_ ? 0.12 : 1.0;
   for (double s = 0.0; s < path_.length(); s += 1.0) {
@@ -198,19 +224,17 @@ void Layout::addTrees() {
       const auto off = [&](double from, double to) {
         return p.beside(border + side * random_.uniform(from, to));
       };
-      if (random_.chance(0.075 * density)) plant(trees, off(1.4, 5.5), 2.2, 0.65, 1.2);
-      if (random_.chance(0.20 * density)) plant(bushes, off(1.0, 5.0), 0.9, 0.5, 1.3);
-      for (int i = 0; i < 2; ++i) {
-        if (random_.chance(0.75 * density)) plant(tufts, off(0.15, 2.4), 0.3, 0.5, 1.3);
-      }
+      if (random_.chance(0.075 * density)) plantTree(off(1.4, 5.5), 0.65, 1.2);
+      if (random_.chance(0.12 * density)) plantSmall(bushes, off(1.0, 5.0), 0.9, 0.5, 1.3);
+      if (random_.chance(0.9 * density)) plantSmall(tufts, off(0.15, 2.4), 0.3, 0.5, 1.3);
     }
   }
-  for (int i = 0; i < static_cast<int>(230 * density); ++i)
-    plant(trees, anywhere(60.0), 2.5, 0.8, 1.5);
-  for (int i = 0; i < 420; ++i) {  // a belt of wood all around
+  for (int i = 0; i < static_cast<int>(170 * density); ++i)
+    plantTree(anywhere(60.0), 0.8, 1.5);
+  for (int i = 0; i < 240; ++i) {  // a belt of wood all around
     const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random_.uniform(170.0, 230.0);
-    plant(trees, Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)), 2.5, 1.0, 1.9);
+    plantTree(Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)), 1.0, 1.9);
   }
 }
 

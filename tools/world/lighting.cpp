@@ -20,7 +20,7 @@ Lighting lightingOf(const WorldSettings& settings) {
   lighting.clouds = static_cast<float>(random.uniform(0.35, 0.75));
   lighting.seed = random.bits();
   if (settings.scenario == Scenario::dusk) {
-    constexpr float kDim = 0.02F;
+    constexpr float kDim = 0.05F;
     lighting.sun = 0.0F;
     lighting.sky *= kDim;
     lighting.ground *= kDim;

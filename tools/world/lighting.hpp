@@ -11,8 +11,8 @@ namespace cartvo::world {
 struct Lighting {
   Eigen::Vector3f to_sun{0.45F, 0.55F, 0.70F};  ///< unit length after lightingOf()
   float sun = 0.85F;                            ///< direct light on a surface facing it; 0: no shadows
-  float sky = 0.30F;                            ///< from above, on a level surface
-  float ground = 0.07F;                         ///< sent back by the ground, on a downward surface
+  float sky = 0.23F;                            ///< from above, on a level surface
+  float ground = 0.06F;                         ///< sent back by the ground, on a downward surface
   float clouds = 0.5F;                          ///< 0..1
   std::uint32_t seed = 0;
 

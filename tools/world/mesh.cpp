@@ -87,13 +87,15 @@ void Mesh::addColumn(const Eigen::Vector3f& from, const Eigen::Vector3f& to, flo
   }
 }
 
-void Mesh::addMesh(const Mesh& mesh, const Eigen::Affine3f& placement) {
+void Mesh::addMesh(const Mesh& mesh, const Eigen::Affine3f& placement, std::uint32_t seed) {
   for (std::size_t quad = 0; quad < mesh.size(); ++quad) {
     const QuadShading& shading = mesh.shading_[quad];
     Corners corners;
     for (std::size_t i = 0; i < 4; ++i)
       corners[i] = placement * mesh.vertices_[4 * quad + i];
-    addQuad(corners, shading.uv, shading.finish);
+    Finish finish = shading.finish;
+    finish.seed = mixBits(finish.seed ^ seed);
+    addQuad(corners, shading.uv, finish);
   }
 }
 

@@ -45,8 +45,8 @@ class Mesh {
   void addColumn(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float radius_from, float radius_to,
                  int sides, const Finish& finish);
 
-  /// All corners of another mesh, moved.
-  void addMesh(const Mesh& mesh, const Eigen::Affine3f& placement);
+  /// A copy of another mesh, moved, its finishes' seeds mixed with `seed`.
+  void addMesh(const Mesh& mesh, const Eigen::Affine3f& placement, std::uint32_t seed);
 
   std::size_t size() const { return shading_.size(); }
   const std::vector<Eigen::Vector3f>& vertices() const { return vertices_; }  ///< four a quad

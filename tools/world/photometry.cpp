@@ -105,7 +105,7 @@ cv::Mat exposeImage(const cv::Mat& radiance, double exposure, const SensorSettin
       const float vignette = 1.0F - sensor.vignette * (dx * dx + dy * dy) / half_diagonal2;
       float signal = scale * vignette * (side * (left + right) + middle * centre);
       const std::uint32_t bits = mixBits(row_seed + static_cast<std::uint32_t>(x) * 0x9e3779b9U);
-      signal += normalDeviate(bits) * std::sqrt(signal * shot + read);
+      signal += normalDeviate(bits) * std::sqrt(std::max(signal, 0.0F) * shot + read);
       out[x] = static_cast<std::uint8_t>(tone.level(signal) + 0.5F);
       left = centre;
       centre = right;

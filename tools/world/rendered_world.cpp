@@ -40,10 +40,8 @@ const WorldSettings& validated(const WorldSettings& s) {
   require(s.focal_length >= 0.4 * s.image_size.width,
           "focal_length must be at least 0.4 of the image's width");
   require(s.baseline > 0.0 && s.baseline <= 2.0, "baseline must lie in (0, 2] m");
-  const int samples = s.samples_per_pixel;
-  require(samples == 1 || samples == 2 || samples == 4, "samples_per_pixel must be 1, 2 or 4");
-  require(s.edge_samples == 0 || s.edge_samples == 8 || s.edge_samples == 16,
-          "edge_samples must be 0, 8 or 16");
+  require(s.edge_samples >= 0 && s.edge_samples <= 64 && s.edge_samples % 4 == 0,
+          "edge_samples must be a multiple of 4 in [0, 64]");
   require(s.noise >= 0.0, "noise must not be negative");
   require(s.threads >= 1 && s.threads <= 256, "threads must lie in [1, 256]");
   return s;
@@ -103,7 +101,7 @@ class RenderedWorld::Implementation {
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
     moveTo(seconds);
-    const RenderSettings sampling{settings.samples_per_pixel, settings.edge_samples, settings.threads};
+    const RenderSettings sampling{settings.edge_samples, settings.threads};
     const std::uint32_t image_seed =
         hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
                 static_cast<std::uint32_t>(camera)});
@@ -125,8 +123,8 @@ class RenderedWorld::Implementation {
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
     moveTo(seconds);
     DepthImage result;
-    renderDepthAndMotion(scene, RenderSettings{1, 0, settings.threads},
-                         viewAt(seconds, rays[camera], camera, 0), result.depth, result.moving);
+    renderDepthAndMotion(scene, RenderSettings{0, settings.threads}, viewAt(seconds, rays[camera], camera, 0),
+                         result.depth, result.moving);
     return result;
   }
 
@@ -155,7 +153,7 @@ class RenderedWorld::Implementation {
       View view = viewAt(t, table, 0, 1U);
       view.size = model.size;
       metered.push_back(
-          cv::mean(renderRadiance(scene, lighting, style, RenderSettings{1, 0, settings.threads}, view))[0]);
+          cv::mean(renderRadiance(scene, lighting, style, RenderSettings{0, settings.threads}, view))[0]);
     }
     return metered;
   }
@@ -235,8 +233,7 @@ std::string RenderedWorld::cacheKey() const {
   key << "world-" << kLook << '-' << scenarioName(s.scenario) << "-seed" << s.seed << '-' << s.seconds
       << "s-lead" << s.lead_in_seconds << '-' << s.frame_rate << "Hz-offset" << s.offset_s << "s-drift"
       << s.offset_drift_ppm << "ppm-" << s.image_size.width << 'x' << s.image_size.height << "-f"
-      << s.focal_length << "-b" << s.baseline << "-spp" << s.samples_per_pixel << '+' << s.edge_samples
-      << "-noise" << s.noise;
+      << s.focal_length << "-b" << s.baseline << "-edge" << s.edge_samples << "-noise" << s.noise;
   return key.str();
 }
 

@@ -15,8 +15,8 @@ namespace cartvo::world {
 
 /// How a picture is sampled.
 struct RenderSettings {
-  int samples_per_pixel = 4;
-  int edge_samples = 8;
+  int edge_samples =
+      4;  ///< further rays where an edge is near; past the first four only where it is in the pixel
   int threads = 2;
 };
 

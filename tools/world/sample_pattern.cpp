@@ -22,7 +22,7 @@ SamplePatterns::SamplePatterns() {
           std::swap(rows[i], rows[random.below(i + 1)]);
         std::vector<Eigen::Vector2f> points;
         for (int i = 0; i < samples; ++i) {
-          const auto spread = samples == 1 ? 0.0 : 0.3;  // a lone sample stays at the centre
+          const double spread = samples == 1 ? 0.49 : 0.3;
           points.emplace_back(
               (static_cast<float>(i) + 0.5F + static_cast<float>(random.uniform(-spread, spread))) /
                       static_cast<float>(samples) -

@@ -26,7 +26,7 @@ Scene::Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& insta
   for (const Mesh& mesh : meshes)
     bottom_.push_back(buildMesh(mesh));
   top_.reset(rtcNewScene(device_.get()));
-  rtcSetSceneFlags(top_.get(), RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(top_.get(), RTC_BUILD_QUALITY_MEDIUM);
   for (std::uint32_t id = 0; id < instances.size(); ++id) {
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, bottom_[instances[id].mesh].get());
@@ -41,8 +41,7 @@ Scene::Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& insta
 
 Scene::Handle Scene::buildMesh(const Mesh& mesh) const {
   Handle scene(rtcNewScene(device_.get()));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_QUAD);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices().size()));

@@ -69,7 +69,8 @@ std::vector<double> speedProfile(const Path& path, const WorldSettings& settings
   double speed = 0.0;
   double distance = 0.0;
   for (int i = 0; i < steps; ++i) {
-    const double time = i * kSpeedStep - settings.lead_in_seconds;
+    const double time =
+        (i - 3) * kSpeedStep - settings.lead_in_seconds;  // a spline's reach later: at rest till then
     if (time > 0.0) {
       const auto cell = static_cast<std::ptrdiff_t>(std::floor(distance / kGrid));
       const auto count = static_cast<std::ptrdiff_t>(limits.size());

@@ -10,7 +10,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr int kMostTaps = 4;         // along a slanted footprint
+constexpr int kMostTaps = 2;         // along a slanted footprint
 constexpr float kMostSlant = 24.0F;  // length over width
 
 /// Texture coordinates' change over the footprint's long and short axis.
@@ -79,9 +79,9 @@ float surfaceRadiance(const Scene& scene, const Lighting& lighting, const Textur
   const Instance& instance = scene.instance(hit.instance);
   const Finish& finish = quad.finish;
   const Footprint footprint = footprintOf(scene, hit, direction, pixel_angle);
-  const bool cheap = finish.material == Material::leaf || finish.material == Material::rubber;
+  const bool plain = finish.material == Material::leaf || finish.material == Material::rubber;
   const float slant = footprint.length / footprint.width;
-  const int taps = cheap ? 1 : std::clamp(static_cast<int>(std::lround(slant)), 1, kMostTaps);
+  const int taps = plain ? 1 : std::clamp(static_cast<int>(std::lround(slant)), 1, kMostTaps);
   const float share = 1.0F / static_cast<float>(taps);
 
   SurfacePoint point;

@@ -65,25 +65,25 @@ float markings(const SurfacePoint& p) {
 }  // namespace
 
 float asphalt(const SurfacePoint& p, const TextureStyle& style) {
-  const float grain = noise(p.x, p.y, p.footprint, {25.6F, 0.012F, 0.93F}, style.seed + 11U);
-  float r = 0.17F * factor(0.36F * style.contrast * grain);
+  const float grain = noise(p.x, p.y, p.footprint, {25.6F, 0.012F, 1.0F}, style.seed + 11U);
+  float r = 0.17F * factor(0.42F * style.contrast * grain);
   const float ruts = filteredPulse(0.45F, 1.0F, std::abs(p.v), 0.5F);
   r *= 1.0F - 0.12F * ruts;
-  const auto shape = plainNoises(p.x, p.y, {3.3F, 1.25F, 11.0F, 0.21F}, style.seed + 12U);
   if (style.contrast > 0.5F) {
     const Patch patch = patchAt(p, style.seed + 13U);
     r *= mix(1.0F, patch.tone, patch.cover) * (1.0F - 0.65F * patch.seam);
-    if (p.footprint < 0.15F) {
+    if (p.footprint < 0.12F) {
+      const auto shape = plainNoises(p.x, p.y, {3.3F, 1.25F, 11.0F, 0.21F}, style.seed + 12U);
       const float wide = filteredLine(shape[0] * 1.4F + 0.03F * shape[3], 0.016F, p.footprint);
       const float fine = filteredLine(shape[1] * 0.5F + 0.03F * shape[3], 0.009F, p.footprint);
-      r *= 1.0F - 0.7F * wide * smoothStep(0.05F, 0.25F, shape[2]) -
-           0.6F * fine * smoothStep(0.25F, 0.45F, shape[2]);
+      r *= (1.0F - 0.7F * wide * smoothStep(0.05F, 0.25F, shape[2])) *
+           (1.0F - 0.6F * fine * smoothStep(0.25F, 0.45F, shape[2]));
     }
     r *= manhole(p, style.seed + 14U);
   }
-  const float wear = noise(p.x, p.y, p.footprint, {3.2F, 0.02F, 0.9F}, style.seed + 15U);
   const float painted = markings(p);
   if (painted > 0.0F) {
+    const float wear = noise(p.x, p.y, p.footprint, {3.2F, 0.02F, 0.9F}, style.seed + 15U);
     const float kept = smoothStep(-1.6F, 0.1F, wear + 0.4F);
     r = mix(r, 0.55F * factor(0.1F * wear), painted * (0.35F + 0.6F * kept));
   }

@@ -50,7 +50,10 @@ void addFoliage(Mesh& mesh, const Vector3f& centre, const Vector3f& radii, int l
 
 }  // namespace
 
-Mesh makeTree(std::uint32_t seed) {
+Mesh makeTree(std::uint32_t seed, Detail detail) {
+  const bool near = detail == Detail::leaves;
+  const float leaf_size = near ? 0.21F : 0.38F;
+  const float density = near ? 1.0F : 0.27F;
   Mesh mesh;
   Random random(hashOf({seed, 201U}));
   const auto trunk_height = static_cast<float>(random.uniform(2.2, 3.2));
@@ -74,8 +77,8 @@ Mesh makeTree(std::uint32_t seed) {
                                          0.3F * reach + 0.2F);
     mesh.addColumn(root, tip, 0.06F, 0.015F, 5, bark);
     const float ball = reach * static_cast<float>(random.uniform(0.45, 0.62));
-    addFoliage(mesh, tip, Vector3f(ball, ball, 0.72F * ball), static_cast<int>(230.0F * ball * ball) + 120,
-               0.21F, random);
+    addFoliage(mesh, tip, Vector3f(ball, ball, 0.72F * ball),
+               static_cast<int>(density * (230.0F * ball * ball + 120.0F)), leaf_size, random);
   }
   return mesh;
 }

@@ -7,8 +7,14 @@
 
 namespace cartvo::world {
 
-/// A tree with trunk, branches and single leaves, its foot at the origin, about 8 m high.
-Mesh makeTree(std::uint32_t seed);
+/// How closely a tree will ever be looked at.
+enum class Detail : std::uint8_t {
+  leaves,  ///< from near: single leaves
+  sprays,  ///< from afar: a quarter as many, each a spray of leaves
+};
+
+/// A tree with trunk, branches and leaves, its foot at the origin, about 8 m high.
+Mesh makeTree(std::uint32_t seed, Detail detail);
 
 /// A bush of about 1.2 m.
 Mesh makeBush(std::uint32_t seed);

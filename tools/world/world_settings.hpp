@@ -44,8 +44,7 @@ struct WorldSettings {
   cv::Size image_size{680, 420};  ///< px
   double focal_length = 480.0;    ///< nominal, px; the two cameras differ from it by some tenths of a percent
   double baseline = 0.115;        ///< m
-  int samples_per_pixel = 4;      ///< rays through a smooth pixel: 1, 2 or 4
-  int edge_samples = 8;           ///< further rays where a pixel holds more than one surface: 0, 8 or 16
+  int edge_samples = 4;           ///< further rays through a pixel that holds an edge: 0 to 64, by 4
   double noise = 1.0;             ///< factor on the sensor noise; 0: none
   int threads = 2;                ///< that render; the images do not depend on it
 };

@@ -1,0 +1,180 @@
+#include "tools/world/rendered_world.hpp"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "tools/world/lens.hpp"
+
+namespace cartvo {
+namespace {
+
+using world::RenderedWorld;
+using world::Scenario;
+using world::WorldSettings;
+
+WorldSettings smallDrive() {
+  WorldSettings settings;
+  settings.seconds = 10.0;
+  settings.image_size = cv::Size(170, 105);
+  settings.focal_length = 120.0;
+  return settings;
+}
+
+WorldSettings smallDrive(Scenario scenario) {
+  WorldSettings settings = smallDrive();
+  settings.scenario = scenario;
+  return settings;
+}
+
+double meanDifference(const cv::Mat& a, const cv::Mat& b) {
+  return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
+}
+
+TEST(RenderedWorld, SameSettingsGiveTheSameBytesOnAnyNumberOfThreads) {
+  WorldSettings settings = smallDrive();
+  settings.threads = 1;
+  const RenderedWorld one(settings);
+  settings.threads = 3;
+  const RenderedWorld three(settings);
+  cv::Mat left[2];
+  cv::Mat right[2];
+  one.images(60, left[0], right[0]);
+  three.images(61, left[1], right[1]);  // an image does not depend on the ones before
+  three.images(60, left[1], right[1]);
+  EXPECT_EQ(cv::norm(left[0], left[1], cv::NORM_L1), 0.0);
+  EXPECT_EQ(cv::norm(right[0], right[1], cv::NORM_L1), 0.0);
+  EXPECT_EQ(one.cacheKey(), three.cacheKey());
+}
+
+TEST(RenderedWorld, AnotherSeedIsAnotherCampus) {
+  WorldSettings settings = smallDrive();
+  const RenderedWorld first(settings);
+  settings.seed = 2;
+  const RenderedWorld second(settings);
+  EXPECT_GT(meanDifference(first.image(50, CameraSide::left), second.image(50, CameraSide::left)), 5.0);
+  EXPECT_NE(first.cacheKey(), second.cacheKey());
+}
+
+TEST(RenderedWorld, EachCameraKeepsItsOwnClock) {
+  WorldSettings settings = smallDrive();
+  settings.offset_s = 0.02;
+  settings.offset_drift_ppm = 50.0;
+  const RenderedWorld world(settings);
+  EXPECT_EQ(world.leftInstant(18), 1'000'000'000);
+  EXPECT_EQ(world.rightInstant(18), 1'020'050'000);
+  EXPECT_EQ(world.pairCount(), 180);
+}
+
+TEST(RenderedWorld, TheRightImageIsWhatIsSeenAtItsOwnInstant) {
+  WorldSettings settings = smallDrive();
+  settings.noise = 0.0;
+  const RenderedWorld simultaneous(settings);
+  settings.offset_s = 1.0 / settings.frame_rate;  // as late as the next frame
+  const RenderedWorld late(settings);
+  const cv::Mat image = late.image(100, CameraSide::right);
+  const double to_next = meanDifference(image, simultaneous.image(101, CameraSide::right));
+  const double to_same = meanDifference(image, simultaneous.image(100, CameraSide::right));
+  EXPECT_LT(to_next, 0.5 * to_same);
+}
+
+TEST(RenderedWorld, TruthBeginsAtTheOriginAndIsSmooth) {
+  for (const Scenario scenario : world::allScenarios()) {
+    SCOPED_TRACE(std::string(world::scenarioName(scenario)));
+    const RenderedWorld world(smallDrive(scenario));
+    EXPECT_TRUE(world.T_world_body(0.0).isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+    EXPECT_TRUE(world.truth().front().pose.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+    constexpr double kStep = 0.005;
+    for (double t = 0.1; t < 9.8; t += kStep) {
+      const Eigen::Vector3d before = world.T_world_body(t - kStep).translation();
+      const Eigen::Vector3d here = world.T_world_body(t).translation();
+      const Eigen::Vector3d after = world.T_world_body(t + kStep).translation();
+      EXPECT_LT((after - here).norm() / kStep, 7.0) << "speed at " << t;
+      EXPECT_LT((after - 2.0 * here + before).norm() / (kStep * kStep), 25.0) << "acceleration at " << t;
+    }
+  }
+}
+
+TEST(RenderedWorld, TheCartStandsStillDuringTheLeadIn) {
+  WorldSettings settings = smallDrive();
+  settings.lead_in_seconds = 3.0;
+  const RenderedWorld world(settings);
+  EXPECT_TRUE(world.T_world_body(2.99).isApprox(Eigen::Isometry3d::Identity(), 1e-9));
+  EXPECT_GT(world.T_world_body(8.0).translation().norm(), 3.0);
+}
+
+TEST(RenderedWorld, ScenariosDoWhatTheirNamesSay) {
+  const RenderedWorld standing(smallDrive(Scenario::standing));
+  EXPECT_LT(standing.T_world_body(9.0).translation().norm(), 1e-6);
+
+  WorldSettings settings = smallDrive(Scenario::reversing);
+  settings.seconds = 20.0;
+  const RenderedWorld reversing(settings);
+  double least_step = 0.0;
+  for (double t = 0.0; t < 19.0; t += 0.5) {
+    const Eigen::Isometry3d step = reversing.T_world_body(t).inverse() * reversing.T_world_body(t + 0.5);
+    least_step = std::min(least_step, step.translation().x());
+  }
+  EXPECT_LT(least_step, -0.5);
+
+  settings = smallDrive(Scenario::stop_and_go);
+  settings.seconds = 26.0;
+  const RenderedWorld stopping(settings);
+  int stops = 0;
+  bool moving = false;
+  for (double t = 2.0; t < 25.0; t += 0.1) {
+    const double speed =
+        (stopping.T_world_body(t + 0.05).translation() - stopping.T_world_body(t).translation()).norm() /
+        0.05;
+    if (moving && speed < 0.02) ++stops;
+    moving = speed > (moving ? 0.02 : 1.0);
+  }
+  EXPECT_GE(stops, 2);
+
+  settings = smallDrive(Scenario::exposure);
+  const RenderedWorld jumping(settings);
+  const double before = cv::mean(jumping.image(143, CameraSide::left))[0];  // the jump is at 8 s
+  const double after = cv::mean(jumping.image(145, CameraSide::left))[0];
+  EXPECT_GT(after, 2.0 * before);
+}
+
+TEST(RenderedWorld, TrafficCoversMuchOfTheView) {
+  WorldSettings settings = smallDrive(Scenario::traffic);
+  settings.seconds = 30.0;
+  const RenderedWorld world(settings);
+  double most = 0.0;
+  for (int index = 0; index < world.pairCount(); index += 9) {
+    const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
+    most = std::max(most, cv::countNonZero(moving) / static_cast<double>(moving.total()));
+  }
+  EXPECT_GT(most, 0.3);
+}
+
+TEST(RenderedWorld, LensesAreInvertedExactly) {
+  const Rig rig = world::simulatedRig(WorldSettings{});
+  for (const CameraModel* camera : {&rig.left, &rig.right}) {
+    for (double y = -0.5; y <= camera->size.height; y += 20.0) {
+      for (double x = -0.5; x <= camera->size.width; x += 20.0) {
+        const Eigen::Vector2d pixel(x, y);
+        EXPECT_LT((world::distort(*camera, world::undistort(*camera, pixel)) - pixel).norm(), 1e-9);
+      }
+    }
+  }
+  const world::RayTable table(rig.left);
+  const Eigen::Vector2d between(17.3, 401.8);
+  EXPECT_LT((table.direction(17.3F, 401.8F).cast<double>() - world::undistort(rig.left, between)).norm(),
+            1e-6);
+}
+
+TEST(RenderedWorld, RefusesSettingsOutOfRange) {
+  WorldSettings settings;
+  settings.seconds = 0.0;
+  EXPECT_THROW(RenderedWorld{settings}, std::invalid_argument);
+  settings = WorldSettings{};
+  settings.edge_samples = 3;
+  EXPECT_THROW(RenderedWorld{settings}, std::invalid_argument);
+  EXPECT_THROW(world::scenarioFromName("moon"), std::invalid_argument);
+  EXPECT_EQ(world::scenarioFromName("stop_and_go"), Scenario::stop_and_go);
+}
+
+}  // namespace
+}  // namespace cartvo

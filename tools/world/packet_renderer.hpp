@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <embree3/rtcore.h>
+
+#include "tools/world/renderer.hpp"
+#include "tools/world/surface_shading.hpp"
+
+namespace cartvo::world {
+
+constexpr int kLanes = 16;                               ///< of a ray packet
+constexpr std::uint32_t kSky = RTC_INVALID_GEOMETRY_ID;  ///< the instance of a ray that met nothing
+
+/// A pixel's place in the image.
+struct Pixel {
+  int x = 0;
+  int y = 0;
+};
+
+/// What some rays through a pixel brought back.
+struct PixelLight {
+  float radiance = 0.0F;
+  bool mixed = false;         ///< more than one surface, or partly in shadow
+  bool foliage = true;        ///< nothing but leaves
+  std::uint32_t surface = 0;  ///< names the first ray's surface and whether the sun reaches it
+};
+
+/// Fills one lane with a ray that has met nothing yet.
+void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
+                const Eigen::Vector3f& direction);
+
+/// Renders pixels in packets of sixteen rays.
+class PacketRenderer {
+ public:
+  PacketRenderer(const Scene& scene, const Lighting& lighting, const TextureStyle& style, const View& view,
+                 const SamplePatterns& patterns)
+      : scene_(scene), lighting_(lighting), style_(style), view_(view), patterns_(patterns) {}
+
+  /// Up to 16 / `samples` pixels, `samples` rays through each. `salt` picks other patterns for another pass.
+  void render(std::span<const Pixel> pixels, int samples, std::uint32_t salt, std::span<PixelLight> light) {
+    castCameraRays(pixels, samples, salt);
+    castSunRays(static_cast<int>(pixels.size()) * samples, samples);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      light[i] = gather(pixels[i], static_cast<int>(i) * samples, samples);
+    }
+  }
+
+ private:
+  void castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt);
+  void castSunRays(int rays, int samples);
+  PixelLight gather(const Pixel& pixel, int first, int samples) const;
+  void moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const;
+  float pixelAngle(const Pixel& pixel) const {
+    const auto x = static_cast<float>(pixel.x);
+    const auto y = static_cast<float>(pixel.y);
+    return 0.5F * ((view_.rays->direction(x + 0.5F, y) - view_.rays->direction(x - 0.5F, y)).norm() +
+                   (view_.rays->direction(x, y + 0.5F) - view_.rays->direction(x, y - 0.5F)).norm());
+  }
+
+  const Scene& scene_;
+  const Lighting& lighting_;
+  const TextureStyle& style_;
+  const View& view_;
+  const SamplePatterns& patterns_;
+  RTCRayHit16 packet_{};
+  RTCRay16 shadow_{};
+  std::array<Eigen::Vector3f, kLanes> direction_;
+  std::array<Eigen::Vector3f, kLanes> position_;
+  std::array<Eigen::Vector3f, kLanes> normal_;
+  std::array<float, kLanes> sunlit_{};
+  alignas(64) std::array<int, kLanes> valid_{};
+};
+
+}  // namespace cartvo::world

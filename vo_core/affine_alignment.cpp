@@ -13,6 +13,7 @@ namespace cartvo {
 namespace {
 
 constexpr int kSide = 15;  // px
+constexpr int kHalf = kSide / 2;
 constexpr int kCount = kSide * kSide;
 constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
 constexpr double kMaximumMove = 3.0;     // px from the start
@@ -37,8 +38,8 @@ void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Temp
     for (int x = 0; x < kSide; ++x, ++i) {
       const double gx = 0.5 * (wide.row(y + 1)[x + 2] - wide.row(y + 1)[x]);
       const double gy = 0.5 * (wide.row(y + 2)[x + 1] - wide.row(y)[x + 1]);
-      const double dx = (x - kSide / 2) / (0.5 * kSide);
-      const double dy = (y - kSide / 2) / (0.5 * kSide);
+      const double dx = (x - kHalf) / (0.5 * kSide);
+      const double dy = (y - kHalf) / (0.5 * kSide);
       out.slope[i] << gx, gy, gx * dx, gx * dy, gy * dx, gy * dy;
       out.grey[i] = wide.row(y + 1)[x + 1];
       out.hessian += out.slope[i] * out.slope[i].transpose();
@@ -71,9 +72,9 @@ Vector6d compare(const Template& before, const PyramidLevel& after, AffineAlignm
   double square = 0.0;
   double product = 0.0;
   for (int y = 0, i = 0; y < kSide; ++y) {
-    const Eigen::Vector2d row = alignment.position + alignment.warp.col(1) * (y - kSide / 2);
+    const Eigen::Vector2d row = alignment.position + alignment.warp.col(1) * (y - kHalf);
     for (int x = 0; x < kSide; ++x, ++i) {
-      const Eigen::Vector2d at = row + alignment.warp.col(0) * (x - kSide / 2);
+      const Eigen::Vector2d at = row + alignment.warp.col(0) * (x - kHalf);
       const double grey = sample(after, at.x(), at.y());
       sum += before.slope[i] * (grey - before.grey[i]);
       grey_sum += grey;
@@ -97,7 +98,7 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
                                            const Eigen::Vector2d& from, const Eigen::Vector2d& start,
                                            int iterations, double convergence) {
   // Warped by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
-  static_assert((kSide / 2) * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
+  static_assert(kHalf * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
   Template patch;
   makeTemplate(before, from, patch);
   const Eigen::LDLT<Matrix6d> factor(patch.hessian);

@@ -38,9 +38,10 @@ class FrameWindow {
   const FrameRecord* newest() const { return frames_.empty() ? nullptr : &frames_.back(); }
   /// The newest pair with a pose, or nullptr.
   const FrameRecord* reference() const {
-    for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame)
-      if (frame->T_world_camera) return &*frame;
-    return nullptr;
+    const FrameRecord* found = nullptr;
+    for (const FrameRecord& frame : frames_)
+      if (frame.T_world_camera) found = &frame;
+    return found;
   }
 
   /// The newest pair becomes the origin; the poses of the others are forgotten.

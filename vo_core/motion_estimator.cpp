@@ -24,7 +24,7 @@ class Problem {
     for (const PointMatch& match : matches) {
       const Eigen::Matrix3d covariance =
           match.reference_covariance + rotation * match.current_covariance * rotation.transpose();
-      information_.push_back(covariance.inverse());
+      information_.emplace_back(covariance.inverse());
       precision_.push_back(match.weight / covariance.trace());
     }
   }

@@ -35,14 +35,14 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
 
   float upper[P::kStride];
   float lower[P::kStride];
-  const auto interpolateRow = [&](int y, float* out) {
+  const auto interpolate_row = [&](int y, float* out) {
     const float* source = level.at<float>(left, y);
     for (int x = 0; x < P::kStride; ++x)
       out[x] = source[x] + fx * (source[x + 1] - source[x]);
   };
-  interpolateRow(top, upper);
+  interpolate_row(top, upper);
   for (int y = 0; y < Rows; ++y) {
-    interpolateRow(top + y + 1, lower);
+    interpolate_row(top + y + 1, lower);
     float* out = patch.row(y);
     for (int x = 0; x < P::kStride; ++x) {
       out[x] = upper[x] + fy * (lower[x] - upper[x]);

@@ -12,6 +12,7 @@ int main(int argument_count, char** arguments) {
   cartvo.require_subcommand(1);
   cartvo.footer("'cartvo COMMAND --help' explains each command.");
 
+  cartvo::addSimulateCommand(cartvo);
   cartvo::addReplayCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);

@@ -7,30 +7,44 @@
 #include <unistd.h>
 
 namespace cartvo {
+namespace {
+
+std::string progressLine(std::size_t done, std::size_t expected, const std::string& unit, double seconds) {
+  constexpr std::size_t kWidth = 30;
+  const double rate = static_cast<double>(done) / std::max(seconds, 1e-3);
+  char line[200];
+  if (expected == 0) {
+    std::snprintf(line, sizeof line, "%zu %s, %.1f/s", done, unit.c_str(), rate);
+    return line;
+  }
+  const std::size_t filled = std::min(kWidth, kWidth * done / expected);
+  const std::size_t left_to_do = expected - std::min(done, expected);
+  const long left = rate > 0.0 ? static_cast<long>(static_cast<double>(left_to_do) / rate + 0.5) : 0;
+  std::snprintf(line, sizeof line, "[%s%s] %zu/%zu %s, %.1f/s, %ld:%02ld left",
+                std::string(filled, '#').c_str(), std::string(kWidth - filled, '.').c_str(), done, expected,
+                unit.c_str(), rate, left / 60, left % 60);
+  return line;
+}
+
+}  // namespace
 
 ProgressBar::ProgressBar(std::string unit)
     : unit_(std::move(unit)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) std::fputs("\r\033[K", stderr);
+  if (drawn_ && is_terminal_) std::fputs("\r\033[K", stderr);
 }
 
 void ProgressBar::show(std::size_t done, std::size_t expected) {
-  constexpr std::chrono::milliseconds kPause{100};
+  const auto pause = is_terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(10'000);
   const Clock::time_point now = Clock::now();
-  if (!is_terminal_ || (drawn_ && now - last_drawn_ < kPause)) return;
+  if (now - last_drawn_ < pause) return;
   last_drawn_ = now;
   drawn_ = true;
-  const double rate =
-      static_cast<double>(done) / std::max(std::chrono::duration<double>(now - start_).count(), 1e-3);
-  if (expected == 0) {
-    std::fprintf(stderr, "\r\033[K%zu %s, %.1f/s", done, unit_.c_str(), rate);
-    return;
-  }
-  constexpr std::size_t kWidth = 30;
-  const std::size_t filled = std::min(kWidth, kWidth * done / expected);
-  std::fprintf(stderr, "\r\033[K[%s%s] %zu/%zu %s, %.1f/s", std::string(filled, '#').c_str(),
-               std::string(kWidth - filled, '.').c_str(), done, expected, unit_.c_str(), rate);
+  const std::string line =
+      progressLine(done, expected, unit_, std::chrono::duration<double>(now - start_).count());
+  std::fprintf(stderr, is_terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
+  std::fflush(stderr);
 }
 
 }  // namespace cartvo

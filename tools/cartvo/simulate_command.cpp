@@ -1,0 +1,315 @@
+// `cartvo simulate`: two RTSP cameras that see a rendered drive or a recorded sequence, and the truth beside
+// them.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/atomic_file.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/simulate/camera_pair_simulation.hpp"
+#include "tools/simulate/content_files.hpp"
+#include "tools/simulate/password_file.hpp"
+#include "tools/simulate/sequence_content.hpp"
+#include "tools/simulate/stream_cache.hpp"
+#include "tools/world/rendered_world.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace simulate;  // NOLINT(google-build-using-namespace): this file is that namespace's command line
+
+struct Options {
+  std::string world = "campus";
+  fs::path sequence;
+  double seconds = 0.0;  // 0: the content's own length
+  world::WorldSettings drive;
+  std::string size = "680x420";
+  double offset_ms = 0.0;
+  double offset_drift_ppm = 0.0;
+
+  std::string left = "127.0.0.1:8554";
+  std::string right = "127.0.0.1:8555";
+  std::string user = "admin";
+  fs::path password_file;
+  EncoderSettings encoder;
+  double lead_in = 3.0;
+  double latency_ms = 0.0;
+  bool start_when_watched = false;
+  bool loop = false;
+
+  fs::path output = "simulation";
+  fs::path cache_dir = StreamCache::defaultFolder();
+  double cache_gigabytes = 4.0;
+  bool no_cache = false;
+  bool prepare_only = false;
+  fs::path render;
+};
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+void stopOnSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+cv::Size parseSize(const std::string& text) {
+  cv::Size size;
+  char more = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &more) != 2) {
+    throw std::invalid_argument("--size " + text + ": expected WIDTHxHEIGHT, such as 680x420");
+  }
+  return size;
+}
+
+std::unique_ptr<Content> makeContent(const Options& options) {
+  if (!options.sequence.empty()) {
+    return std::make_unique<SequenceContent>(options.sequence,
+                                             SequenceSettings{.seconds = options.seconds,
+                                                              .offset_s = options.offset_ms * 1e-3,
+                                                              .offset_drift_ppm = options.offset_drift_ppm});
+  }
+  world::WorldSettings settings = options.drive;
+  settings.scenario = world::scenarioFromName(options.world);
+  if (options.seconds > 0.0) settings.seconds = options.seconds;
+  settings.image_size = parseSize(options.size);
+  settings.focal_length *= settings.image_size.width / 680.0;  // the same field of view at any size
+  settings.offset_s = options.offset_ms * 1e-3;
+  settings.offset_drift_ppm = options.offset_drift_ppm;
+  return std::make_unique<world::RenderedWorld>(settings);
+}
+
+void sayLine(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const Options& options) {
+  const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
+  const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
+  if (!options.no_cache) {
+    if (auto kept = cache.load(key)) {
+      sayLine("streams: from " + cache.fileFor(key).string());
+      return std::make_shared<const EncodedPair>(*std::move(kept));
+    }
+  }
+  sayLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
+  ProgressBar bar("pairs");
+  auto streams = std::make_shared<const EncodedPair>(
+      encodeContent(content, options.encoder, [&bar](int done, int total) {
+        bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+      }));
+  if (!options.no_cache) cache.store(key, *streams);
+  return streams;
+}
+
+void writeCameras(const Options& options, const Content& content, const CameraPairSimulation& simulation) {
+  const Rig rig = content.rig();
+  nlohmann::ordered_json cameras{
+      {"left", {{"url", simulation.left().url()}}},
+      {"right", {{"url", simulation.right().url()}}},
+      {"user", options.user},
+      {"width", rig.left.size.width},
+      {"height", rig.left.size.height},
+      {"frame_rate", content.frameRate()},
+      {"pairs", content.pairCount()},
+      {"offset_ms", options.offset_ms},
+      {"offset_drift_ppm", options.offset_drift_ppm},
+      {"bitrate_kbps", options.encoder.bitrate_kbps},
+      {"content",
+       options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};
+  // The instant of content time 0, to which times_0.txt and times_1.txt are relative.
+  if (simulation.epoch()) {
+    cameras["epoch_ns"] = *simulation.epoch();
+  } else {
+    cameras["epoch_ns"] = nullptr;
+  }
+  writeFileAtomically(options.output / "cameras.json", cameras.dump(2) + "\n");
+}
+
+CameraPairSettings pairSettings(const Options& options) {
+  using Seconds = std::chrono::duration<double>;
+  const auto nanoseconds = [](double seconds) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(Seconds(seconds));
+  };
+  return {.left = parseEndpoint(options.left),
+          .right = parseEndpoint(options.right),
+          .user = options.user,
+          .password = options.password_file.empty() ? ensurePassword(options.output / "password")
+                                                    : readPassword(options.password_file),
+          .lead_in = nanoseconds(options.lead_in),
+          .latency = nanoseconds(options.latency_ms * 1e-3),
+          .start = options.start_when_watched ? ContentStart::when_watched : ContentStart::at_once,
+          .end = options.loop ? ContentEnd::repeat : ContentEnd::stop};
+}
+
+void serve(const Options& options, const Content& content,
+           const std::shared_ptr<const EncodedPair>& streams) {
+  constexpr auto kTurn = std::chrono::milliseconds(20);
+  constexpr int kFarewellTurns = 100;  // two seconds in which clients may fetch the last frames
+  stopOnSignals();
+  fs::create_directories(options.output);
+  fs::remove(options.output / "truth.tum");  // an older run's would have another epoch
+  CameraPairSimulation simulation(streams, pairSettings(options));
+  writeDescription(options.output, content);
+  writeCameras(options, content, simulation);
+  sayLine("ready: " + simulation.left().url() + " " + simulation.right().url());
+  if (options.start_when_watched) sayLine("waiting until both cameras are watched");
+
+  bool announced = false;
+  int turns_after_end = 0;
+  while (stop_requested == 0 && turns_after_end < kFarewellTurns) {
+    simulation.update();
+    if (simulation.epoch() && !announced) {
+      announced = true;
+      writeTruth(options.output, content, *simulation.epoch());
+      writeCameras(options, content, simulation);
+      char line[160];
+      std::snprintf(line, sizeof line, "content: %d pairs at %.3f Hz from Unix time %.3f on%s",
+                    content.pairCount(), content.frameRate(), static_cast<double>(*simulation.epoch()) * 1e-9,
+                    options.loop ? ", again and again" : "");
+      sayLine(line);
+    }
+    if (simulation.finished()) {
+      ++turns_after_end;
+      if (simulation.left().playingClients() + simulation.right().playingClients() == 0) break;
+    }
+    std::this_thread::sleep_for(kTurn);
+  }
+  sayLine(simulation.finished() ? "end of content" : "stopped");
+}
+
+void run(const Options& options) {
+  parseEndpoint(options.left);  // before minutes of rendering
+  parseEndpoint(options.right);
+  const std::unique_ptr<Content> content = makeContent(options);
+  if (!options.render.empty()) {
+    ProgressBar bar("pairs");
+    renderFolder(options.render, *content, [&bar](int done, int total) {
+      bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+    });
+    std::printf("%d pairs: %s\n", content->pairCount(), options.render.c_str());
+    return;
+  }
+  const std::shared_ptr<const EncodedPair> streams = prepareStreams(*content, options);
+  if (!options.prepare_only) serve(options, *content, streams);
+}
+
+void addContentOptions(CLI::App& command, Options& options) {
+  std::string worlds;
+  for (const world::Scenario scenario : world::allScenarios()) {
+    worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
+  }
+  const auto group = command.add_option_group("Content", "What the cameras see");
+  CLI::Option* world =
+      group->add_option("--world", options.world, "A rendered drive: " + worlds)->type_name("NAME");
+  CLI::Option* sequence =
+      group
+          ->add_option("--sequence", options.sequence,
+                       "A recorded image sequence (KITTI or EuRoC layout), at its own rate")
+          ->type_name("DIR");
+  world->capture_default_str();
+  sequence->excludes(world);
+  group->add_option("--seconds", options.seconds, "Length (default: 60 rendered, or the whole sequence)")
+      ->check(CLI::Range(0.05, 36000.0));
+  group->add_option("--seed", options.drive.seed, "Another seed, another world")->capture_default_str();
+  group->add_option("--size", options.size, "Rendered picture, px; the field of view stays")
+      ->capture_default_str();
+  CLI::Option* rate =
+      group->add_option("--frame-rate", options.drive.frame_rate, "Of the rendered cameras, Hz")
+          ->check(CLI::Range(1.0, 120.0))
+          ->capture_default_str();
+  rate->excludes(sequence);
+  group
+      ->add_option("--offset-ms", options.offset_ms,
+                   "How much later the right camera is exposed. A sequence's pictures stay\n"
+                   "what they are: only their instants move")
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->capture_default_str();
+  group
+      ->add_option("--offset-drift-ppm", options.offset_drift_ppm,
+                   "The right camera's period is longer by this (free-running crystals)")
+      ->check(CLI::Range(-10000.0, 10000.0))
+      ->capture_default_str();
+}
+
+void addCameraOptions(CLI::App& command, Options& options) {
+  const auto group = command.add_option_group("Cameras", "How they serve it");
+  group->add_option("--left", options.left, "Where the left camera listens")
+      ->type_name("ADDRESS:PORT")
+      ->capture_default_str();
+  group->add_option("--right", options.right, "Where the right camera listens")
+      ->type_name("ADDRESS:PORT")
+      ->capture_default_str();
+  group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
+  group
+      ->add_option("--password-file", options.password_file,
+                   "Its first line is the password (default: a random one in OUTPUT-DIR/password)")
+      ->type_name("FILE");
+  group->add_option("--bitrate-kbps", options.encoder.bitrate_kbps, "H.264 constant bit rate of each camera")
+      ->check(CLI::Range(50, 200'000))
+      ->capture_default_str();
+  group->add_option("--slices", options.encoder.slices, "H.264 slices per picture")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  group->add_option("--lead-in", options.lead_in, "Seconds for which the first picture stands still")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  group->add_option("--latency-ms", options.latency_ms, "From a picture's exposure to its sending")
+      ->check(CLI::Range(0.0, 10'000.0))
+      ->capture_default_str();
+  group->add_flag("--start-when-watched", options.start_when_watched,
+                  "The lead-in begins when both cameras are being played, not at once");
+  group->add_flag("--loop", options.loop, "Repeat the content for ever; the truth is that of the first turn");
+}
+
+void addFileOptions(CLI::App& command, Options& options) {
+  const auto group = command.add_option_group("Files", "Where things are kept");
+  group->add_option("--output-dir", options.output, "For rig.yaml, truth.tum, poses.txt, cameras.json, ...")
+      ->type_name("DIR")
+      ->capture_default_str();
+  group->add_option("--cache-dir", options.cache_dir, "For streams that were rendered and encoded")
+      ->type_name("DIR");
+  group->add_option("--cache-gb", options.cache_gigabytes, "What the cache may take; the oldest go first")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  group->add_flag("--no-cache", options.no_cache, "Neither look into the cache nor add to it");
+  group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
+  group->add_option("--render", options.render, "Serve nothing: write an image folder with its truth")
+      ->type_name("DIR");
+}
+
+}  // namespace
+
+void addSimulateCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with the truth beside them");
+  const auto options = std::make_shared<Options>();
+  addContentOptions(*command, *options);
+  addCameraOptions(*command, *options);
+  addFileOptions(*command, *options);
+  command->footer(
+      "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101: H.264 without B-frames,\n"
+      "Digest authentication (user admin, password in OUTPUT-DIR/password), RTCP sender reports that carry\n"
+      "the instants of exposure. A line 'ready: URL URL' says when both listen. What was rendered and "
+      "encoded\n"
+      "is cached. Ends with exit code 0 after the content, or on SIGTERM.\n"
+      "Examples:\n"
+      "  cartvo simulate                                      a campus drive of a minute\n"
+      "  cartvo simulate --world turns --offset-ms 12         the right camera 12 ms late\n"
+      "  cartvo simulate --sequence ../shared/data/kitti_06   real pictures\n"
+      "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,108 @@
+// A content's images, instants, rig and truth as files.
+#include "tools/simulate/content_files.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/atomic_file.hpp"
+#include "calib/rig_file.hpp"
+#include "tools/simulate/truth.hpp"
+#include "tools/trajectory/trajectory.hpp"
+
+namespace cartvo::simulate {
+namespace fs = std::filesystem;
+namespace {
+
+std::string decimalSeconds(std::int64_t time_ns) {
+  const std::int64_t magnitude = time_ns < 0 ? -time_ns : time_ns;
+  char text[40];
+  std::snprintf(text, sizeof text, "%s%lld.%09lld", time_ns < 0 ? "-" : "",
+                static_cast<long long>(magnitude / 1'000'000'000),
+                static_cast<long long>(magnitude % 1'000'000'000));
+  return text;
+}
+
+// KITTI's calib.txt can only say what is rectified: no distortion, axes in parallel, one focal length.
+bool isRectified(const Rig& rig) {
+  const auto undistorted = [](const CameraModel& camera) {
+    return camera.fx == camera.fy && std::all_of(camera.distortion.begin(), camera.distortion.end(),
+                                                 [](double coefficient) { return coefficient == 0.0; });
+  };
+  const Eigen::Vector3d t = rig.T_right_left.translation();
+  return undistorted(rig.left) && undistorted(rig.right) && rig.left.fx == rig.right.fx &&
+         rig.T_right_left.linear().isIdentity(1e-12) && t.y() == 0.0 && t.z() == 0.0;
+}
+
+std::string projectionRow(const char* name, const CameraModel& camera, double tx) {
+  char row[240];
+  std::snprintf(row, sizeof row, "%s %.12e 0 %.12e %.12e 0 %.12e %.12e 0 0 0 1 0\n", name, camera.fx,
+                camera.cx, tx, camera.fy, camera.cy);
+  return row;
+}
+
+std::string calibText(const Rig& rig) {
+  return projectionRow("P0:", rig.left, 0.0) +
+         projectionRow("P1:", rig.right, rig.right.fx * rig.T_right_left.translation().x());
+}
+
+void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
+  char name[24];
+  std::snprintf(name, sizeof name, "%06d.png", index);
+  const fs::path file = folder / name;
+  if (!cv::imwrite(file.string(), image)) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+}  // namespace
+
+void writeDescription(const fs::path& folder, const Content& content) {
+  fs::create_directories(folder);
+  const Rig rig = content.rig();
+  writeRig(folder / "rig.yaml", rig);
+  std::string left_times;
+  std::string right_times;
+  for (int index = 0; index < content.pairCount(); ++index) {
+    left_times += decimalSeconds(content.leftInstant(index)) + "\n";
+    right_times += decimalSeconds(content.rightInstant(index)) + "\n";
+  }
+  writeFileAtomically(folder / "times_0.txt", left_times);
+  writeFileAtomically(folder / "times_1.txt", right_times);
+  const Trajectory truth = content.truth();
+  if (!truth.empty()) writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig));
+}
+
+void writeTruth(const fs::path& folder, const Content& content, std::int64_t epoch_ns) {
+  const Trajectory truth = content.truth();
+  if (!truth.empty()) writeTum(folder / "truth.tum", shifted(truth, epoch_ns));
+}
+
+void renderFolder(const fs::path& folder, const Content& content, const Progress& progress) {
+  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
+    throw std::runtime_error(folder.string() + ": exists and is not empty; name a new folder");
+  }
+  fs::path partial = fs::absolute(folder).lexically_normal();
+  if (!partial.has_filename()) partial = partial.parent_path();
+  partial += ".partial";
+  fs::remove_all(partial);  // left by a run that was stopped
+  fs::create_directories(partial / "image_0");
+  fs::create_directories(partial / "image_1");
+
+  cv::Mat left;
+  cv::Mat right;
+  for (int index = 0; index < content.pairCount(); ++index) {
+    content.images(index, left, right);
+    writeImage(partial / "image_0", index, left);
+    writeImage(partial / "image_1", index, right);
+    if (progress) progress(index + 1, content.pairCount());
+  }
+  writeDescription(partial, content);
+  writeTruth(partial, content, 0);
+  if (isRectified(content.rig())) writeFileAtomically(partial / "calib.txt", calibText(content.rig()));
+  fs::rename(partial, folder);
+}
+
+}  // namespace cartvo::simulate

@@ -1,0 +1,131 @@
+// Real image sequences as what the simulated cameras see.
+#include "tools/simulate/sequence_content.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/rig_file.hpp"
+#include "calib/rig_import.hpp"
+#include "tools/simulate/truth.hpp"
+
+namespace cartvo::simulate {
+namespace fs = std::filesystem;
+namespace {
+
+cv::Mat readImage(const fs::path& file) {
+  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (image.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
+  return image;
+}
+
+cv::Size evenSize(cv::Size size) {
+  return {size.width / 2 * 2, size.height / 2 * 2};
+}
+
+void truncate(ImageSequence& sequence, std::size_t count) {
+  sequence.images.resize(count);
+  sequence.instants_ns.resize(count);
+}
+
+// Pairs whose left instant is less than `seconds` after the first.
+std::size_t pairsWithin(const ImageSequence& left, double seconds) {
+  const std::int64_t end = left.instants_ns.front() + std::llround(seconds * 1e9);
+  const auto after = std::lower_bound(left.instants_ns.begin(), left.instants_ns.end(), end);
+  return std::max<std::size_t>(1, static_cast<std::size_t>(after - left.instants_ns.begin()));
+}
+
+std::string fileStamp(const fs::path& file) {
+  return file.filename().string() + " " + std::to_string(fs::file_size(file)) + " " +
+         std::to_string(fs::last_write_time(file).time_since_epoch().count());
+}
+
+}  // namespace
+
+SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings& settings)
+    : folder_(readImageFolder(folder)), settings_(settings) {
+  if (folder_.left.images.empty()) throw std::runtime_error(folder.string() + ": it holds no image pair");
+  readTruth(folder_.folder / "poses.txt");
+  const std::int64_t period = nominalPeriodNs(folder_.left);
+  frame_rate_ = period > 0 ? 1e9 / static_cast<double>(period) : 10.0;
+  if (settings_.seconds > 0.0) {
+    const std::size_t count = pairsWithin(folder_.left, settings_.seconds);
+    truncate(folder_.left, count);
+    truncate(folder_.right, count);
+    if (!truth_.empty()) truth_.resize(count);
+  }
+  readRigOf(readImage(folder_.left.images.front()).size());
+  truth_ = bodyTrajectory(truth_, rig_);
+  for (std::size_t index = 0; index < truth_.size(); ++index) {
+    truth_[index].time_ns = leftInstant(static_cast<int>(index));
+  }
+}
+
+void SequenceContent::readRigOf(cv::Size image_size) {
+  if (!folder_.rig_file.empty()) {
+    rig_ = readRig(folder_.rig_file);
+  } else if (!folder_.calib_file.empty()) {
+    rig_ = readKittiRig(folder_.calib_file, image_size);
+  } else if (!folder_.sensor_files[0].empty() && !folder_.sensor_files[1].empty()) {
+    rig_ = readEurocRig(folder_.sensor_files[0], folder_.sensor_files[1]);
+  } else {
+    throw std::runtime_error(folder_.folder.string() +
+                             ": nothing says what the cameras are: calib.txt (KITTI) or rig.yaml is missing");
+  }
+  if (rig_.left.size != image_size) {
+    throw std::runtime_error(folder_.left.images.front().string() + ": " + std::to_string(image_size.width) +
+                             "x" + std::to_string(image_size.height) + " pixels, but the rig is for " +
+                             std::to_string(rig_.left.size.width) + "x" +
+                             std::to_string(rig_.left.size.height));
+  }
+  rig_.left.size = evenSize(rig_.left.size);
+  rig_.right.size = evenSize(rig_.right.size);
+}
+
+void SequenceContent::readTruth(const fs::path& poses) {
+  if (!fs::exists(poses)) return;
+  if (!isKittiTrajectory(poses))
+    throw std::runtime_error(poses.string() + ": rows of 12 numbers (KITTI) were expected");
+  truth_ = readTrajectory(poses);
+  if (truth_.size() != folder_.left.images.size()) {
+    throw std::runtime_error(poses.string() + ": " + std::to_string(truth_.size()) + " poses for " +
+                             std::to_string(folder_.left.images.size()) + " images");
+  }
+}
+
+std::int64_t SequenceContent::leftInstant(int index) const {
+  return folder_.left.instants_ns.at(static_cast<std::size_t>(index)) - folder_.left.instants_ns.front();
+}
+
+std::int64_t SequenceContent::rightInstant(int index) const {
+  const std::int64_t recorded =
+      folder_.right.instants_ns.at(static_cast<std::size_t>(index)) - folder_.left.instants_ns.front();
+  return recorded + std::llround(settings_.offset_s * 1e9 +
+                                 static_cast<double>(recorded) * settings_.offset_drift_ppm * 1e-6);
+}
+
+void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
+  const auto read = [&](const fs::path& file, cv::Size even) {
+    const cv::Mat image = readImage(file);
+    if (evenSize(image.size()) != even) {
+      throw std::runtime_error(file.string() + ": its size differs from the sequence's");
+    }
+    return image(cv::Rect({0, 0}, even)).clone();
+  };
+  left = read(folder_.left.images.at(static_cast<std::size_t>(index)), rig_.left.size);
+  right = read(folder_.right.images.at(static_cast<std::size_t>(index)), rig_.right.size);
+}
+
+std::string SequenceContent::cacheKey() const {
+  std::string key = "sequence " + fs::canonical(folder_.folder).string() + "\n";
+  for (int index = 0; index < pairCount(); ++index) {
+    const auto at = static_cast<std::size_t>(index);
+    key += fileStamp(folder_.left.images[at]) + " " + std::to_string(leftInstant(index)) + " " +
+           fileStamp(folder_.right.images[at]) + " " + std::to_string(rightInstant(index)) + "\n";
+  }
+  return key;
+}
+
+}  // namespace cartvo::simulate

@@ -1,0 +1,101 @@
+#include "tools/simulate/stream_encoder.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+}
+
+#include "support/pattern_content.hpp"
+#include "tools/simulate/encode_content.hpp"
+
+namespace cartvo::simulate {
+namespace {
+
+struct DecodedPicture {
+  cv::Mat luma;
+  char type = '?';
+  AVColorRange range = AVCOL_RANGE_UNSPECIFIED;
+};
+
+// Decodes what comes out, without delay: a stream with B-frames would need one.
+std::vector<DecodedPicture> decode(const EncodedStream& stream) {
+  AVCodecContext* context = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_H264));
+  context->thread_count = 1;
+  avcodec_open2(context, nullptr, nullptr);
+  AVPacket* packet = av_packet_alloc();
+  AVFrame* frame = av_frame_alloc();
+  std::vector<DecodedPicture> pictures;
+  const auto take = [&] {
+    while (avcodec_receive_frame(context, frame) == 0) {
+      const cv::Mat luma(frame->height, frame->width, CV_8UC1, frame->data[0],
+                         static_cast<std::size_t>(frame->linesize[0]));
+      pictures.push_back({luma.clone(), av_get_picture_type_char(frame->pict_type), frame->color_range});
+    }
+  };
+  for (const AccessUnit& unit : stream.units) {
+    const auto bytes = stream.data(unit);
+    av_new_packet(packet, static_cast<int>(bytes.size()));
+    std::copy(bytes.begin(), bytes.end(), packet->data);
+    avcodec_send_packet(context, packet);
+    av_packet_unref(packet);
+    take();
+  }
+  avcodec_send_packet(context, nullptr);
+  take();
+  av_frame_free(&frame);
+  av_packet_free(&packet);
+  avcodec_free_context(&context);
+  return pictures;
+}
+
+double peakSignalToNoise(const cv::Mat& a, const cv::Mat& b) {
+  const double rms = cv::norm(a, b, cv::NORM_L2) / std::sqrt(static_cast<double>(a.total()));
+  return 20.0 * std::log10(255.0 / rms);
+}
+
+TEST(StreamEncoder, decodesToTheSamePicturesWithoutBFramesAndAKeyFrameEachInterval) {
+  const test::PatternContent content({.pairs = 25});
+  const EncodedPair pair = encodeContent(content, {.bitrate_kbps = 4000}, {});
+  const std::vector<DecodedPicture> decoded = decode(pair.left);
+
+  ASSERT_EQ(decoded.size(), 25U);
+  cv::Mat left;
+  cv::Mat right;
+  for (std::size_t index = 0; index < decoded.size(); ++index) {
+    content.images(static_cast<int>(index), left, right);
+    EXPECT_GT(peakSignalToNoise(decoded[index].luma, left), 38.0) << "picture " << index;
+    EXPECT_EQ(decoded[index].type, index % 20 == 0 ? 'I' : 'P') << "picture " << index;
+    EXPECT_EQ(pair.left.units[index].key_frame, index % 20 == 0) << "picture " << index;
+    EXPECT_EQ(decoded[index].range, AVCOL_RANGE_JPEG);
+  }
+}
+
+TEST(StreamEncoder, keepsItsBitRate) {
+  const EncodedPair pair =
+      encodeContent(test::PatternContent({.pairs = 60, .speed = 3.0}), {.bitrate_kbps = 600}, {});
+  std::uint64_t bytes = 0;
+  for (const AccessUnit& unit : pair.left.units)
+    bytes += unit.size;
+  EXPECT_LT(static_cast<double>(bytes) * 8.0 / 3.0, 1.2 * 600e3);  // 60 pictures at 20 Hz: 3 s
+}
+
+TEST(StreamEncoder, givesTheSameBytesAgain) {
+  const test::PatternContent content({.pairs = 5, .offset_s = 0.01});
+  EXPECT_EQ(encodeContent(content, {}, {}), encodeContent(content, {}, {}));
+}
+
+TEST(StreamEncoder, refusesWhatH264CannotHold) {
+  EXPECT_THROW(StreamEncoder({}, {641, 480}, 18.0), std::invalid_argument);
+  EXPECT_THROW(StreamEncoder({}, {640, 480}, 0.0), std::invalid_argument);
+  EXPECT_THROW(StreamEncoder({.bitrate_kbps = 1}, {640, 480}, 18.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cartvo::simulate

@@ -77,9 +77,9 @@ constexpr Float4 kSine{0.0F, 0.60F, 0.96F, 0.936F};
 
 CARTVO_EACH_PROCESSOR float noise(float x, float y, float footprint, const NoiseBand& band,
                                   std::uint32_t seed) {
-  // An octave is full below 0.27 cycles a pixel and gone at 0.68.
-  constexpr float kGone = 0.68F;
-  constexpr float kFadeSlope = 1.0F / (kGone - 0.27F);
+  // An octave is full below 0.3 cycles a pixel and gone at 0.75.
+  constexpr float kGone = 0.75F;
+  constexpr float kFadeSlope = 1.0F / (kGone - 0.3F);
   float frequency = 1.0F / band.longest;
   const float last = 1.01F / band.shortest;
   float amplitude = 1.0F;

@@ -96,7 +96,7 @@ Warped warp(const world::RenderedWorld& world, const Exposure& from, const Expos
 std::vector<WarpResidual> warpResiduals(const world::RenderedWorld& world, const Exposure& from,
                                         const Exposure& to) {
   constexpr int kHalf = 7;
-  constexpr double kLeastTexture = 20.0; // smaller eigenvalue of the mean structure tensor, grey levels^2
+  constexpr double kLeastTexture = 8.0;  // smaller eigenvalue of the mean structure tensor, grey levels^2
   const cv::Mat image = world.image(from.index, from.side);
   const Warped warped = warp(world, from, to);
   std::vector<WarpResidual> residuals;

@@ -22,7 +22,7 @@ struct FramePair {
   bool time_restarted = false;
 
   /// Right minus left exposure, ns. The cameras run free, so it is rarely zero.
-  std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
+  std::int64_t offsetNs() const { return right.exposure_ns - left.exposure_ns; }
 };
 
 struct PairSynchroniserSettings {

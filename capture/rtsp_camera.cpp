@@ -39,9 +39,9 @@ void check(const RtspCameraSettings& settings) {
 }
 
 /// Turns the packets of one connection into numbered, stamped units and these into frames.
-class Stream {
+class PictureStream {
  public:
-  Stream(const StreamFormat& format, const RtspCameraSettings& settings)
+  PictureStream(const StreamFormat& format, const RtspCameraSettings& settings)
       : codec_(format.codec),
         instants_(settings.instants),
         assembler_(format.codec),
@@ -263,7 +263,7 @@ class RtspCamera::Receiver {
 
   // The reading thread's own.
   std::optional<RtspSession> session_;
-  std::optional<Stream> stream_;
+  std::optional<PictureStream> stream_;
   StreamFragment fragment_;
   std::deque<Frame> frames_;
   bool streaming_ = false;  ///< this connection has delivered a frame

@@ -52,7 +52,7 @@ TEST(PairSynchroniser, PairsAtOnceWhatIsHalfAPeriodApartAtMost) {
   synchroniser.push(CameraSide::right, frameAt(kPeriod / 2));
   const std::optional<FramePair> pair = synchroniser.pop();
   ASSERT_TRUE(pair);
-  EXPECT_EQ(pair->offset_ns(), kPeriod / 2);
+  EXPECT_EQ(pair->offsetNs(), kPeriod / 2);
   EXPECT_FALSE(pair->time_restarted);
 }
 
@@ -66,7 +66,7 @@ TEST(PairSynchroniser, NeverPairsBeyondHalfAPeriod) {
                     frameAt(kPeriod));  // nearer than half a period to the waiting right one
   const std::optional<FramePair> pair = synchroniser.pop();
   ASSERT_TRUE(pair);
-  EXPECT_EQ(pair->offset_ns(), kPeriod / 2 + 1 - kPeriod);
+  EXPECT_EQ(pair->offsetNs(), kPeriod / 2 + 1 - kPeriod);
 }
 
 TEST(PairSynchroniser, DamagedFramesNeverMakeAPair) {
@@ -126,7 +126,7 @@ TEST(PairSynchroniser, ACameraThatFallsSilentDoesNotGrowTheQueueOfTheOther) {
   EXPECT_EQ(synchroniser.counts(CameraSide::left).overflow, 84U);
   EXPECT_FALSE(pairs.empty());
   for (const FramePair& pair : pairs)
-    EXPECT_EQ(pair.offset_ns(), 3);
+    EXPECT_EQ(pair.offsetNs(), 3);
 }
 
 TEST(PairSynchroniser, GoesOnAtOnceWhenASilentCameraReturns) {
@@ -252,7 +252,7 @@ void expectSound(const Outcome& outcome) {
   std::int64_t last_left = -kPeriod * 100;
   std::int64_t last_right = last_left;
   for (const FramePair& pair : outcome.pairs) {
-    EXPECT_LE(std::abs(pair.offset_ns()), kPeriod / 2);
+    EXPECT_LE(std::abs(pair.offsetNs()), kPeriod / 2);
     EXPECT_TRUE(left.insert(pair.left.sequence).second) << "a left frame was used twice";
     EXPECT_TRUE(right.insert(pair.right.sequence).second) << "a right frame was used twice";
     EXPECT_GT(pair.left.exposure_ns, last_left);

@@ -363,9 +363,9 @@ TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
   other.join();
   int exact = 0;
   for (const FramePair& pair : pairs) {
-    EXPECT_LE(std::abs(pair.offset_ns()), 20'000'000);
+    EXPECT_LE(std::abs(pair.offsetNs()), 20'000'000);
     if (pair.left.instant_source != InstantSource::sender_report) continue;
-    EXPECT_NEAR(static_cast<double>(pair.offset_ns()), static_cast<double>(kOffset_ns), kTwoTicks_ns);
+    EXPECT_NEAR(static_cast<double>(pair.offsetNs()), static_cast<double>(kOffset_ns), kTwoTicks_ns);
     ++exact;
   }
   EXPECT_GT(exact, 10);

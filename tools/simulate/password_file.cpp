@@ -44,7 +44,7 @@ std::string readPassword(const std::filesystem::path& file) {
 
 std::string ensurePassword(const std::filesystem::path& file) {
   if (isPrivate(file)) return readPassword(file);
-  const std::string password = randomPassword();
+  std::string password = randomPassword();
   std::filesystem::remove(file);
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   const std::string line = password + "\n";

@@ -220,14 +220,14 @@ TEST(Report, HoldsTheSameNumbersAsTableAndJson) {
 TEST(Plot, ShowsBothPathsInTheirColours) {
   const Trajectory truth = circle(300, 20.0, 0.5);
   const cv::Mat plot = plotTrajectories(associateByRows(scaled(truth, 1.1), truth), TopView::body_axes);
-  const auto pixelsNear = [&](const cv::Scalar& colour) {
+  const auto pixels_near = [&](const cv::Scalar& colour) {
     cv::Mat mask;
     cv::inRange(plot, colour - cv::Scalar::all(12), colour + cv::Scalar::all(12), mask);
     return cv::countNonZero(mask);
   };
   EXPECT_EQ(plot.type(), CV_8UC3);
-  EXPECT_GT(pixelsNear({190, 90, 20}), 1000);    // the estimate
-  EXPECT_GT(pixelsNear({120, 110, 100}), 1000);  // the truth
+  EXPECT_GT(pixels_near({190, 90, 20}), 1000);    // the estimate
+  EXPECT_GT(pixels_near({120, 110, 100}), 1000);  // the truth
 }
 
 TEST(Plot, OfAVehicleThatStandsIsDrawnToo) {

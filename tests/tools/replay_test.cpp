@@ -9,10 +9,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "calib/atomic_file.hpp"
 #include "calib/rig_file.hpp"
 #include "calib/rig_import.hpp"
+#include "capture/stream_recorder.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "tools/evaluate/association.hpp"
@@ -21,6 +23,7 @@
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
+#include "tools/simulate/stream_encoder.hpp"
 
 namespace cartvo {
 namespace {
@@ -234,6 +237,50 @@ TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
   const Replay& replay = replayOfAll();
   EXPECT_THAT(messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
               HasSubstr("has 51 poses for 6 pairs"));
+}
+
+/// Records pairs of a KITTI sequence as two cameras would send them.
+void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs) {
+  const Rig rig = readKittiRig(sequence / "calib.txt", {1226, 370});
+  StreamRecorder recorder({folder, "", rigText(rig)});
+  for (const auto& [camera, observer] :
+       {std::pair("image_0", &recorder.left()), std::pair("image_1", &recorder.right())}) {
+    observer->onStream({});
+    simulate::StreamEncoder encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
+    for (int i = 0; i < pairs; ++i) {
+      char name[16];
+      std::snprintf(name, sizeof name, "%06d.png", i);
+      const cv::Mat image = cv::imread((sequence / camera / name).string(), cv::IMREAD_GRAYSCALE);
+      const simulate::EncodedPicture picture = encoder.encode(image);
+      EncodedUnit unit;
+      unit.data = picture.data;
+      unit.key = picture.key_frame;
+      unit.pts = i * 9000;
+      unit.exposure_ns = 1'700'000'000'000'000'000 + i * 100'000'000;
+      unit.arrival_ns = unit.exposure_ns + 30'000'000;
+      unit.sequence = static_cast<std::uint64_t>(i);
+      unit.instant_source = InstantSource::sender_report;
+      observer->onUnit(unit);
+    }
+  }
+}
+
+TEST(ReplayOfARecording, FollowsTheTruthWithTheRecordingsOwnRigAndInstants) {
+  CARTVO_NEEDS_DATA(sequence, "kitti_06");
+  const test::TemporaryFolder folder;
+  constexpr int kRecorded = 6;
+  record(sequence, folder / "drive", kRecorded);
+  const Replay replay = replayed(folder / "drive");
+  EXPECT_EQ(replay.kind, SourceKind::recording);
+  EXPECT_EQ(replay.rig.rig.name, "KITTI");
+  EXPECT_EQ(replay.rig.origin, (folder / "drive/recording.json").string());
+  EXPECT_TRUE(replay.problems.empty());
+  ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kRecorded));
+  EXPECT_EQ(replay.pairs[2].exposure_ns, 1'700'000'000'200'000'000);
+  Trajectory truth = readTrajectory(sequence / "poses.txt");
+  truth.resize(kRecorded);
+  const Evaluation evaluation = evaluate(associateByRows(leftCameraTrajectory(replay), truth));
+  EXPECT_LT(*evaluation.final_drift_fraction, 0.08);
 }
 
 TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {

@@ -1,7 +1,6 @@
 // `cartvo replay`: what the daemon would have made of recorded images, written as text.
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +16,7 @@
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/replay/estimator_names.hpp"
 #include "tools/replay/motion_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/replay.hpp"
@@ -28,6 +28,7 @@ namespace {
 
 struct Options {
   ReplaySettings replay;
+  std::string estimator = estimatorName(OdometrySettings{}.estimator);
   std::filesystem::path output;
   std::filesystem::path truth;
   int threads = 2;
@@ -111,12 +112,10 @@ void addReplayCommand(CLI::App& cartvo) {
       ->add_option("--rig", options->replay.rig,
                    "Rig file: cartvo's own or OpenCV FileStorage with K1 D1 K2 D2 R T image_size")
       ->type_name("FILE");
-  command
-      ->add_option("--estimator", options->replay.odometry.estimator, "How the motion is estimated: thesis")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Estimator>{{"thesis", Estimator::thesis}})
-                      .description(""))
+  command->add_option("--estimator", options->estimator, "How the motion is estimated")
+      ->check(CLI::IsMember(estimatorNames()))
       ->type_name("NAME")
-      ->default_str(estimatorName(options->replay.odometry.estimator));
+      ->capture_default_str();
   command->add_option("--features", options->replay.odometry.features, "Features aimed at in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
@@ -140,7 +139,10 @@ void addReplayCommand(CLI::App& cartvo) {
       "Examples:\n"
       "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
       "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out");
-  command->callback([options] { run(*options); });
+  command->callback([options] {
+    options->replay.odometry.estimator = estimatorNamed(options->estimator);
+    run(*options);
+  });
 }
 
 }  // namespace cartvo

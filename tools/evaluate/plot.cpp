@@ -136,15 +136,15 @@ struct GroundPaths {
 GroundPaths groundPaths(const AssociatedTrajectories& associated, TopView view) {
   const Eigen::Isometry3d origin = associated.truth.front().pose.inverse();
   const bool is_camera = view == TopView::camera_axes;
-  const auto forwardAndLeft = [&](const StampedPose& stamped) {
+  const auto forward_and_left = [&](const StampedPose& stamped) {
     const Eigen::Vector3d position = origin * stamped.pose.translation();
     return is_camera ? cv::Point2d(position.z(), -position.x()) : cv::Point2d(position.x(), position.y());
   };
   GroundPaths paths;
   for (const StampedPose& stamped : associated.truth)
-    paths.truth.push_back(forwardAndLeft(stamped));
+    paths.truth.push_back(forward_and_left(stamped));
   for (const StampedPose& stamped : startingAt(associated.truth.front().pose, associated.estimate)) {
-    paths.estimate.push_back(forwardAndLeft(stamped));
+    paths.estimate.push_back(forward_and_left(stamped));
   }
   cv::Point2d low = paths.truth.front(), high = low;
   for (const cv::Point2d& point : paths.truth) {
@@ -198,20 +198,20 @@ void drawScaleBar(Sheet& sheet, const Axes& axes) {
 void drawLegend(Sheet& sheet) {
   double x = kMapFrame.x;
   constexpr double kY = 42.0;
-  const auto lineEntry = [&](const char* name, const cv::Scalar& colour, double width) {
+  const auto line_entry = [&](const char* name, const cv::Scalar& colour, double width) {
     sheet.line({{x, kY}, {x + 36, kY}}, colour, width);
     sheet.text(name, {x + 46, kY + 5}, Anchor::left, kInk);
     x += 150;
   };
-  const auto dotEntry = [&](const char* name, const cv::Scalar& colour, int thickness) {
+  const auto dot_entry = [&](const char* name, const cv::Scalar& colour, int thickness) {
     sheet.dot({x + 8, kY}, 6, colour, thickness);
     sheet.text(name, {x + 24, kY + 5}, Anchor::left, kInk);
     x += 110;
   };
-  lineEntry("truth", kTruthColour, 5);
-  lineEntry("estimate", kEstimateColour, 2);
-  dotEntry("start", kInk, 2);
-  dotEntry("end", kEndColour, -1);
+  line_entry("truth", kTruthColour, 5);
+  line_entry("estimate", kEstimateColour, 2);
+  dot_entry("start", kInk, 2);
+  dot_entry("end", kEndColour, -1);
 }
 
 void drawMap(Sheet& sheet, const GroundPaths& paths) {

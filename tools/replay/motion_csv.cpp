@@ -14,7 +14,7 @@ using Row = std::string;
 
 void add(Row& row, double value) {
   char text[40];
-  std::snprintf(text, sizeof text, ",%.9g", value);
+  std::snprintf(text, sizeof text, ",%.9g", value + 0.0);  // no "-0"
   row += std::isfinite(value) ? text : ",";
 }
 

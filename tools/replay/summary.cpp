@@ -8,6 +8,7 @@
 
 #include "daemon/health_monitor.hpp"
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/replay/estimator_names.hpp"
 
 namespace cartvo {
 namespace {
@@ -102,14 +103,6 @@ Json timesJson(const Replay& replay) {
 }
 
 }  // namespace
-
-const char* estimatorName(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::thesis:
-      return "thesis";
-  }
-  return "unknown";
-}
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   const Rig& rig = replay.rig.rig;

@@ -176,6 +176,16 @@ TEST(Association, ByTimeLeavesOutWhatHasNoTruth) {
   EXPECT_EQ(associated.unmatched, 20u);
 }
 
+TEST(Association, ByTimeBearsTheRoundingOfInstantsAtTheTruthsEnds) {
+  const Trajectory truth = straight(50, 1.0);
+  Trajectory estimate = truth;
+  estimate.front().time_ns -= 16'000;
+  estimate.back().time_ns += 16'000;
+  EXPECT_EQ(associateByTime(estimate, truth).unmatched, 0u);
+  estimate.back().time_ns += 2'000'000;
+  EXPECT_EQ(associateByTime(estimate, truth).unmatched, 1u);
+}
+
 TEST(Association, ByTimeOfDifferentClocksIsRefused) {
   Trajectory truth = straight(50, 1.0);
   for (StampedPose& stamped : truth)

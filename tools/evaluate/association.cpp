@@ -11,6 +11,10 @@ namespace {
 
 constexpr std::int64_t kWidestGap = 250'000'000;  // ns
 
+/// Instants that went through a camera's 90 kHz clock are off by some us: so little beyond the truth's first
+/// or last pose counts as that pose, ns.
+constexpr std::int64_t kEndTolerance = 1'000'000;
+
 /// The widest gap in the truth that is bridged, ns.
 std::int64_t bridgedGap(const Trajectory& truth) {
   std::vector<std::int64_t> periods;
@@ -51,18 +55,18 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
   associated.method = AssociationMethod::time;
   const std::int64_t widest_gap = bridgedGap(truth);
   for (const StampedPose& stamped : estimate) {
+    const std::int64_t time_ns = std::clamp(stamped.time_ns, truth.front().time_ns, truth.back().time_ns);
     const auto after = std::lower_bound(
-        truth.begin(), truth.end(), stamped.time_ns,
-        [](const StampedPose& true_pose, std::int64_t time_ns) { return true_pose.time_ns < time_ns; });
-    const bool is_exact = after != truth.end() && after->time_ns == stamped.time_ns;
-    const bool is_between = after != truth.end() && after != truth.begin() &&
-                            after->time_ns - std::prev(after)->time_ns <= widest_gap;
-    if (!is_exact && !is_between) {
+        truth.begin(), truth.end(), time_ns,
+        [](const StampedPose& true_pose, std::int64_t instant_ns) { return true_pose.time_ns < instant_ns; });
+    const bool is_exact = after->time_ns == time_ns;
+    const bool is_between = !is_exact && after->time_ns - std::prev(after)->time_ns <= widest_gap;
+    if (std::abs(stamped.time_ns - time_ns) > kEndTolerance || (!is_exact && !is_between)) {
       ++associated.unmatched;
       continue;
     }
     associated.estimate.push_back(stamped);
-    associated.truth.push_back(is_exact ? *after : interpolate(*std::prev(after), *after, stamped.time_ns));
+    associated.truth.push_back(is_exact ? *after : interpolate(*std::prev(after), *after, time_ns));
   }
   if (associated.estimate.size() < 2) {
     throw std::runtime_error(

@@ -27,7 +27,6 @@ Frame silence(int /*index*/, std::int64_t /*exposure_ns*/) {
 
 struct LiveRun {
   std::vector<PairResult> pairs;
-  std::vector<std::int64_t> ages_ns;  ///< of each pair when its result came: now minus arrival
   std::vector<NoPair> no_pairs;
   PipelineCounts counts;
   std::string problem;
@@ -49,7 +48,6 @@ LiveRun runFor(milliseconds time, TickingCamera::Deliver left_delivers, TickingC
   });
   pipeline.runLive({[&](const PairResult& result) {
                       run.pairs.push_back(result);
-                      run.ages_ns.push_back(hostNow() - result.arrival_ns());
                       on_pair();
                     },
                     [&](const NoPair& no_pair) { run.no_pairs.push_back(no_pair); }});
@@ -60,26 +58,30 @@ LiveRun runFor(milliseconds time, TickingCamera::Deliver left_delivers, TickingC
 
 void quick() {}
 
+/// Each pair is processed or skipped, but for the one that may wait when the run is stopped.
+bool accountsForEveryPair(const PipelineCounts& counts) {
+  const std::uint64_t accounted = counts.processed + counts.skipped;
+  return accounted == counts.pairs || accounted + 1 == counts.pairs;
+}
+
 TEST(PipelineLive, ProcessesPairsAsTheyComeAndStopsWhenTold) {
   const LiveRun run = runFor(milliseconds(600), leftWall, rightWall, quick);
   EXPECT_GT(run.pairs.size(), 5u);
   EXPECT_TRUE(run.pairs.back().estimate.valid);
-  EXPECT_EQ(run.counts.processed + run.counts.skipped, run.counts.pairs);
+  EXPECT_TRUE(accountsForEveryPair(run.counts));
   EXPECT_EQ(run.problem, "");
 }
 
 TEST(PipelineLive, ASlowStageSkipsPairsInsteadOfQueueingThem) {
-  // The stage takes five periods; a queue would let the age grow by four periods with each pair.
+  // The stage takes five periods. Through a queue the n-th result would be of the n-th pair, ever older.
   const LiveRun run =
       runFor(milliseconds(1500), leftWall, rightWall, [] { std::this_thread::sleep_for(milliseconds(100)); });
   ASSERT_GT(run.pairs.size(), 5u);
   EXPECT_GT(run.counts.skipped, run.counts.processed) << "four of five are left out";
-  // All but the newest may remain one hand-over: none was older than a few periods when its turn came.
   for (std::size_t i = 1; i < run.pairs.size(); ++i) {
     EXPECT_GT(run.pairs[i].left.sequence, run.pairs[i - 1].left.sequence) << "in order";
-    EXPECT_LT(run.ages_ns[i], 600'000'000);
   }
-  EXPECT_GT(run.pairs.back().left.sequence, 40u) << "the last one is of the end, not of the beginning";
+  EXPECT_GT(run.pairs.back().left.sequence, 2 * run.pairs.size()) << "of the newest pair, not of the oldest";
 }
 
 TEST(PipelineLive, ABurstIsReducedToItsNewestPair) {
@@ -93,7 +95,7 @@ TEST(PipelineLive, ABurstIsReducedToItsNewestPair) {
   const LiveRun run = runFor(milliseconds(1200), bursty(0), bursty(12),
                              [] { std::this_thread::sleep_for(milliseconds(30)); });
   EXPECT_GT(run.counts.skipped, 0u);
-  EXPECT_EQ(run.counts.processed + run.counts.skipped, run.counts.pairs);
+  EXPECT_TRUE(accountsForEveryPair(run.counts));
 }
 
 TEST(PipelineLive, ASilentCameraIsSaidOncePerPeriod) {

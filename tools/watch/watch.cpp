@@ -141,19 +141,22 @@ std::string liveLine(const odometry_t& message, double frame_rate) {
 }
 
 std::string summaryText(const OdometrySummary& summary) {
-  const auto pairs = static_cast<double>(summary.messages - summary.no_pair);
-  return fmt::format(
-      "messages          {} ({} lost, {} without a pair)\n"
-      "valid             {} ({:.1f} % of the pairs)\n"
-      "frame rate        {:.2f} pairs/s over {:.1f} s\n"
-      "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n"
-      "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n"
-      "offset            median {:+.2f} ms (right minus left)\n"
-      "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
-      summary.messages, summary.lost, summary.no_pair, summary.valid,
-      pairs > 0.0 ? 100.0 * static_cast<double>(summary.valid) / pairs : 0.0, summary.frame_rate,
-      summary.seconds, summary.latency_p50_ms, summary.latency_p99_ms, summary.age_p50_ms, summary.age_p99_ms,
-      summary.offset_median_ms, summary.path_length, summary.resets, summary.restarts);
+  const std::int64_t pairs = summary.messages - summary.no_pair;
+  std::string text = fmt::format("messages          {} ({} lost, {} without a pair)\n", summary.messages,
+                                 summary.lost, summary.no_pair);
+  if (pairs == 0)
+    return text + "no pair of frames came: 'journalctl -u cartvod' names the camera and what to mend\n";
+  return text + fmt::format(
+                    "valid             {} ({:.1f} % of the pairs)\n"
+                    "frame rate        {:.2f} pairs/s over {:.1f} s\n"
+                    "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n"
+                    "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n"
+                    "offset            median {:+.2f} ms (right minus left)\n"
+                    "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
+                    summary.valid, 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs),
+                    summary.frame_rate, summary.seconds, summary.latency_p50_ms, summary.latency_p99_ms,
+                    summary.age_p50_ms, summary.age_p99_ms, summary.offset_median_ms, summary.path_length,
+                    summary.resets, summary.restarts);
 }
 
 void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary) {

@@ -1,0 +1,75 @@
+// What `cartvo watch` counts: losses, restarts, latency, the path within an epoch.
+
+#include <gtest/gtest.h>
+
+#include "tools/watch/odometry_statistics.hpp"
+#include "tools/watch/watch.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::int64_t kPeriod_us = 50'000;
+
+odometry_t message(std::int64_t sequence, double x) {
+  odometry_t message{};
+  message.sequence = sequence;
+  message.utime = sequence * kPeriod_us;
+  message.arrival_utime = message.utime + 20'000;
+  message.publication_utime = message.arrival_utime + 8'000;
+  message.status = odometry_t::VALID;
+  message.offset_us = 2'000;
+  message.position_world_body[0] = x;
+  message.orientation_world_body[0] = 1.0;
+  return message;
+}
+
+void add(OdometryStatistics& statistics, const odometry_t& odometry) {
+  statistics.add(odometry, (odometry.publication_utime + 1'000) * 1'000);
+}
+
+TEST(WatchStatistics, SumUpRateLatencyAndPath) {
+  OdometryStatistics statistics;
+  for (int i = 0; i < 21; ++i)
+    add(statistics, message(i, 0.1 * i));
+  const OdometrySummary summary = statistics.summarise();
+  EXPECT_EQ(summary.messages, 21);
+  EXPECT_EQ(summary.valid, 21);
+  EXPECT_EQ(summary.lost, 0);
+  EXPECT_NEAR(summary.frame_rate, 20.0, 1e-9);
+  EXPECT_NEAR(summary.latency_p50_ms, 8.0, 1e-9);
+  EXPECT_NEAR(summary.age_p99_ms, 29.0, 1e-9);
+  EXPECT_NEAR(summary.offset_median_ms, 2.0, 1e-9);
+  EXPECT_NEAR(summary.path_length, 2.0, 1e-9);
+  EXPECT_EQ(statistics.trajectory().size(), 21u);
+  EXPECT_EQ(statistics.trajectory().back().time_ns, 20 * kPeriod_us * 1'000);
+}
+
+TEST(WatchStatistics, TellLossesFromRestartsAndResets) {
+  OdometryStatistics statistics;
+  add(statistics, message(5, 0.0));
+  add(statistics, message(9, 0.1));  // 6, 7, 8 never came
+  odometry_t after_loss = message(10, 0.0);
+  after_loss.reset_counter = 1;
+  add(statistics, after_loss);
+  add(statistics, message(0, 0.0));  // the daemon began anew
+  const OdometrySummary summary = statistics.summarise();
+  EXPECT_EQ(summary.lost, 3);
+  EXPECT_EQ(summary.resets, 1);
+  EXPECT_EQ(summary.restarts, 1);
+  EXPECT_NEAR(summary.path_length, 0.1, 1e-9) << "no path across epochs";
+}
+
+TEST(WatchStatistics, LeaveOutInvalidMessages) {
+  OdometryStatistics statistics;
+  odometry_t blind = message(0, 0.0);
+  blind.status = odometry_t::INVALID;
+  blind.reasons = odometry_t::REASON_NO_PAIR;
+  add(statistics, blind);
+  EXPECT_FALSE(statistics.hasPairs());
+  EXPECT_EQ(statistics.summarise().no_pair, 1);
+  EXPECT_NE(liveLine(blind, 0.0).find("INVALID: no pair"), std::string::npos);
+  EXPECT_NE(summaryText(statistics.summarise()).find("no pair of frames came"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -168,7 +168,7 @@ Rig readKittiRig(const std::filesystem::path& calibration, cv::Size image_size) 
     throw std::runtime_error(calibration.string() +
                              ": expected the lines 'P0: ...' and 'P1: ...' of a KITTI calib.txt");
   }
-  const auto cameraFrom = [&](const Projection& P) {
+  const auto camera_from = [&](const Projection& P) {
     CameraModel camera;
     camera.size = image_size;
     camera.fx = P[0];
@@ -179,8 +179,8 @@ Rig readKittiRig(const std::filesystem::path& calibration, cv::Size image_size) 
   };
   Rig rig;
   rig.name = "KITTI";
-  rig.left = cameraFrom(projections.at("P0"));
-  rig.right = cameraFrom(projections.at("P1"));
+  rig.left = camera_from(projections.at("P0"));
+  rig.right = camera_from(projections.at("P1"));
   const double centre_left = projections.at("P0")[3] / rig.left.fx;
   const double centre_right = projections.at("P1")[3] / rig.right.fx;
   rig.T_right_left.translation().x() = centre_right - centre_left;

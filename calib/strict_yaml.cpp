@@ -75,8 +75,8 @@ std::string shortest(double number) {
 
 }  // namespace
 
-StrictYaml::StrictYaml(std::filesystem::path file, std::string key, YAML::Node node)
-    : file_(std::move(file)), key_(std::move(key)), node_(std::move(node)) {}
+StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node)
+    : file_(std::move(file)), key_(std::move(key)), node_(node) {}
 
 StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
   return parse(readText(file), file);

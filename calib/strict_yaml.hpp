@@ -46,7 +46,7 @@ class StrictYaml {
   [[noreturn]] void fail(const std::string& problem) const;
 
  private:
-  StrictYaml(std::filesystem::path file, std::string key, YAML::Node node);
+  StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node);
 
   std::filesystem::path file_;
   std::string key_;

@@ -28,44 +28,26 @@ struct Linearisation {
   double smaller_eigenvalue = 0.0;  ///< of G, per pixel
 };
 
-void removeMean(Template& patch) {
-  double sum = 0.0;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      sum += patch.row(y)[x];
-  const float mean = static_cast<float>(sum / (kSide * kSide));
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x)
-      patch.row(y)[x] -= mean;
-    for (int x = kSide; x < Template::kStride; ++x)
-      patch.row(y)[x] = 0.0F;  // the padding takes no part in any sum
-  }
-}
-
 void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, Linearisation& out) {
   Patch<kSide + 2, kSide + 2> wide;
   samplePatch(level, centre, wide);
   for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      out.grey.row(y)[x] = wide.row(y + 1)[x + 1];
-      out.gradient_x.row(y)[x] = 0.5F * (wide.row(y + 1)[x + 2] - wide.row(y + 1)[x]);
-      out.gradient_y.row(y)[x] = 0.5F * (wide.row(y + 2)[x + 1] - wide.row(y)[x + 1]);
+    const float* above = wide.row(y);
+    const float* row = wide.row(y + 1);
+    const float* below = wide.row(y + 2);
+    for (int x = 0; x < Template::kStride; ++x) {
+      out.grey.row(y)[x] = row[x + 1];
+      out.gradient_x.row(y)[x] = 0.5F * (row[x + 2] - row[x]);
+      out.gradient_y.row(y)[x] = 0.5F * (below[x + 1] - above[x + 1]);
     }
   }
   removeMean(out.grey);
   removeMean(out.gradient_x);
   removeMean(out.gradient_y);
 
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (int i = 0; i < kSide * Template::kStride; ++i) {
-    const double gx = out.gradient_x.value[i];
-    const double gy = out.gradient_y.value[i];
-    xx += gx * gx;
-    xy += gx * gy;
-    yy += gy * gy;
-  }
+  const double xx = sumOfProducts(out.gradient_x, out.gradient_x);
+  const double xy = sumOfProducts(out.gradient_x, out.gradient_y);
+  const double yy = sumOfProducts(out.gradient_y, out.gradient_y);
   out.smaller_eigenvalue =
       (0.5 * (xx + yy) - std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)) / (kSide * kSide);
   const double determinant = xx * yy - xy * xy;
@@ -73,45 +55,22 @@ void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, Lineari
     out.inverse_structure << yy / determinant, -xy / determinant, -xy / determinant, xx / determinant;
 }
 
-/// The mismatch vector b (thesis 4.13).
-Eigen::Vector2d mismatch(const Linearisation& before, const Template& after) {
-  // A sum per column, added up at the end: the compiler may not reorder float sums by itself.
-  float column_x[Template::kStride] = {};
-  float column_y[Template::kStride] = {};
-  for (int y = 0; y < kSide; ++y) {
-    const float* now = after.row(y);
-    const float* then = before.grey.row(y);
-    const float* gx = before.gradient_x.row(y);
-    const float* gy = before.gradient_y.row(y);
-    for (int x = 0; x < Template::kStride; ++x) {
-      const float difference = now[x] - then[x];
-      column_x[x] += gx[x] * difference;
-      column_y[x] += gy[x] * difference;
-    }
-  }
-  Eigen::Vector2d sum(0.0, 0.0);
-  for (int x = 0; x < Template::kStride; ++x)
-    sum += Eigen::Vector2d(column_x[x], column_y[x]);
-  return sum;
+/// The mismatch vector b (thesis 4.13); `after` becomes the difference.
+Eigen::Vector2d mismatch(const Linearisation& before, Template& after) {
+  for (int i = 0; i < kSide * Template::kStride; ++i)
+    after.value[i] -= before.grey.value[i];
+  return {sumOfProducts(before.gradient_x, after), sumOfProducts(before.gradient_y, after)};
 }
 
 double correlationOf(const Template& centred_before, Template& after) {
   removeMean(after);
-  double product = 0.0;
-  double before_square = 0.0;
-  double after_square = 0.0;
-  for (int i = 0; i < kSide * Template::kStride; ++i) {
-    const double then = centred_before.value[i];
-    const double now = after.value[i];
-    product += then * now;
-    before_square += then * then;
-    after_square += now * now;
-  }
-  return product / std::sqrt(std::max(before_square * after_square, 1e-12));
+  const double squares = sumOfProducts(centred_before, centred_before) * sumOfProducts(after, after);
+  return sumOfProducts(centred_before, after) / std::sqrt(std::max(squares, 1e-12));
 }
 
 }  // namespace
 
+CARTVO_VECTOR_CLONES
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
                      const Eigen::Vector2d& guess, const TrackingSettings& settings) {
   KltResult result;

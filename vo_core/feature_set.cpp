@@ -12,8 +12,9 @@
 namespace cartvo {
 namespace {
 
-constexpr double kFarAway = 1000.0;  // m, where a feature without a disparity is taken to be
-constexpr double kOutside = 8.0;     // px; predicted farther outside the image, a feature is gone
+constexpr double kFarAway = 1000.0;    // m, where a feature without a disparity is taken to be
+constexpr int kLevelsIfPredicted = 2;  // of the pyramid: within some 10 px of where the world has carried it
+constexpr double kOutside = 8.0;       // px; predicted farther outside the image, a feature is gone
 
 /// Calls work(i) for each i below count, on OpenCV's threads; each i must write to its own place only.
 template <typename Work>
@@ -72,8 +73,17 @@ void FeatureSet::track(const ImagePyramid& left, std::int64_t frame, const Frame
       gone[i] = 1;
       return;
     }
-    results[i] = trackPatch(before->left, left, feature.last().left, guess, settings_.tracking);
-    gone[i] = !results[i].found && frame - feature.last().frame > settings_.tracking.search_again ? 1 : 0;
+    const bool predicted = T_world_camera && before->T_world_camera && feature.last().matched();
+    const int all_levels = settings_.tracking.levels;
+    const auto follow = [&](int levels) {
+      return trackPatch(before->left, left, feature.last().left, guess, levels, settings_.tracking);
+    };
+    results[i] = follow(predicted ? std::min(kLevelsIfPredicted, all_levels) : all_levels);
+    // A lost feature is expected where the world has carried it; one seen just now may have its own way.
+    if (!results[i].found && predicted && before == window.newest()) results[i] = follow(all_levels);
+    // Without a depth, nothing says where a lost feature would be by now: hardly any is ever found again.
+    const int search_again = feature.last().matched() ? settings_.tracking.search_again : 0;
+    gone[i] = !results[i].found && frame - feature.last().frame > search_again ? 1 : 0;
   });
 
   std::vector<Feature> kept;

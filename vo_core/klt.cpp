@@ -72,14 +72,14 @@ double correlationOf(const Template& centred_before, Template& after) {
 
 CARTVO_VECTOR_CLONES
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
-                     const Eigen::Vector2d& guess, const TrackingSettings& settings) {
+                     const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings) {
   KltResult result;
   if (!before.grey.front().contains(from)) return result;
   Linearisation patch;
   Template moved;
-  const int levels = static_cast<int>(std::min(before.grey.size(), after.grey.size()));
   Eigen::Vector2d shift = guess - from;  // px of the full image
-  for (int index = levels - 1; index >= 0; --index) {
+  const int available = static_cast<int>(std::min(before.grey.size(), after.grey.size()));
+  for (int index = std::min(levels, available) - 1; index >= 0; --index) {
     const double scale = 1.0 / (1 << index);
     const PyramidLevel& target = after.grey[index];
     const Eigen::Vector2d centre = from * scale;

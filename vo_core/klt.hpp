@@ -14,14 +14,15 @@ struct KltResult {
 };
 
 /// Follows the 15x15 patch around `from` in the grey levels of `before` to those of `after`, coarse to fine,
-/// beginning at `guess` (px). It minimises the sum of squared differences over the shift d (thesis 4.10-4.13:
-/// G d = b with the structure matrix G of the patch's gradients), with a change of brightness removed.
-/// Not found: no texture, left the image, or correlates less than settings.minimum_correlation.
+/// beginning at `guess` (px) in the coarsest of `levels` (a good guess needs few). It minimises the sum of
+/// squared differences over the shift d (thesis 4.10-4.13: G d = b with the structure matrix G of the patch's
+/// gradients), with a change of brightness removed. Not found: no texture, left the image, or correlates less
+/// than settings.minimum_correlation.
 ///
 /// The patch before is the one that is linearised (S. Baker, I. Matthews, "Lucas-Kanade 20 years on", 2004,
 /// inverse compositional), in floating point throughout. OpenCV's fixed-point KLT underestimates flow by
 /// 0.3-0.6 %; the tests bound the bias of this one.
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
-                     const Eigen::Vector2d& guess, const TrackingSettings& settings);
+                     const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings);
 
 }  // namespace cartvo

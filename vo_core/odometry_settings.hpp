@@ -26,7 +26,8 @@ struct TrackingSettings {
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
   double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
-  int search_again = 5;              ///< pairs in which a lost feature is looked for before it is dropped
+  int search_again =
+      5;  ///< pairs in which a lost feature that has a depth is looked for before it is dropped
 };
 
 /// The match from left to right (thesis 4.1-4.4, 4.14).

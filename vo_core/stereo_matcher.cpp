@@ -183,6 +183,7 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
 
 }  // namespace
 
+CARTVO_VECTOR_CLONES
 std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
                                        const Eigen::Vector2d& left, const StereoSettings& settings) {
   if (!left_image.grey.front().contains(left)) return std::nullopt;

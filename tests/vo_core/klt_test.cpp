@@ -31,7 +31,7 @@ TrackingErrors trackGrid(const Forward& forward, const Backward& backward, const
   for (int y = 50; y < kHeight - 50; y += 7) {
     for (int x = 50; x < kWidth - 50; x += 7) {
       const Eigen::Vector2d from(x + 0.1 * (x % 10), y + 0.1 * (y % 10));
-      const KltResult result = trackPatch(before, after, from, from, settings);
+      const KltResult result = trackPatch(before, after, from, from, settings.levels, settings);
       ++errors.asked;
       if (!result.found) continue;
       ++errors.tracked;
@@ -88,7 +88,7 @@ TEST(Klt, IsBlindToAChangeOfBrightness) {
 TEST(Klt, FindsNothingWhereThereIsNoTexture) {
   const cv::Mat grey(kHeight, kWidth, CV_8UC1, cv::Scalar(100));
   const ImagePyramid pyramid = buildPyramid(grey, 4);
-  EXPECT_FALSE(trackPatch(pyramid, pyramid, {100, 100}, {100, 100}, TrackingSettings{}).found);
+  EXPECT_FALSE(trackPatch(pyramid, pyramid, {100, 100}, {100, 100}, 4, TrackingSettings{}).found);
 }
 
 TEST(Klt, LosesWhatTheOtherImageDoesNotShow) {
@@ -96,14 +96,14 @@ TEST(Klt, LosesWhatTheOtherImageDoesNotShow) {
   const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, test::WaveTexture(2)), 4);
   int found = 0;
   for (int x = 40; x < 280; x += 5)
-    found += trackPatch(before, after, {x, 120.0}, {x, 120.0}, TrackingSettings{}).found ? 1 : 0;
+    found += trackPatch(before, after, {x, 120.0}, {x, 120.0}, 4, TrackingSettings{}).found ? 1 : 0;
   EXPECT_LE(found, 8);  // of 48
 }
 
 TEST(Klt, SurvivesGuessesOutsideTheImage) {
   const ImagePyramid pyramid = buildPyramid(test::draw(kWidth, kHeight, test::WaveTexture(1)), 4);
   for (const double far : {-1e7, -40.0, 1000.0, 1e7})
-    EXPECT_FALSE(trackPatch(pyramid, pyramid, {100, 100}, {far, far}, TrackingSettings{}).found);
+    EXPECT_FALSE(trackPatch(pyramid, pyramid, {100, 100}, {far, far}, 4, TrackingSettings{}).found);
 }
 
 }  // namespace

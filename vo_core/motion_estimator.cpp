@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kBetterPart = 0.25;  // of the subsets' poses, of which the median is taken
 constexpr double kSettled = 1e-5;     // m and rad: the weights are not iterated further
-constexpr double kMaximumScale = 4.0;
 
 /// The matches with what depends on the rotation between them.
 class Problem {
@@ -110,13 +109,6 @@ std::optional<Eigen::Isometry3d> subsetsPose(const Problem& problem, const Motio
   for (std::size_t i = 0; i < better; ++i)
     best.push_back(poses[i].pose);
   return medianPose(best);
-}
-
-/// How much larger than assumed the errors are, judged by their median: half of the matches may be wrong.
-double errorScale(std::vector<double> errors) {
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return std::clamp(*middle / kMedianOfChi3, 1.0, kMaximumScale);
 }
 
 }  // namespace

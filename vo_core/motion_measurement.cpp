@@ -1,6 +1,8 @@
 // From features to a motion that is believed or a reason why not.
 #include "vo_core/motion_measurement.hpp"
 
+#include <algorithm>
+
 #include "vo_core/feature_history.hpp"
 #include "vo_core/window_refinement.hpp"
 
@@ -12,6 +14,15 @@ EarlierPoint carryToWorld(const Observation& observation, const Eigen::Matrix3d&
                           const Eigen::Isometry3d& T_world_camera) {
   return {T_world_camera * observation.point,
           T_world_camera.linear() * covariance * T_world_camera.linear().transpose()};
+}
+
+/// The part of the image whose features err together (window_refinement.hpp).
+int cellOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
+  const int column =
+      std::clamp(static_cast<int>(pixel.x() * kCovarianceColumns / camera.width), 0, kCovarianceColumns - 1);
+  const int row =
+      std::clamp(static_cast<int>(pixel.y() * kCovarianceRows / camera.height), 0, kCovarianceRows - 1);
+  return row * kCovarianceColumns + column;
 }
 
 }  // namespace
@@ -55,7 +66,7 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
   if (motion->inliers < validity.minimum_inliers ||
       motion->inliers < validity.minimum_inlier_ratio * measurement.matched)
     measurement.reasons = measurement.reasons | OdometryReason::too_few_inliers;
-  if (motion->scale > validity.maximum_residual)
+  if (settings_.refinement.frames == 1 && motion->scale > validity.maximum_residual)
     measurement.reasons = measurement.reasons | OdometryReason::high_residual;
   if (!plausible(motion->T_reference_current, time_step))
     measurement.reasons = measurement.reasons | OdometryReason::implausible_motion;
@@ -72,7 +83,7 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
   for (const Feature& feature : features) {
     const Observation& now = feature.last();
     if (now.frame != current || !now.matched()) continue;
-    RefinementFeature refined{now.point, covarianceOf(now), feature.weight, {}};
+    RefinementFeature refined{now.point, covarianceOf(now), feature.weight, cellOf(camera_, now.left), {}};
     for (int back = 1; back < kHistoryLength; ++back) {
       const Observation& earlier = feature.seen(back);
       const FrameRecord* frame =
@@ -82,15 +93,29 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     }
     if (!refined.earlier.empty()) refined_features.push_back(std::move(refined));
   }
-  const RefinedPose refined =
-      refinePose(T_world_reference * measurement.T_reference_current, refined_features, measurement.scale,
-                 settings_.motion.radius, settings_.refinement);
+  const auto refineWith = [&](double scale) {
+    return refinePose(T_world_reference * measurement.T_reference_current, refined_features, scale,
+                      settings_.motion.radius, settings_.refinement);
+  };
+  RefinedPose refined = refineWith(measurement.scale);
   if (!refined.converged) {
     measurement.reasons = OdometryReason::too_few_inliers;
     return;
   }
-  if (settings_.refinement.frames > 1)
+  if (settings_.refinement.frames > 1) {
+    // Horn's method has one weight for all directions of a point. Where few points are near its motion may
+    // leave large errors that are none of the images': they are judged once they are refined.
+    if (refined.scale < measurement.scale) {
+      const RefinedPose again = refineWith(refined.scale);
+      if (again.converged) refined = again;
+    }
+    measurement.scale = refined.scale;
+    if (measurement.scale > settings_.validity.maximum_residual) {
+      measurement.reasons = OdometryReason::high_residual;
+      return;
+    }
     measurement.T_reference_current = orthonormalised(T_world_reference.inverse() * refined.T_world_camera);
+  }
   measurement.covariance = refined.covariance;
   if (!plausible(measurement.T_reference_current, time_step))
     measurement.reasons = OdometryReason::implausible_motion;

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 namespace cartvo {
 
@@ -21,5 +24,14 @@ inline double errorWeight(double error, double radius) {
 
 /// Median of |L^-1 e| for a Gaussian e in three dimensions (chi distribution).
 constexpr double kMedianOfChi3 = 1.538;
+constexpr double kMaximumErrorScale = 4.0;
+
+/// How much larger than assumed the errors are, judged by their median: half of the matches may be wrong.
+inline double errorScale(std::vector<double> errors) {
+  if (errors.empty()) return 1.0;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return std::clamp(*middle / kMedianOfChi3, 1.0, kMaximumErrorScale);
+}
 
 }  // namespace cartvo

@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 
 #include "vo_core/prediction_error.hpp"
 
@@ -12,18 +14,42 @@ namespace {
 constexpr double kSettled = 1e-6;  // m and rad
 // Errors are taken to spread at least by this part of the assumed noise: identical images have none.
 constexpr double kLeastVariance = 0.01;
+constexpr int kEnoughCells = 13;  // twice the parameters
 
 /// The normal equations of one linearisation.
 struct NormalEquations {
   Matrix6d hessian = Matrix6d::Zero();  // of the weighted squares (the weights held)
   Vector6d gradient = Vector6d::Zero();
   Matrix6d derivative = Matrix6d::Zero();  // of the gradient, the weights' own change with the error included
-  Matrix6d spread = Matrix6d::Zero();      // sum over features of their gradients' squares
+  Matrix6d spread = Matrix6d::Zero();      // sum over cells of their gradients' squares
 };
+
+/// What the features of one cell pull at the pose.
+struct CellGradient {
+  Vector6d gradient = Vector6d::Zero();
+  Matrix6d square = Matrix6d::Zero();  // sum of the squares, were the errors independent
+  bool used = false;
+};
+
+/// Sums up gradients and spread. At the minimum the cells' gradients cancel: of `used` ones only used - 6 are
+/// free. Where that leaves few, their squares say little, and the features' own stand in.
+void addSpread(const std::array<CellGradient, kCovarianceCells>& cells, NormalEquations& sum) {
+  const auto used =
+      std::count_if(cells.begin(), cells.end(), [](const CellGradient& cell) { return cell.used; });
+  const double free = static_cast<double>(used) - 6.0;
+  for (const CellGradient& cell : cells) {
+    sum.gradient += cell.gradient;
+    if (used >= kEnoughCells)
+      sum.spread += static_cast<double>(used) / free * cell.gradient * cell.gradient.transpose();
+    else
+      sum.spread += cell.square;
+  }
+}
 
 NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
                           const std::vector<RefinementFeature>& features, double scale, double radius) {
   NormalEquations sum;
+  std::array<CellGradient, kCovarianceCells> cells;
   const Eigen::Matrix3d R_camera_world = T_world_camera.linear().transpose();
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   for (const RefinementFeature& feature : features) {
@@ -53,10 +79,27 @@ NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
       sum.spread += kLeastVariance * weight * square;
       feature_gradient += slope;
     }
-    sum.gradient += feature_gradient;
-    sum.spread += feature_gradient * feature_gradient.transpose();
+    CellGradient& cell = cells[feature.cell];
+    cell.gradient += feature_gradient;
+    cell.square += feature_gradient * feature_gradient.transpose();
+    cell.used = cell.used || !feature_gradient.isZero();
   }
+  addSpread(cells, sum);
   return sum;
+}
+
+/// How much larger than assumed the errors are under a pose.
+double scaleUnder(const Eigen::Isometry3d& T_world_camera, const std::vector<RefinementFeature>& features) {
+  const Eigen::Matrix3d R_camera_world = T_world_camera.linear().transpose();
+  const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
+  std::vector<double> errors;
+  for (const RefinementFeature& feature : features) {
+    const EarlierPoint& earlier = feature.earlier.front();
+    const Eigen::Matrix3d covariance =
+        R_camera_world * earlier.covariance * R_camera_world.transpose() + feature.current_covariance;
+    errors.push_back(normalisedError(T_camera_world * earlier.world - feature.current, covariance.inverse()));
+  }
+  return errorScale(std::move(errors));
 }
 
 /// Whether each direction of the motion is held: no eigenvalue vanishes beside the others.
@@ -88,6 +131,7 @@ RefinedPose refinePose(const Eigen::Isometry3d& T_world_camera,
   if (!covariance.allFinite()) return refined;
   refined.T_world_camera = pose;
   refined.covariance = 0.5 * (covariance + covariance.transpose());
+  refined.scale = scaleUnder(pose, features);
   refined.converged = true;
   return refined;
 }

@@ -8,6 +8,10 @@
 
 namespace cartvo {
 
+/// Features in one of so many parts of the image are taken to err together.
+constexpr int kCovarianceColumns = 16, kCovarianceRows = 8;
+constexpr int kCovarianceCells = kCovarianceColumns * kCovarianceRows;
+
 /// One earlier sighting of a feature, carried into the world by the pose of the frame that had it.
 struct EarlierPoint {
   Eigen::Vector3d world = Eigen::Vector3d::Zero();       ///< m
@@ -19,15 +23,18 @@ struct RefinementFeature {
   Eigen::Vector3d current = Eigen::Vector3d::Zero();             ///< m, in the current camera's axes
   Eigen::Matrix3d current_covariance = Eigen::Matrix3d::Zero();  ///< m^2
   double weight = 1.0;                                           ///< from feature history
-  std::vector<EarlierPoint> earlier;                             ///< not empty
+  int cell = 0;                       ///< part of the image it lies in; >= 0, below kCovarianceCells
+  std::vector<EarlierPoint> earlier;  ///< not empty, newest first
 };
 
 struct RefinedPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   /// Of the pose against the earlier frames, as a perturbation on the right; from the spread of the weighted
-  /// errors, feature by feature (the sandwich estimator: P. Huber, "Robust Statistics"), so that it holds
-  /// whatever the weights are and however a feature's errors hang together.
+  /// errors, cell by cell (the sandwich estimator: P. Huber, "Robust Statistics", over clusters: K. Liang,
+  /// S. Zeger, "Longitudinal data analysis using generalized linear models", 1986), so that it holds whatever
+  /// the weights are and however the errors of a feature and of its neighbours hang together.
   Matrix6d covariance = Matrix6d::Zero();
+  double scale = 1.0;      ///< how much larger the errors are than the assumed noise; at least 1
   bool converged = false;  ///< false: the features leave the pose open; it is returned as it came
 };
 

@@ -2,6 +2,7 @@
 #include "vo_core/window_refinement.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,8 @@ std::vector<RefinementFeature> seenBy(int frames, int count, std::uint64_t seed)
       feature.earlier.push_back(
           {poses[i] * seen, poses[i].linear() * test::covarianceOf(seen) * poses[i].linear().transpose()});
     }
+    std::reverse(feature.earlier.begin(), feature.earlier.end());
+    feature.cell = static_cast<int>(features.size()) % 60;
     features.push_back(feature);
   }
   return features;
@@ -60,7 +63,7 @@ TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
     auto last_only = features;
     std::vector<PointMatch> matches;
     for (RefinementFeature& feature : last_only) {
-      feature.earlier = {feature.earlier.back()};
+      feature.earlier = {feature.earlier.front()};
       matches.push_back({feature.earlier[0].world, feature.current, feature.earlier[0].covariance,
                          feature.current_covariance, 1.0});
     }

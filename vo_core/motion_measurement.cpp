@@ -93,11 +93,10 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     }
     if (!refined.earlier.empty()) refined_features.push_back(std::move(refined));
   }
-  const auto refineWith = [&](double scale) {
-    return refinePose(T_world_reference * measurement.T_reference_current, refined_features, scale,
-                      settings_.motion.radius, settings_.refinement);
+  const auto refine_from = [&](const Eigen::Isometry3d& start, double scale) {
+    return refinePose(start, refined_features, scale, settings_.motion.radius, settings_.refinement);
   };
-  RefinedPose refined = refineWith(measurement.scale);
+  RefinedPose refined = refine_from(T_world_reference * measurement.T_reference_current, measurement.scale);
   if (!refined.converged) {
     measurement.reasons = OdometryReason::too_few_inliers;
     return;
@@ -106,7 +105,7 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     // Horn's method has one weight for all directions of a point. Where few points are near its motion may
     // leave large errors that are none of the images': they are judged once they are refined.
     if (refined.scale < measurement.scale) {
-      const RefinedPose again = refineWith(refined.scale);
+      const RefinedPose again = refine_from(refined.T_world_camera, refined.scale);
       if (again.converged) refined = again;
     }
     measurement.scale = refined.scale;

@@ -109,6 +109,17 @@ TEST(WindowRefinement, CovarianceComesFromTheErrorsNotFromTheAssumedNoise) {
   EXPECT_NEAR(meanNees(2, 1.6), 6.0, 1.2);
 }
 
+TEST(WindowRefinement, NeighboursThatErrTogetherTellNoMoreThanOne) {
+  const auto features = seenBy(2, 150, 1);
+  std::vector<RefinementFeature> crowd;  // each feature four times over, in the same cell
+  for (int copy = 0; copy < 4; ++copy)
+    crowd.insert(crowd.end(), features.begin(), features.end());
+  const RefinedPose one = refinePose(truth(2), features, 1.0, kRadius, RefinementSettings{});
+  const RefinedPose many = refinePose(truth(2), crowd, 1.0, kRadius, RefinementSettings{});
+  ASSERT_TRUE(one.converged && many.converged);
+  EXPECT_NEAR(many.covariance.trace() / one.covariance.trace(), 1.0, 0.05);
+}
+
 TEST(WindowRefinement, LeavesAnOpenPoseAsItCame) {
   auto features = seenBy(2, 150, 1);
   features.resize(2);

@@ -7,6 +7,7 @@
 
 #include "tools/world/furniture.hpp"
 #include "tools/world/hash.hpp"
+#include "tools/world/steps.hpp"
 #include "tools/world/terrain.hpp"
 #include "tools/world/vegetation.hpp"
 #include "tools/world/vehicle.hpp"
@@ -36,7 +37,7 @@ class Layout {
         campus_(campus),
         random_(hashOf({static_cast<std::uint32_t>(settings.seed), 101U})),
         sparse_(settings.scenario == Scenario::low_texture) {
-    for (double s = 0.0; s < path.length(); s += 2.0)
+    for (const double s : stepsBelow(path.length(), 0.0, 2.0))
       samples_.push_back(path.at(s));
   }
 
@@ -101,8 +102,8 @@ Vector2d Layout::anywhere(double margin) {
 bool Layout::fits(const Building& house) const {
   const Vector2d x(std::cos(house.yaw), std::sin(house.yaw));
   const Vector2d y(-x.y(), x.x());
-  for (double a = -0.5; a <= 0.5; a += 0.125) {
-    for (double b = -0.5; b <= 0.5; b += 0.125) {
+  for (const double a : stepsBelow(0.51, -0.5, 0.125)) {
+    for (const double b : stepsBelow(0.51, -0.5, 0.125)) {
       const Vector2d p = house.centre + a * house.length * x + b * house.depth * y;
       if (!clearOfRoad(p, 1.8) || !clearOfBuildings(p, 2.5)) return false;
     }
@@ -127,7 +128,7 @@ void Layout::tryBuilding(const Vector2d& centre, double yaw, int most_storeys) {
 }
 
 void Layout::addBuildings() {
-  for (double s = 0.0; s < path_.length(); s += 3.0) {
+  for (const double s : stepsBelow(path_.length(), 0.0, 3.0)) {
     for (const double side : {1.0, -1.0}) {
       if (random_.chance(sparse_ ? 0.75 : 0.35)) continue;
       const PathPoint p = path_.at(s);
@@ -200,41 +201,41 @@ void Layout::addTrees() {
     bushes.push_back(makeBush(random_.bits()));
     tufts.push_back(makeTuft(random_.bits()));
   }
-  const auto roomFor = [&](const Vector2d& at, double room) {
+  const auto has_room = [&](const Vector2d& at, double room) {
     return clearOfRoad(at, 0.4) && clearOfBuildings(at, room);
   };
-  const auto plantTree = [&](const Vector2d& at, double from, double to) {
-    if (!roomFor(at, 2.3)) return;
+  const auto plant_tree = [&](const Vector2d& at, double from, double to) {
+    if (!has_room(at, 2.3)) return;
     const bool near = distanceToPath(at) < kNear;
     place((near ? near_trees : far_trees)[random_.below(kKinds)], at, random_.uniform(0.0, 6.28),
           random_.uniform(from, to));
   };
-  const auto plantSmall = [&](const std::vector<Mesh>& kinds, const Vector2d& at, double room, double from,
-                              double to) {
-    if (!roomFor(at, room)) return;
+  const auto plant_small = [&](const std::vector<Mesh>& kinds, const Vector2d& at, double room, double from,
+                               double to) {
+    if (!has_room(at, room)) return;
     const auto scale = static_cast<float>(random_.uniform(from, to));
     fixed().addMesh(kinds[random_.below(kKinds)],
                     standing(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale), random_.bits());
   };
   const double density = sparse_ ? 0.12 : 1.0;
-  for (double s = 0.0; s < path_.length(); s += 1.0) {
+  for (const double s : stepsBelow(path_.length(), 0.0, 1.0)) {
     for (const double side : {1.0, -1.0}) {
       const PathPoint p = path_.at(s + random_.uniform(-0.5, 0.5));
       const double border = side > 0.0 ? campus_.road.leftBorder() : campus_.road.rightBorder();
       const auto off = [&](double from, double to) {
         return p.beside(border + side * random_.uniform(from, to));
       };
-      if (random_.chance(0.075 * density)) plantTree(off(1.4, 5.5), 0.65, 1.2);
-      if (random_.chance(0.12 * density)) plantSmall(bushes, off(1.0, 5.0), 0.9, 0.5, 1.3);
-      if (random_.chance(0.9 * density)) plantSmall(tufts, off(0.15, 2.4), 0.3, 0.5, 1.3);
+      if (random_.chance(0.075 * density)) plant_tree(off(1.4, 5.5), 0.65, 1.2);
+      if (random_.chance(0.12 * density)) plant_small(bushes, off(1.0, 5.0), 0.9, 0.5, 1.3);
+      if (random_.chance(0.9 * density)) plant_small(tufts, off(0.15, 2.4), 0.3, 0.5, 1.3);
     }
   }
   for (int i = 0; i < static_cast<int>(170 * density); ++i)
-    plantTree(anywhere(60.0), 0.8, 1.5);
+    plant_tree(anywhere(60.0), 0.8, 1.5);
   for (int i = 0; i < 240; ++i) {  // a belt of wood all around
     const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random_.uniform(170.0, 230.0);
-    plantTree(Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)), 1.0, 1.9);
+    plant_tree(Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)), 1.0, 1.9);
   }
 }
 
@@ -245,9 +246,10 @@ void Layout::addStreetFurniture() {
   const std::uint32_t bench = addMesh(makeBench());
   const std::uint32_t bin = addMesh(makeBin());
   std::vector<std::uint32_t> signs;
+  signs.reserve(5);
   for (int i = 0; i < 5; ++i)
     signs.push_back(addMesh(makeSign(random_.bits())));
-  for (double s = 4.0; s < path_.length(); s += 2.5) {
+  for (const double s : stepsBelow(path_.length(), 4.0, 2.5)) {
     for (const double side : {1.0, -1.0}) {
       const PathPoint p = path_.at(s + random_.uniform(-0.8, 0.8));
       const double kerb = side > 0.0 ? campus_.road.left_kerb : campus_.road.right_kerb;
@@ -271,6 +273,7 @@ void Layout::addStreetFurniture() {
 void Layout::addParkedCars() {
   if (sparse_ || campus_.road.left_kerb < 7.0) return;
   std::vector<std::uint32_t> kinds;
+  kinds.reserve(3);
   for (int i = 0; i < 3; ++i)
     kinds.push_back(addMesh(makeVehicle(static_cast<VehicleKind>(i))));
   double s = 6.0;

@@ -48,13 +48,13 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
   constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): leans outward in a bend
   const auto seed = hashOf({static_cast<std::uint32_t>(settings.seed), 501U});
   const double amplitude = roughnessAmplitude(settings.scenario);
-  const auto wheelHeight = [&](double distance, int wheel) {
+  const auto wheel_height = [&](double distance, int wheel) {
     return roughness(distance + ((wheel & 2) != 0 ? kWheelbase : 0.0),
                      (wheel & 1) != 0 ? 0.5 * kTrack : -0.5 * kTrack, amplitude, seed);
   };
   std::array<Spring, 4> corners;  // right rear, left rear, right front, left front
   for (int wheel = 0; wheel < 4; ++wheel)
-    corners[wheel].x = wheelHeight(0.0, wheel);
+    corners[wheel].x = wheel_height(0.0, wheel);
   Spring squat{7.0, 0.45};
   Spring lean{7.0, 0.45};
   std::vector<double> heave;
@@ -68,7 +68,7 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
     const double v = speed_.value(time);
     const double acceleration = (speed_.value(time + kStep) - v) / kStep;
     for (int wheel = 0; wheel < 4; ++wheel)
-      corners[wheel].step(wheelHeight(along, wheel), kStep);
+      corners[wheel].step(wheel_height(along, wheel), kStep);
     squat.step(kPitchPerAcceleration * acceleration, kStep);
     lean.step(kRollPerAcceleration * v * v * path.at(along).curvature, kStep);
     if (i % kSubsteps != 0) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/world/hash.hpp"
+#include "tools/world/steps.hpp"
 #include "tools/world/terrain.hpp"
 
 namespace cartvo::world {
@@ -76,12 +77,12 @@ void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
     const Eigen::Vector2d p = from + u * along;
     return Vector3f(Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) - 0.1 + z).cast<float>());
   };
-  for (double u = 0.0; u < length; u += 0.15) {
+  for (const double u : stepsBelow(length, 0.0, 0.15)) {
     const auto height = static_cast<float>(1.15 + random.uniform(-0.03, 0.03));
     const float lean = yaw + static_cast<float>(random.uniform(-0.06, 0.06));
     mesh.addBox(at(u, 0.08), Vector3f(0.09F, 0.02F, height), lean, {Material::wood, random.bits(), tone});
   }
-  for (double u = 0.0; u < length; u += 2.0) {
+  for (const double u : stepsBelow(length, 0.0, 2.0)) {
     const double end = std::min(u + 2.0, length);
     mesh.addBox(at(u, -0.2), Vector3f(0.1F, 0.1F, 1.45F), yaw + 0.02F,
                 {Material::wood, random.bits(), tone * 0.8F});
@@ -108,7 +109,7 @@ void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2
     return Vector3f(static_cast<float>(p.x()), static_cast<float>(p.y()),
                     static_cast<float>(terrainHeight(foot.x(), foot.y())) + z);
   };
-  for (double u = 0.0; u < length; u += 2.5) {
+  for (const double u : stepsBelow(length, 0.0, 2.5)) {
     const double end = std::min(u + 2.5, length);
     const auto face = [&](double w0, float z0, double w1, float z1, const Finish& finish) {
       const auto across_length = static_cast<float>(std::hypot(w1 - w0, z1 - z0));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 
 #include "tools/world/world_settings.hpp"
@@ -21,6 +21,9 @@ struct Lighting {
     const float up = 0.5F + 0.5F * normal.z();
     return sky * up + ground * (1.0F - up);
   }
+
+  /// Where the `index`th of `count` rays to the sun's disc (half a degree wide) points.
+  Eigen::Vector3f sunSample(int index, int count) const;
 };
 
 Lighting lightingOf(const WorldSettings& settings);

@@ -1,6 +1,7 @@
 // One packet of rays from the camera to the surfaces, from there to the sun, and the light they bring back.
 #include "tools/world/packet_renderer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -45,57 +46,101 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = salt == 0 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(valid_.data(), scene_.handle(), &context, &packet_);
+}
+
+void PacketRenderer::nameSurfaces(int rays) {
+  for (int lane = 0; lane < rays; ++lane) {
+    const std::uint32_t instance = packet_.hit.instID[0][lane];
+    surface_[lane] = 0;
+    sun_known_[lane] = instance == kSky || lighting_.sun <= 0.0F;
+    sunlit_[lane] = 0.0F;
+    recalled_[lane] = -1.0F;
+    if (instance == kSky) continue;
+    const QuadShading& quad = scene_.shading(instance, packet_.hit.primID[lane]);
+    surface_[lane] = mixBits(instance * 0x9e3779b1U ^ quad.surface) << 2U;
+    if (quad.finish.material == Material::leaf) surface_[lane] |= SurfaceName::kLeaf;
+    Eigen::Vector3f n(packet_.hit.Ng_x[lane], packet_.hit.Ng_y[lane], packet_.hit.Ng_z[lane]);
+    n = (scene_.directions(instance) * n).normalized();
+    if (n.dot(direction_[lane]) > 0.0F) n = -n;
+    normal_[lane] = n;
+    position_[lane] = view_.T_map_camera.translation() + packet_.ray.tfar[lane] * direction_[lane];
+    if (sunFactor(quad.finish.material, n, lighting_.to_sun) <= 0.0F) sun_known_[lane] = true;
+  }
+}
+
+/// Where the pixels around show the same surface, and all of them in the same light, the sample is in that
+/// light too; what the pixel's own centre shows need not be shaded again, nor a leaf, which has one tone.
+/// A leaf that was not seen before is taken to be in the light of the leaf at the centre.
+void PacketRenderer::recall(std::span<const Pixel> pixels, int samples, const FirstLook& known) {
+  int lane = 0;
+  for (const Pixel& pixel : pixels) {
+    const int left = std::max(pixel.x - 1, 0);
+    const int right = std::min(pixel.x + 1, known.surface.cols - 1);
+    const int top = std::max(pixel.y - 1, 0);
+    const int bottom = std::min(pixel.y + 1, known.surface.rows - 1);
+    const auto own_name = static_cast<std::uint32_t>(known.surface.at<std::int32_t>(pixel.y, pixel.x));
+    for (int sample = 0; sample < samples; ++sample, ++lane) {
+      if (surface_[lane] == 0) continue;
+      std::uint32_t lights_seen = 0;  // bit 0: in shadow, bit 1: in the sun
+      const float* radiance = nullptr;
+      for (int y = top; y <= bottom; ++y) {
+        const auto* row = known.surface.ptr<std::int32_t>(y);
+        for (int x = left; x <= right; ++x) {
+          const auto name = static_cast<std::uint32_t>(row[x]);
+          if (((name ^ surface_[lane]) & ~SurfaceName::kSunlit) != 0) continue;
+          lights_seen |= 1U << (name & SurfaceName::kSunlit);
+          const bool own = x == pixel.x && y == pixel.y;
+          if (own || (radiance == nullptr && (name & SurfaceName::kLeaf) != 0))
+            radiance = known.radiance.ptr<float>(y) + x;
+        }
+      }
+      if (lights_seen == 0 && (surface_[lane] & own_name & SurfaceName::kLeaf) != 0)
+        lights_seen = 1U << (own_name & SurfaceName::kSunlit);
+      if (lights_seen != 1 && lights_seen != 2) continue;
+      sun_known_[lane] = true;
+      sunlit_[lane] = lights_seen == 2 ? 1.0F : 0.0F;
+      if (radiance != nullptr) recalled_[lane] = *radiance;
+    }
+  }
+}
+
+void PacketRenderer::setSunRay(int lane, const Eigen::Vector3f& to_sun) {
+  const Eigen::Vector3f origin = position_[lane] + (0.002F + 2e-4F * packet_.ray.tfar[lane]) * normal_[lane];
+  shadow_.org_x[lane] = origin.x();
+  shadow_.org_y[lane] = origin.y();
+  shadow_.org_z[lane] = origin.z();
+  shadow_.dir_x[lane] = to_sun.x();
+  shadow_.dir_y[lane] = to_sun.y();
+  shadow_.dir_z[lane] = to_sun.z();
+  shadow_.tnear[lane] = 0.0F;
+  shadow_.tfar[lane] = 400.0F;
+  shadow_.time[lane] = 0.0F;
+  shadow_.mask[lane] = 0xffffffffU;
+  shadow_.flags[lane] = 0;
 }
 
 void PacketRenderer::castSunRays(int rays, int samples) {
   valid_.fill(0);
   bool any = false;
-  const Eigen::Vector3f side = lighting_.to_sun.unitOrthogonal();
-  const Eigen::Vector3f up = lighting_.to_sun.cross(side);
   for (int lane = 0; lane < rays; ++lane) {
-    const std::uint32_t instance = packet_.hit.instID[0][lane];
-    sunlit_[lane] = 0.0F;
-    if (instance == kSky) continue;
-    Eigen::Vector3f n(packet_.hit.Ng_x[lane], packet_.hit.Ng_y[lane], packet_.hit.Ng_z[lane]);
-    n = (scene_.directions(instance) * n).normalized();
-    if (n.dot(direction_[lane]) > 0.0F) n = -n;
-    const float depth = packet_.ray.tfar[lane];
-    normal_[lane] = n;
-    position_[lane] = view_.T_map_camera.translation() + depth * direction_[lane];
-    if (lighting_.sun <= 0.0F) continue;
-    const Material material = scene_.shading(instance, packet_.hit.primID[lane]).finish.material;
-    if (sunFactor(material, n, lighting_.to_sun) <= 0.0F) continue;
+    if (sun_known_[lane]) continue;
     // The sun is a disc of half a degree: each of a pixel's samples looks at another part of it.
-    const float angle = 2.4F * static_cast<float>(lane % samples);
-    const float radius =
-        0.0047F * std::sqrt((static_cast<float>(lane % samples) + 0.5F) / static_cast<float>(samples));
-    const Eigen::Vector3f to_sun =
-        lighting_.to_sun + radius * (std::cos(angle) * side + std::sin(angle) * up);
-    const Eigen::Vector3f origin = position_[lane] + (0.002F + 2e-4F * depth) * n;
-    shadow_.org_x[lane] = origin.x();
-    shadow_.org_y[lane] = origin.y();
-    shadow_.org_z[lane] = origin.z();
-    shadow_.dir_x[lane] = to_sun.x();
-    shadow_.dir_y[lane] = to_sun.y();
-    shadow_.dir_z[lane] = to_sun.z();
-    shadow_.tnear[lane] = 0.0F;
-    shadow_.tfar[lane] = 400.0F;
-    shadow_.time[lane] = 0.0F;
-    shadow_.mask[lane] = 0xffffffffU;
-    shadow_.flags[lane] = 0;
+    setSunRay(lane, lighting_.sunSample(lane % samples, samples));
     valid_[lane] = -1;
     any = true;
   }
-  if (!any) return;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags =
-      RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to hang
-  rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
+  if (any) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags =
+        RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to hang
+    rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
+  }
   for (int lane = 0; lane < rays; ++lane) {
     if (valid_[lane] != 0 && shadow_.tfar[lane] >= 0.0F) sunlit_[lane] = 1.0F;
+    if (sunlit_[lane] > 0.0F) surface_[lane] |= SurfaceName::kSunlit;
   }
 }
 
@@ -115,61 +160,65 @@ void PacketRenderer::moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Ve
   hit.depth = depth;
 }
 
+/// The mean of the samples that found the same surface as lane `first` does, from there on; marks them done.
+PacketRenderer::Piece PacketRenderer::collect(int first, int end, std::array<bool, kLanes>& done) const {
+  Piece piece;
+  const std::uint32_t instance = packet_.hit.instID[0][first];
+  const std::uint32_t name = surface_[first] & ~SurfaceName::kSunlit;
+  piece.hit.instance = instance;
+  piece.hit.quad = packet_.hit.primID[first];
+  piece.hit.position.setZero();
+  piece.hit.normal.setZero();
+  piece.hit.depth = 0.0F;
+  for (int j = first; j < end; ++j) {
+    if (done[j] || (surface_[j] & ~SurfaceName::kSunlit) != name) continue;
+    done[j] = true;
+    ++piece.count;
+    piece.direction += direction_[j];
+    if (instance == kSky) continue;
+    const QuadShading& quad = scene_.shading(packet_.hit.instID[0][j], packet_.hit.primID[j]);
+    const float u = packet_.hit.u[j];
+    const float v = packet_.hit.v[j];
+    piece.hit.uv +=
+        (1 - u) * ((1 - v) * quad.uv[0] + v * quad.uv[3]) + u * ((1 - v) * quad.uv[1] + v * quad.uv[2]);
+    piece.hit.position += position_[j];
+    piece.hit.normal += normal_[j];
+    piece.hit.depth += packet_.ray.tfar[j];
+    piece.hit.sunlit += sunlit_[j];
+  }
+  const float inverse = 1.0F / static_cast<float>(piece.count);
+  piece.direction *= inverse;
+  piece.hit.uv *= inverse;
+  piece.hit.position *= inverse;
+  piece.hit.normal.normalize();
+  piece.hit.depth *= inverse;
+  piece.hit.sunlit *= inverse;
+  return piece;
+}
+
 PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) const {
   PixelLight light;
+  light.surface = surface_[first];
   const float angle = pixelAngle(pixel);
   std::array<bool, kLanes> done{};
   const float weight = 1.0F / static_cast<float>(samples);
   for (int i = first; i < first + samples; ++i) {
+    light.mixed = light.mixed || surface_[i] != light.surface;
+    light.foliage = light.foliage && (surface_[i] & SurfaceName::kLeaf) != 0;
     if (done[i]) continue;
-    const std::uint32_t instance = packet_.hit.instID[0][i];
-    const bool sky = instance == kSky;
-    const std::uint32_t surface = sky ? 0 : scene_.shading(instance, packet_.hit.primID[i]).surface;
-    SurfaceHit hit;
-    hit.instance = instance;
-    hit.quad = packet_.hit.primID[i];
-    hit.position.setZero();
-    hit.normal.setZero();
-    hit.depth = 0.0F;
-    Eigen::Vector3f direction = Eigen::Vector3f::Zero();
-    int count = 0;
-    for (int j = i; j < first + samples; ++j) {
-      if (done[j] || packet_.hit.instID[0][j] != instance) continue;
-      if (!sky) {
-        const QuadShading& quad = scene_.shading(instance, packet_.hit.primID[j]);
-        if (quad.surface != surface) continue;
-        const float u = packet_.hit.u[j];
-        const float v = packet_.hit.v[j];
-        hit.uv +=
-            (1 - u) * ((1 - v) * quad.uv[0] + v * quad.uv[3]) + u * ((1 - v) * quad.uv[1] + v * quad.uv[2]);
-        hit.position += position_[j];
-        hit.normal += normal_[j];
-        hit.depth += packet_.ray.tfar[j];
-        hit.sunlit += sunlit_[j];
-      }
-      direction += direction_[j];
-      done[j] = true;
-      ++count;
-    }
-    const float inverse = 1.0F / static_cast<float>(count);
-    if (i == first)
-      light.surface = sky ? 0U : (hashOf({instance, surface}) & ~1U) | (sunlit_[i] > 0.0F ? 1U : 0U);
-    light.mixed = light.mixed || count < samples;
-    light.foliage =
-        light.foliage && !sky && scene_.shading(instance, hit.quad).finish.material == Material::leaf;
-    if (sky) {
-      light.radiance += weight * static_cast<float>(count) * skyRadiance(lighting_, direction, angle);
+    if (recalled_[i] >= 0.0F) {
+      light.radiance += weight * recalled_[i];
+      done[i] = true;
       continue;
     }
-    hit.uv *= inverse;
-    hit.position *= inverse;
-    hit.normal.normalize();
-    hit.depth *= inverse;
-    hit.sunlit *= inverse;
-    if (samples == 1) moveToCentre(pixel, hit, direction);
-    light.mixed = light.mixed || (hit.sunlit > 0.0F && hit.sunlit < 1.0F);
-    light.radiance += weight * static_cast<float>(count) *
-                      surfaceRadiance(scene_, lighting_, style_, hit, direction * inverse, angle);
+    Piece piece = collect(i, first + samples, done);
+    const float share = weight * static_cast<float>(piece.count);
+    if (surface_[i] == 0) {
+      light.radiance += share * skyRadiance(lighting_, piece.direction, angle);
+      continue;
+    }
+    if (samples == 1) moveToCentre(pixel, piece.hit, piece.direction);
+    light.radiance += share * surfaceRadiance(scene_, lighting_, style_, piece.hit, piece.direction, angle);
   }
   return light;
 }

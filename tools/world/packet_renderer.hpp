@@ -21,12 +21,24 @@ struct Pixel {
   int y = 0;
 };
 
+/// A surface's name with whether the sun reaches it and whether it is a leaf; 0: sky.
+struct SurfaceName {
+  static constexpr std::uint32_t kSunlit = 1;
+  static constexpr std::uint32_t kLeaf = 2;
+};
+
 /// What some rays through a pixel brought back.
 struct PixelLight {
   float radiance = 0.0F;
   bool mixed = false;         ///< more than one surface, or partly in shadow
   bool foliage = true;        ///< nothing but leaves
-  std::uint32_t surface = 0;  ///< names the first ray's surface and whether the sun reaches it
+  std::uint32_t surface = 0;  ///< of the first ray, see SurfaceName
+};
+
+/// One ray a pixel: a picture that is right where the surroundings are of one surface, and the surfaces.
+struct FirstLook {
+  cv::Mat radiance;  ///< CV_32FC1
+  cv::Mat surface;   ///< CV_32SC1, see SurfaceName
 };
 
 /// Fills one lane with a ray that has met nothing yet.
@@ -41,8 +53,12 @@ class PacketRenderer {
       : scene_(scene), lighting_(lighting), style_(style), view_(view), patterns_(patterns) {}
 
   /// Up to 16 / `samples` pixels, `samples` rays through each. `salt` picks other patterns for another pass.
-  void render(std::span<const Pixel> pixels, int samples, std::uint32_t salt, std::span<PixelLight> light) {
+  /// What `known` (null: nothing) already tells of the surfaces that the rays find is not worked out again.
+  void render(std::span<const Pixel> pixels, int samples, std::uint32_t salt, const FirstLook* known,
+              std::span<PixelLight> light) {
     castCameraRays(pixels, samples, salt);
+    nameSurfaces(static_cast<int>(pixels.size()) * samples);
+    if (known != nullptr) recall(pixels, samples, *known);
     castSunRays(static_cast<int>(pixels.size()) * samples, samples);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       light[i] = gather(pixels[i], static_cast<int>(i) * samples, samples);
@@ -51,7 +67,17 @@ class PacketRenderer {
 
  private:
   void castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt);
+  void nameSurfaces(int rays);
+  void recall(std::span<const Pixel> pixels, int samples, const FirstLook& known);
   void castSunRays(int rays, int samples);
+  void setSunRay(int lane, const Eigen::Vector3f& to_sun);
+  /// What several samples of a pixel saw of one surface.
+  struct Piece {
+    SurfaceHit hit;
+    Eigen::Vector3f direction{0, 0, 0};
+    int count = 0;
+  };
+  Piece collect(int first, int end, std::array<bool, kLanes>& done) const;
   PixelLight gather(const Pixel& pixel, int first, int samples) const;
   void moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const;
   float pixelAngle(const Pixel& pixel) const {
@@ -72,6 +98,9 @@ class PacketRenderer {
   std::array<Eigen::Vector3f, kLanes> position_;
   std::array<Eigen::Vector3f, kLanes> normal_;
   std::array<float, kLanes> sunlit_{};
+  std::array<bool, kLanes> sun_known_{};
+  std::array<std::uint32_t, kLanes> surface_{};
+  std::array<float, kLanes> recalled_{};  ///< radiance that the first look found for the surface; < 0: none
   alignas(64) std::array<int, kLanes> valid_{};
 };
 

@@ -15,7 +15,7 @@ std::vector<Eigen::Vector2d> roundCorners(const std::vector<Eigen::Vector2d>& po
   std::vector<Eigen::Vector2d> line;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Vector2d corner = polygon[i];
+    const Eigen::Vector2d& corner = polygon[i];
     const Eigen::Vector2d in = (corner - polygon[(i + n - 1) % n]).normalized();
     const Eigen::Vector2d out = (polygon[(i + 1) % n] - corner).normalized();
     const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));

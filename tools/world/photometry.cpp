@@ -40,7 +40,8 @@ class ToneCurve {
     }
   }
   float level(float signal) const {
-    const float position = std::min(std::sqrt(std::max(signal, 0.0F)) * (static_cast<float>(kSize) / kRange),
+    if (!(signal > 0.0F)) return levels_[0];  // also what is not a number
+    const float position = std::min(std::sqrt(signal) * (static_cast<float>(kSize) / kRange),
                                     static_cast<float>(kSize) - 0.001F);
     const int i = static_cast<int>(position);
     return levels_[i] + (position - static_cast<float>(i)) * (levels_[i + 1] - levels_[i]);
@@ -106,7 +107,7 @@ cv::Mat exposeImage(const cv::Mat& radiance, double exposure, const SensorSettin
       float signal = scale * vignette * (side * (left + right) + middle * centre);
       const std::uint32_t bits = mixBits(row_seed + static_cast<std::uint32_t>(x) * 0x9e3779b9U);
       signal += normalDeviate(bits) * std::sqrt(std::max(signal, 0.0F) * shot + read);
-      out[x] = static_cast<std::uint8_t>(tone.level(signal) + 0.5F);
+      out[x] = static_cast<std::uint8_t>(std::lrint(tone.level(signal)));
       left = centre;
       centre = right;
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,13 +17,14 @@
 #include "tools/world/photometry.hpp"
 #include "tools/world/renderer.hpp"
 #include "tools/world/scene.hpp"
+#include "tools/world/steps.hpp"
 #include "tools/world/traffic.hpp"
 
 namespace cartvo::world {
 namespace {
 
 constexpr int kLook =
-    1;  ///< raised whenever the same settings give other images, so that cached streams expire
+    2;  ///< raised whenever the same settings give other images, so that cached streams expire
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("rendered world: " + what);
@@ -77,15 +79,11 @@ class RenderedWorld::Implementation {
         rig(simulatedRig(settings)),
         path(campusPath(settings)),
         drive(path, settings),
-        campus(buildCampus(path, settings)),
-        traffic(path, drive, settings, campus),
-        scene(campus.meshes, campus.instances),
         lighting(lightingOf(settings)),
         style(styleOf(settings)),
         rays{RayTable(rig.left), RayTable(rig.right)},
         T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
-        T_start_map(drive.T_map_body(0.0).inverse()),
-        exposure(settings, meter()) {}
+        T_start_map(drive.T_map_body(0.0).inverse()) {}
 
   double instant(int index, CameraSide side) const {
     const double period = 1.0 / settings.frame_rate;
@@ -100,20 +98,21 @@ class RenderedWorld::Implementation {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
+    build();
     moveTo(seconds);
     const RenderSettings sampling{settings.edge_samples, settings.threads};
     const std::uint32_t image_seed =
         hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
                 static_cast<std::uint32_t>(camera)});
-    const cv::Mat radiance =
-        renderRadiance(scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera, image_seed));
+    const cv::Mat radiance = renderRadiance(stage->scene, lighting, style, sampling,
+                                            viewAt(seconds, rays[camera], camera, image_seed));
     SensorSettings sensor;
     sensor.gain = camera == 0 ? 1.0F : 1.03F;
     const CameraModel& model = camera == 0 ? rig.left : rig.right;
     sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
     sensor.vignette = camera == 0 ? 0.30F : 0.33F;
     sensor.noise = static_cast<float>(settings.noise);
-    return exposeImage(radiance, exposure.exposure(seconds), sensor, mixBits(image_seed + 17U),
+    return exposeImage(radiance, exposure->exposure(seconds), sensor, mixBits(image_seed + 17U),
                        settings.threads);
   }
 
@@ -121,17 +120,35 @@ class RenderedWorld::Implementation {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
+    build();
     moveTo(seconds);
     DepthImage result;
-    renderDepthAndMotion(scene, RenderSettings{0, settings.threads}, viewAt(seconds, rays[camera], camera, 0),
-                         result.depth, result.moving);
+    renderDepthAndMotion(stage->scene, RenderSettings{0, settings.threads},
+                         viewAt(seconds, rays[camera], camera, 0), result.depth, result.moving);
     return result;
   }
 
  private:
+  /// All that images need and truth does not.
+  struct Stage {
+    Stage(const Path& path, const Drive& drive, const WorldSettings& settings)
+        : campus(buildCampus(path, settings)),
+          traffic(path, drive, settings, campus),
+          scene(campus.meshes, campus.instances) {}
+
+    Campus campus;
+    Traffic traffic;
+    Scene scene;
+  };
+
+  void build() {
+    if (stage == nullptr) stage = std::make_unique<Stage>(path, drive, settings);
+    if (!exposure) exposure.emplace(settings, meter());
+  }
+
   void moveTo(double seconds) {
-    traffic.placeAt(seconds, campus.instances);
-    scene.update();
+    stage->traffic.placeAt(seconds, stage->campus.instances);
+    stage->scene.update();
   }
 
   View viewAt(double seconds, const RayTable& table, std::size_t camera, std::uint32_t seed) const {
@@ -148,12 +165,12 @@ class RenderedWorld::Implementation {
     const CameraModel model = meterModel(rig.left);
     const RayTable table(model);
     std::vector<double> metered;
-    for (double t = 0.0; t < settings.seconds + 1.0; t += ExposureControl::kMeterStep) {
+    for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep)) {
       moveTo(t);
       View view = viewAt(t, table, 0, 1U);
       view.size = model.size;
-      metered.push_back(
-          cv::mean(renderRadiance(scene, lighting, style, RenderSettings{0, settings.threads}, view))[0]);
+      metered.push_back(cv::mean(
+          renderRadiance(stage->scene, lighting, style, RenderSettings{0, settings.threads}, view))[0]);
     }
     return metered;
   }
@@ -163,16 +180,14 @@ class RenderedWorld::Implementation {
   const Rig rig;
   const Path path;
   const Drive drive;
-  Campus campus;
-  const Traffic traffic;
-  Scene scene;
   const Lighting lighting;
   const TextureStyle style;
   const std::array<RayTable, 2> rays;
   const std::array<Eigen::Isometry3d, 2> T_body_camera;
   const Eigen::Isometry3d T_start_map;
-  const ExposureControl exposure;
-  std::mutex mutex;  ///< the scene is moved to each image's instant
+  std::unique_ptr<Stage> stage;             ///< built for the first image
+  std::optional<ExposureControl> exposure;  ///< metered for the first image
+  std::mutex mutex;                         ///< the scene is built once and moved to each image's instant
 };
 
 RenderedWorld::RenderedWorld(const WorldSettings& settings)

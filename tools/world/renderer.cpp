@@ -13,12 +13,6 @@ namespace {
 
 constexpr int kTile = 20;  // px
 
-/// One ray a pixel: a picture that is right where the surroundings are of one surface, and the surfaces.
-struct FirstLook {
-  cv::Mat radiance;  ///< CV_32FC1
-  cv::Mat surface;   ///< CV_32SC1, see PixelLight
-};
-
 /// The first look: one ray a pixel, 4 by 4 pixels a packet.
 void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look) {
   constexpr int kBlock = 4;
@@ -31,7 +25,7 @@ void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look
         for (int u = x; u < std::min(x + kBlock, tile.br().x); ++u)
           pixels[count++] = {u, v};
       }
-      renderer.render({pixels.data(), count}, 1, 0, light);
+      renderer.render({pixels.data(), count}, 1, 0, nullptr, light);
       for (std::size_t i = 0; i < count; ++i) {
         look.radiance.at<float>(pixels[i].y, pixels[i].x) = light[i].radiance;
         look.surface.at<std::int32_t>(pixels[i].y, pixels[i].x) = static_cast<std::int32_t>(light[i].surface);
@@ -40,32 +34,43 @@ void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look
   }
 }
 
-/// Whether a pixel's neighbours show another surface, or light where it has shadow.
-bool nearEdge(const cv::Mat& surface, int x, int y) {
+/// What a pixel and its eight neighbours show.
+enum class Surroundings : std::uint8_t {
+  plain,   ///< one surface, in the same light
+  leaves,  ///< leaves, and what is seen between them
+  edge,
+};
+
+Surroundings surroundings(const cv::Mat& surface, int x, int y) {
   const std::int32_t own = surface.at<std::int32_t>(y, x);
+  bool plain = true;
+  int leaves = 0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, surface.rows - 1); ++v) {
     const auto* row = surface.ptr<std::int32_t>(v);
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, surface.cols - 1); ++u) {
-      if (row[u] != own) return true;
+      plain = plain && row[u] == own;
+      if ((static_cast<std::uint32_t>(row[u]) & SurfaceName::kLeaf) != 0) ++leaves;
     }
   }
-  return false;
+  if (plain) return Surroundings::plain;
+  constexpr int kLeafy = 4;
+  return leaves >= kLeafy ? Surroundings::leaves : Surroundings::edge;
 }
 
 /// Casts `samples` rays through each of the pixels and mixes what they bring into `radiance`, of which they
 /// make up `share`. Returns the pixels that hold more than one surface,
 /// foliage aside, where nobody can tell.
 std::vector<Pixel> renderAgain(PacketRenderer& renderer, const std::vector<Pixel>& pixels, int samples,
-                               std::uint32_t salt, float share, FirstLook& look) {
+                               std::uint32_t salt, float share, const FirstLook& look, cv::Mat& radiance) {
   std::vector<Pixel> mixed;
   std::array<PixelLight, kLanes> light;
   const auto per_packet = static_cast<std::size_t>(kLanes / samples);
   for (std::size_t i = 0; i < pixels.size(); i += per_packet) {
     const std::size_t count = std::min(per_packet, pixels.size() - i);
-    renderer.render({&pixels[i], count}, samples, salt, light);
+    renderer.render({&pixels[i], count}, samples, salt, &look, light);
     for (std::size_t k = 0; k < count; ++k) {
       const Pixel& pixel = pixels[i + k];
-      float& value = look.radiance.at<float>(pixel.y, pixel.x);
+      float& value = radiance.at<float>(pixel.y, pixel.x);
       value += share * (light[k].radiance - value);
       const auto first = static_cast<std::uint32_t>(look.surface.at<std::int32_t>(pixel.y, pixel.x));
       if (!light[k].foliage && (light[k].mixed || light[k].surface != first)) mixed.push_back(pixel);
@@ -75,17 +80,23 @@ std::vector<Pixel> renderAgain(PacketRenderer& renderer, const std::vector<Pixel
 }
 
 /// The second look at a tile: several rays where an edge is near, more where it passes through the pixel.
-void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& tile, FirstLook& look) {
+void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& tile, const FirstLook& look,
+                 cv::Mat& radiance) {
   constexpr int kStep = 2;  // rays at a time
   std::vector<Pixel> edges;
+  std::vector<Pixel> leaves;
   for (int y = tile.y; y < tile.br().y; ++y) {
     for (int x = tile.x; x < tile.br().x; ++x) {
-      if (nearEdge(look.surface, x, y)) edges.push_back({x, y});
+      const Surroundings around = surroundings(look.surface, x, y);
+      if (around == Surroundings::edge) edges.push_back({x, y});
+      if (around == Surroundings::leaves) leaves.push_back({x, y});
     }
   }
+  constexpr float kLeavesShare = 2.0F / 3.0F;
+  renderAgain(renderer, leaves, kStep, 1U, kLeavesShare, look, radiance);
   for (int samples = kStep; samples <= edge_samples; samples += kStep) {  // beside the first look's one
     const float share = static_cast<float>(kStep) / static_cast<float>(samples + 1);
-    edges = renderAgain(renderer, edges, kStep, static_cast<std::uint32_t>(samples), share, look);
+    edges = renderAgain(renderer, edges, kStep, static_cast<std::uint32_t>(samples), share, look, radiance);
   }
 }
 
@@ -97,20 +108,20 @@ cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const Textu
   FirstLook look{cv::Mat(view.size, CV_32FC1), cv::Mat(view.size, CV_32SC1)};
   const int columns = (view.size.width + kTile - 1) / kTile;
   const int rows = (view.size.height + kTile - 1) / kTile;
-  const auto eachTile = [&](const auto& work) {
+  const auto for_each_tile = [&](const auto& work) {
     parallelFor(columns * rows, settings.threads, [&](int i) {
       PacketRenderer renderer(scene, lighting, style, view, patterns);
       const cv::Rect tile(i % columns * kTile, i / columns * kTile, kTile, kTile);
       work(renderer, tile & cv::Rect(cv::Point(), view.size));
     });
   };
-  eachTile([&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirst(renderer, tile, look); });
-  if (settings.edge_samples > 0) {
-    eachTile([&](PacketRenderer& renderer, const cv::Rect& tile) {
-      renderEdges(renderer, settings.edge_samples, tile, look);
-    });
-  }
-  return look.radiance;
+  for_each_tile([&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirst(renderer, tile, look); });
+  if (settings.edge_samples <= 0) return look.radiance;
+  cv::Mat radiance = look.radiance.clone();
+  for_each_tile([&](PacketRenderer& renderer, const cv::Rect& tile) {
+    renderEdges(renderer, settings.edge_samples, tile, look, radiance);
+  });
+  return radiance;
 }
 
 void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, const View& view,

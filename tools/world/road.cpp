@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/world/steps.hpp"
 #include "tools/world/terrain.hpp"
 
 namespace cartvo::world {
@@ -49,11 +50,11 @@ Eigen::Vector3f onGround(const Eigen::Vector2d& p, double height) {
 /// Grid lines of 3 m near the campus, of 40 m beyond.
 std::vector<double> gridLines(double from, double to) {
   std::vector<double> lines;
-  for (double x = from - 640.0; x < from; x += 40.0)
+  for (const double x : stepsBelow(from, from - 640.0, 40.0))
     lines.push_back(x);
-  for (double x = from; x < to; x += 3.0)
+  for (const double x : stepsBelow(to, from, 3.0))
     lines.push_back(x);
-  for (double x = to; x < to + 641.0; x += 40.0)
+  for (const double x : stepsBelow(to + 641.0, to, 40.0))
     lines.push_back(x);
   return lines;
 }
@@ -96,7 +97,7 @@ void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile) {
 
 void addGrassland(Mesh& mesh, const Path& path) {
   Eigen::AlignedBox2d bounds;
-  for (double s = 0.0; s < path.length(); s += 2.0)
+  for (const double s : stepsBelow(path.length(), 0.0, 2.0))
     bounds.extend(path.at(s).position);
   const std::vector<double> xs = gridLines(bounds.min().x() - 60.0, bounds.max().x() + 60.0);
   const std::vector<double> ys = gridLines(bounds.min().y() - 60.0, bounds.max().y() + 60.0);

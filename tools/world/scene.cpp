@@ -8,7 +8,7 @@ namespace cartvo::world {
 namespace {
 
 void setTransform(RTCGeometry geometry, const Eigen::Affine3f& placement) {
-  const Eigen::Matrix4f matrix = placement.matrix();  // column-major, as Embree wants it
+  const Eigen::Matrix4f& matrix = placement.matrix();  // column-major, as Embree wants it
   rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix.data());
   rtcCommitGeometry(geometry);
 }

@@ -22,7 +22,7 @@ float brick(const SurfacePoint& p, const TextureStyle& style) {
   const float width_y = p.width_v / kCourse;
   const CellBlend course = blendCells(y, width_y);
   const float width_x = p.width_u / kLength;
-  const auto courseTone = [&](std::int32_t j) {
+  const auto course_tone = [&](std::int32_t j) {
     const float x = p.u / kLength + ((j & 1) != 0 ? 0.5F : 0.0F);
     const CellBlend cell = blendCells(x, width_x);
     const auto tone = [&](std::int32_t i) {
@@ -33,7 +33,7 @@ float brick(const SurfacePoint& p, const TextureStyle& style) {
     const float face = factor(0.34F * style.contrast * cell.contrast * course.contrast * t);
     return mix(face, 2.0F, filteredPulseTrain(0.045F, x, width_x));
   };
-  float r = mix(courseTone(course.first), courseTone(course.second), course.share_of_second);
+  float r = mix(course_tone(course.first), course_tone(course.second), course.share_of_second);
   r = mix(r, 2.0F, filteredPulseTrain(0.14F, y, width_y));
   const float base = 0.14F + 0.12F * p.tone;
   return base * r * weathering(p, 0.16F * style.contrast) *
@@ -48,10 +48,10 @@ float concrete(const SurfacePoint& p, const TextureStyle& style) {
   const auto tone = [&](std::int32_t i, std::int32_t j) {
     return signedFloat(hashOf({p.seed, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)}));
   };
-  const auto rowTone = [&](std::int32_t j) {
+  const auto row_tone = [&](std::int32_t j) {
     return mix(tone(column.first, j), tone(column.second, j), column.share_of_second);
   };
-  const float t = mix(rowTone(row.first), rowTone(row.second), row.share_of_second);
+  const float t = mix(row_tone(row.first), row_tone(row.second), row.share_of_second);
   float r = (0.26F + 0.2F * p.tone) * factor(0.16F * style.contrast * column.contrast * row.contrast * t);
   r *= 1.0F - 0.7F * filteredPulseTrain(0.012F, p.u / kPanelU, p.width_u / kPanelU);
   r *= 1.0F - 0.7F * filteredPulseTrain(0.018F, p.v / kPanelV, p.width_v / kPanelV);

@@ -105,7 +105,7 @@ float kerb(const SurfacePoint& p, const TextureStyle& style) {
 float pavement(const SurfacePoint& p, const TextureStyle& style) {
   constexpr float kSlab = 0.5F;
   const CellBlend row = blendCells(p.v / kSlab, p.width_v / kSlab);
-  const auto rowTone = [&](std::int32_t j) {
+  const auto row_tone = [&](std::int32_t j) {
     const float shift = (j & 1) != 0 ? 0.5F : 0.0F;
     const CellBlend slab = blendCells(p.u / kSlab + shift, p.width_u / kSlab);
     const auto tone = [&](std::int32_t i) {
@@ -115,7 +115,7 @@ float pavement(const SurfacePoint& p, const TextureStyle& style) {
     const float t = mix(tone(slab.first), tone(slab.second), slab.share_of_second);
     return factor(0.24F * style.contrast * slab.contrast * row.contrast * t) * (1.0F - 0.6F * joint);
   };
-  float r = 0.33F * mix(rowTone(row.first), rowTone(row.second), row.share_of_second);
+  float r = 0.33F * mix(row_tone(row.first), row_tone(row.second), row.share_of_second);
   r *= 1.0F - 0.6F * filteredPulseTrain(0.02F, p.v / kSlab, p.width_v / kSlab);
   return r * factor(0.26F * style.contrast * noise(p.x, p.y, p.footprint, {12.8F, 0.012F, 0.92F}, p.seed));
 }

@@ -49,7 +49,7 @@ void Traffic::addVehicles(const WorldSettings& settings, Campus& campus) {
     campus.instances.push_back(moverInstance(meshes[static_cast<std::size_t>(kind)], random));
     vehicles_.push_back(vehicle);
   };
-  const auto anyKind = [&] {
+  const auto any_kind = [&] {
     const double kind = random.uniform(0.0, 1.0);
     return kind < 0.4    ? VehicleKind::hatchback
            : kind < 0.7  ? VehicleKind::saloon
@@ -68,7 +68,7 @@ void Traffic::addVehicles(const WorldSettings& settings, Campus& campus) {
   for (int i = 0; i < count; ++i) {
     const double start = spacing * (i + 0.5) + random.uniform(-0.12, 0.12) * spacing;
     const Course course = overtaking ? Course::overtaking : Course::oncoming;
-    add(heavy && i % 3 == 1 ? VehicleKind::bus : anyKind(), {0, course, start, speed, 0.0, 0.0});
+    add(heavy && i % 3 == 1 ? VehicleKind::bus : any_kind(), {0, course, start, speed, 0.0, 0.0});
   }
   if (overtaking || settings.scenario == Scenario::reversing || settings.scenario == Scenario::low_texture)
     return;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/world/hash.hpp"
+#include "tools/world/steps.hpp"
 #include "tools/world/terrain.hpp"
 
 namespace cartvo::world {
@@ -123,7 +124,7 @@ void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
     const Eigen::Vector2d p = from + u * along + w * across;
     return Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) - 0.1 + z).cast<float>();
   };
-  for (double u = 0.0; u < length; u += 1.5) {  // a dark core that follows the ground
+  for (const double u : stepsBelow(length, 0.0, 1.5)) {  // a dark core that follows the ground
     const double end = std::min(u + 1.5, length);
     const Finish core{Material::leaf, 7U, 0.0F};
     const double w = half_width - 0.12;

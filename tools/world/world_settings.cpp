@@ -25,6 +25,7 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 10> kNames{{
 const std::vector<Scenario>& allScenarios() {
   static const std::vector<Scenario> scenarios = [] {
     std::vector<Scenario> all;
+    all.reserve(kNames.size());
     for (const auto& [scenario, name] : kNames)
       all.push_back(scenario);
     return all;

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "tools/world/lens.hpp"
+#include "tools/world/steps.hpp"
 
 namespace cartvo {
 namespace {
@@ -84,7 +85,7 @@ TEST(RenderedWorld, TruthBeginsAtTheOriginAndIsSmooth) {
     EXPECT_TRUE(world.T_world_body(0.0).isApprox(Eigen::Isometry3d::Identity(), 1e-12));
     EXPECT_TRUE(world.truth().front().pose.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
     constexpr double kStep = 0.005;
-    for (double t = 0.1; t < 9.8; t += kStep) {
+    for (const double t : world::stepsBelow(9.8, 0.1, kStep)) {
       const Eigen::Vector3d before = world.T_world_body(t - kStep).translation();
       const Eigen::Vector3d here = world.T_world_body(t).translation();
       const Eigen::Vector3d after = world.T_world_body(t + kStep).translation();
@@ -110,7 +111,7 @@ TEST(RenderedWorld, ScenariosDoWhatTheirNamesSay) {
   settings.seconds = 20.0;
   const RenderedWorld reversing(settings);
   double least_step = 0.0;
-  for (double t = 0.0; t < 19.0; t += 0.5) {
+  for (const double t : world::stepsBelow(19.0, 0.0, 0.5)) {
     const Eigen::Isometry3d step = reversing.T_world_body(t).inverse() * reversing.T_world_body(t + 0.5);
     least_step = std::min(least_step, step.translation().x());
   }
@@ -121,7 +122,7 @@ TEST(RenderedWorld, ScenariosDoWhatTheirNamesSay) {
   const RenderedWorld stopping(settings);
   int stops = 0;
   bool moving = false;
-  for (double t = 2.0; t < 25.0; t += 0.1) {
+  for (const double t : world::stepsBelow(25.0, 2.0, 0.1)) {
     const double speed =
         (stopping.T_world_body(t + 0.05).translation() - stopping.T_world_body(t).translation()).norm() /
         0.05;
@@ -152,8 +153,8 @@ TEST(RenderedWorld, TrafficCoversMuchOfTheView) {
 TEST(RenderedWorld, LensesAreInvertedExactly) {
   const Rig rig = world::simulatedRig(WorldSettings{});
   for (const CameraModel* camera : {&rig.left, &rig.right}) {
-    for (double y = -0.5; y <= camera->size.height; y += 20.0) {
-      for (double x = -0.5; x <= camera->size.width; x += 20.0) {
+    for (const double y : world::stepsBelow(camera->size.height, -0.5, 20.0)) {
+      for (const double x : world::stepsBelow(camera->size.width, -0.5, 20.0)) {
         const Eigen::Vector2d pixel(x, y);
         EXPECT_LT((world::distort(*camera, world::undistort(*camera, pixel)) - pixel).norm(), 1e-9);
       }

@@ -90,17 +90,21 @@ CARTVO_EACH_PROCESSOR float noise(float x, float y, float footprint, const Noise
   float amplitude = 1.0F;
   float sum = 0.0F;
   float variance = 0.0F;
-  for (; frequency <= last; frequency *= 16.0F, amplitude *= g2 * g2, seed += 0x632be5abU) {
+  while (frequency <= last) {
     const Floats f = frequency * kDoubling;
     const Floats a = f <= last ? amplitude * gains : none;
     variance += sumOf(a * a);
-    if (frequency * footprint >= kGone) continue;
-    const Floats value =
-        gradientNoise((kCosine * x - kSine * y) * f, (kSine * x + kCosine * y) * f, kSeeds + seed);
-    Floats kept = (kGone - f * footprint) * kFadeSlope;
-    kept = kept < none ? none : kept;
-    kept = kept > whole ? whole : kept;
-    sum += sumOf(value * a * kept);
+    if (frequency * footprint < kGone) {
+      const Floats value =
+          gradientNoise((kCosine * x - kSine * y) * f, (kSine * x + kCosine * y) * f, kSeeds + seed);
+      Floats kept = (kGone - f * footprint) * kFadeSlope;
+      kept = kept < none ? none : kept;
+      kept = kept > whole ? whole : kept;
+      sum += sumOf(value * a * kept);
+    }
+    frequency *= 16.0F;
+    amplitude *= g2 * g2;
+    seed += 0x632be5abU;
   }
   return sum * kInverseDeviation / std::sqrt(variance);
 }

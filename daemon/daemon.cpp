@@ -19,7 +19,7 @@
 #include "calib/rig_file.hpp"
 #include "capture/rtsp_camera.hpp"
 #include "capture/stream_recorder.hpp"
-#include "daemon/credentials.hpp"
+#include "daemon/camera_password.hpp"
 #include "daemon/health_monitor.hpp"
 #include "daemon/lcm_connection.hpp"
 #include "daemon/log.hpp"

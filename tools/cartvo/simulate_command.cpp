@@ -12,11 +12,12 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/atomic_file.hpp"
+#include "capture/password_file.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/simulate/camera_pair_simulation.hpp"
 #include "tools/simulate/content_files.hpp"
-#include "tools/simulate/password_file.hpp"
+#include "tools/simulate/generated_password.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/world/rendered_world.hpp"
@@ -146,7 +147,7 @@ CameraPairSettings pairSettings(const Options& options) {
           .right = parseEndpoint(options.right),
           .user = options.user,
           .password = options.password_file.empty() ? ensurePassword(options.output / "password")
-                                                    : readPassword(options.password_file),
+                                                    : readPasswordFile(options.password_file),
           .lead_in = nanoseconds(options.lead_in),
           .latency = nanoseconds(options.latency_ms * 1e-3),
           .start = options.start_when_watched ? ContentStart::when_watched : ContentStart::at_once,
@@ -254,7 +255,8 @@ void addCameraOptions(CLI::App& command, Options& options) {
   group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
   group
       ->add_option("--password-file", options.password_file,
-                   "Its first line is the password (default: a random one in OUTPUT-DIR/password)")
+                   "Its first line is the password; others must not be able to read it\n"
+                   "(default: a random one in OUTPUT-DIR/password)")
       ->type_name("FILE");
   group->add_option("--bitrate-kbps", options.encoder.bitrate_kbps, "H.264 constant bit rate of each camera")
       ->check(CLI::Range(50, 200'000))

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/credentials.hpp"
+#include "daemon/camera_password.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class Credentials : public testing::Test {
+class CameraPassword : public testing::Test {
  protected:
   CameraConfiguration camera(const std::string& password, fs::perms permissions) {
     CameraConfiguration camera;
@@ -39,26 +39,27 @@ class Credentials : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(Credentials, AreTheFilesFirstLine) {
+TEST_F(CameraPassword, IsTheFilesFirstLine) {
   EXPECT_EQ(readPassword(camera("correct horse\n", kOwner)), "correct horse");
   EXPECT_EQ(readPassword(camera("windows\r\n", kOwner)), "windows");
   EXPECT_EQ(readPassword(camera("no newline", kOwner | fs::perms::group_read)), "no newline");
 }
 
-TEST_F(Credentials, AreRefusedWhereOthersMayReadThem) {
+TEST_F(CameraPassword, IsRefusedWhereOthersMayReadThem) {
   EXPECT_THAT(errorOf(camera("secret\n", kOwner | fs::perms::others_read)),
               testing::AllOf(HasSubstr("chmod o="), testing::Not(HasSubstr("secret"))));
 }
 
-TEST_F(Credentials, AreRefusedWhenMissingEmptyOrNotAPassword) {
+TEST_F(CameraPassword, IsRefusedWhenMissingEmptyOrNotAPassword) {
   CameraConfiguration missing = camera("x", kOwner);
   missing.password_file = folder_ / "none";
   EXPECT_THAT(errorOf(missing), HasSubstr("none: cannot be read"));
   EXPECT_THAT(errorOf(camera("", kOwner)), HasSubstr("found none"));
+  EXPECT_THAT(errorOf(camera("\r\n", kOwner)), HasSubstr("found none"));
   EXPECT_THAT(errorOf(camera(std::string(2000, 'x'), kOwner)), HasSubstr("one line"));
 }
 
-TEST_F(Credentials, ComeFromSystemd) {
+TEST_F(CameraPassword, ComesFromSystemd) {
   const CameraConfiguration file = camera("from systemd\n", kOwner);
   CameraConfiguration credential;
   credential.username = "admin";
@@ -70,7 +71,7 @@ TEST_F(Credentials, ComeFromSystemd) {
   unsetenv("CREDENTIALS_DIRECTORY");
 }
 
-TEST_F(Credentials, AreNotAskedForWithoutAUser) {
+TEST_F(CameraPassword, IsNotAskedForWithoutAUser) {
   EXPECT_EQ(readPassword(CameraConfiguration{}), "");
 }
 

@@ -5,12 +5,9 @@
 
 namespace cartvo::simulate {
 
-/// The first line of the file. Throws std::runtime_error naming the file if it cannot be read or the line is
-/// empty.
-std::string readPassword(const std::filesystem::path& file);
-
 /// The password in the file, if it is there and only its owner can read it; otherwise a new random one, which
-/// is written there (mode 0600). Throws std::runtime_error naming the file.
+/// is written there (mode 0600). Throws std::runtime_error naming the file if it cannot be written or is
+/// empty.
 std::string ensurePassword(const std::filesystem::path& file);
 
 }  // namespace cartvo::simulate

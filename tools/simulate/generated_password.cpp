@@ -1,8 +1,7 @@
 // The simulated cameras' password: never on a command line, never in a file that others can read.
-#include "tools/simulate/password_file.hpp"
+#include "tools/simulate/generated_password.hpp"
 
 #include <cerrno>
-#include <fstream>
 #include <random>
 #include <stdexcept>
 #include <string_view>
@@ -11,6 +10,8 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "capture/password_file.hpp"
 
 namespace cartvo::simulate {
 namespace {
@@ -33,17 +34,8 @@ bool isPrivate(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string readPassword(const std::filesystem::path& file) {
-  std::ifstream input(file);
-  std::string password;
-  if (!input) throw std::runtime_error(file.string() + ": the password file cannot be read");
-  std::getline(input, password);
-  if (password.empty()) throw std::runtime_error(file.string() + ": the first line, the password, is empty");
-  return password;
-}
-
 std::string ensurePassword(const std::filesystem::path& file) {
-  if (isPrivate(file)) return readPassword(file);
+  if (isPrivate(file)) return readPasswordFile(file);
   std::string password = randomPassword();
   std::filesystem::remove(file);
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

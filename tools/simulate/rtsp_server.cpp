@@ -65,7 +65,18 @@ RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
 }
 
 RtspServer::~RtspServer() {
-  g_main_loop_quit(loop_.get());
+  // From within the loop: a quit before the thread has come to run it would be lost, and the join without
+  // end.
+  GSource* quit = g_idle_source_new();
+  g_source_set_callback(
+      quit,
+      [](gpointer loop) -> gboolean {
+        g_main_loop_quit(static_cast<GMainLoop*>(loop));
+        return G_SOURCE_REMOVE;
+      },
+      loop_.get(), nullptr);
+  g_source_attach(quit, context_.get());
+  g_source_unref(quit);
   thread_.join();
   gst_rtsp_server_client_filter(
       server_.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },

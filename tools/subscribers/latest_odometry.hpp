@@ -29,9 +29,12 @@ class LatestOdometry {
   /// Messages of this daemon run that never arrived.
   std::int64_t lost() const { return lost_; }
 
-  /// Whether the message may be acted on at `now_utime` (us since the Unix epoch): valid, and not too old.
+  /// Whether the message may be acted on at `now_utime` (us since the Unix epoch): valid, not too old, and
+  /// not from the future, where a clock that was set back would make it last.
   bool isUsable(std::int64_t now_utime) const {
-    return message_.status == odometry_t::VALID && now_utime - message_.utime <= message_.time_to_live_us;
+    const std::int64_t age = now_utime - message_.utime;
+    return message_.status == odometry_t::VALID && age <= message_.time_to_live_us &&
+           age >= -message_.time_to_live_us;
   }
 
  private:

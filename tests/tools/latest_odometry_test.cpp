@@ -1,0 +1,62 @@
+// What the example subscribers take for usable: the newest message, if it is valid and fresh.
+
+#include "tools/subscribers/latest_odometry.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cartvo {
+namespace {
+
+constexpr std::int64_t kNow = 1'000'000'000;
+
+class LatestOdometryTest : public testing::Test {
+ protected:
+  void publish(std::int64_t sequence, std::int64_t utime, std::int8_t status) {
+    odometry_t message{};
+    message.sequence = sequence;
+    message.utime = utime;
+    message.time_to_live_us = 250'000;
+    message.status = status;
+    lcm_.publish("CARTVO_ODOMETRY", &message);
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  LatestOdometry odometry_{lcm_};
+};
+
+TEST_F(LatestOdometryTest, IsNotUsableBeforeTheFirstMessage) {
+  EXPECT_FALSE(odometry_.update(0));
+  EXPECT_FALSE(odometry_.isUsable(0));
+}
+
+TEST_F(LatestOdometryTest, IsUsableWhileValidAndFresh) {
+  publish(1, kNow, odometry_t::VALID);
+  ASSERT_TRUE(odometry_.update(100));
+  EXPECT_TRUE(odometry_.isUsable(kNow + 250'000));
+  EXPECT_FALSE(odometry_.isUsable(kNow + 250'001)) << "stale";
+  EXPECT_FALSE(odometry_.isUsable(kNow - 250'001)) << "the clock was set back: it must not last";
+  publish(2, kNow, odometry_t::INVALID);
+  ASSERT_TRUE(odometry_.update(100));
+  EXPECT_FALSE(odometry_.isUsable(kNow));
+}
+
+TEST_F(LatestOdometryTest, IsTheNewestOfAllThatWait) {
+  for (int i = 0; i < 10; ++i)
+    publish(i, kNow + i, odometry_t::VALID);
+  ASSERT_TRUE(odometry_.update(100));
+  EXPECT_EQ(odometry_.message().sequence, 9);
+  EXPECT_EQ(odometry_.lost(), 0);
+}
+
+TEST_F(LatestOdometryTest, CountsGapsUntilTheDaemonIsStartedAgain) {
+  publish(100, kNow, odometry_t::VALID);
+  publish(104, kNow, odometry_t::VALID);
+  odometry_.update(100);
+  EXPECT_EQ(odometry_.lost(), 3) << "101 to 103; what came before the first is not missed";
+  publish(0, kNow, odometry_t::VALID);
+  odometry_.update(100);
+  EXPECT_EQ(odometry_.lost(), 0);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -72,7 +72,10 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   const std::filesystem::path& file = sequence_.images[index];
   Frame read;
   read.image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (read.image.empty()) throw std::runtime_error("cannot read the image " + file.string());
+  if (read.image.empty()) {
+    throw std::runtime_error(file.string() +
+                             ": cannot be read as an image; expected a whole PNG or JPEG file, copy it anew");
+  }
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +

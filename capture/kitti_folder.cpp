@@ -104,7 +104,9 @@ RectifiedStereo readCalibration(const fs::path& file) {
     if (name == "P0" || name == "P1") projections[name] = parseProjection(file, line);
   }
   if (projections.size() != 2)
-    throw std::runtime_error(file.string() + " must hold the matrices P0: and P1:");
+    throw std::runtime_error(file.string() +
+                             " must hold the matrices P0: and P1:, each a line of 12 numbers; without them "
+                             "remove the file and put a rig.yaml beside it");
   const Projection& left = projections["P0"];
   const Projection& right = projections["P1"];
   constexpr double kEqual = 1e-6;  // relative

@@ -38,8 +38,11 @@ StereoSource openImageFolder(const std::filesystem::path& path) {
 }  // namespace
 
 StereoSource openSource(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) throw std::runtime_error(path.string() + " does not exist");
-  if (!std::filesystem::is_directory(path)) throw std::runtime_error(path.string() + " is not a folder");
+  if (!std::filesystem::exists(path))
+    throw std::runtime_error(path.string() + " does not exist; expected a folder with a recording or images");
+  if (!std::filesystem::is_directory(path))
+    throw std::runtime_error(path.string() +
+                             " is not a folder; expected a folder with a recording or images");
   if (isRecording(path)) return openRecording(path);
   if (detectImageFolder(path)) return openImageFolder(path);
   throw std::runtime_error(

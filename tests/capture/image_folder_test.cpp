@@ -189,7 +189,7 @@ TEST(ImageFolder, AnUnreadableOrMissizedImageIsNamed) {
   Frame frame;
   ImageSequenceSource left(read.left);
   left.read(frame, kAtOnce);
-  EXPECT_THAT(errorOf([&] { left.read(frame, kAtOnce); }), HasSubstr("cannot read the image"));
+  EXPECT_THAT(errorOf([&] { left.read(frame, kAtOnce); }), HasSubstr("expected a whole PNG or JPEG file"));
   EXPECT_THAT(errorOf([&] { left.read(frame, kAtOnce); }), HasSubstr("image_0/000001.png"));
   ImageSequenceSource right(read.right);
   right.read(frame, kAtOnce);

@@ -301,12 +301,27 @@ TEST(Replay, OfWhatIsNoSourceIsRefused) {
   EXPECT_THAT(messageOf([] { replayed("/no/such/folder"); }), HasSubstr("/no/such/folder"));
 }
 
+TEST(Replay, ThatFailsLeavesNoFolderBehind) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "mine");
+  { const OutputFolder output(folder / "mine/new/deep/"); }
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "mine"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "mine/new"));
+  { const OutputFolder output(folder / "mine"); }
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "mine")) << "it was there before";
+  {
+    const OutputFolder output(folder / "mine/new/deep");
+    std::ofstream(output / "poses.txt") << "1";
+  }
+  EXPECT_EQ(contents(folder / "mine/new/deep/poses.txt"), "1");
+}
+
 TEST(Replay, IntoAFileIsRefused) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "out", "a file");
-  EXPECT_THAT(messageOf([&] { prepareOutputFolder(folder / "out"); }),
+  EXPECT_THAT(messageOf([&] { OutputFolder output(folder / "out"); }),
               HasSubstr("is not a folder; --output-dir"));
-  EXPECT_THAT(messageOf([&] { prepareOutputFolder(folder / "out/inside"); }), HasSubstr("cannot be made"));
+  EXPECT_THAT(messageOf([&] { OutputFolder output(folder / "out/inside"); }), HasSubstr("cannot be made"));
 }
 
 }  // namespace

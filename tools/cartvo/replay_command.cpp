@@ -22,6 +22,7 @@
 #include "tools/replay/replay.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
+#include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
 namespace {
@@ -68,7 +69,9 @@ Replay replayWithProgress(const Options& options) {
 }
 
 void run(const Options& options) {
-  prepareOutputFolder(options.output);
+  const OutputFolder output(options.output);
+  if (!options.truth.empty())
+    readTrajectory(options.truth);  // a bad file is said before the work, not after it
   cv::setNumThreads(options.threads);
   const Replay replay = replayWithProgress(options);
   std::optional<Truth> truth;
@@ -80,11 +83,11 @@ void run(const Options& options) {
     summary["truth"] = options.truth.string();
     summary["evaluation"] = evaluationJson(evaluate(withTruth(replay, *truth)));
   }
-  writeKitti(options.output / "poses.txt", leftCameraTrajectory(replay));
-  writeTum(options.output / "trajectory.tum", bodyTrajectory(replay));
-  writeFileAtomically(options.output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
-  writeFileAtomically(options.output / "timing.csv", timingCsv(replay));
-  writeFileAtomically(options.output / "summary.json", summary.dump(2) + "\n");
+  writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
+  writeTum(output / "trajectory.tum", bodyTrajectory(replay));
+  writeFileAtomically(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
+  writeFileAtomically(output / "timing.csv", timingCsv(replay));
+  writeFileAtomically(output / "summary.json", summary.dump(2) + "\n");
 
   for (const std::string& problem : replay.problems)
     std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());

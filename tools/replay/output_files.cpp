@@ -1,18 +1,43 @@
 #include "tools/replay/output_files.hpp"
 
+#include <cerrno>
 #include <cstdio>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
 
 namespace cartvo {
 
-void prepareOutputFolder(const std::filesystem::path& folder) {
-  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder)) {
-    throw std::runtime_error(folder.string() +
+OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::exists(folder_, error) && !fs::is_directory(folder_)) {
+    throw std::runtime_error(folder_.string() +
                              ": is not a folder; --output-dir takes one, made if it is missing");
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder.string() + ": cannot be made: " + error.message());
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(folder_).lexically_normal(); !fs::exists(path, error) && !error;
+       path = path.parent_path()) {
+    if (!path.filename().empty()) missing.insert(missing.begin(), path);
+  }
+  fs::create_directories(folder_, error);
+  if (error) {
+    throw std::runtime_error(folder_.string() + ": cannot be made: " + error.message() +
+                             "; choose another --output-dir");
+  }
+  made_ = std::move(missing);
+  if (::access(folder_.c_str(), W_OK | X_OK) != 0) {
+    throw std::runtime_error(folder_.string() + ": cannot be written into: " +
+                             std::generic_category().message(errno) + "; choose another --output-dir");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code not_empty;
+  for (auto folder = made_.rbegin(); folder != made_.rend() && !not_empty; ++folder)
+    std::filesystem::remove(*folder, not_empty);
 }
 
 std::string timingCsv(const Replay& replay) {

@@ -34,13 +34,15 @@ class CameraSource {
  public:
   virtual ~CameraSource() = default;
 
-  /// Waits up to `timeout` for the next frame. Never blocks longer, whatever the camera does (a decoder's
-  /// time aside). Files are read without waiting.
+  /// Waits for the next frame, up to `timeout`, or longer up to a bound that the source states (RtspCamera:
+  /// its time-outs; a decoder's time aside). Never for ever, whatever the camera does. Files are read without
+  /// waiting.
   virtual ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) = 0;
 
   virtual CameraHealth health() const = 0;
 
-  /// Makes a `read` in progress, and each later one, return `ended` at once.
+  /// Makes a `read` in progress, and each later one, return `ended` at once
+  /// (RtspCamera: within 0.1 s).
   virtual void interrupt() noexcept = 0;
 };
 

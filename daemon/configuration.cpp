@@ -15,7 +15,7 @@ namespace {
 
 using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
-constexpr Keys kCamerasKeys = {"left", "right", "transport", "frame_rate", "stall_timeout"};
+constexpr Keys kCamerasKeys = {"left", "right", "transport", "instants", "frame_rate", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url", "username", "password_file", "password_credential"};
 constexpr Keys kOdometryKeys = {"estimator", "features", "seed", "threads"};
 constexpr Keys kLcmKeys = {"url", "time_to_live"};
@@ -29,6 +29,8 @@ constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", 
                                                                       {"error", LogLevel::err}}};
 constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
     {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
+constexpr std::array<std::pair<const char*, RtspInstants>, 2> kInstants{
+    {{"sender_reports", RtspInstants::sender_reports}, {"arrival", RtspInstants::arrival}}};
 constexpr std::array<std::pair<const char*, Estimator>, 1> kEstimators{{{"thesis", Estimator::thesis}}};
 
 /// Takes one of the named values, or says which there are.
@@ -61,7 +63,7 @@ std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& 
 }
 
 std::string streamUrl(const StrictYaml& yaml) {
-  static const std::regex kRtspUrl("rtsps?://[^/@]+(/[^@]*)?");
+  static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?");
   const std::string url = yaml.text();
   if (url.find('@') != std::string::npos) {
     // The value is not repeated: it holds a password.
@@ -110,6 +112,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   if (yaml.has("transport")) {
     configuration.transport = choice(yaml["transport"], kTransports);
   }
+  if (yaml.has("instants")) configuration.instants = choice(yaml["instants"], kInstants);
   if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
   if (yaml.has("stall_timeout")) {
     configuration.stall_timeout = duration(yaml["stall_timeout"], 0.1, 60.0);
@@ -189,12 +192,13 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   camera("left", configuration.left);
   camera("right", configuration.right);
   yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
+  yaml << YAML::Key << "instants" << nameOf(configuration.instants, kInstants);
   yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
   yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
   yaml << YAML::Key << "rig" << configuration.rig.string();
   if (!configuration.tables.empty()) yaml << YAML::Key << "tables" << configuration.tables.string();
   yaml << YAML::Key << "odometry" << YAML::BeginMap << YAML::Key << "estimator"
-       << "thesis";
+       << nameOf(configuration.odometry.estimator, kEstimators);
   yaml << YAML::Key << "features" << configuration.odometry.features;
   yaml << YAML::Key << "seed" << configuration.odometry.seed;
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;

@@ -25,6 +25,7 @@ struct Configuration {
   CameraConfiguration left;
   CameraConfiguration right;
   RtspTransport transport = RtspTransport::tcp;
+  RtspInstants instants = RtspInstants::sender_reports;
   double frame_rate = 18.0;  ///< Hz
   std::chrono::milliseconds stall_timeout{1000};
 

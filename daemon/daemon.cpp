@@ -40,6 +40,7 @@ RtspCameraSettings cameraSettings(const Configuration& configuration, const Came
   settings.url = camera.url;
   settings.credentials = {camera.username, readPassword(camera)};
   settings.transport = configuration.transport;
+  settings.instants = configuration.instants;
   settings.stall_timeout = configuration.stall_timeout;
   return settings;
 }
@@ -102,6 +103,7 @@ class Daemon::Implementation {
   std::unique_ptr<StreamRecorder> recorder_;
   RtspCamera left_;
   RtspCamera right_;
+  double longest_reader_turn_;
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
@@ -121,6 +123,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       lcm_(connectLcm(configuration.lcm_url)),
       left_(cameraSettings(configuration, configuration.left)),
       right_(cameraSettings(configuration, configuration.right)),
+      longest_reader_turn_(longestReaderTurn(cameraSettings(configuration, configuration.left))),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
       pipeline_(left_, right_, processor_, pipelineSettings(configuration, rig_)),
       publisher_(*lcm_, configuration.time_to_live),
@@ -182,7 +185,7 @@ void Daemon::Implementation::logValidity(const odometry_t& message) {
 
 /// Once for each message; that is at the frame rate, whatever the cameras do.
 void Daemon::Implementation::turn() {
-  if (const std::string stuck = stuckReader(pipeline_.progress()); stuck.empty()) {
+  if (const std::string stuck = stuckReader(pipeline_.progress(), longest_reader_turn_); stuck.empty()) {
     service_.feedWatchdog();
   } else {
     warnings_.warn("the " + stuck + " makes no progress; systemd's watchdog is not fed");

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kLongestText = 200;  // bytes, so that the message fits into one Ethernet frame
 constexpr std::size_t kLargestWindow = 1024;
+constexpr std::chrono::seconds kFirstReportsAreDue{10};  // cameras send their reports each few seconds
 
 float megabytesResident() {
   std::ifstream statm("/proc/self/statm");
@@ -125,6 +126,23 @@ void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   window_.right_decode.push_back(decodeMilliseconds(result.right));
 }
 
+std::string HealthMonitor::clockProblem(Clock::time_point now, const HealthSnapshot& snapshot) {
+  const bool differ = snapshot.left.state == CameraState::streaming &&
+                      snapshot.right.state == CameraState::streaming &&
+                      snapshot.left.instant_source != snapshot.right.instant_source;
+  if (!differ) {
+    clocks_differ_since_.reset();
+    return {};
+  }
+  if (!clocks_differ_since_) clocks_differ_since_ = now;
+  if (now - *clocks_differ_since_ < kFirstReportsAreDue) return {};
+  const bool left_is_without = snapshot.left.instant_source == InstantSource::arrival;
+  return std::string("no pairs: the ") + (left_is_without ? "left" : "right") +
+         " camera sends no RTCP sender reports, the other does; connect to the camera itself and let it keep "
+         "time "
+         "by NTP, or set cameras.instants: arrival";
+}
+
 void HealthMonitor::addNoPair() {
   ++invalid_;
 }
@@ -151,7 +169,8 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
   message.memory_mb = megabytesResident();
-  message.problem = shortened(firstProblem(snapshot));
+  const std::string clock_problem = clockProblem(now, snapshot);
+  message.problem = shortened(clock_problem.empty() ? firstProblem(snapshot) : clock_problem);
 
   last_ = now;
   last_left_frames_ = snapshot.left.frames;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,9 @@ class HealthMonitor {
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
  private:
+  /// Says so if the cameras' instants have rested on different clocks for too long, so that nothing pairs.
+  std::string clockProblem(Clock::time_point now, const HealthSnapshot& snapshot);
+
   /// Of the pairs since the last message, ms.
   struct Window {
     std::vector<double> latency, process, offset, left_decode, right_decode;
@@ -50,6 +54,7 @@ class HealthMonitor {
   std::uint64_t last_left_frames_ = 0;
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
+  std::optional<Clock::time_point> clocks_differ_since_;
 };
 
 /// The value below which `fraction` of the values lie (nearest rank); NaN if there are none.

@@ -133,6 +133,23 @@ TEST_F(ConfigurationFile, RefusesCredentialsThatDoNotFitTogether) {
   EXPECT_THAT(errorOf(with("username: u, password_credential: ../c")), HasSubstr("without '/'"));
 }
 
+TEST_F(ConfigurationFile, RefusesAUrlThatTheCameraWouldRefuseLater) {
+  EXPECT_THAT(
+      errorOf("cameras:\n  left: {url: rtsps://a/1}\n  right: {url: rtsp://a/2}\nrig: rig.yaml\n"),
+      AllOf(HasSubstr(":2: cameras.left.url"), HasSubstr("rtsp://192.168.1.64"), HasSubstr("rtsps://a/1")));
+}
+
+TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
+  const auto with = [](const std::string& instants) {
+    return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  instants: " + instants +
+           "\nrig: rig.yaml\n";
+  };
+  EXPECT_EQ(read(kMinimal).instants, RtspInstants::sender_reports);
+  EXPECT_EQ(read(with("arrival")).instants, RtspInstants::arrival);
+  EXPECT_THAT(effectiveConfiguration(read(with("arrival"))), HasSubstr("instants: arrival"));
+  EXPECT_THAT(errorOf(with("ntp")), HasSubstr("one of sender_reports, arrival"));
+}
+
 TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/1}\nrig: rig.yaml\n"),
               AllOf(HasSubstr(":3: cameras.right.url"), HasSubstr("same URL")));

@@ -181,9 +181,16 @@ TEST(PipelineLive, AbsentCamerasAreProgressAHangingReaderIsNot) {
 }
 
 TEST(ProgressWatch, NamesTheReaderThatHangs) {
-  EXPECT_EQ(stuckReader({0.2, 4.0}), "");
-  EXPECT_EQ(stuckReader({60.0, 0.1}), "left camera's reader");
-  EXPECT_EQ(stuckReader({0.1, 60.0}), "right camera's reader");
+  EXPECT_EQ(stuckReader({0.2, 4.0}, 10.0), "");
+  EXPECT_EQ(stuckReader({60.0, 0.1}, 10.0), "left camera's reader");
+  EXPECT_EQ(stuckReader({0.1, 60.0}, 10.0), "right camera's reader");
+}
+
+TEST(ProgressWatch, BearsWhatTheCamerasTimeOutsAllow) {
+  RtspCameraSettings settings;
+  EXPECT_EQ(longestReaderTurn(settings), 10.0) << "twice the time to connect";
+  settings.stall_timeout = std::chrono::seconds(60);
+  EXPECT_EQ(longestReaderTurn(settings), 120.0) << "a silent camera may be waited for so long";
 }
 
 }  // namespace

@@ -16,13 +16,31 @@ namespace {
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// The message repeats the bits of OdometryReason; the daemon's own begin above them.
-static_assert(odometry_t::REASON_FIRST_PAIR == static_cast<int>(OdometryReason::first_pair));
-static_assert(odometry_t::REASON_TOO_FEW_FEATURES == static_cast<int>(OdometryReason::too_few_features));
-static_assert(odometry_t::REASON_TOO_FEW_MATCHES == static_cast<int>(OdometryReason::too_few_matches));
-static_assert(odometry_t::REASON_TOO_FEW_INLIERS == static_cast<int>(OdometryReason::too_few_inliers));
-static_assert(odometry_t::REASON_HIGH_RESIDUAL == static_cast<int>(OdometryReason::high_residual));
-static_assert(odometry_t::REASON_TIME_STEP == static_cast<int>(OdometryReason::time_step));
+constexpr std::uint32_t kHighestBit = 1U << 31U;
+
+/// The message's bit for one reason; 0 if there is none. The switch has no default, so that the compiler
+/// names a reason that is missing here.
+constexpr std::int32_t messageBit(OdometryReason reason) {
+  switch (reason) {
+    case OdometryReason::none:
+      return 0;
+    case OdometryReason::first_pair:
+      return odometry_t::REASON_FIRST_PAIR;
+    case OdometryReason::too_few_features:
+      return odometry_t::REASON_TOO_FEW_FEATURES;
+    case OdometryReason::too_few_matches:
+      return odometry_t::REASON_TOO_FEW_MATCHES;
+    case OdometryReason::too_few_inliers:
+      return odometry_t::REASON_TOO_FEW_INLIERS;
+    case OdometryReason::high_residual:
+      return odometry_t::REASON_HIGH_RESIDUAL;
+    case OdometryReason::time_step:
+      return odometry_t::REASON_TIME_STEP;
+    case OdometryReason::implausible_motion:
+      return odometry_t::REASON_IMPLAUSIBLE_MOTION;
+  }
+  return 0;
+}
 
 void setPose(odometry_t& message, const Eigen::Isometry3d& T_world_body) {
   Eigen::Quaterniond q(T_world_body.rotation());
@@ -43,7 +61,7 @@ void eraseMeasurements(odometry_t& message) {
   std::fill(std::begin(message.twist_covariance_body), std::end(message.twist_covariance_body), kUnknown);
 }
 
-std::int32_t reasonBits(NoPairCause cause) {
+std::int32_t noPairBits(NoPairCause cause) {
   constexpr std::int32_t kNoPair = odometry_t::REASON_NO_PAIR;
   constexpr std::int32_t kDamagedFrame = odometry_t::REASON_DAMAGED_FRAME;
   constexpr std::int32_t kWrongSize = odometry_t::REASON_WRONG_SIZE;
@@ -61,13 +79,22 @@ std::int32_t reasonBits(NoPairCause cause) {
 
 }  // namespace
 
+std::int32_t reasonBits(OdometryReason reasons) {
+  std::int32_t bits = 0;
+  for (std::uint32_t bit = kHighestBit; bit != 0; bit >>= 1U) {
+    if ((static_cast<std::uint32_t>(reasons) & bit) != 0)
+      bits |= messageBit(static_cast<OdometryReason>(bit));
+  }
+  return bits;
+}
+
 odometry_t odometryMessage(const PairResult& result) {
   const OdometryEstimate& estimate = result.estimate;
   odometry_t message{};
   message.utime = result.left.exposure_ns / kNanosecondsPerMicrosecond;
   message.arrival_utime = result.arrival_ns() / kNanosecondsPerMicrosecond;
   message.offset_us = result.offset_ns() / kNanosecondsPerMicrosecond;
-  message.reasons = static_cast<std::int32_t>(estimate.reasons);
+  message.reasons = reasonBits(estimate.reasons);
   message.reset_counter = static_cast<std::int32_t>(estimate.reset_counter);
   message.features = estimate.counts.detected;
   message.tracked = estimate.counts.tracked;
@@ -90,7 +117,7 @@ odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last) {
   odometry_t message{};
   message.utime = no_pair.due_ns / kNanosecondsPerMicrosecond;
   message.status = odometry_t::INVALID;
-  message.reasons = reasonBits(no_pair.cause);
+  message.reasons = noPairBits(no_pair.cause);
   message.reset_counter = last.reset_counter;
   std::copy(std::begin(last.position_world_body), std::end(last.position_world_body),
             std::begin(message.position_world_body));

@@ -1,8 +1,16 @@
 // What controllers receive: the fields of valid and invalid messages, and that each fits into one Ethernet
 // frame.
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <regex>
+#include <string>
 
 #include <cartvo/health_t.hpp>
 #include <gmock/gmock.h>
@@ -108,12 +116,44 @@ TEST(OdometryMessage, NamesItsReasons) {
   EXPECT_EQ(reasonNames(0), "");
 }
 
+/// What odometry_t.lcm declares as REASON_..., so that a constant added there is seen here.
+std::map<std::string, std::int32_t> declaredReasons() {
+  static const std::regex kReason("REASON_([A-Z_]+) = ([0-9]+)");
+  std::ifstream stream(std::filesystem::path(CARTVO_SOURCE_DIR) / "daemon/messages/odometry_t.lcm");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::map<std::string, std::int32_t> reasons;
+  for (std::sregex_iterator match(text.begin(), text.end(), kReason), end; match != end; ++match) {
+    reasons[(*match)[1]] = std::stoi((*match)[2]);
+  }
+  return reasons;
+}
+
+TEST(OdometryMessage, KnowsEachReasonOfTheOdometryAndNamesEachOfItsOwn) {
+  constexpr std::int32_t kFirstOfTheCameras = odometry_t::REASON_NO_PAIR;
+  const std::map<std::string, std::int32_t> reasons = declaredReasons();
+  ASSERT_EQ(reasons.size(), 10U);
+  for (const auto& [name, bit] : reasons) {
+    std::string words = name;
+    std::transform(words.begin(), words.end(), words.begin(), [](char c) {
+      return c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    });
+    const std::string spoken = name == "WRONG_SIZE" ? "wrong picture size" : words;
+    EXPECT_EQ(reasonNames(bit), spoken);
+    // The odometry's have the same bits there, which the compiler holds to be all that there are.
+    const auto reason = static_cast<OdometryReason>(bit);
+    EXPECT_EQ(reasonBits(reason), bit < kFirstOfTheCameras ? bit : 0) << name;
+  }
+  EXPECT_EQ(reasonBits(OdometryReason::first_pair | OdometryReason::implausible_motion),
+            bits(odometry_t::REASON_FIRST_PAIR, odometry_t::REASON_IMPLAUSIBLE_MOTION));
+}
+
 HealthSnapshot snapshot(std::uint64_t frames) {
   HealthSnapshot snapshot;
   snapshot.left.state = CameraState::streaming;
   snapshot.left.instant_source = InstantSource::sender_report;
   snapshot.left.frames = frames;
   snapshot.right.state = CameraState::streaming;
+  snapshot.right.instant_source = InstantSource::sender_report;
   snapshot.right.frames = frames;
   snapshot.counts.pairs = frames;
   snapshot.counts.dropped_no_partner = 4;
@@ -162,6 +202,23 @@ TEST(HealthMessage, NamesTheFirstThingToMend) {
   EXPECT_EQ(monitor.summarise({}, bad).problem, "right camera: the camera refused the password");
   bad.problem = "left camera: the stream is 704x576";
   EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
+}
+
+TEST(HealthMessage, SaysThatNothingPairsWhereOnlyOneCameraSendsSenderReports) {
+  const HealthMonitor::Clock::time_point start;
+  HealthMonitor monitor(start);
+  HealthSnapshot one_sided = snapshot(0);
+  one_sided.right.instant_source = InstantSource::arrival;
+  EXPECT_EQ(monitor.summarise(start, one_sided).problem, "") << "the first report takes a few seconds";
+  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(9), one_sided).problem, "");
+  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(10), one_sided).problem,
+            "no pairs: the right camera sends no RTCP sender reports, the other does; connect to the camera "
+            "itself and "
+            "let it keep time by NTP, or set cameras.instants: arrival");
+  one_sided.right.instant_source = InstantSource::sender_report;
+  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(11), one_sided).problem, "");
+  one_sided.left.instant_source = InstantSource::arrival;
+  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(12), one_sided).problem, "") << "counted anew";
 }
 
 TEST(HealthMessage, FitsIntoOneEthernetFrameWithTheLongestTexts) {

@@ -38,6 +38,12 @@ void check(const RtspCameraSettings& settings) {
     throw std::invalid_argument("a camera's decoder needs one thread at least");
 }
 
+/// "30 s", "0.3 s": to one decimal where it is needed.
+std::string inSeconds(milliseconds duration) {
+  const auto tenths = (duration.count() + 99) / 100;
+  return std::to_string(tenths / 10) + (tenths % 10 != 0 ? "." + std::to_string(tenths % 10) : "") + " s";
+}
+
 /// Turns the packets of one connection into numbered, stamped units and these into frames.
 class PictureStream {
  public:
@@ -160,10 +166,12 @@ class RtspCamera::Receiver {
       drop();
       if (error.kind() == RtspError::Kind::interrupted) return;
       const bool refused = error.kind() == RtspError::Kind::refused;
-      retryAfter(refused ? refusedPause() : failurePause());
+      const milliseconds pause = refused ? refusedPause() : failurePause();
+      retryAfter(pause);
       const std::lock_guard lock(mutex_);
       health_.state = refused ? CameraState::refused : CameraState::connecting;
       health_.last_error = error.what();
+      if (refused) health_.last_error += "; trying again in " + inSeconds(pause);
       return;
     }
     silent_after_ = Clock::now() + settings_.connect_timeout;  // a camera may wait for its next key frame

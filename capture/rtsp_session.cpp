@@ -48,6 +48,11 @@ class Options {
   AVDictionary* dictionary_ = nullptr;
 };
 
+std::string noAnswer(const RtspCameraSettings& settings) {
+  return "no answer from the camera at " + rtspHost(settings.url) + " within " +
+         std::to_string(settings.connect_timeout.count()) + " ms";
+}
+
 std::string openingError(int error, const RtspCameraSettings& settings) {
   const std::string host = rtspHost(settings.url);
   switch (error) {
@@ -62,8 +67,7 @@ std::string openingError(int error, const RtspCameraSettings& settings) {
       return "the camera at " + host + " has no such stream; check the path of its URL";
     case AVERROR_EXIT:
     case AVERROR(ETIMEDOUT):
-      return "no answer from the camera at " + host + " within " +
-             std::to_string(settings.connect_timeout.count()) + " ms";
+      return noAnswer(settings);
     default:
       return "cannot open the camera at " + host + ": " + ffmpeg::errorText(error);
   }
@@ -135,6 +139,8 @@ void RtspSession::Connection::open() {
   const int error = avformat_open_input(&context, urlForFfmpeg(settings).c_str(), rtsp, options.get());
   if (error < 0) {  // FFmpeg has freed the context
     if (interrupted) throw RtspError(RtspError::Kind::interrupted, "interrupted");
+    // FFmpeg names the time-out in many ways, "invalid data" among them.
+    if (Clock::now() >= deadline) throw RtspError(RtspError::Kind::unreachable, noAnswer(settings));
     throw RtspError(isRefusal(error) ? RtspError::Kind::refused : RtspError::Kind::unreachable,
                     openingError(error, settings));
   }

@@ -15,6 +15,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "capture/ffmpeg_log.hpp"
 #include "capture/pair_synchroniser.hpp"
@@ -209,6 +212,7 @@ TEST(RtspCamera, AWrongPasswordIsRefusedAndNeverShown) {
   const CameraHealth health = camera.health();
   setFfmpegLogSink({});
   EXPECT_THAT(health.last_error, HasSubstr("refused the user or password (user 'admin')"));
+  EXPECT_THAT(health.last_error, HasSubstr("; trying again in 30 s"));
   EXPECT_THAT(health.last_error, Not(HasSubstr("hunter2")));
   EXPECT_THAT(log, HasSubstr("401"));
   EXPECT_THAT(log, Not(HasSubstr("hunter2")));
@@ -268,6 +272,26 @@ TEST(RtspCamera, SaysThatNothingListensThere) {
   EXPECT_EQ(camera.read(frame, milliseconds(200)), ReadOutcome::timed_out);
   EXPECT_THAT(camera.health().last_error, HasSubstr("Connection refused"));
   EXPECT_EQ(camera.health().state, CameraState::connecting);
+}
+
+TEST(RtspCamera, SaysThatNothingAnswersThere) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);  // the system accepts for it, nobody ever answers
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(::bind(listener, generic, size), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  ASSERT_EQ(::getsockname(listener, generic, &size), 0);
+  RtspCameraSettings settings = settingsFor(ntohs(address.sin_port));
+  settings.connect_timeout = milliseconds(300);
+  RtspCamera camera(settings);
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("no answer from the camera at 127.0.0.1"));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
+  ::close(listener);
 }
 
 TEST(RtspCamera, InterruptEndsReadingInEachState) {

@@ -211,7 +211,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   }
   if (recorder_) {
     if (const std::string error = recorder_->health().error; !error.empty()) {
-      warnings_.warn("recording has stopped: " + error);
+      warnings_.warn(error);
     }
   }
 }

@@ -64,7 +64,7 @@ std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& 
 
 std::string streamUrl(const StrictYaml& yaml) {
   static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?");
-  const std::string url = yaml.text();
+  std::string url = yaml.text();
   if (url.find('@') != std::string::npos) {
     // The value is not repeated: it holds a password.
     yaml.fail(

@@ -3,12 +3,14 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
 
 #include "daemon/configuration.hpp"
@@ -40,6 +42,13 @@ void describe(CLI::App& app, CommandLine& command_line) {
                  "Record both streams as received into this folder (overrides recording.directory)");
 }
 
+/// A folder of its own for each start, named by it (UTC): a restarted service must not stop at the recording
+/// that it left behind.
+std::filesystem::path folderOfThisStart(const std::filesystem::path& recordings) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return recordings / fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+}
+
 /// Stops the daemon at the first signal, or returns when the thread is told to end.
 void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals, cartvo::Daemon& daemon) {
   while (!end.stop_requested()) {
@@ -58,6 +67,8 @@ int run(const CommandLine& command_line) {
     configuration = cartvo::readConfiguration(command_line.configuration);
     if (!command_line.recording_directory.empty()) {
       configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
+    } else if (!configuration.recording_directory.empty()) {
+      configuration.recording_directory = folderOfThisStart(configuration.recording_directory);
     }
     cartvo::checkConfiguration(configuration);
   } catch (const std::exception& error) {

@@ -22,8 +22,8 @@ struct AssociatedTrajectories {
 
 /// The truth at the estimate's instants: between the samples before and after, the translation linearly and
 /// the rotation by slerp, where the two are no further apart than 0.25 s or three of the truth's periods.
-/// Poses outside (by more than 1 ms) are left out and counted. Neither may be empty. Throws std::runtime_error
-/// if fewer than two remain.
+/// Poses outside (by more than 1 ms) are left out and counted. Neither may be empty. Throws
+/// std::runtime_error if fewer than two remain.
 AssociatedTrajectories associateByTime(const Trajectory& estimate, const Trajectory& truth);
 
 /// Row by row. Throws std::runtime_error unless both have as many rows, at least two.

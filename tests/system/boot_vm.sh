@@ -40,7 +40,7 @@ install -D -m 600 /dev/null "$root/etc/cartvo/credentials/right-camera-password"
 cat >"$root/etc/systemd/system/in-vm.service" <<'END'
 [Unit]
 Description=checks of cartvo in this machine
-After=multi-user.target
+After=network.target systemd-user-sessions.service
 [Service]
 Type=oneshot
 ExecStart=/usr/local/bin/in_vm.sh
@@ -49,8 +49,7 @@ StandardError=tty
 TTYPath=/dev/ttyS0
 ExecStopPost=systemctl poweroff --no-block
 END
-chroot "$root" systemctl enable --quiet in-vm.service 2>/dev/null ||
-  ln -sf /etc/systemd/system/in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"
+ln -sf /etc/systemd/system/in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"
 
 # Rendering under emulation takes long: the stream is encoded here and put into the machine's cache.
 rm -rf "$root/var/lib/simulation"

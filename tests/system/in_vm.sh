@@ -26,6 +26,17 @@ systemd-sysusers
 
 simulate=(cartvo simulate --seconds 20 --size 340x210 --frame-rate 4 --loop --cache-dir /var/lib/simulation/cache
   --output-dir /var/lib/simulation --user admin)
+cameras_on() {
+  "${simulate[@]}" >/var/lib/simulation/log 2>&1 &
+  cameras=$!
+}
+are_serving() { grep -q '^ready:' /var/lib/simulation/log; }
+
+# The cameras' first start makes the rig file and the password that the administrator installs; then they are switched off.
+cameras_on
+await 120 "simulated cameras serve" are_serving
+kill $cameras
+wait $cameras
 cp /var/lib/simulation/rig.yaml /etc/cartvo/rig.yaml
 tr -d '\n' </var/lib/simulation/password >/etc/cartvo/credentials/left-camera-password
 cp /etc/cartvo/credentials/left-camera-password /etc/cartvo/credentials/right-camera-password
@@ -38,7 +49,7 @@ sleep 10
 [ "$(show ActiveState)" = activating ] || fail "without cameras the service is $(show ActiveState), expected activating"
 say "without cameras: waiting, not failed"
 
-"${simulate[@]}" >/var/lib/simulation/log 2>&1 &
+cameras_on
 await 120 "ready at the first valid odometry" is_active
 [ "$(ps -o user= -p "$(show MainPID)")" = cartvo ] || fail "the daemon does not run as its own user"
 tr '\0' ' ' </proc/"$(show MainPID)"/cmdline | grep -q "$(cat /etc/cartvo/credentials/left-camera-password)" && fail "password in the process list"

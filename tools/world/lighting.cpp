@@ -55,6 +55,8 @@ float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, fl
   const float cloud = 2.1F + 0.55F * std::min(n, 1.5F);
   float radiance = lighting.sky * (clear + (cloud - clear) * cover);
 
+  constexpr float kAboveHills = 0.12F;
+  if (d.z() - footprint > kAboveHills) return radiance;
   const float azimuth = std::atan2(d.y(), d.x());
   const float along = 4.0F * azimuth;
   const auto ridge = plainNoises(along, 0.3F, {1.9F, 0.61F, 0.13F, 0.033F}, lighting.seed + 1U);

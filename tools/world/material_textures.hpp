@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "tools/world/material.hpp"
 #include "tools/world/noise.hpp"
@@ -32,9 +34,15 @@ float rubber(const SurfacePoint& point, const TextureStyle& style);
 float cloth(const SurfacePoint& point, const TextureStyle& style);
 float sign(const SurfacePoint& point, const TextureStyle& style);
 
-/// exp(exponent), kept within what paint and dirt can do.
+/// exp(exponent), kept within what paint and dirt can do. A whole power of two by the float's exponent, the
+/// rest by a polynomial: within 3e-6, at a fraction of the library's price.
 inline float factor(float exponent) {
-  return std::exp(std::clamp(exponent, -2.0F, 1.2F));
+  const float power = 1.44269504F * std::clamp(exponent, -2.0F, 1.2F);
+  const auto whole = static_cast<std::int32_t>(power + 8.5F) - 8;  // to the nearest
+  const float x = 0.69314718F * (power - static_cast<float>(whole));
+  const float rest =
+      1.0F + x * (1.0F + x * (0.5F + x * (1.0F / 6.0F + x * (1.0F / 24.0F + x * (1.0F / 120.0F)))));
+  return rest * std::bit_cast<float>((whole + 127) << 23);
 }
 
 /// A factor that varies over the surface with relative deviation `contrast`.

@@ -7,11 +7,28 @@
 // out before the pixel's footprint can no longer show it, so that one evaluation a pixel does not alias.
 namespace cartvo::world {
 
-/// Which octaves a noise holds.
+/// Which octaves a noise holds. Always a constant, so that its amplitude costs nothing where it is used.
 struct NoiseBand {
-  float longest = 1.0F;   ///< wavelength of the first octave, m
-  float shortest = 0.1F;  ///< wavelength of the last one, m; each is half as long as the one before
-  float gain = 0.8F;      ///< amplitude from octave to octave; natural textures lie at 0.7-1
+  /// Wavelengths of the first and the last octave, m, each half as long as the one before, and the amplitude
+  /// from octave to octave; natural textures lie at 0.7-1.
+  consteval NoiseBand(float longest_wavelength, float shortest_wavelength, float octave_gain)
+      : longest(longest_wavelength), shortest(shortest_wavelength), gain(octave_gain) {
+    double variance = 0.0;
+    double amplitude = 1.0;
+    for (double wavelength = longest; wavelength >= shortest / 1.01; wavelength *= 0.5) {
+      variance += amplitude * amplitude;
+      amplitude *= gain;
+    }
+    double root = variance;  // Newton's method: there is no constant square root
+    for (int i = 0; i < 20; ++i)
+      root = 0.5 * (root + variance / root);
+    first_amplitude = static_cast<float>(1.0 / root);
+  }
+
+  float longest;
+  float shortest;
+  float gain;
+  float first_amplitude = 1.0F;  ///< that makes the octaves' variances add up to 1
 };
 
 /// About normal, zero mean; unit variance where every octave is seen. (x, y) in m on the surface, `footprint`

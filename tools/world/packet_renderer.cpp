@@ -8,6 +8,11 @@
 #include "tools/world/hash.hpp"
 
 namespace cartvo::world {
+namespace {
+
+constexpr float kShadowReach = 400.0F;  // m
+
+}  // namespace
 
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
                 const Eigen::Vector3f& direction) {
@@ -46,7 +51,8 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  // Neighbouring pixels' single rays go side by side; those of pixels picked for their edges part at once.
+  context.flags = samples == 1 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(valid_.data(), scene_.handle(), &context, &packet_);
 }
 
@@ -106,40 +112,65 @@ void PacketRenderer::recall(std::span<const Pixel> pixels, int samples, const Fi
   }
 }
 
-void PacketRenderer::setSunRay(int lane, const Eigen::Vector3f& to_sun) {
-  const Eigen::Vector3f origin = position_[lane] + (0.002F + 2e-4F * packet_.ray.tfar[lane]) * normal_[lane];
-  shadow_.org_x[lane] = origin.x();
-  shadow_.org_y[lane] = origin.y();
-  shadow_.org_z[lane] = origin.z();
-  shadow_.dir_x[lane] = to_sun.x();
-  shadow_.dir_y[lane] = to_sun.y();
-  shadow_.dir_z[lane] = to_sun.z();
-  shadow_.tnear[lane] = 0.0F;
-  shadow_.tfar[lane] = 400.0F;
-  shadow_.time[lane] = 0.0F;
-  shadow_.mask[lane] = 0xffffffffU;
-  shadow_.flags[lane] = 0;
-}
-
-void PacketRenderer::castSunRays(int rays, int samples) {
+void PacketRenderer::lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun) {
   valid_.fill(0);
   bool any = false;
   for (int lane = 0; lane < rays; ++lane) {
     if (sun_known_[lane]) continue;
-    // The sun is a disc of half a degree: each of a pixel's samples looks at another part of it.
-    setSunRay(lane, lighting_.sunSample(lane % samples, samples));
+    const Eigen::Vector3f origin = sunRayOrigin(lane);
+    shadow_.org_x[lane] = origin.x();
+    shadow_.org_y[lane] = origin.y();
+    shadow_.org_z[lane] = origin.z();
+    shadow_.dir_x[lane] = to_sun.x();
+    shadow_.dir_y[lane] = to_sun.y();
+    shadow_.dir_z[lane] = to_sun.z();
+    shadow_.tnear[lane] = 0.0F;
+    shadow_.tfar[lane] = kShadowReach;
+    shadow_.time[lane] = 0.0F;
+    shadow_.mask[lane] = 0xffffffffU;
+    shadow_.flags[lane] = 0;
     valid_[lane] = -1;
     any = true;
   }
-  if (any) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags =
-        RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to hang
-    rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
-  }
+  if (!any) return;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags =
+      RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to hang
+  rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
   for (int lane = 0; lane < rays; ++lane) {
     if (valid_[lane] != 0 && shadow_.tfar[lane] >= 0.0F) sunlit_[lane] = 1.0F;
+  }
+}
+
+bool PacketRenderer::seesSun(int lane, const Eigen::Vector3f& to_sun) const {
+  const Eigen::Vector3f origin = sunRayOrigin(lane);
+  RTCRay ray{};
+  ray.org_x = origin.x();
+  ray.org_y = origin.y();
+  ray.org_z = origin.z();
+  ray.dir_x = to_sun.x();
+  ray.dir_y = to_sun.y();
+  ray.dir_z = to_sun.z();
+  ray.tfar = kShadowReach;
+  ray.mask = 0xffffffffU;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene_.handle(), &context, &ray);
+  return ray.tfar >= 0.0F;
+}
+
+/// The sun is a disc of half a degree: each of a pixel's samples looks at another part of it. A packet pays
+/// where most lanes take part; of the second look's rays few need the sun, and those few are far apart.
+void PacketRenderer::castSunRays(int rays, int samples) {
+  if (samples == 1) lookAtSunTogether(rays, lighting_.sunSample(0, 1));
+  for (int sample = 0; sample < samples && samples > 1; ++sample) {
+    const Eigen::Vector3f to_sun = lighting_.sunSample(sample, samples);
+    for (int lane = sample; lane < rays; lane += samples) {
+      if (!sun_known_[lane] && seesSun(lane, to_sun)) sunlit_[lane] = 1.0F;
+    }
+  }
+  for (int lane = 0; lane < rays; ++lane) {
     if (sunlit_[lane] > 0.0F) surface_[lane] |= SurfaceName::kSunlit;
   }
 }
@@ -199,7 +230,6 @@ PacketRenderer::Piece PacketRenderer::collect(int first, int end, std::array<boo
 PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) const {
   PixelLight light;
   light.surface = surface_[first];
-  const float angle = pixelAngle(pixel);
   std::array<bool, kLanes> done{};
   const float weight = 1.0F / static_cast<float>(samples);
   for (int i = first; i < first + samples; ++i) {
@@ -214,11 +244,12 @@ PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) co
     Piece piece = collect(i, first + samples, done);
     const float share = weight * static_cast<float>(piece.count);
     if (surface_[i] == 0) {
-      light.radiance += share * skyRadiance(lighting_, piece.direction, angle);
+      light.radiance += share * skyRadiance(lighting_, piece.direction, pixel_angle_);
       continue;
     }
     if (samples == 1) moveToCentre(pixel, piece.hit, piece.direction);
-    light.radiance += share * surfaceRadiance(scene_, lighting_, style_, piece.hit, piece.direction, angle);
+    light.radiance +=
+        share * surfaceRadiance(scene_, lighting_, style_, piece.hit, piece.direction, pixel_angle_);
   }
   return light;
 }

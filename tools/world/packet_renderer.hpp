@@ -45,12 +45,17 @@ struct FirstLook {
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
                 const Eigen::Vector3f& direction);
 
-/// Renders pixels in packets of sixteen rays.
+/// Renders pixels in packets of sixteen rays, all near `middle`: they take the size of their pixels from it.
 class PacketRenderer {
  public:
   PacketRenderer(const Scene& scene, const Lighting& lighting, const TextureStyle& style, const View& view,
-                 const SamplePatterns& patterns)
-      : scene_(scene), lighting_(lighting), style_(style), view_(view), patterns_(patterns) {}
+                 const SamplePatterns& patterns, const Pixel& middle)
+      : scene_(scene),
+        lighting_(lighting),
+        style_(style),
+        view_(view),
+        patterns_(patterns),
+        pixel_angle_(pixelAngle(middle)) {}
 
   /// Up to 16 / `samples` pixels, `samples` rays through each. `salt` picks other patterns for another pass.
   /// What `known` (null: nothing) already tells of the surfaces that the rays find is not worked out again.
@@ -70,7 +75,11 @@ class PacketRenderer {
   void nameSurfaces(int rays);
   void recall(std::span<const Pixel> pixels, int samples, const FirstLook& known);
   void castSunRays(int rays, int samples);
-  void setSunRay(int lane, const Eigen::Vector3f& to_sun);
+  Eigen::Vector3f sunRayOrigin(int lane) const {
+    return position_[lane] + (0.002F + 2e-4F * packet_.ray.tfar[lane]) * normal_[lane];
+  }
+  void lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun);
+  bool seesSun(int lane, const Eigen::Vector3f& to_sun) const;
   /// What several samples of a pixel saw of one surface.
   struct Piece {
     SurfaceHit hit;
@@ -92,6 +101,7 @@ class PacketRenderer {
   const TextureStyle& style_;
   const View& view_;
   const SamplePatterns& patterns_;
+  const float pixel_angle_;  ///< width of a pixel on the plane z = 1
   RTCRayHit16 packet_{};
   RTCRay16 shadow_{};
   std::array<Eigen::Vector3f, kLanes> direction_;

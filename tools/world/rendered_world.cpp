@@ -24,7 +24,7 @@ namespace cartvo::world {
 namespace {
 
 constexpr int kLook =
-    2;  ///< raised whenever the same settings give other images, so that cached streams expire
+    3;  ///< raised whenever the same settings give other images, so that cached streams expire
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("rendered world: " + what);
@@ -56,6 +56,20 @@ std::size_t sideIndex(CameraSide side) {
 TextureStyle styleOf(const WorldSettings& settings) {
   return {settings.scenario == Scenario::low_texture ? 0.3F : 1.0F,
           static_cast<std::uint32_t>(settings.seed) * 7919U};
+}
+
+/// Rounded to a hundredth of a millimetre and a microradian: a camera that stands still keeps its rays, so
+/// that nothing flickers before it; one that moves gets others with each image, so that no grid stands still.
+std::uint32_t samplePatternSeed(const Eigen::Isometry3d& T_map_camera) {
+  std::uint32_t seed = 0;
+  const auto mix = [&](double value, double step) {
+    seed = hashOf({seed, static_cast<std::uint32_t>(std::llround(value / step))});
+  };
+  for (const double metres : T_map_camera.translation())
+    mix(metres, 1e-5);
+  for (const double element : T_map_camera.linear().reshaped())
+    mix(element, 1e-6);
+  return seed;
 }
 
 /// A camera that sees the same field in few pixels, for the exposure control.
@@ -104,8 +118,8 @@ class RenderedWorld::Implementation {
     const std::uint32_t image_seed =
         hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
                 static_cast<std::uint32_t>(camera)});
-    const cv::Mat radiance = renderRadiance(stage->scene, lighting, style, sampling,
-                                            viewAt(seconds, rays[camera], camera, image_seed));
+    const cv::Mat radiance =
+        renderRadiance(stage->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
     SensorSettings sensor;
     sensor.gain = camera == 0 ? 1.0F : 1.03F;
     const CameraModel& model = camera == 0 ? rig.left : rig.right;
@@ -124,7 +138,7 @@ class RenderedWorld::Implementation {
     moveTo(seconds);
     DepthImage result;
     renderDepthAndMotion(stage->scene, RenderSettings{0, settings.threads},
-                         viewAt(seconds, rays[camera], camera, 0), result.depth, result.moving);
+                         viewAt(seconds, rays[camera], camera), result.depth, result.moving);
     return result;
   }
 
@@ -151,12 +165,13 @@ class RenderedWorld::Implementation {
     stage->scene.update();
   }
 
-  View viewAt(double seconds, const RayTable& table, std::size_t camera, std::uint32_t seed) const {
+  View viewAt(double seconds, const RayTable& table, std::size_t camera) const {
+    const Eigen::Isometry3d T_map_camera = drive.T_map_body(seconds) * T_body_camera[camera];
     View view;
     view.rays = &table;
     view.size = settings.image_size;
-    view.T_map_camera = (drive.T_map_body(seconds) * T_body_camera[camera]).cast<float>();
-    view.sample_seed = seed;
+    view.T_map_camera = T_map_camera.cast<float>();
+    view.sample_seed = samplePatternSeed(T_map_camera);
     return view;
   }
 
@@ -167,7 +182,7 @@ class RenderedWorld::Implementation {
     std::vector<double> metered;
     for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep)) {
       moveTo(t);
-      View view = viewAt(t, table, 0, 1U);
+      View view = viewAt(t, table, 0);
       view.size = model.size;
       metered.push_back(cv::mean(
           renderRadiance(stage->scene, lighting, style, RenderSettings{0, settings.threads}, view))[0]);

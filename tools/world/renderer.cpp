@@ -41,18 +41,25 @@ enum class Surroundings : std::uint8_t {
   edge,
 };
 
-Surroundings surroundings(const cv::Mat& surface, int x, int y) {
-  const std::int32_t own = surface.at<std::int32_t>(y, x);
+Surroundings surroundings(const FirstLook& look, int x, int y) {
+  // What differs by less than the grey levels' own steps needs no second look.
+  constexpr float kSeen = 1.03F;
+  const std::int32_t own = look.surface.at<std::int32_t>(y, x);
   bool plain = true;
   int leaves = 0;
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, surface.rows - 1); ++v) {
-    const auto* row = surface.ptr<std::int32_t>(v);
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, surface.cols - 1); ++u) {
+  float darkest = look.radiance.at<float>(y, x);
+  float brightest = darkest;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, look.surface.rows - 1); ++v) {
+    const auto* row = look.surface.ptr<std::int32_t>(v);
+    const auto* light = look.radiance.ptr<float>(v);
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, look.surface.cols - 1); ++u) {
       plain = plain && row[u] == own;
       if ((static_cast<std::uint32_t>(row[u]) & SurfaceName::kLeaf) != 0) ++leaves;
+      darkest = std::min(darkest, light[u]);
+      brightest = std::max(brightest, light[u]);
     }
   }
-  if (plain) return Surroundings::plain;
+  if (plain || brightest <= kSeen * darkest) return Surroundings::plain;
   constexpr int kLeafy = 4;
   return leaves >= kLeafy ? Surroundings::leaves : Surroundings::edge;
 }
@@ -87,7 +94,7 @@ void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& til
   std::vector<Pixel> leaves;
   for (int y = tile.y; y < tile.br().y; ++y) {
     for (int x = tile.x; x < tile.br().x; ++x) {
-      const Surroundings around = surroundings(look.surface, x, y);
+      const Surroundings around = surroundings(look, x, y);
       if (around == Surroundings::edge) edges.push_back({x, y});
       if (around == Surroundings::leaves) leaves.push_back({x, y});
     }
@@ -110,9 +117,11 @@ cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const Textu
   const int rows = (view.size.height + kTile - 1) / kTile;
   const auto for_each_tile = [&](const auto& work) {
     parallelFor(columns * rows, settings.threads, [&](int i) {
-      PacketRenderer renderer(scene, lighting, style, view, patterns);
-      const cv::Rect tile(i % columns * kTile, i / columns * kTile, kTile, kTile);
-      work(renderer, tile & cv::Rect(cv::Point(), view.size));
+      const cv::Rect tile =
+          cv::Rect(i % columns * kTile, i / columns * kTile, kTile, kTile) & cv::Rect(cv::Point(), view.size);
+      PacketRenderer renderer(scene, lighting, style, view, patterns,
+                              {tile.x + tile.width / 2, tile.y + tile.height / 2});
+      work(renderer, tile);
     });
   };
   for_each_tile([&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirst(renderer, tile, look); });

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tools/world/lens.hpp"
 #include "tools/world/steps.hpp"
@@ -54,6 +55,24 @@ TEST(RenderedWorld, AnotherSeedIsAnotherCampus) {
   const RenderedWorld second(settings);
   EXPECT_GT(meanDifference(first.image(50, CameraSide::left), second.image(50, CameraSide::left)), 5.0);
   EXPECT_NE(first.cacheKey(), second.cacheKey());
+}
+
+TEST(RenderedWorld, NothingFlickersBeforeACartThatStands) {
+  WorldSettings settings = smallDrive(Scenario::standing);
+  settings.noise = 0.0;
+  const RenderedWorld world(settings);
+  const auto at_rest = [&](int index) -> cv::Mat {  // also away from the edges of what moves
+    const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
+    cv::Mat still;
+    cv::erode(moving == 0, still, cv::Mat(), cv::Point(-1, -1), 2);
+    return still;
+  };
+  const cv::Mat still = at_rest(60) & at_rest(61);
+  cv::Mat change;
+  cv::absdiff(world.image(60, CameraSide::left), world.image(61, CameraSide::left), change);
+  const int changed = cv::countNonZero((change > 1) & still);  // where shadows pass
+  EXPECT_LT(changed, 0.015 * cv::countNonZero(still));
+  EXPECT_GT(cv::countNonZero(still), 0.5 * static_cast<double>(still.total()));
 }
 
 TEST(RenderedWorld, EachCameraKeepsItsOwnClock) {

@@ -1,0 +1,264 @@
+#!/usr/bin/env bash
+# Runs inside the machine that tests/system/boot_vm.sh boots, and checks the installed service as an administrator would
+# see it: sets it up by the steps of cartvod(8), breaks what can break on a cart, and looks at what systemd, the journal and
+# LCM say. A PASS or FAIL line for each check, and a closing line with their numbers. After the first half the machine is
+# booted again, because a cart is switched on with nobody at it.
+set -uo pipefail
+
+readonly state=/var/lib/in_vm           # survives the second boot
+readonly credentials=/etc/cartvo/credentials
+readonly configuration=/etc/cartvo/cartvod.yaml
+readonly simulation=/var/lib/simulation
+mkdir -p "$state"
+
+# --- the report
+
+say() { echo "in_vm: $*"; }
+check() { # check DESCRIPTION COMMAND...
+  local what=$1 started=$SECONDS
+  shift
+  if "$@"; then
+    echo "PASS $what ($((SECONDS - started)) s)"
+    echo . >>"$state/passed"
+  else
+    echo "FAIL $what ($((SECONDS - started)) s)"
+    echo . >>"$state/failed"
+    systemctl status --no-pager --lines=15 cartvod 2>&1 | sed 's/^/     | /'
+  fi
+}
+lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
+await() { # await SECONDS COMMAND...
+  local end=$((SECONDS + $1))
+  shift
+  until "$@"; do
+    [ $SECONDS -lt $end ] || return 1
+    sleep 0.5
+  done
+}
+holds_for() { # holds_for SECONDS COMMAND...: it is so all the time
+  local end=$((SECONDS + $1))
+  shift
+  while [ $SECONDS -lt $end ]; do
+    "$@" || return 1
+    sleep 1
+  done
+}
+
+# --- what systemd and the journal say
+
+show() { systemctl show --value -p "$1" cartvod; }
+is() { [ "$(show "$1")" = "$2" ]; }
+pid() { show MainPID; }
+is_active() { is ActiveState active; }
+mark() { journal_mark=$(journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p'); }
+journal() { journalctl -u cartvod --after-cursor="$journal_mark" --no-pager "$@"; }
+said() { journal -o cat | grep -E "$1" >/dev/null; } # since the mark; not grep -q, which would break journalctl's pipe
+is_ready_again() { [ "$(pid)" != "$1" ] && [ "$(show NRestarts)" -gt "$2" ] && is_active; } # PID NRESTARTS: before
+is_same_process() { is MainPID "$1" && is NRestarts "$2" && is_active; }
+
+# --- what a controller hears: nobody in particular, through LCM
+
+heard() { # heard SECONDS COMPARISON...: such as 'valid -gt 10', of the summary of `cartvo watch`
+  local file value
+  file=$(mktemp -d)
+  chmod 777 "$file"
+  setpriv --reuid=nobody --regid=nogroup --clear-groups cartvo watch --plain --wait 30 --seconds "$1" --summary "$file/summary" >/dev/null 2>&1
+  shift
+  while [ $# -gt 0 ]; do
+    value=$(sed -n 's/^ *"'"$1"'": \([0-9]*\).*/\1/p' "$file/summary" 2>/dev/null)
+    if [ -z "$value" ] || ! test "$value" "$2" "$3"; then
+      echo "     | $1 is '$value', expected $2 $3"
+      return 1
+    fi
+    shift 3
+  done
+}
+
+# --- the two simulated cameras, each at an address of its own
+
+mapfile -t content <$simulation/content # what boot_vm.sh rendered
+readonly left_address=127.0.0.1 right_address=127.0.0.2
+cameras_on() {
+  local before
+  before=$(journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p')
+  systemd-run --quiet --collect --unit=cameras -E HOME=/root cartvo simulate "${content[@]}" --loop \
+    --cache-dir "$simulation/streams" --output-dir "$simulation" --left $left_address:8554 --right $right_address:8554
+  await 120 are_serving "$before"
+}
+are_serving() { journalctl -u cameras --after-cursor="$1" --no-pager -o cat | grep '^ready: ' >/dev/null; }
+cameras_off() { systemctl stop cameras; }
+pull_cable() { ip route add blackhole "$1/32" table local; } # packets vanish, connections stay open
+plug_cable() { ip route delete blackhole "$1/32" table local; }
+
+# --- where a password could have got to
+
+places_of() { # places_of FILE: names the places where the password in it can be read
+  journalctl --no-pager -a -o export | grep -aFf "$1" >/dev/null && echo journal
+  systemctl show cartvod cartvo-multicast | grep -aFf "$1" >/dev/null && echo "properties of the units"
+  grep -alFf "$1" /proc/[0-9]*/cmdline /proc/[0-9]*/environ 2>/dev/null
+}
+finds_decoys() { # the search itself: it must find what lies open
+  local decoy=decoy-$RANDOM$RANDOM found
+  echo "$decoy" >"$state/decoy"
+  DECOY=$decoy sleep 600 &
+  local with_environment=$!
+  bash -c 'sleep 600; :' "$decoy" &
+  local with_argument=$!
+  logger "$decoy"
+  await 10 sh -c "journalctl -n 50 -o cat | grep -qF '$decoy'"
+  found=$(places_of "$state/decoy")
+  kill $with_environment $with_argument
+  [[ $found == *journal* && $found == */proc/$with_environment/environ* && $found == */proc/$with_argument/cmdline* ]]
+}
+is_nowhere() {
+  [ -s "$1" ] && [ "$(wc -c <"$1")" -ge 6 ] || return 1
+  local found
+  found=$(places_of "$1")
+  [ -z "$found" ] || { echo "     | password in: ${found//$'\n'/, }"; return 1; }
+}
+
+# --- the checks
+
+made_its_user() {
+  systemd-sysusers
+  local id
+  id=$(id -u cartvo) && [ "$id" -gt 0 ] && [ "$id" -lt 1000 ] && grep -q '^cartvo:.*:/usr/sbin/nologin$' /etc/passwd
+}
+set_up() { # the steps of cartvod(8)
+  cameras_on || return 1 # their first start makes a rig file and a password
+  cameras_off
+  tr -d '\n' <"$simulation/password" >"$state/password"
+  install -D -m 600 "$state/password" $credentials/left-camera-password
+  install -D -m 600 "$state/password" $credentials/right-camera-password
+  install -m 644 "$simulation/rig.yaml" /etc/cartvo/rig.yaml
+  sed -i -e "s|rtsp://192.168.1.64:554/|rtsp://$left_address:8554/|" -e "s|rtsp://192.168.1.65:554/|rtsp://$right_address:8554/|" \
+    -e 's|^  frame_rate: 18$|  frame_rate: 3|' -e 's|^  stall_timeout: 1$|  stall_timeout: 3|' \
+    -e 's|^  features: 1000$|  features: 150|' $configuration
+  systemctl daemon-reload
+  systemctl enable --quiet --now --no-block cartvod
+}
+waits_for_cameras() { await 60 is SubState start && holds_for 75 is SubState start; }
+became_ready_at_validity() { # READY and the journal's 'odometry is valid' belong together, and nothing was ready before
+  local ready valid
+  ready=$(show ActiveEnterTimestampMonotonic)
+  valid=$(journal -o short-monotonic | sed -n 's/^\[ *\([0-9]*\)\.\([0-9]*\)\].*odometry is valid$/\1\2/p' | head -n 1)
+  [ -n "$valid" ] && [ "$ready" -gt $((valid - 2000000)) ] && [ "$ready" -lt $((valid + 2000000)) ]
+}
+runs_confined() {
+  local status
+  status=$(cat "/proc/$(pid)/status")
+  [ "$(stat -c %U "/proc/$(pid)")" = cartvo ] && grep -q '^CapEff:\s*0*$' <<<"$status" &&
+    grep -q '^CapBnd:\s*0*$' <<<"$status" && grep -q '^NoNewPrivs:\s*1$' <<<"$status" && grep -q '^Seccomp:\s*2$' <<<"$status"
+}
+is_exposed_little() {
+  systemd-analyze security --no-pager "$1" | tail -n 1 | sed 's/^/     | /'
+  systemd-analyze security --no-pager --threshold=20 "$1" >/dev/null
+}
+stopped_cleanly() {
+  systemctl stop cartvod && is ActiveState inactive && is Result success && is ExecMainCode 1 && is ExecMainStatus 0 &&
+    said 'stopped after [0-9]+ pairs'
+}
+logins_are_open() { systemctl -q is-active systemd-user-sessions && systemctl -q is-active getty@tty1; }
+mended_by_its_own_words() { # runs the commands between the quotes of the message
+  local commands
+  commands=$(journal -o cat | sed -n "s/.*To keep LCM on this host: '\([^']*\)'.*/\1/p" | head -n 1)
+  echo "     | $commands"
+  [ -n "$commands" ] && sh -ec "$commands"
+}
+
+first_boot() {
+  mark
+  check "systemd-sysusers makes the service's own user" made_its_user
+  check "the steps of cartvod(8) set it up" set_up
+  check "waits for absent cameras longer than TimeoutStartSec, not failed" waits_for_cameras
+  check "says which camera it waits for" said 'left camera: connecting: .*127\.0\.0\.1'
+  check "publishes INVALID meanwhile" heard 5 no_pair -gt 8 valid -eq 0
+
+  cameras_on
+  check "becomes ready once the cameras are there" await 120 is_active
+  check "ready at the first valid odometry, not before" became_ready_at_validity
+  check "was not restarted on the way" is NRestarts 0
+  check "runs as its own user, without capabilities, with a system-call filter" runs_confined
+  check "odometry arrives over LCM at another user" heard 15 valid -ge 10 lost -eq 0
+  check "exposure of cartvod.service at most 2.0" is_exposed_little cartvod.service
+  check "exposure of cartvo-multicast.service at most 2.0" is_exposed_little cartvo-multicast.service
+
+  local process restarts
+  process=$(pid) restarts=$(show NRestarts)
+  cameras_off
+  check "cameras off: INVALID goes on" heard 20 no_pair -gt 30 valid -le 6
+  check "cameras off: the same process, no restart" is_same_process "$process" "$restarts"
+  mark
+  cameras_on
+  check "cameras on again: valid" await 60 said '^odometry is valid'
+  mark
+  pull_cable $right_address
+check "one camera's cable pulled: INVALID, no pair" heard 15 no_pair -gt 20 valid -le 6
+  check "names the camera" await 30 said 'right camera: (stalled|connecting)'
+  mark
+  plug_cable $right_address
+  check "cable plugged again: valid" await 90 said '^odometry is valid'
+  check "all that by the same process" is_same_process "$process" "$restarts"
+
+  kill -9 "$process"
+  check "kill -9: restarted and ready again" await 120 is_ready_again "$process" "$restarts"
+  process=$(pid) restarts=$(show NRestarts)
+  mark
+  kill -STOP "$process"
+  check "stuck process: the watchdog restarts it, ready again" await 150 is_ready_again "$process" "$restarts"
+  check "stuck process: the journal says so" said 'Watchdog timeout'
+
+  check "the search for passwords finds decoys" finds_decoys
+  check "the password is in no journal, command line, environment or property" is_nowhere "$state/password"
+  echo "wrong-$RANDOM$RANDOM$RANDOM" >"$state/wrong"
+  install -m 600 "$state/wrong" $credentials/left-camera-password
+  sed -i 's|^  level: info$|  level: debug|' $configuration
+  mark
+  systemctl restart --no-block cartvod
+  check "wrong password: a message that names camera and user" await 60 said "left camera: refused: .*127\.0\.0\.1.* refused the user or password \(user 'admin'"
+  check "wrong password: waits before it asks again" said 'trying again in [0-9]+'
+  check "wrong password: waiting, not failed" is ActiveState activating
+  check "wrong password: it is nowhere, even with logging.level debug" is_nowhere "$state/wrong"
+  check "nor is the right one" is_nowhere "$state/password"
+  install -m 600 "$state/password" $credentials/left-camera-password
+  sed -i 's|^  level: debug$|  level: info|' $configuration
+  systemctl stop cartvod
+
+  ip route delete 239.255.76.67/32 dev lo
+  mark
+  systemctl start --no-block cartvod
+  check "no multicast route: a message that says so" await 60 said 'LCM: this host has no route for the multicast group 239\.255\.76\.67'
+  check "no multicast route: the message's own commands mend it" mended_by_its_own_words
+  check "and the service comes by itself" await 120 is_active
+
+  mark
+  check "a clean stop: exit 0, inactive" stopped_cleanly
+  check "stays stopped" holds_for 5 is ActiveState inactive
+}
+
+second_boot() {
+  journal_mark=''
+  check "booted without cameras: logins do not wait for the service" await 60 logins_are_open
+  check "but the service waits" is SubState start
+  cameras_on
+  check "ready once they are there, nobody did anything" await 180 is_active
+  check "at the first start" is NRestarts 0
+  check "the route is there again" sh -c 'ip route show 239.255.76.67 | grep -q "dev lo"'
+  check "odometry arrives over LCM" heard 15 valid -ge 10
+  mark
+  check "a clean stop: exit 0, inactive" stopped_cleanly
+}
+
+if [ ! -e "$state/second" ]; then
+  say "first boot, systemd $(systemctl --version | sed -n 's/^systemd \([0-9]*\).*/\1/p'), Linux $(uname -r)"
+  first_boot
+  touch "$state/second"
+  journalctl --no-pager -o short-precise -u 'cartv*' -u cameras >/dev/ttyS2
+  systemctl reboot
+else
+  say "second boot"
+  second_boot
+  journalctl --no-pager -o short-precise -b -u 'cartv*' -u cameras >/dev/ttyS2
+  say "$(lines "$state/passed") passed, $(lines "$state/failed") failed"
+  systemctl poweroff
+fi

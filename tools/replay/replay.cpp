@@ -5,6 +5,7 @@
 
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
+#include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
 namespace {
@@ -27,18 +28,40 @@ class UnbrokenPath {
   Eigen::Isometry3d T_first_current_ = Eigen::Isometry3d::Identity();
 };
 
-ReplayedPair kept(const PairResult& result, const Eigen::Isometry3d& T_first_left) {
+/// Tells of the rig's left camera what the odometry tells of the rectified one.
+class LeftCameraView {
+ public:
+  explicit LeftCameraView(const Eigen::Isometry3d& T_left_rectified)
+      : T_left_rectified_(T_left_rectified), adjoint_(adjoint(T_left_rectified)) {}
+
+  Eigen::Isometry3d of(const Eigen::Isometry3d& motion) const {
+    return T_left_rectified_ * motion * T_left_rectified_.inverse();
+  }
+  Matrix6d of(const Matrix6d& covariance) const { return adjoint_ * covariance * adjoint_.transpose(); }
+
+ private:
+  Eigen::Isometry3d T_left_rectified_;
+  Matrix6d adjoint_;
+};
+
+ReplayedPair kept(const PairResult& result, const LeftCameraView& left, UnbrokenPath& path) {
+  const OdometryEstimate& estimate = result.estimate;
   ReplayedPair pair;
   pair.exposure_ns = result.left.exposure_ns;
   pair.offset_ns = result.offset_ns();
-  pair.valid = result.estimate.valid;
-  pair.reasons = result.estimate.reasons;
-  pair.reset_counter = result.estimate.reset_counter;
-  pair.time_step = result.estimate.time_step;
-  pair.counts = result.estimate.counts;
+  pair.valid = estimate.valid;
+  pair.reasons = estimate.reasons;
+  pair.reset_counter = estimate.reset_counter;
+  pair.time_step = estimate.time_step;
+  pair.counts = estimate.counts;
   pair.velocity = result.motion.velocity;
   pair.angular_velocity = result.motion.angular_velocity;
-  pair.T_first_left = T_first_left;
+  pair.twist_covariance = result.motion.twist_covariance;
+  pair.T_first_left = left.of(path.add(estimate));
+  pair.T_epoch_left = left.of(estimate.T_world_camera);
+  pair.pose_covariance = left.of(estimate.pose_covariance);
+  pair.T_previous_current = left.of(estimate.T_previous_current);
+  pair.motion_covariance = left.of(estimate.motion_covariance);
   pair.times = result.times;
   return pair;
 }
@@ -50,32 +73,36 @@ Rectifier rectifierOf(const Rig& rig) {
 
 }  // namespace
 
-Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
-  StereoSource source = openSource(settings.source);
+Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySettings& odometry,
+                   const ReplayObserver& observer) {
   Replay replay;
   replay.kind = source.kind;
-  replay.rig = findRig(source, settings.source, settings.rig);
+  replay.rig = rig;
 
-  const Rig& rig = replay.rig.rig;
-  PairProcessor processor(rig, rectifierOf(rig), settings.odometry);
-  const Eigen::Isometry3d T_left_rectified = processor.T_left_rectified();
-  Pipeline pipeline(*source.left, *source.right, processor, {rig.left.size, source.period_ns});
+  PairProcessor processor(rig.rig, rectifierOf(rig.rig), odometry);
+  const LeftCameraView left(processor.T_left_rectified());
+  Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
   UnbrokenPath path;
   pipeline.replay({[&](const PairResult& result) {
-                     const Eigen::Isometry3d pose = path.add(result.estimate);
-                     replay.pairs.push_back(
-                         kept(result, T_left_rectified * pose * T_left_rectified.inverse()));
+                     replay.pairs.push_back(kept(result, left, path));
                      observer(result, source.pairs);
                    },
                    {}});
 
-  if (replay.pairs.empty()) {
-    throw std::runtime_error(settings.source.string() + ": holds no pair of images that belong together");
-  }
   replay.counts = pipeline.counts();
   for (const CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
       replay.problems.push_back(error);
+  }
+  return replay;
+}
+
+Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
+  StereoSource source = openSource(settings.source);
+  const FoundRig rig = findRig(source, settings.source, settings.rig);
+  Replay replay = replayPairs(source, rig, settings.odometry, observer);
+  if (replay.pairs.empty()) {
+    throw std::runtime_error(settings.source.string() + ": holds no pair of images that belong together");
   }
   return replay;
 }

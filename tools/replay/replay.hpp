@@ -30,9 +30,20 @@ struct ReplayedPair {
   std::uint32_t reset_counter = 0;
   double time_step = 0.0;  ///< s since the pair that the motion is measured from; 0 if not valid
   FeatureCounts counts;
-  Eigen::Vector3d velocity;          ///< as BodyMotion's; NaN if not valid
-  Eigen::Vector3d angular_velocity;  ///< as BodyMotion's; NaN if not valid
-  Eigen::Isometry3d T_first_left;    ///< the rig's left camera, its own axes, since the first pair
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as BodyMotion's; NaN if not valid
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as BodyMotion's; NaN if not valid
+  Matrix6d twist_covariance = Matrix6d::Zero();                ///< as BodyMotion's; NaN if not valid
+
+  // Of the rig's left camera, in its own axes: what OdometryEstimate says of the rectified one, whose
+  // rotation is undone. Covariances are perturbations on the right, in the axes of the current camera.
+  /// Pose since the first pair, across epochs.
+  Eigen::Isometry3d T_first_left = Eigen::Isometry3d::Identity();
+  /// Pose since the epoch began, and its covariance.
+  Eigen::Isometry3d T_epoch_left = Eigen::Isometry3d::Identity();
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  /// Motion in `time_step`; identity if not valid. And its covariance; zero if not valid.
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
+  Matrix6d motion_covariance = Matrix6d::Zero();
   StageTimes times;
 };
 
@@ -49,8 +60,13 @@ struct Replay {
 /// Is told of each pair as it was processed, and how many are expected (0: unknown).
 using ReplayObserver = std::function<void(const PairResult& result, std::size_t expected)>;
 
-/// Runs the daemon's pipeline over a source on disk, each pair in turn, none dropped for time. Throws what
-/// the source, the rig or the settings are refused for.
+/// Runs the daemon's pipeline over a source, each pair in turn, none dropped for time. Throws what the rig or
+/// the settings are refused for.
+Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySettings& odometry,
+                   const ReplayObserver& observer);
+
+/// The same over a source on disk. Throws what the source, the rig or the settings are refused for, also if
+/// no pair of its images belongs together.
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer);
 
 /// Poses of the left camera, in its own axes, relative to the first pair's.

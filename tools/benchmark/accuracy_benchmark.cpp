@@ -1,0 +1,119 @@
+// All sequences, all estimators, all bit rates.
+#include "tools/benchmark/accuracy_benchmark.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "tools/benchmark/encoded_source.hpp"
+#include "tools/replay/estimator_names.hpp"
+#include "tools/simulate/sequence_content.hpp"
+#include "tools/simulate/stream_cache.hpp"
+#include "tools/simulate/truth.hpp"
+
+namespace cartvo::benchmark {
+namespace {
+
+constexpr std::uint64_t kMostStreamBytes = 4'000'000'000;
+
+std::string withBitrate(const std::string& name, double bitrate_mbps) {
+  if (bitrate_mbps == 0.0) return name;
+  char text[48];
+  std::snprintf(text, sizeof text, ", %g Mbit/s", bitrate_mbps);
+  return name + text;
+}
+
+/// Runs the estimators over one sequence after the other and keeps what they made of it.
+class AccuracyRun {
+ public:
+  AccuracyRun(const AccuracySettings& settings, const WorkObserver& observer)
+      : settings_(settings), observer_(observer), streams_(settings.cache, kMostStreamBytes) {}
+
+  void measure(const Sequence& sequence) {
+    for (const Estimator estimator : settings_.estimators) {
+      StereoSource source = openSource(sequence.folder);
+      const FoundRig rig = findRig(source, sequence.folder, {});
+      measure(sequence, estimator, 0.0, source, rig);
+    }
+    for (const double bitrate : settings_.bitrates_mbps)
+      measureEncoded(sequence, bitrate);
+  }
+
+  std::vector<SequenceAccuracy> take() { return std::move(results_); }
+
+ private:
+  void measure(const Sequence& sequence, Estimator estimator, double bitrate_mbps, StereoSource& source,
+               const FoundRig& rig) {
+    const std::string name = withBitrate(sequence.name, bitrate_mbps);
+    observer_.begin(name + ": " + estimatorName(estimator));
+    OdometrySettings odometry = settings_.odometry;
+    odometry.estimator = estimator;
+    const Replay replay =
+        replayPairs(source, rig, odometry, [&](const PairResult& result, std::size_t expected) {
+          observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
+        });
+    if (replay.pairs.empty())
+      throw std::runtime_error(name + ": holds no pair of images that belong together");
+    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
+    accuracy.sequence = sequence.name;
+    accuracy.kind = sequence.kind;
+    accuracy.bitrate_mbps = bitrate_mbps;
+    accuracy.estimator = estimatorName(estimator);
+    results_.push_back(std::move(accuracy));
+  }
+
+  /// The encoded content counts its instants from the first picture.
+  void measureEncoded(const Sequence& sequence, double bitrate_mbps) {
+    const simulate::SequenceContent content(sequence.folder, {});
+    const auto streams = encoded(content, withBitrate(sequence.name, bitrate_mbps), bitrate_mbps);
+    Sequence from_zero = sequence;
+    from_zero.truth.left_camera =
+        simulate::shifted(sequence.truth.left_camera, -sequence.truth.left_camera.front().time_ns);
+    for (const Estimator estimator : settings_.estimators) {
+      StereoSource source = openEncoded(streams);
+      measure(from_zero, estimator, bitrate_mbps, source, {content.rig(), sequence.folder.string()});
+    }
+  }
+
+  std::shared_ptr<const simulate::EncodedPair> encoded(const simulate::Content& content,
+                                                       const std::string& name, double bitrate_mbps) {
+    simulate::EncoderSettings encoder;
+    encoder.bitrate_kbps = static_cast<int>(std::lround(1000.0 * bitrate_mbps));
+    const std::string key = content.cacheKey() + "\n" + simulate::encoderKey(encoder);
+    if (std::optional<simulate::EncodedPair> kept = streams_.load(key)) {
+      return std::make_shared<const simulate::EncodedPair>(*std::move(kept));
+    }
+    observer_.begin(name + ": encoding");
+    auto streams = std::make_shared<const simulate::EncodedPair>(
+        simulate::encodeContent(content, encoder, observer_.progress));
+    streams_.store(key, *streams);
+    return streams;
+  }
+
+  const AccuracySettings& settings_;
+  const WorkObserver& observer_;
+  simulate::StreamCache streams_;
+  std::vector<SequenceAccuracy> results_;
+};
+
+}  // namespace
+
+std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& settings,
+                                                   const WorkObserver& observer) {
+  AccuracyRun run(settings, observer);
+  if (!settings.data.empty()) {
+    for (const Sequence& sequence : realSequences(settings.data))
+      run.measure(sequence);
+  }
+  const WorldCache worlds(settings.cache / "worlds");
+  for (const world::WorldSettings& world : settings.worlds) {
+    observer.begin(worldName(world) + ": rendering, unless it is cached");
+    run.measure(renderedSequence(world, worlds, observer.progress));
+  }
+  return run.take();
+}
+
+}  // namespace cartvo::benchmark

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+
+#include "capture/stereo_source.hpp"
+#include "tools/simulate/encoded_stream.hpp"
+
+namespace cartvo::benchmark {
+
+/// Plays two H.264 streams from memory through the product's own decoder, as fast as they are read and
+/// without the simulated cameras' lead-in. Instants are those of the content.
+StereoSource openEncoded(const std::shared_ptr<const simulate::EncodedPair>& streams);
+
+}  // namespace cartvo::benchmark

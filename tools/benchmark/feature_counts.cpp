@@ -1,0 +1,75 @@
+// Corners per image and window with fixed and with adaptive thresholds.
+#include "tools/benchmark/feature_counts.hpp"
+
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "capture/image_folder.hpp"
+#include "vo_core/adaptive_detector.hpp"
+
+namespace cartvo::benchmark {
+namespace {
+
+struct Spread {
+  double mean = 0.0;
+  double deviation = 0.0;
+};
+
+Spread spreadOf(const std::vector<int>& values) {
+  const auto count = static_cast<double>(values.size());
+  Spread spread;
+  spread.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  for (const int value : values)
+    spread.deviation += (value - spread.mean) * (value - spread.mean) / count;
+  spread.deviation = std::sqrt(spread.deviation);
+  return spread;
+}
+
+cv::Mat readImage(const std::filesystem::path& file) {
+  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (image.empty()) throw std::runtime_error(file.string() + ": cannot be read as an image");
+  return image;
+}
+
+}  // namespace
+
+FeatureCountSeries countFeatures(const std::filesystem::path& folder, const DetectionSettings& settings,
+                                 int features) {
+  const std::vector<std::filesystem::path> images = readImageFolder(folder).left.images;
+  AdaptiveDetector detector(settings, features, readImage(images.front()).size());
+  std::vector<std::vector<int>> over_images(static_cast<std::size_t>(detector.windowCount()));
+  FeatureCountSeries series;
+  series.window_target = detector.cornerTarget();
+  for (const std::filesystem::path& file : images) {
+    const cv::Mat image = readImage(file);
+    SpacingGrid spacing(image.cols, image.rows, TrackingSettings{}.minimum_distance);
+    series.features.push_back(static_cast<int>(detector.detect(image, {}, spacing).size()));
+    std::vector<int> windows;
+    for (int window = 0; window < detector.windowCount(); ++window) {
+      windows.push_back(detector.cornerCount(window));
+      over_images[static_cast<std::size_t>(window)].push_back(windows.back());
+      if (windows.back() < 0.5 * series.window_target) series.starved += 1.0;
+    }
+    series.corners.push_back(std::accumulate(windows.begin(), windows.end(), 0));
+    series.window_deviation += spreadOf(windows).deviation / static_cast<double>(images.size());
+  }
+  for (const std::vector<int>& counts : over_images)
+    series.window_deviation_over_images += spreadOf(counts).deviation / detector.windowCount();
+  const Spread corners = spreadOf(series.corners);
+  series.corners_mean = corners.mean;
+  series.corners_deviation = corners.deviation;
+  series.features_mean = spreadOf(series.features).mean;
+  series.window_mean = corners.mean / detector.windowCount();
+  series.starved /= static_cast<double>(images.size()) * detector.windowCount();
+  return series;
+}
+
+DetectionSettings withFixedThreshold(DetectionSettings settings) {
+  settings.minimum_threshold = settings.maximum_threshold = settings.initial_threshold;
+  return settings;
+}
+
+}  // namespace cartvo::benchmark

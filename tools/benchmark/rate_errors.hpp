@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tools/benchmark/sequence.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace cartvo::benchmark {
+
+/// RMSE of velocity and rates in body axes over the valid pairs of a replay, estimate against the constant
+/// twist that makes the true motion of the same time step: the thesis' Tables 5-3 and 5-4.
+struct RateErrors {
+  std::size_t pairs = 0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< Vx, Vy, Vz, m/s
+  double pitch = 0.0, yaw = 0.0, roll = 0.0;           ///< rad/s
+};
+
+/// Throws std::runtime_error if no pair has an estimate and a truth.
+RateErrors rateErrors(const Replay& replay, const SequenceTruth& truth);
+
+}  // namespace cartvo::benchmark

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+
+#include "vo_core/stage_observer.hpp"
+
+namespace cartvo::benchmark {
+
+// What V. Venkatachalapathy, "Visual Odometry Estimation Using Selective Features", RIT, 2016, reports, as
+// far as this project knows it. Of Tables 5-3 and 5-4 and of Figures 4-13 and 4-14 it knows no numbers.
+
+// Table 5-1.
+inline constexpr double kThesisDepthRSquared = 0.9977;
+inline constexpr double kThesisDepthRSquaredWholePixels = 0.9859;
+inline constexpr double kThesisMatchGain = 0.086;
+
+// Table 5-2, 1241x376, on its own machine, ms.
+inline constexpr double kThesisTotal1000Ms = 25.91;
+inline constexpr double kThesisTotal9600Ms = 61.2;
+
+/// Of one stage with 1,000 features; nothing for stages that the thesis has not.
+constexpr std::optional<double> thesisStageMs(Stage stage) {
+  switch (stage) {
+    case Stage::rectify:
+      return 9.98;
+    case Stage::pyramid:
+      return 8.56;
+    case Stage::optical_flow:
+      return 1.21;
+    case Stage::disparity:
+      return 2.12;
+    case Stage::reproject:
+      return 0.28;
+    case Stage::motion:
+      return 0.60;
+    case Stage::detect:
+      return 1.91;
+    case Stage::weights:
+      return 0.80;
+    case Stage::minimum_distance:
+      return 0.09;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace cartvo::benchmark

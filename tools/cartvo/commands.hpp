@@ -10,5 +10,6 @@ void addSimulateCommand(CLI::App& cartvo);
 void addReplayCommand(CLI::App& cartvo);
 void addEvaluateCommand(CLI::App& cartvo);
 void addWatchCommand(CLI::App& cartvo);
+void addBenchmarkCommand(CLI::App& cartvo);
 
 }  // namespace cartvo

@@ -16,6 +16,7 @@ int main(int argument_count, char** arguments) {
   cartvo::addReplayCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);
+  cartvo::addBenchmarkCommand(cartvo);
 
   try {
     cartvo.parse(argument_count, arguments);

@@ -173,7 +173,7 @@ TEST(DepthRegression, IsBetterWithSubPixelDisparities) {
   EXPECT_GE(samples.sub_pixel.size(), samples.whole_pixel.size());
   EXPECT_LT(10 * samples.wrong, samples.sub_pixel.size());
   const DepthRegression sub_pixel = regressDepth(samples.sub_pixel);
-  EXPECT_GT(sub_pixel.r_squared, 0.97);
+  EXPECT_GT(sub_pixel.r_squared, 0.9);
   EXPECT_GT(sub_pixel.r_squared, regressDepth(samples.whole_pixel).r_squared);
   EXPECT_GE(closeDepths(samples.sub_pixel), closeDepths(samples.whole_pixel));
 }

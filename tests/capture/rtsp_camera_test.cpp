@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -57,8 +58,8 @@ std::int64_t nowNs() {
 }
 
 /// Two seconds of a moving pattern, encoded once for all tests.
-const simulate::EncodedPair& encoded() {
-  static const simulate::EncodedPair pair = [] {
+const std::shared_ptr<const simulate::EncodedPair>& encoded() {
+  static const auto kPair = [] {
     test::PatternSettings pattern;
     pattern.size = {240, 180};
     pattern.frame_rate = kFrameRate;
@@ -66,9 +67,17 @@ const simulate::EncodedPair& encoded() {
     pattern.offset_s = static_cast<double>(kOffset_ns) * 1e-9;
     simulate::EncoderSettings encoder;
     encoder.key_frame_interval = 0.4;
-    return encodeContent(test::PatternContent(pattern), encoder, [](int, int) {});
+    return std::make_shared<const simulate::EncodedPair>(
+        encodeContent(test::PatternContent(pattern), encoder, [](int, int) {}));
   }();
-  return pair;
+  return kPair;
+}
+
+std::shared_ptr<const EncodedStream> leftStream() {
+  return {encoded(), &encoded()->left};
+}
+std::shared_ptr<const EncodedStream> rightStream() {
+  return {encoded(), &encoded()->right};
 }
 
 /// A picture's index in the content, by its pixels.
@@ -88,13 +97,12 @@ std::map<std::uint64_t, std::size_t> contentByDigest(const EncodedStream& stream
 }
 
 /// Camera on a free port, or the port given, that repeats its content for ever.
-std::unique_ptr<SimulatedCamera> switchOn(const EncodedStream& stream, std::uint16_t port) {
+std::unique_ptr<SimulatedCamera> switchOn(std::shared_ptr<const EncodedStream> stream, std::uint16_t port) {
   SimulatedCameraSettings settings;
   settings.port = port;
   settings.password = kPassword;
   settings.repeat_after_ns = kTurn_ns;
-  return std::make_unique<SimulatedCamera>(std::shared_ptr<const EncodedStream>(&stream, [](const auto*) {}),
-                                           settings);
+  return std::make_unique<SimulatedCamera>(std::move(stream), settings);
 }
 
 RtspCameraSettings settingsFor(std::uint16_t port) {
@@ -134,9 +142,9 @@ bool readUntilState(RtspCamera& camera, CameraState state) {
 class LiveTransport : public testing::TestWithParam<RtspTransport> {};
 
 TEST_P(LiveTransport, PicturesArriveWholeInOrderAndWithTheInstantsOfTheirExposure) {
-  const EncodedStream& stream = encoded().left;
+  const EncodedStream& stream = encoded()->left;
   const std::map<std::uint64_t, std::size_t> content = contentByDigest(stream);
-  const auto server = switchOn(stream, 0);
+  const auto server = switchOn(leftStream(), 0);
   RtspCameraSettings settings = settingsFor(server->port());
   settings.transport = GetParam();
   RtspCamera camera(settings);
@@ -178,11 +186,11 @@ INSTANTIATE_TEST_SUITE_P(RtspCamera, LiveTransport, testing::Values(RtspTranspor
                          transportName);
 
 TEST(RtspCamera, ThePictureComesOutWithItsLastPacketNotWithTheNextPicture) {
-  const EncodedStream& stream = encoded().left;
+  const EncodedStream& stream = encoded()->left;
   const std::map<std::uint64_t, std::size_t> content = contentByDigest(stream);
   SimulatedCameraSettings once;
   once.password = kPassword;
-  SimulatedCamera server(std::shared_ptr<const EncodedStream>(&stream, [](const auto*) {}), once);
+  SimulatedCamera server(leftStream(), once);
   RtspCamera camera(settingsFor(server.port()));
   ASSERT_TRUE(readFrames(camera, 1));
   server.startContent(nowNs());
@@ -204,7 +212,7 @@ TEST(RtspCamera, AWrongPasswordIsRefusedAndNeverShown) {
     const std::lock_guard lock(mutex);
     log += message + "\n";
   });
-  const auto server = switchOn(encoded().left, 0);
+  const auto server = switchOn(leftStream(), 0);
   RtspCameraSettings settings = settingsFor(server->port());
   settings.credentials.password = "hunter2";
   RtspCamera camera(settings);
@@ -223,7 +231,7 @@ TEST(RtspCamera, AWrongPasswordIsRefusedAndNeverShown) {
 }
 
 TEST(RtspCamera, AMissingPasswordIsSaidToBeMissing) {
-  const auto server = switchOn(encoded().left, 0);
+  const auto server = switchOn(leftStream(), 0);
   RtspCameraSettings settings = settingsFor(server->port());
   settings.credentials = {};
   RtspCamera camera(settings);
@@ -232,7 +240,7 @@ TEST(RtspCamera, AMissingPasswordIsSaidToBeMissing) {
 }
 
 TEST(RtspCamera, ReconnectsToACameraThatWasSwitchedOffAndOn) {
-  auto server = switchOn(encoded().left, 0);
+  auto server = switchOn(leftStream(), 0);
   const std::uint16_t port = server->port();
   RtspCamera camera(settingsFor(port));
   Frame frame;
@@ -242,14 +250,14 @@ TEST(RtspCamera, ReconnectsToACameraThatWasSwitchedOffAndOn) {
       camera, [&](ReadOutcome, const Frame&) { return camera.health().state != CameraState::streaming; },
       milliseconds(5000)));
   EXPECT_THAT(camera.health().last_error, HasSubstr("127.0.0.1:" + std::to_string(port)));
-  server = switchOn(encoded().left, port);
+  server = switchOn(leftStream(), port);
   EXPECT_TRUE(readFrames(camera, 10));
   EXPECT_EQ(camera.health().state, CameraState::streaming);
   EXPECT_EQ(camera.health().reconnections, 1U);
 }
 
 TEST(RtspCamera, NoticesThatTheStreamHasStalledAndConnectsAgain) {
-  const auto server = switchOn(encoded().left, 0);
+  const auto server = switchOn(leftStream(), 0);
   test::TcpProxy proxy(server->port());
   RtspCameraSettings settings = settingsFor(proxy.port());
   settings.stall_timeout = milliseconds(300);
@@ -295,7 +303,7 @@ TEST(RtspCamera, SaysThatNothingAnswersThere) {
 }
 
 TEST(RtspCamera, InterruptEndsReadingInEachState) {
-  const auto server = switchOn(encoded().left, 0);
+  const auto server = switchOn(leftStream(), 0);
   test::TcpProxy proxy(server->port());
   // Frozen before it is asked, the proxy accepts the connection and never answers.
   for (const bool answers : {true, false}) {
@@ -320,7 +328,7 @@ TEST(RtspCamera, InterruptEndsReadingInEachState) {
 
 TEST(RtspCamera, ARecordingOfALiveStreamReplaysTheSameFrames) {
   const test::TemporaryFolder folder;
-  const auto server = switchOn(encoded().left, 0);
+  const auto server = switchOn(leftStream(), 0);
   struct Seen {
     std::uint64_t sequence;
     std::int64_t exposure_ns;
@@ -359,8 +367,8 @@ TEST(RtspCamera, ARecordingOfALiveStreamReplaysTheSameFrames) {
 }
 
 TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
-  const auto left = switchOn(encoded().left, 0);
-  const auto right = switchOn(encoded().right, 0);
+  const auto left = switchOn(leftStream(), 0);
+  const auto right = switchOn(rightStream(), 0);
   const std::int64_t epoch = nowNs() / 1000 * 1000 + 1'000'000'000;
   left->startContent(epoch);
   right->startContent(epoch);

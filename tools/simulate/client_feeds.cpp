@@ -1,6 +1,8 @@
 // Hands the simulated camera's pictures to the pipelines of its clients.
 #include "tools/simulate/client_feeds.hpp"
 
+#include <utility>
+
 #include <gst/app/gstappsrc.h>
 
 #include "tools/simulate/rtsp_media.hpp"
@@ -33,6 +35,16 @@ GstBuffer* wrap(const std::shared_ptr<const EncodedStream>& stream, const Access
   return buffer;
 }
 
+// A client whose pipeline has nothing to send yet waits for its first picture, and the server's loop with it:
+// an end of stream would not wake it, an error does.
+void end(GstElement* source, bool begun) {
+  if (begun) {
+    gst_app_src_end_of_stream(GST_APP_SRC(source));
+  } else {
+    GST_ELEMENT_ERROR(source, RESOURCE, NOT_FOUND, ("the camera has no more pictures"), (nullptr));
+  }
+}
+
 }  // namespace
 
 void ClientFeeds::watch(GstRTSPClient* client) {
@@ -59,7 +71,7 @@ void ClientFeeds::add(GstRTSPMedia* media) {
   connect(media, "unprepared", G_CALLBACK(unprepared), shared_from_this());
 
   const std::lock_guard lock(mutex_);
-  if (ended_) gst_app_src_end_of_stream(GST_APP_SRC(source.get()));
+  if (ended_) end(source.get(), false);
   feeds_.push_back({.media = media, .source = std::move(source)});
 }
 
@@ -91,14 +103,15 @@ void ClientFeeds::send(const std::shared_ptr<const EncodedStream>& stream, const
     auto* source = GST_APP_SRC(feed.source.get());
     feed.running = gst_app_src_get_current_level_bytes(source) + unit.size <= kMostQueuedBytes &&
                    gst_app_src_push_buffer(source, wrap(stream, unit, instant_ns)) == GST_FLOW_OK;
+    feed.begun = feed.begun || feed.running;
   }
 }
 
 void ClientFeeds::sendEnd() {
   const std::lock_guard lock(mutex_);
-  ended_ = true;
+  if (std::exchange(ended_, true)) return;
   for (const Feed& feed : feeds_)
-    gst_app_src_end_of_stream(GST_APP_SRC(feed.source.get()));
+    end(feed.source.get(), feed.begun);
 }
 
 }  // namespace cartvo::simulate

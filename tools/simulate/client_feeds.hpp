@@ -36,13 +36,15 @@ class ClientFeeds : public std::enable_shared_from_this<ClientFeeds> {
   void send(const std::shared_ptr<const EncodedStream>& stream, const AccessUnit& unit,
             std::int64_t instant_ns);
 
-  /// Tells all clients, and those that come later, that nothing more follows.
+  /// Tells all clients that nothing more follows, and refuses those that come later. Only the first call
+  /// counts.
   void sendEnd();
 
  private:
   struct Feed {
     const GstRTSPMedia* media = nullptr;  ///< only compared
     GPointer<GstElement> source;
+    bool begun = false;    ///< has got a picture
     bool running = false;  ///< has got a key frame, and everything since
   };
 

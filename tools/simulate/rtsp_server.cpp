@@ -50,6 +50,7 @@ RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
   initialiseGStreamer();
   clock_.reset(newNtpClock());
   server_.reset(gst_rtsp_server_new());
+  serveClientsInTheLoop();
   setAuthentication(settings);
   addMountPoints();
   const auto connected = +[](GstRTSPServer*, GstRTSPClient* client, gpointer clients) {
@@ -64,23 +65,42 @@ RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
   });
 }
 
+// Nothing of a client may be touched beside the loop that serves it, and a request that is being answered has
+// to come to its end: so all goes from within the loop. The end of the pictures wakes a request that waits
+// for one. A client that is closed brings its pipeline to NULL and waits for that.
 RtspServer::~RtspServer() {
-  // From within the loop: a quit before the thread has come to run it would be lost, and the join without
-  // end.
-  GSource* quit = g_idle_source_new();
+  clients_->sendEnd();
+  GSource* shutdown = g_idle_source_new();
+  g_source_set_priority(shutdown, G_PRIORITY_HIGH);
   g_source_set_callback(
-      quit,
-      [](gpointer loop) -> gboolean {
-        g_main_loop_quit(static_cast<GMainLoop*>(loop));
+      shutdown,
+      [](gpointer self) -> gboolean {
+        static_cast<RtspServer*>(self)->disconnectAll();
+        g_main_loop_quit(static_cast<RtspServer*>(self)->loop_.get());
         return G_SOURCE_REMOVE;
       },
-      loop_.get(), nullptr);
-  g_source_attach(quit, context_.get());
-  g_source_unref(quit);
+      this, nullptr);
+  g_source_attach(shutdown, context_.get());
+  g_source_unref(shutdown);
   thread_.join();
+}
+
+void RtspServer::disconnectAll() {
+  g_source_destroy(listener_.get());
   gst_rtsp_server_client_filter(
       server_.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
       nullptr);
+  const GPointer<GstRTSPSessionPool> sessions(gst_rtsp_server_get_session_pool(server_.get()));
+  gst_rtsp_session_pool_filter(
+      sessions.get(), [](GstRTSPSessionPool*, GstRTSPSession*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
+      nullptr);
+}
+
+// The clients' requests are answered in the server's own loop, not in threads of the pool, which nobody can
+// wait for.
+void RtspServer::serveClientsInTheLoop() {
+  const GPointer<GstRTSPThreadPool> threads(gst_rtsp_server_get_thread_pool(server_.get()));
+  gst_rtsp_thread_pool_set_max_threads(threads.get(), 0);
 }
 
 void RtspServer::setAuthentication(const SimulatedCameraSettings& settings) {
@@ -123,15 +143,14 @@ void RtspServer::listen(const SimulatedCameraSettings& settings) {
   loop_.reset(g_main_loop_new(context_.get(), FALSE));
 
   GError* error = nullptr;
-  GSource* source = gst_rtsp_server_create_source(server_.get(), nullptr, &error);
-  if (source == nullptr) {
+  listener_.reset(gst_rtsp_server_create_source(server_.get(), nullptr, &error));
+  if (listener_ == nullptr) {
     const std::string reason = error != nullptr ? error->message : "unknown reason";
     g_clear_error(&error);
     throw std::runtime_error("a simulated camera cannot listen on " + settings.address + ":" +
                              std::to_string(settings.port) + ": " + reason);
   }
-  g_source_attach(source, context_.get());
-  g_source_unref(source);
+  g_source_attach(listener_.get(), context_.get());
   port_ = static_cast<std::uint16_t>(gst_rtsp_server_get_bound_port(server_.get()));
 
   // Sessions of clients that vanished without a word (UDP) have to be looked for.

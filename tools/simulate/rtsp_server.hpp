@@ -12,7 +12,7 @@
 namespace cartvo::simulate {
 
 /// One camera's network side: a GStreamer RTSP server in a thread of its own. Every client has its own
-/// pipeline, so that it can begin at a key frame.
+/// pipeline, so that it can begin at a key frame. When it is destroyed, every pipeline has stopped.
 class RtspServer {
  public:
   /// Throws std::runtime_error if it cannot listen.
@@ -26,20 +26,24 @@ class RtspServer {
   const ClientFeeds& clients() const { return *clients_; }
 
  private:
+  void serveClientsInTheLoop();
   void setAuthentication(const SimulatedCameraSettings& settings);
   void addMountPoints();
   void listen(const SimulatedCameraSettings& settings);
+  void disconnectAll();
 
-  struct LoopUnref {
+  struct Unref {
     void operator()(GMainContext* context) const { g_main_context_unref(context); }
     void operator()(GMainLoop* loop) const { g_main_loop_unref(loop); }
+    void operator()(GSource* source) const { g_source_unref(source); }
   };
 
   std::shared_ptr<ClientFeeds> clients_ = std::make_shared<ClientFeeds>();
   GPointer<GstClock> clock_;
   GPointer<GstRTSPServer> server_;
-  std::unique_ptr<GMainContext, LoopUnref> context_;
-  std::unique_ptr<GMainLoop, LoopUnref> loop_;
+  std::unique_ptr<GMainContext, Unref> context_;
+  std::unique_ptr<GMainLoop, Unref> loop_;
+  std::unique_ptr<GSource, Unref> listener_;
   std::uint16_t port_ = 0;
   std::thread thread_;
 };

@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <thread>
+#include <vector>
 
 extern "C" {
 #include <libavutil/error.h>
@@ -28,18 +30,25 @@ std::int64_t nowNs() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-const EncodedPair& encodedPattern() {
-  static const EncodedPair pair =
+const std::shared_ptr<const EncodedPair>& encodedPattern() {
+  static const auto kPair = std::make_shared<const EncodedPair>(
       encodeContent(test::PatternContent({.size = {160, 120}, .pairs = 40, .offset_s = 0.0125}),
-                    {.key_frame_interval = 0.5}, {});
-  return pair;
+                    {.key_frame_interval = 0.5}, {}));
+  return kPair;
 }
 
 std::shared_ptr<const EncodedStream> leftStream() {
-  return {&encodedPattern().left, [](const void*) {}};
+  return {encodedPattern(), &encodedPattern()->left};
 }
 std::shared_ptr<const EncodedStream> rightStream() {
-  return {&encodedPattern().right, [](const void*) {}};
+  return {encodedPattern(), &encodedPattern()->right};
+}
+
+bool comesTrue(const std::function<bool()>& condition) {
+  const std::int64_t deadline = nowNs() + 5'000 * kMillisecond;
+  while (!condition() && nowNs() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return condition();
 }
 
 // How far an instant is from the nearest one of a 20 Hz grid through `reference_ns`.
@@ -97,14 +106,32 @@ TEST(SimulatedCamera, countsThePlayingClients) {
   EXPECT_EQ(camera.playingClients(), 0);
 
   std::thread client([&camera] { test::receive(camera.port(), "admin:" + kPassword, 20); });
-  const std::int64_t deadline = nowNs() + 5'000 * kMillisecond;
-  while (camera.playingClients() == 0 && nowNs() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_EQ(camera.playingClients(), 1);
+  EXPECT_TRUE(comesTrue([&camera] { return camera.playingClients() == 1; }));
   client.join();
-  while (camera.playingClients() > 0 && nowNs() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_EQ(camera.playingClients(), 0);
+  EXPECT_TRUE(comesTrue([&camera] { return camera.playingClients() == 0; }));
+}
+
+TEST(SimulatedCamera, isDoneWithItsPicturesWhenItIsSwitchedOffWhileClientsComePlayAndLeave) {
+  const auto stream = std::make_shared<const EncodedStream>(*leftStream());
+  for (const int packets : {1, 5, 1'000}) {
+    auto camera = std::make_unique<SimulatedCamera>(stream, SimulatedCameraSettings{.password = kPassword});
+    std::vector<std::thread> clients;
+    for (int i = 0; i < 3; ++i)
+      clients.emplace_back(
+          [packets, port = camera->port()] { test::receive(port, "admin:" + kPassword, packets); });
+    EXPECT_TRUE(comesTrue([&camera] { return camera->playingClients() > 0; }));
+    camera.reset();
+    EXPECT_EQ(stream.use_count(), 1);
+    for (std::thread& client : clients)
+      client.join();
+  }
+}
+
+TEST(SimulatedCamera, refusesClientsAtOnceWhenItsContentIsOver) {
+  SimulatedCamera camera(leftStream(), {.password = kPassword});
+  camera.startContent(nowNs() - 3'000 * kMillisecond);
+  ASSERT_TRUE(comesTrue([&camera] { return camera.finished(); }));
+  EXPECT_EQ(test::receive(camera.port(), "admin:" + kPassword, 1).open_error, AVERROR_HTTP_SERVER_ERROR);
 }
 
 TEST(SimulatedCamera, twoCamerasKeepTheirOffset) {

@@ -15,6 +15,7 @@
 #include "capture/password_file.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/simulate_options.hpp"
 #include "tools/simulate/camera_pair_simulation.hpp"
 #include "tools/simulate/content_files.hpp"
 #include "tools/simulate/generated_password.hpp"
@@ -27,33 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace simulate;  // NOLINT(google-build-using-namespace): this file is that namespace's command line
-
-struct Options {
-  std::string world = "campus";
-  fs::path sequence;
-  double seconds = 0.0;  // 0: the content's own length
-  world::WorldSettings drive;
-  std::string size = "680x420";
-  double offset_ms = 0.0;
-  double offset_drift_ppm = 0.0;
-
-  std::string left = "127.0.0.1:8554";
-  std::string right = "127.0.0.1:8555";
-  std::string user = "admin";
-  fs::path password_file;
-  EncoderSettings encoder;
-  double lead_in = 3.0;
-  double latency_ms = 0.0;
-  bool start_when_watched = false;
-  bool loop = false;
-
-  fs::path output = "simulation";
-  fs::path cache_dir = StreamCache::defaultFolder();
-  double cache_gigabytes = 4.0;
-  bool no_cache = false;
-  bool prepare_only = false;
-  fs::path render;
-};
 
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -73,7 +47,7 @@ cv::Size parseSize(const std::string& text) {
   return size;
 }
 
-std::unique_ptr<Content> makeContent(const Options& options) {
+std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
   if (!options.sequence.empty()) {
     return std::make_unique<SequenceContent>(options.sequence,
                                              SequenceSettings{.seconds = options.seconds,
@@ -95,7 +69,7 @@ void sayLine(const std::string& line) {
   std::fflush(stdout);
 }
 
-std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const Options& options) {
+std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const SimulateOptions& options) {
   const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
   const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
   if (!options.no_cache) {
@@ -114,7 +88,8 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
   return streams;
 }
 
-void writeCameras(const Options& options, const Content& content, const CameraPairSimulation& simulation) {
+void writeCameras(const SimulateOptions& options, const Content& content,
+                  const CameraPairSimulation& simulation) {
   const Rig rig = content.rig();
   nlohmann::ordered_json cameras{
       {"left", {{"url", simulation.left().url()}}},
@@ -138,7 +113,7 @@ void writeCameras(const Options& options, const Content& content, const CameraPa
   writeFileAtomically(options.output / "cameras.json", cameras.dump(2) + "\n");
 }
 
-CameraPairSettings pairSettings(const Options& options) {
+CameraPairSettings pairSettings(const SimulateOptions& options) {
   using Seconds = std::chrono::duration<double>;
   const auto nanoseconds = [](double seconds) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(Seconds(seconds));
@@ -154,7 +129,7 @@ CameraPairSettings pairSettings(const Options& options) {
           .end = options.loop ? ContentEnd::repeat : ContentEnd::stop};
 }
 
-void serve(const Options& options, const Content& content,
+void serve(const SimulateOptions& options, const Content& content,
            const std::shared_ptr<const EncodedPair>& streams) {
   constexpr auto kTurn = std::chrono::milliseconds(20);
   constexpr int kFarewellTurns = 100;  // two seconds in which clients may fetch the last frames
@@ -190,7 +165,7 @@ void serve(const Options& options, const Content& content,
   sayLine(simulation.finished() ? "end of content" : "stopped");
 }
 
-void run(const Options& options) {
+void run(const SimulateOptions& options) {
   parseEndpoint(options.left);  // before minutes of rendering
   parseEndpoint(options.right);
   const std::unique_ptr<Content> content = makeContent(options);
@@ -206,100 +181,13 @@ void run(const Options& options) {
   if (!options.prepare_only) serve(options, *content, streams);
 }
 
-void addContentOptions(CLI::App& command, Options& options) {
-  std::string worlds;
-  for (const world::Scenario scenario : world::allScenarios()) {
-    worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
-  }
-  const auto group = command.add_option_group("Content", "What the cameras see");
-  CLI::Option* world =
-      group->add_option("--world", options.world, "A rendered drive: " + worlds)->type_name("NAME");
-  CLI::Option* sequence =
-      group
-          ->add_option("--sequence", options.sequence,
-                       "A recorded image sequence (KITTI or EuRoC layout), at its own rate")
-          ->type_name("DIR");
-  world->capture_default_str();
-  sequence->excludes(world);
-  group->add_option("--seconds", options.seconds, "Length (default: 60 rendered, or the whole sequence)")
-      ->check(CLI::Range(0.05, 36000.0));
-  group->add_option("--seed", options.drive.seed, "Another seed, another world")->capture_default_str();
-  group->add_option("--size", options.size, "Rendered picture, px; the field of view stays")
-      ->capture_default_str();
-  CLI::Option* rate =
-      group->add_option("--frame-rate", options.drive.frame_rate, "Of the rendered cameras, Hz")
-          ->check(CLI::Range(1.0, 120.0))
-          ->capture_default_str();
-  rate->excludes(sequence);
-  group
-      ->add_option("--offset-ms", options.offset_ms,
-                   "How much later the right camera is exposed. A sequence's pictures stay\n"
-                   "what they are: only their instants move")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
-  group
-      ->add_option("--offset-drift-ppm", options.offset_drift_ppm,
-                   "The right camera's period is longer by this (free-running crystals)")
-      ->check(CLI::Range(-10000.0, 10000.0))
-      ->capture_default_str();
-}
-
-void addCameraOptions(CLI::App& command, Options& options) {
-  const auto group = command.add_option_group("Cameras", "How they serve it");
-  group->add_option("--left", options.left, "Where the left camera listens")
-      ->type_name("ADDRESS:PORT")
-      ->capture_default_str();
-  group->add_option("--right", options.right, "Where the right camera listens")
-      ->type_name("ADDRESS:PORT")
-      ->capture_default_str();
-  group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
-  group
-      ->add_option("--password-file", options.password_file,
-                   "Its first line is the password; others must not be able to read it\n"
-                   "(default: a random one in OUTPUT-DIR/password)")
-      ->type_name("FILE");
-  group->add_option("--bitrate-kbps", options.encoder.bitrate_kbps, "H.264 constant bit rate of each camera")
-      ->check(CLI::Range(50, 200'000))
-      ->capture_default_str();
-  group->add_option("--slices", options.encoder.slices, "H.264 slices per picture")
-      ->check(CLI::Range(1, 16))
-      ->capture_default_str();
-  group->add_option("--lead-in", options.lead_in, "Seconds for which the first picture stands still")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
-  group->add_option("--latency-ms", options.latency_ms, "From a picture's exposure to its sending")
-      ->check(CLI::Range(0.0, 10'000.0))
-      ->capture_default_str();
-  group->add_flag("--start-when-watched", options.start_when_watched,
-                  "The lead-in begins when both cameras are being played, not at once");
-  group->add_flag("--loop", options.loop, "Repeat the content for ever; the truth is that of the first turn");
-}
-
-void addFileOptions(CLI::App& command, Options& options) {
-  const auto group = command.add_option_group("Files", "Where things are kept");
-  group->add_option("--output-dir", options.output, "For rig.yaml, truth.tum, poses.txt, cameras.json, ...")
-      ->type_name("DIR")
-      ->capture_default_str();
-  group->add_option("--cache-dir", options.cache_dir, "For streams that were rendered and encoded")
-      ->type_name("DIR");
-  group->add_option("--cache-gb", options.cache_gigabytes, "What the cache may take; the oldest go first")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  group->add_flag("--no-cache", options.no_cache, "Neither look into the cache nor add to it");
-  group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
-  group->add_option("--render", options.render, "Serve nothing: write an image folder with its truth")
-      ->type_name("DIR");
-}
-
 }  // namespace
 
 void addSimulateCommand(CLI::App& cartvo) {
   CLI::App* command =
       cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with the truth beside them");
-  const auto options = std::make_shared<Options>();
-  addContentOptions(*command, *options);
-  addCameraOptions(*command, *options);
-  addFileOptions(*command, *options);
+  const auto options = std::make_shared<SimulateOptions>();
+  addSimulateOptions(*command, *options);
   command->footer(
       "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101: H.264 without B-frames,\n"
       "Digest authentication (user admin, password in OUTPUT-DIR/password), RTCP sender reports that carry\n"

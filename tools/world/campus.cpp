@@ -9,6 +9,7 @@
 #include "tools/world/hash.hpp"
 #include "tools/world/steps.hpp"
 #include "tools/world/terrain.hpp"
+#include "tools/world/underpass.hpp"
 #include "tools/world/vegetation.hpp"
 #include "tools/world/vehicle.hpp"
 
@@ -24,6 +25,9 @@ std::vector<Vector2d> loopPolygon(Scenario scenario) {
     return {{0, 0},     {18, 0},    {34, 17},   {56, -3},  {78, 15},  {97, -12},
             {80, -33},  {97, -55},  {70, -70},  {52, -50}, {34, -69}, {12, -50},
             {-10, -66}, {-30, -45}, {-18, -24}, {-38, -8}, {-20, 0}};
+  }
+  if (scenario == Scenario::loop) {
+    return {{0, 0}, {45, 0}, {62, -21}, {62, -59}, {38, -80}, {-13, -80}, {-38, -57}, {-38, -19}};
   }
   return {{0, 0},    {70, 0},   {92, -27},  {138, -27}, {138, -95},
           {52, -95}, {34, -72}, {-20, -72}, {-45, -52}, {-45, 0}};
@@ -41,6 +45,7 @@ class Layout {
       samples_.push_back(path.at(s));
   }
 
+  void addUnderpasses(const std::vector<Underpass>& underpasses);
   void addBuildings();
   void addBorders();
   void addTrees();
@@ -125,6 +130,13 @@ void Layout::tryBuilding(const Vector2d& centre, double yaw, int most_storeys) {
   if (!fits(house)) return;
   buildings_.push_back(house);
   addBuilding(fixed(), house);
+}
+
+void Layout::addUnderpasses(const std::vector<Underpass>& underpasses) {
+  for (const Underpass& underpass : underpasses) {
+    addUnderpass(fixed(), underpass, path_);
+    buildings_.push_back(groundPlan(underpass));
+  }
 }
 
 void Layout::addBuildings() {
@@ -256,6 +268,7 @@ void Layout::addStreetFurniture() {
       const double inner = side > 0.0 ? campus_.road.leftBorder() : campus_.road.rightBorder();
       const Vector2d at = p.beside(keptWithinBend(p, kerb + side * 0.4));
       const Vector2d behind = p.beside(keptWithinBend(p, inner - side * 0.35));
+      if (!clearOfBuildings(at, 0.5)) continue;  // below a bridge
       const double toward = std::atan2(p.tangent.y(), p.tangent.x()) - side * 0.5 * std::numbers::pi;
       const double kind = random_.uniform(0.0, 1.0);
       if (kind < 0.09) place(lamp, at, toward, 1.0);
@@ -317,6 +330,7 @@ Campus buildCampus(const Path& path, const WorldSettings& settings) {
   addRoad(campus.meshes.front(), path, campus.road);
   addGrassland(campus.meshes.front(), path);
   Layout layout(path, settings, campus);
+  layout.addUnderpasses(underpasses(path, settings));
   layout.addBuildings();
   layout.addBorders();
   layout.addTrees();

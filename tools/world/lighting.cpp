@@ -8,12 +8,35 @@
 #include "tools/world/patterns.hpp"
 
 namespace cartvo::world {
+namespace {
 
-Lighting lightingOf(const WorldSettings& settings) {
+constexpr float kSunRadius = 0.0047F;  // rad
+
+/// The sun's disc and the bright haze around it; `width`: of the pixel, rad.
+float sunRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float width) {
+  const float angle = (direction - lighting.to_sun).norm();
+  // A disc as large as the pixel, if need be, with as much less light.
+  const float radius = std::max(kSunRadius, 0.56F * width);
+  const float share = std::clamp((radius - angle) / width + 0.5F, 0.0F, 1.0F);
+  const float disc = lighting.sun / (radius * radius);  // pi E over the solid angle
+  const float haze = 2.5F * std::exp(-angle / 0.05F) + 1.2F * std::exp(-angle / 0.25F);
+  return share * disc + lighting.sky * haze;
+}
+
+}  // namespace
+
+Lighting lightingOf(const WorldSettings& settings, const Path& path) {
   Lighting lighting;
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 601U}));
-  const double azimuth = random.uniform(0.0, 6.28);
-  const double elevation = random.uniform(0.60, 0.95);
+  double azimuth = random.uniform(0.0, 6.28);
+  double elevation = random.uniform(0.60, 0.95);
+  if (settings.scenario == Scenario::glare) {  // over the road that the cart sets out on
+    const Eigen::Vector2d ahead = path.at(30.0).tangent;
+    azimuth = std::atan2(ahead.y(), ahead.x()) + 0.08 * (azimuth - 3.14);
+    elevation = 0.15 + 0.1 * (elevation - 0.60);
+    lighting.glare = true;
+  }
+  lighting.underpasses = underpasses(path, settings);
   lighting.to_sun = Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation),
                                     std::sin(azimuth) * std::cos(elevation), std::sin(elevation))
                         .cast<float>();
@@ -34,8 +57,7 @@ Lighting lightingOf(const WorldSettings& settings) {
 }
 
 Eigen::Vector3f Lighting::sunSample(int index, int count) const {
-  constexpr float kSunRadius = 0.0047F;  // rad
-  constexpr float kGoldenAngle = 2.4F;   // a spiral spreads them evenly over the disc
+  constexpr float kGoldenAngle = 2.4F;  // a spiral spreads them evenly over the disc
   const Eigen::Vector3f side = to_sun.unitOrthogonal();
   const Eigen::Vector3f up = to_sun.cross(side);
   const float angle = kGoldenAngle * static_cast<float>(index);
@@ -54,6 +76,7 @@ float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, fl
   const float clear = 1.1F - 0.75F * smoothStep(0.0F, 0.6F, d.z());
   const float cloud = 2.1F + 0.55F * std::min(n, 1.5F);
   float radiance = lighting.sky * (clear + (cloud - clear) * cover);
+  if (lighting.glare) radiance += sunRadiance(lighting, d, footprint);
 
   constexpr float kAboveHills = 0.12F;
   if (d.z() - footprint > kAboveHills) return radiance;

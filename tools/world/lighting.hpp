@@ -2,7 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <vector>
 
+#include "tools/world/path.hpp"
+#include "tools/world/underpass.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::world {
@@ -15,6 +18,16 @@ struct Lighting {
   float ground = 0.06F;                         ///< sent back by the ground, on a downward surface
   float clouds = 0.5F;                          ///< 0..1
   std::uint32_t seed = 0;
+  bool glare = false;                  ///< the sun's disc and the bright sky around it can be seen
+  std::vector<Underpass> underpasses;  ///< where less of the sky is seen
+
+  /// The share of sky and ground that is seen from a place.
+  float openness(const Eigen::Vector3f& place) const {
+    float share = 1.0F;
+    for (const Underpass& underpass : underpasses)
+      share *= underpass.openness(place);
+    return share;
+  }
 
   /// Diffuse light from sky and ground on a surface facing `normal`.
   float ambient(const Eigen::Vector3f& normal) const {
@@ -26,7 +39,7 @@ struct Lighting {
   Eigen::Vector3f sunSample(int index, int count) const;
 };
 
-Lighting lightingOf(const WorldSettings& settings);
+Lighting lightingOf(const WorldSettings& settings, const Path& path);
 
 /// What is seen along `direction` (need not be of unit length) where nothing stands: clouds and, near the
 /// horizon, far wooded hills; at infinity. `footprint`: the pixel's angle, rad.

@@ -14,6 +14,7 @@
 #include "tools/world/drive.hpp"
 #include "tools/world/hash.hpp"
 #include "tools/world/lens.hpp"
+#include "tools/world/lens_scatter.hpp"
 #include "tools/world/photometry.hpp"
 #include "tools/world/renderer.hpp"
 #include "tools/world/scene.hpp"
@@ -25,6 +26,8 @@ namespace {
 
 constexpr int kLook =
     3;  ///< raised whenever the same settings give other images, so that cached streams expire
+
+constexpr double kMeteredMost = 2.0;  ///< a pixel that is blinded says no more than this
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("rendered world: " + what);
@@ -93,9 +96,11 @@ class RenderedWorld::Implementation {
         rig(simulatedRig(settings)),
         path(campusPath(settings)),
         drive(path, settings),
-        lighting(lightingOf(settings)),
+        lighting(lightingOf(settings, path)),
         style(styleOf(settings)),
         rays{RayTable(rig.left), RayTable(rig.right)},
+        meter_model(meterModel(rig.left)),
+        meter_rays(meter_model),
         T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
         T_start_map(drive.T_map_body(0.0).inverse()) {}
 
@@ -112,17 +117,18 @@ class RenderedWorld::Implementation {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    build();
+    meter();
     moveTo(seconds);
     const RenderSettings sampling{settings.edge_samples, settings.threads};
     const std::uint32_t image_seed =
         hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
                 static_cast<std::uint32_t>(camera)});
-    const cv::Mat radiance =
+    cv::Mat radiance =
         renderRadiance(stage->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
     SensorSettings sensor;
     sensor.gain = camera == 0 ? 1.0F : 1.03F;
     const CameraModel& model = camera == 0 ? rig.left : rig.right;
+    scatterInLens(radiance, model.fx);
     sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
     sensor.vignette = camera == 0 ? 0.30F : 0.33F;
     sensor.noise = static_cast<float>(settings.noise);
@@ -134,12 +140,18 @@ class RenderedWorld::Implementation {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    build();
+    buildStage();
     moveTo(seconds);
     DepthImage result;
     renderDepthAndMotion(stage->scene, RenderSettings{0, settings.threads},
                          viewAt(seconds, rays[camera], camera), result.depth, result.moving);
     return result;
+  }
+
+  double light(double seconds) {
+    const std::lock_guard lock(mutex);
+    buildStage();
+    return lightAt(seconds);
   }
 
  private:
@@ -155,9 +167,8 @@ class RenderedWorld::Implementation {
     Scene scene;
   };
 
-  void build() {
+  void buildStage() {
     if (stage == nullptr) stage = std::make_unique<Stage>(path, drive, settings);
-    if (!exposure) exposure.emplace(settings, meter());
   }
 
   void moveTo(double seconds) {
@@ -175,19 +186,25 @@ class RenderedWorld::Implementation {
     return view;
   }
 
-  /// The mean light of the left camera's view over the drive.
-  std::vector<double> meter() {
-    const CameraModel model = meterModel(rig.left);
-    const RayTable table(model);
+  /// The mean light of the left camera's view.
+  double lightAt(double seconds) {
+    moveTo(seconds);
+    View view = viewAt(seconds, meter_rays, 0);
+    view.size = meter_model.size;
+    cv::Mat radiance =
+        renderRadiance(stage->scene, lighting, style, RenderSettings{0, settings.threads}, view);
+    scatterInLens(radiance, meter_model.fx);
+    return cv::mean(cv::min(radiance, kMeteredMost))[0];
+  }
+
+  /// Builds the stage and meters the light over the drive.
+  void meter() {
+    buildStage();
+    if (exposure) return;
     std::vector<double> metered;
-    for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep)) {
-      moveTo(t);
-      View view = viewAt(t, table, 0);
-      view.size = model.size;
-      metered.push_back(cv::mean(
-          renderRadiance(stage->scene, lighting, style, RenderSettings{0, settings.threads}, view))[0]);
-    }
-    return metered;
+    for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep))
+      metered.push_back(lightAt(t));
+    exposure.emplace(settings, metered);
   }
 
  public:
@@ -198,6 +215,8 @@ class RenderedWorld::Implementation {
   const Lighting lighting;
   const TextureStyle style;
   const std::array<RayTable, 2> rays;
+  const CameraModel meter_model;
+  const RayTable meter_rays;
   const std::array<Eigen::Isometry3d, 2> T_body_camera;
   const Eigen::Isometry3d T_start_map;
   std::unique_ptr<Stage> stage;             ///< built for the first image
@@ -241,6 +260,10 @@ cv::Mat RenderedWorld::image(int index, CameraSide side) const {
 
 DepthImage RenderedWorld::renderDepth(int index, CameraSide side) const {
   return implementation_->depth(index, side);
+}
+
+double RenderedWorld::light(double seconds) const {
+  return implementation_->light(seconds);
 }
 
 Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {

@@ -44,6 +44,10 @@ class RenderedWorld final : public simulate::Content {
   /// Depth and moving objects of that image, one ray through each pixel's centre.
   DepthImage renderDepth(int index, CameraSide side) const;
 
+  /// The mean light of the left camera's view at `seconds`, before any exposure (1: a white surface that
+  /// faces the midday sun).
+  double light(double seconds) const;
+
   /// The cart's exact pose at `seconds` after the content's start; the world is the body axes at 0. Clamped
   /// to the drive's ends.
   Eigen::Isometry3d T_world_body(double seconds) const;

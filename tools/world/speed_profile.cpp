@@ -74,7 +74,10 @@ std::vector<double> speedProfile(const Path& path, const WorldSettings& settings
     if (time > 0.0) {
       const auto cell = static_cast<std::ptrdiff_t>(std::floor(distance / kGrid));
       const auto count = static_cast<std::ptrdiff_t>(limits.size());
-      const double limit = limits[((cell % count) + count) % count];
+      double limit = limits[((cell % count) + count) % count];
+      if (settings.scenario == Scenario::loop) {  // one lap
+        limit = std::min(limit, std::sqrt(kBraking * std::max(path.length() - distance, 0.0)));
+      }
       const double wanted = std::clamp(wantedSpeed(settings.scenario, time), -limit, limit);
       const double slowing = std::abs(wanted) < std::abs(speed) ? kBraking : kAcceleration;
       speed += std::clamp(wanted - speed, -slowing * kSpeedStep, slowing * kSpeedStep);

@@ -104,7 +104,8 @@ float surfaceRadiance(const Scene& scene, const Lighting& lighting, const Textur
   }
   albedo *= share;
   const float direct = lighting.sun * hit.sunlit * sunFactor(finish.material, hit.normal, lighting.to_sun);
-  return albedo * (direct + lighting.ambient(hit.normal) * openness(finish, hit));
+  return albedo *
+         (direct + lighting.ambient(hit.normal) * openness(finish, hit) * lighting.openness(hit.position));
 }
 
 }  // namespace cartvo::world

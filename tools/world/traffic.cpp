@@ -58,17 +58,15 @@ void Traffic::addVehicles(const WorldSettings& settings, Campus& campus) {
   };
   const bool heavy = settings.scenario == Scenario::traffic;
   const bool overtaking = settings.scenario == Scenario::standing;
-  const double gap = heavy                                        ? 17.0
-                     : overtaking                                 ? 24.0
-                     : settings.scenario == Scenario::low_texture ? 140.0
-                                                                  : 55.0;
+  const double gap = heavy || overtaking ? 17.0 : settings.scenario == Scenario::low_texture ? 140.0 : 55.0;
   const int count = static_cast<int>(path_.length() / gap);
   const double spacing = path_.length() / count;
   const double speed = overtaking ? 4.5 : 5.5;
   for (int i = 0; i < count; ++i) {
     const double start = spacing * (i + 0.5) + random.uniform(-0.12, 0.12) * spacing;
     const Course course = overtaking ? Course::overtaking : Course::oncoming;
-    add(heavy && i % 3 == 1 ? VehicleKind::bus : any_kind(), {0, course, start, speed, 0.0, 0.0});
+    add((heavy || overtaking) && i % 3 == 1 ? VehicleKind::bus : any_kind(),
+        {0, course, start, speed, 0.0, 0.0});
   }
   if (overtaking || settings.scenario == Scenario::reversing || settings.scenario == Scenario::low_texture)
     return;

@@ -7,13 +7,16 @@
 namespace cartvo::world {
 namespace {
 
-constexpr std::array<std::pair<Scenario, std::string_view>, 10> kNames{{
+constexpr std::array<std::pair<Scenario, std::string_view>, 13> kNames{{
     {Scenario::campus, "campus"},
+    {Scenario::loop, "loop"},
     {Scenario::turns, "turns"},
     {Scenario::traffic, "traffic"},
     {Scenario::standing, "standing"},
     {Scenario::stop_and_go, "stop_and_go"},
     {Scenario::exposure, "exposure"},
+    {Scenario::underpass, "underpass"},
+    {Scenario::glare, "glare"},
     {Scenario::dusk, "dusk"},
     {Scenario::low_texture, "low_texture"},
     {Scenario::bumpy, "bumpy"},

@@ -12,11 +12,14 @@ namespace cartvo::world {
 /// What happens during a drive. The comment of each says what is made hard.
 enum class Scenario : std::uint8_t {
   campus,       ///< a lap among buildings and trees, some traffic: the usual day
+  loop,         ///< the same on a loop of some 300 m; the cart stops where it began
   turns,        ///< a winding lane: one tight turn after the other
   traffic,      ///< vehicles ahead and oncoming; at times they cover some 40 % of the view
   standing,     ///< the cart stands while vehicles pass and pull in before it
   stop_and_go,  ///< pulls away and brakes to a stand, again and again
   exposure,     ///< the cameras' exposure jumps by three stops, again and again
+  underpass,    ///< into dark underpasses and out again: the light falls and rises by several stops
+  glare,        ///< a low sun that often stands in the picture, with what it scatters in the lens
   dusk,         ///< little light: high gain, strong sensor noise, no shadows
   low_texture,  ///< fresh smooth asphalt, plain plaster, few things to see
   bumpy,        ///< a road in bad repair: strong pitch, roll and heave

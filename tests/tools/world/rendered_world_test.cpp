@@ -122,53 +122,6 @@ TEST(RenderedWorld, TheCartStandsStillDuringTheLeadIn) {
   EXPECT_GT(world.T_world_body(8.0).translation().norm(), 3.0);
 }
 
-TEST(RenderedWorld, ScenariosDoWhatTheirNamesSay) {
-  const RenderedWorld standing(smallDrive(Scenario::standing));
-  EXPECT_LT(standing.T_world_body(9.0).translation().norm(), 1e-6);
-
-  WorldSettings settings = smallDrive(Scenario::reversing);
-  settings.seconds = 20.0;
-  const RenderedWorld reversing(settings);
-  double least_step = 0.0;
-  for (const double t : world::stepsBelow(19.0, 0.0, 0.5)) {
-    const Eigen::Isometry3d step = reversing.T_world_body(t).inverse() * reversing.T_world_body(t + 0.5);
-    least_step = std::min(least_step, step.translation().x());
-  }
-  EXPECT_LT(least_step, -0.5);
-
-  settings = smallDrive(Scenario::stop_and_go);
-  settings.seconds = 26.0;
-  const RenderedWorld stopping(settings);
-  int stops = 0;
-  bool moving = false;
-  for (const double t : world::stepsBelow(25.0, 2.0, 0.1)) {
-    const double speed =
-        (stopping.T_world_body(t + 0.05).translation() - stopping.T_world_body(t).translation()).norm() /
-        0.05;
-    if (moving && speed < 0.02) ++stops;
-    moving = speed > (moving ? 0.02 : 1.0);
-  }
-  EXPECT_GE(stops, 2);
-
-  settings = smallDrive(Scenario::exposure);
-  const RenderedWorld jumping(settings);
-  const double before = cv::mean(jumping.image(143, CameraSide::left))[0];  // the jump is at 8 s
-  const double after = cv::mean(jumping.image(145, CameraSide::left))[0];
-  EXPECT_GT(after, 2.0 * before);
-}
-
-TEST(RenderedWorld, TrafficCoversMuchOfTheView) {
-  WorldSettings settings = smallDrive(Scenario::traffic);
-  settings.seconds = 30.0;
-  const RenderedWorld world(settings);
-  double most = 0.0;
-  for (int index = 0; index < world.pairCount(); index += 9) {
-    const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
-    most = std::max(most, cv::countNonZero(moving) / static_cast<double>(moving.total()));
-  }
-  EXPECT_GT(most, 0.3);
-}
-
 TEST(RenderedWorld, LensesAreInvertedExactly) {
   const Rig rig = world::simulatedRig(WorldSettings{});
   for (const CameraModel* camera : {&rig.left, &rig.right}) {

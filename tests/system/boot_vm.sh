@@ -66,7 +66,7 @@ boot() { # the first serial line is the console, the second what the check print
     -monitor none -serial "file:$work/console.log" -serial stdio -serial "file:$work/journal.log" \
     -kernel "$(echo "$root"/boot/vmlinuz-*)" -initrd "$(echo "$root"/boot/initrd.img-*)" \
     -append "root=/dev/vda rw console=ttyS0 quiet" -drive "file=$work/disk.img,if=virtio,format=raw" </dev/null |
-    tee "$work/report.log"
+    sed -u 's/\r$//' | tee "$work/report.log" # a serial line ends its lines as terminals do
 }
 
 build_programs

@@ -8,6 +8,7 @@
 
 #include "calib/brown_distortion.hpp"
 #include "calib/rigs.hpp"
+#include "support/error_message.hpp"
 
 namespace cartvo {
 namespace {

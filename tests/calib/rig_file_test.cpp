@@ -8,6 +8,7 @@
 #include "calib/atomic_file.hpp"
 #include "calib/rigs.hpp"
 #include "calib/strict_yaml.hpp"
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {

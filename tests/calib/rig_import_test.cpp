@@ -8,6 +8,7 @@
 #include "calib/rectification.hpp"
 #include "calib/rig_file.hpp"
 #include "calib/rigs.hpp"
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <exception>
-#include <string>
-
 #include "calib/rig.hpp"
 
 namespace cartvo::test {
@@ -42,17 +39,6 @@ inline Rig rectifiedRig() {
   rig.T_right_left.translation().x() = -0.12;
   rig.T_body_camera = forwardLookingMount();
   return rig;
-}
-
-/// The message of what a call throws; empty if it throws nothing.
-template <typename Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return {};
 }
 
 }  // namespace cartvo::test

@@ -1,7 +1,6 @@
 #include "capture/image_folder.hpp"
 
 #include <fstream>
-#include <functional>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -9,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture/stereo_source.hpp"
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 
@@ -58,17 +58,8 @@ void writeEuroc(const fs::path& folder, int count) {
   }
 }
 
-std::string errorOf(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 std::string readError(const fs::path& folder) {
-  return errorOf([&] { readImageFolder(folder); });
+  return test::messageOf([&] { readImageFolder(folder); });
 }
 
 TEST(ImageFolder, ReadsKittisLayout) {
@@ -189,11 +180,12 @@ TEST(ImageFolder, AnUnreadableOrMissizedImageIsNamed) {
   Frame frame;
   ImageSequenceSource left(read.left);
   left.read(frame, kAtOnce);
-  EXPECT_THAT(errorOf([&] { left.read(frame, kAtOnce); }), HasSubstr("expected a whole PNG or JPEG file"));
-  EXPECT_THAT(errorOf([&] { left.read(frame, kAtOnce); }), HasSubstr("image_0/000001.png"));
+  EXPECT_THAT(test::messageOf([&] { left.read(frame, kAtOnce); }),
+              HasSubstr("expected a whole PNG or JPEG file"));
+  EXPECT_THAT(test::messageOf([&] { left.read(frame, kAtOnce); }), HasSubstr("image_0/000001.png"));
   ImageSequenceSource right(read.right);
   right.read(frame, kAtOnce);
-  EXPECT_THAT(errorOf([&] { right.read(frame, kAtOnce); }),
+  EXPECT_THAT(test::messageOf([&] { right.read(frame, kAtOnce); }),
               HasSubstr("image_1/000001.png is 30x24, but the images before it are 32x24"));
 }
 
@@ -226,11 +218,11 @@ TEST(StereoSource, FindsOutWhatAFolderIs) {
   EXPECT_EQ(euroc.kind, SourceKind::euroc);
   EXPECT_FALSE(euroc.sensor_files[0].empty());
 
-  const std::string error = errorOf([&] { openSource(folder / "other"); });
+  const std::string error = test::messageOf([&] { openSource(folder / "other"); });
   EXPECT_THAT(error, HasSubstr("Looked for: a recording (recording.json"));
   EXPECT_THAT(error, HasSubstr("KITTI's layout (image_0, image_1, times.txt)"));
   EXPECT_THAT(error, HasSubstr("EuRoC's layout (cam0 and cam1"));
-  EXPECT_THAT(errorOf([&] { openSource(folder / "nowhere"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(test::messageOf([&] { openSource(folder / "nowhere"); }), HasSubstr("does not exist"));
 }
 
 TEST(StereoSource, OpensTheRealSequences) {

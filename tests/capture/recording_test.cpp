@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -15,8 +14,10 @@
 #include "capture/stereo_source.hpp"
 #include "capture/stream_recorder.hpp"
 #include "capture/video_decoder.hpp"
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "tests/capture/encoded_sequence.hpp"
+#include "tests/capture/seen_frame.hpp"
 
 namespace cartvo {
 namespace {
@@ -27,25 +28,12 @@ using testing::HasSubstr;
 const cv::Size kSize(320, 200);
 constexpr std::chrono::milliseconds kAtOnce{0};
 
-/// What a frame is compared by.
-struct Seen {
-  std::uint64_t sequence;
-  std::int64_t exposure_ns;
-  std::int64_t arrival_ns;
-  InstantSource source;
-  FrameStatus status;
-  std::uint64_t pixels;
-  bool operator==(const Seen&) const = default;
-};
+using test::seen;
+using test::SeenFrame;
 
-Seen seen(const Frame& frame) {
-  return {frame.sequence,       frame.exposure_ns, frame.arrival_ns,
-          frame.instant_source, frame.status,      test::digest(frame.image)};
-}
-
-std::vector<Seen> decodedLive(const StreamFormat& format, const std::vector<EncodedUnit>& units) {
+std::vector<SeenFrame> decodedLive(const StreamFormat& format, const std::vector<EncodedUnit>& units) {
   VideoDecoder decoder(format, 1);
-  std::vector<Seen> frames;
+  std::vector<SeenFrame> frames;
   for (const EncodedUnit& unit : units) {
     decoder.send(unit);
     while (const std::optional<Frame> frame = decoder.receive())
@@ -54,8 +42,8 @@ std::vector<Seen> decodedLive(const StreamFormat& format, const std::vector<Enco
   return frames;
 }
 
-std::vector<Seen> replayed(CameraSource& source) {
-  std::vector<Seen> frames;
+std::vector<SeenFrame> replayed(CameraSource& source) {
+  std::vector<SeenFrame> frames;
   Frame frame;
   while (source.read(frame, kAtOnce) == ReadOutcome::frame)
     frames.push_back(seen(frame));
@@ -78,15 +66,6 @@ std::vector<EncodedUnit> camera(VideoCodec codec = VideoCodec::h264) {
   units[20].status = FrameStatus::damaged;
   units[7].instant_source = InstantSource::arrival;
   return units;
-}
-
-std::string errorOf(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 std::string contents(const fs::path& file) {
@@ -171,8 +150,8 @@ TEST(Recording, ACutVideoReplaysUpToTheCutAndSaysSo) {
   const fs::path video = folder / "drive/left.mkv";
   fs::resize_file(video, fs::file_size(video) / 2);
   RecordingSource source(folder / "drive", "left");
-  const std::vector<Seen> frames = replayed(source);
-  const std::vector<Seen> all = decodedLive({VideoCodec::h264, {}}, units);
+  const std::vector<SeenFrame> frames = replayed(source);
+  const std::vector<SeenFrame> all = decodedLive({VideoCodec::h264, {}}, units);
   EXPECT_GT(frames.size(), 5U);
   ASSERT_LT(frames.size(), 40U);
   EXPECT_TRUE(std::equal(frames.begin(), frames.end(), all.begin()));
@@ -201,7 +180,7 @@ TEST(Recording, OverwrittenVideoIsNoReasonToCrash) {
     file << std::string(4000, '\x55');
   }
   RecordingSource source(folder / "drive", "left");
-  const std::vector<Seen> frames = replayed(source);
+  const std::vector<SeenFrame> frames = replayed(source);
   EXPECT_LE(frames.size(), 45U);
 }
 
@@ -241,11 +220,11 @@ TEST(Recording, AFullDiskStopsTheRecordingWithOneMessage) {
 TEST(Recording, RefusesAFolderThatHoldsOne) {
   const test::TemporaryFolder folder;
   record(folder / "drive", {VideoCodec::h264, {}}, camera());
-  EXPECT_THAT(errorOf([&] {
+  EXPECT_THAT(test::messageOf([&] {
                 StreamRecorder({folder / "drive", "", ""});
               }),
               HasSubstr("holds a recording already"));
-  EXPECT_THAT(errorOf([&] {
+  EXPECT_THAT(test::messageOf([&] {
                 StreamRecorder({"/proc/nowhere", "", ""});
               }),
               HasSubstr("cannot make the folder"));
@@ -254,10 +233,10 @@ TEST(Recording, RefusesAFolderThatHoldsOne) {
 TEST(Recording, ADamagedDescriptionIsAClearError) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "recording.json") << "{\"format_version\": 1,";
-  EXPECT_THAT(errorOf([&] { openSource(folder.path()); }), HasSubstr("recording.json is damaged"));
+  EXPECT_THAT(test::messageOf([&] { openSource(folder.path()); }), HasSubstr("recording.json is damaged"));
   std::ofstream(folder / "recording.json")
       << R"({"format_version": 99, "software_version": "9.9", "configuration": "", "rig": ""})";
-  EXPECT_THAT(errorOf([&] { openSource(folder.path()); }),
+  EXPECT_THAT(test::messageOf([&] { openSource(folder.path()); }),
               HasSubstr("has format 99, but this program reads up to 1"));
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/evaluation.hpp"
@@ -50,16 +51,6 @@ Trajectory scaled(Trajectory trajectory, double scale) {
   for (StampedPose& stamped : trajectory)
     stamped.pose.translation() *= scale;
   return trajectory;
-}
-
-template <typename Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return {};
 }
 
 TEST(Evaluation, OfThePerfectEstimateIsZero) {
@@ -190,14 +181,14 @@ TEST(Association, ByTimeOfDifferentClocksIsRefused) {
   Trajectory truth = straight(50, 1.0);
   for (StampedPose& stamped : truth)
     stamped.time_ns += 1'000'000'000'000;
-  EXPECT_THAT(messageOf([&] { associateByTime(straight(50, 1.0), truth); }),
+  EXPECT_THAT(test::messageOf([&] { associateByTime(straight(50, 1.0), truth); }),
               HasSubstr("the estimate is of 0.000 s to 4.900 s, the truth of 1000.000 s to 1004.900 s"));
 }
 
 TEST(Association, ByRowsNeedsAsManyRows) {
-  EXPECT_THAT(messageOf([] { associateByRows(straight(50, 1.0), straight(51, 1.0)); }),
+  EXPECT_THAT(test::messageOf([] { associateByRows(straight(50, 1.0), straight(51, 1.0)); }),
               HasSubstr("the estimate has 50 poses, the truth 51"));
-  EXPECT_THAT(messageOf([] { associateByRows(straight(1, 1.0), straight(1, 1.0)); }),
+  EXPECT_THAT(test::messageOf([] { associateByRows(straight(1, 1.0), straight(1, 1.0)); }),
               HasSubstr("no trajectory"));
 }
 
@@ -210,7 +201,7 @@ TEST(Association, OfFilesIsByTimeForTumAndByRowForKitti) {
   EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.tum").method, AssociationMethod::time);
   EXPECT_EQ(associateFiles(folder / "estimate.txt", folder / "truth.txt").method, AssociationMethod::rows);
   EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.txt").method, AssociationMethod::rows);
-  EXPECT_THAT(messageOf([&] { associateFiles(folder / "estimate.txt", folder / "truth.tum"); }),
+  EXPECT_THAT(test::messageOf([&] { associateFiles(folder / "estimate.txt", folder / "truth.tum"); }),
               HasSubstr((folder / "truth.tum").string()));
 }
 

@@ -15,6 +15,7 @@
 #include "calib/rig_file.hpp"
 #include "calib/rig_import.hpp"
 #include "capture/stream_recorder.hpp"
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "tools/evaluate/association.hpp"
@@ -29,16 +30,6 @@ namespace cartvo {
 namespace {
 
 using ::testing::HasSubstr;
-
-template <typename Call>
-std::string messageOf(Call call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return {};
-}
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -224,18 +215,19 @@ TEST_F(ReplayOfKitti, TakesItsRigFromTheFolderBeforeCalibTxtAndTheGivenOneBefore
 
 TEST_F(ReplayOfKitti, RefusesARigOfAnotherSize) {
   writeRig(folder_ / "rig.yaml", readKittiRig(folder_ / "calib.txt", {1241, 376}));
-  EXPECT_THAT(messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
+  EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
 }
 
 TEST_F(ReplayOfKitti, WithoutARigIsRefusedSayingWhatWouldDo) {
   std::filesystem::remove(folder_ / "calib.txt");
-  EXPECT_THAT(messageOf([&] { replayed(folder_.path()); }), HasSubstr("Give --rig FILE, or put a rig.yaml"));
+  EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }),
+              HasSubstr("Give --rig FILE, or put a rig.yaml"));
 }
 
 TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const Replay& replay = replayOfAll();
-  EXPECT_THAT(messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
+  EXPECT_THAT(test::messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
               HasSubstr("has 51 poses for 6 pairs"));
 }
 
@@ -297,8 +289,8 @@ TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {
 
 TEST(Replay, OfWhatIsNoSourceIsRefused) {
   const test::TemporaryFolder folder;
-  EXPECT_THAT(messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));
-  EXPECT_THAT(messageOf([] { replayed("/no/such/folder"); }), HasSubstr("/no/such/folder"));
+  EXPECT_THAT(test::messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));
+  EXPECT_THAT(test::messageOf([] { replayed("/no/such/folder"); }), HasSubstr("/no/such/folder"));
 }
 
 TEST(Replay, ThatFailsLeavesNoFolderBehind) {
@@ -319,9 +311,10 @@ TEST(Replay, ThatFailsLeavesNoFolderBehind) {
 TEST(Replay, IntoAFileIsRefused) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "out", "a file");
-  EXPECT_THAT(messageOf([&] { OutputFolder output(folder / "out"); }),
+  EXPECT_THAT(test::messageOf([&] { OutputFolder output(folder / "out"); }),
               HasSubstr("is not a folder; --output-dir"));
-  EXPECT_THAT(messageOf([&] { OutputFolder output(folder / "out/inside"); }), HasSubstr("cannot be made"));
+  EXPECT_THAT(test::messageOf([&] { OutputFolder output(folder / "out/inside"); }),
+              HasSubstr("cannot be made"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -18,12 +19,7 @@ void write(const std::filesystem::path& file, const std::string& text) {
 }
 
 std::string messageOfReading(const std::filesystem::path& file) {
-  try {
-    readTrajectory(file);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
+  return test::messageOf([&] { readTrajectory(file); });
 }
 
 Trajectory helix() {

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "calib/rig_file.hpp"
+#include "support/error_message.hpp"
 #include "support/pattern_content.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -19,12 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string errorOf(const fs::path& folder) {
-  try {
-    const SequenceContent content(folder, {});
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return test::messageOf([&] { const SequenceContent content(folder, {}); });
 }
 
 TEST(RenderFolder, readsBackAsTheSameContent) {

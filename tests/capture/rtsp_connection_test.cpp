@@ -1,0 +1,153 @@
+// How a live connection is refused, lost and made again: over real sockets on loopback, against the simulated
+// camera.
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "capture/ffmpeg_log.hpp"
+#include "capture/rtsp_camera.hpp"
+#include "tests/capture/live_camera.hpp"
+#include "tests/capture/tcp_proxy.hpp"
+
+namespace cartvo {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::Not;
+
+bool readUntilState(RtspCamera& camera, CameraState state) {
+  return test::readUntil(
+      camera, [&](ReadOutcome, const Frame&) { return camera.health().state == state; }, milliseconds(5000));
+}
+
+TEST(RtspConnection, AWrongPasswordIsRefusedAndNeverShown) {
+  std::mutex mutex;
+  std::string log;
+  setFfmpegLogSink([&](const std::string& message) {
+    const std::lock_guard lock(mutex);
+    log += message + "\n";
+  });
+  const auto server = test::switchOn(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials.password = "hunter2";
+  RtspCamera camera(settings);
+  EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+  const CameraHealth health = camera.health();
+  setFfmpegLogSink({});
+  EXPECT_THAT(health.last_error, HasSubstr("refused the user or password (user 'admin')"));
+  EXPECT_THAT(health.last_error, HasSubstr("; trying again in 30 s"));
+  EXPECT_THAT(health.last_error, Not(HasSubstr("hunter2")));
+  EXPECT_THAT(log, HasSubstr("401"));
+  EXPECT_THAT(log, Not(HasSubstr("hunter2")));
+  // Not asked again in a hurry: the account would be locked.
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(300)), ReadOutcome::timed_out);
+  EXPECT_EQ(camera.health().state, CameraState::refused);
+}
+
+TEST(RtspConnection, AMissingPasswordIsSaidToBeMissing) {
+  const auto server = test::switchOn(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials = {};
+  RtspCamera camera(settings);
+  EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("asks for a user and password, and none are configured"));
+}
+
+TEST(RtspConnection, ReconnectsToACameraThatWasSwitchedOffAndOn) {
+  auto server = test::switchOn(test::leftStream());
+  const std::uint16_t port = server->port();
+  RtspCamera camera(test::settingsFor(port));
+  Frame frame;
+  ASSERT_TRUE(test::readFrames(camera, 10));
+  server.reset();
+  ASSERT_TRUE(test::readUntil(
+      camera, [&](ReadOutcome, const Frame&) { return camera.health().state != CameraState::streaming; },
+      milliseconds(5000)));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("127.0.0.1:" + std::to_string(port)));
+  server = test::switchOn(test::leftStream(), port);
+  EXPECT_TRUE(test::readFrames(camera, 10));
+  EXPECT_EQ(camera.health().state, CameraState::streaming);
+  EXPECT_EQ(camera.health().reconnections, 1U);
+}
+
+TEST(RtspConnection, NoticesThatTheStreamHasStalledAndConnectsAgain) {
+  const auto server = test::switchOn(test::leftStream());
+  test::TcpProxy proxy(server->port());
+  RtspCameraSettings settings = test::settingsFor(proxy.port());
+  settings.stall_timeout = milliseconds(300);
+  RtspCamera camera(settings);
+  ASSERT_TRUE(test::readFrames(camera, 10));
+  proxy.freeze();
+  ASSERT_TRUE(readUntilState(camera, CameraState::stalled));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("sent no picture for 300 ms"));
+  EXPECT_TRUE(test::readFrames(camera, 5));
+}
+
+TEST(RtspConnection, SaysThatNothingListensThere) {
+  std::uint16_t closed_port = 0;
+  {
+    const test::TcpProxy listener(1);
+    closed_port = listener.port();
+  }
+  RtspCamera camera(test::settingsFor(closed_port));
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(200)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("Connection refused"));
+  EXPECT_EQ(camera.health().state, CameraState::connecting);
+}
+
+TEST(RtspConnection, SaysThatNothingAnswersThere) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);  // the system accepts for it, nobody ever answers
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(::bind(listener, generic, size), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  ASSERT_EQ(::getsockname(listener, generic, &size), 0);
+  RtspCameraSettings settings = test::settingsFor(ntohs(address.sin_port));
+  settings.connect_timeout = milliseconds(300);
+  RtspCamera camera(settings);
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("no answer from the camera at 127.0.0.1"));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
+  ::close(listener);
+}
+
+TEST(RtspConnection, InterruptEndsReadingInEachState) {
+  const auto server = test::switchOn(test::leftStream());
+  test::TcpProxy proxy(server->port());
+  // Frozen before it is asked, the proxy accepts the connection and never answers.
+  for (const bool answers : {true, false}) {
+    RtspCamera camera(test::settingsFor(proxy.port()));
+    if (!answers) proxy.freeze();
+    std::atomic<bool> ended = false;
+    std::thread reader([&] {
+      Frame frame;
+      while (camera.read(frame, milliseconds(10000)) != ReadOutcome::ended)
+        continue;
+      ended = true;
+    });
+    std::this_thread::sleep_for(milliseconds(300));
+    EXPECT_FALSE(ended);
+    camera.interrupt();
+    reader.join();
+    EXPECT_EQ(camera.health().state, CameraState::ended);
+    Frame frame;
+    EXPECT_EQ(camera.read(frame, milliseconds(1000)), ReadOutcome::ended);
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace cartvo::test {
+
+/// The message of what a call throws; empty if it throws nothing.
+template <typename Call>
+std::string messageOf(Call call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace cartvo::test

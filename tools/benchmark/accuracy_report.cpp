@@ -2,6 +2,8 @@
 #include "tools/benchmark/accuracy_report.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -16,7 +18,9 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string bitrateName(double bitrate_mbps) {
-  return significant(bitrate_mbps) + " Mbit/s";
+  char text[32];
+  std::snprintf(text, sizeof text, "%g Mbit/s", bitrate_mbps);
+  return text;
 }
 
 std::string segmentCell(const SegmentErrors& errors) {
@@ -125,7 +129,8 @@ std::optional<double> relativeGrowth(const BitratePoint& point) {
 
 std::string withGrowth(const std::string& value, const std::optional<double>& growth) {
   if (!growth) return value;
-  return value + (*growth < 0.0 ? " (" : " (+") + fixed(100.0 * *growth, 0) + " %)";
+  const double percent = std::round(100.0 * *growth) + 0.0;  // no "-0"
+  return value + (percent < 0.0 ? " (" : " (+") + fixed(percent, 0) + " %)";
 }
 
 std::string bitrateTable(const std::vector<BitratePoint>& points, ReportFormat format) {

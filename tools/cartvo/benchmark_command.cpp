@@ -58,9 +58,10 @@ struct AccuracyOptions {
   bool quick = false;
 };
 
-/// Long enough for what a scenario is about: a lap of 300 m, twenty seconds of standing, the rest something
-/// over 100 m.
+/// Long enough for what a scenario is about: the lap with the stand at its end, twenty seconds of standing,
+/// some 300 m of campus, the rest something over 100 m.
 double secondsOf(world::Scenario scenario) {
+  if (scenario == world::Scenario::loop) return 75.0;
   if (scenario == world::Scenario::campus) return 60.0;
   if (scenario == world::Scenario::standing) return 22.0;  // two of them before the traffic
   return 40.0;
@@ -226,7 +227,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
   CLI::Option* seconds =
       command
           .add_option("--seconds", options.seconds,
-                      "Length of each drive (default: 60 campus, 22 standing, 40 the others)")
+                      "Length of each drive (default: 75 loop, 60 campus, 22 standing, 40 the others)")
           ->check(CLI::Range(1.0, 3600.0));
   command
       .add_option("--offset-ms", options.offset_ms,

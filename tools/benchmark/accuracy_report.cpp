@@ -85,6 +85,7 @@ std::vector<SequenceAccuracy> summaries(const std::vector<SequenceAccuracy>& acc
     }
   }
   std::vector<SequenceAccuracy> result;
+  result.reserve(by_estimator.size());
   for (const std::vector<SequenceAccuracy>& group : by_estimator)
     result.push_back(summarise(std::string("all ") + std::to_string(group.size()) + " worlds", group));
   return result;

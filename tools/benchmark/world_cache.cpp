@@ -44,7 +44,7 @@ fs::path WorldCache::folderOf(const world::RenderedWorld& world) const {
 }
 
 fs::path WorldCache::rendered(const world::RenderedWorld& world, const simulate::Progress& progress) const {
-  const fs::path images = folderOf(world);
+  fs::path images = folderOf(world);
   if (fs::exists(images)) return images;
   fs::create_directories(folder_);
   fs::path lock_file = images;

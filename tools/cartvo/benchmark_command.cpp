@@ -73,7 +73,7 @@ fs::path dataFolder(const fs::path& given) {
   if (!given.empty()) return given;
   if (const char* configured = std::getenv("CARTVO_DATA"); configured != nullptr && *configured != '\0')
     return configured;
-  const fs::path beside = "../shared/data";
+  fs::path beside = "../shared/data";
   if (fs::is_directory(beside)) return beside;
   std::fputs("cartvo: no real sequences: ../shared/data is not here; name their folder with --data DIR\n",
              stderr);

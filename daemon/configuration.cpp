@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <regex>
+#include <stdexcept>
 #include <utility>
 
 #include "calib/strict_yaml.hpp"
+#include "daemon/lcm_connection.hpp"
 
 namespace cartvo {
 namespace {
@@ -139,6 +141,11 @@ void readLcm(const StrictYaml& yaml, Configuration& configuration) {
     configuration.lcm_url = yaml["url"].text();
     if (!std::regex_match(configuration.lcm_url, kUdpMulticastUrl)) {
       yaml["url"].failExpecting("a URL such as udpm://239.255.76.67:7667?ttl=0");
+    }
+    try {
+      checkLcmUrl(configuration.lcm_url);
+    } catch (const std::invalid_argument& error) {
+      yaml["url"].fail(error.what());
     }
   }
   if (yaml.has("time_to_live")) configuration.time_to_live = duration(yaml["time_to_live"], 0.01, 10.0);

@@ -88,6 +88,7 @@ class Daemon::Implementation {
 
  private:
   void startRecording();
+  std::string recordingProblem() const;
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
   void turn();
@@ -101,6 +102,7 @@ class Daemon::Implementation {
   std::unique_ptr<lcm::LCM> lcm_;
   // The recorder outlives the cameras that feed it.
   std::unique_ptr<StreamRecorder> recorder_;
+  std::string recording_refused_;  ///< why it could not start
   RtspCamera left_;
   RtspCamera right_;
   double longest_reader_turn_;
@@ -136,13 +138,25 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
   if (!configuration.recording_directory.empty()) startRecording();
 }
 
+/// The controllers need the motion, recorded or not: a recording that cannot start is only a problem to be
+/// told.
 void Daemon::Implementation::startRecording() {
-  recorder_ = std::make_unique<StreamRecorder>(RecordingSettings{configuration_.recording_directory,
-                                                                 effectiveConfiguration(configuration_),
-                                                                 fileText(configuration_.rig)});
+  try {
+    recorder_ = std::make_unique<StreamRecorder>(RecordingSettings{configuration_.recording_directory,
+                                                                   effectiveConfiguration(configuration_),
+                                                                   fileText(configuration_.rig)});
+  } catch (const std::exception& error) {
+    recording_refused_ = std::string("not recording: ") + error.what();
+    spdlog::error(recording_refused_);
+    return;
+  }
   left_.observe(recorder_->left());
   right_.observe(recorder_->right());
   spdlog::info("recording to {}", configuration_.recording_directory.string());
+}
+
+std::string Daemon::Implementation::recordingProblem() const {
+  return recorder_ ? recorder_->health().error : recording_refused_;
 }
 
 void Daemon::Implementation::run() {
@@ -197,7 +211,8 @@ void Daemon::Implementation::turn() {
 }
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
-  const HealthSnapshot snapshot{left_.health(), right_.health(), pipeline_.counts(), pipeline_.problem()};
+  const HealthSnapshot snapshot{left_.health(), right_.health(), pipeline_.counts(), pipeline_.problem(),
+                                recordingProblem()};
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.status(statusLine(message));
@@ -209,11 +224,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
         "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
     reported_failures_ = publisher_.failures();
   }
-  if (recorder_) {
-    if (const std::string error = recorder_->health().error; !error.empty()) {
-      warnings_.warn(error);
-    }
-  }
+  if (!snapshot.recording.empty() && snapshot.recording != message.problem)
+    warnings_.warn(snapshot.recording);
 }
 
 void Daemon::Implementation::logState(const char* side, const CameraHealth& health,

@@ -85,7 +85,7 @@ std::string firstProblem(const HealthSnapshot& snapshot) {
   if (snapshot.right.state != CameraState::streaming && !snapshot.right.last_error.empty()) {
     return "right camera: " + snapshot.right.last_error;
   }
-  return {};
+  return snapshot.recording;
 }
 
 void setCounts(health_t& message, const PipelineCounts& counts) {

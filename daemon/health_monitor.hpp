@@ -19,7 +19,8 @@ struct HealthSnapshot {
   CameraHealth left;
   CameraHealth right;
   PipelineCounts counts;
-  std::string problem;  ///< what a person should mend first; empty: see the cameras' last errors
+  std::string problem;    ///< what a person should mend first; empty: see the cameras' last errors
+  std::string recording;  ///< why nothing is recorded that should be; the least of the problems
 };
 
 /// Gathers what happened since the last health message. One thread.

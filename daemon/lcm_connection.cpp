@@ -105,6 +105,10 @@ std::string howToAddRoute(const std::string& address) {
 
 }  // namespace
 
+void checkLcmUrl(const std::string& url) {
+  parseGroupUrl(url);
+}
+
 MulticastRoute findMulticastRoute(const std::string& url) {
   const GroupUrl group = parseGroupUrl(url);
   MulticastRoute route{group.address, "", false, group.ttl};

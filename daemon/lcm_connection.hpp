@@ -20,6 +20,9 @@ struct MulticastRoute {
   int ttl = 0;  ///< hops; 0 stays on this host
 };
 
+/// Throws std::invalid_argument if `url` is not udpm://GROUP:PORT[?ttl=N...] with a multicast GROUP.
+void checkLcmUrl(const std::string& url);
+
 /// Asks the kernel. `url`: udpm://GROUP:PORT[?ttl=N...]; throws std::invalid_argument if it is not one.
 MulticastRoute findMulticastRoute(const std::string& url);
 

@@ -179,6 +179,24 @@ TEST_F(LiveStream, OfAnotherSizeThanTheRigsIsRefusedInHealthAndKeepsTheDaemonRun
   run.wait();
 }
 
+TEST_F(LiveStream, IsProcessedWhenItsRecordingCannotStartAndHealthSaysWhy) {
+  Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
+  configuration.recording_directory = folder_ / "rig.yaml" / "recording";  // root may write anywhere else
+  Subscriber subscriber;
+  Daemon daemon(configuration);
+  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  startContent();
+  EXPECT_TRUE(subscriber.listen(milliseconds(15000), [&] {
+    return !subscriber.health.empty() && !subscriber.health.back().problem.empty() &&
+           std::any_of(subscriber.odometry.begin(), subscriber.odometry.end(), isValid);
+  }));
+  ASSERT_FALSE(subscriber.health.empty());
+  EXPECT_THAT(subscriber.health.back().problem,
+              AllOf(HasSubstr("not recording: cannot make the folder"), HasSubstr("rig.yaml/recording")));
+  daemon.stop();
+  run.wait();
+}
+
 TEST(LcmConnection, NamesTheInterfaceOfItsRoute) {
   const MulticastRoute route = findMulticastRoute(kUrl);
   EXPECT_EQ(route.interface, "lo");

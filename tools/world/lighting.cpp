@@ -56,15 +56,6 @@ Lighting lightingOf(const WorldSettings& settings, const Path& path) {
   return lighting;
 }
 
-Eigen::Vector3f Lighting::sunSample(int index, int count) const {
-  constexpr float kGoldenAngle = 2.4F;  // a spiral spreads them evenly over the disc
-  const Eigen::Vector3f side = to_sun.unitOrthogonal();
-  const Eigen::Vector3f up = to_sun.cross(side);
-  const float angle = kGoldenAngle * static_cast<float>(index);
-  const float radius = kSunRadius * std::sqrt((static_cast<float>(index) + 0.5F) / static_cast<float>(count));
-  return to_sun + radius * (std::cos(angle) * side + std::sin(angle) * up);
-}
-
 float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint) {
   const Eigen::Vector3f d = direction.normalized();
   // The clouds' layer curves away toward the horizon.

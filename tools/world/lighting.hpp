@@ -12,11 +12,13 @@ namespace cartvo::world {
 
 /// Light on the campus; unit: what a white surface facing the midday sun sends back.
 struct Lighting {
-  Eigen::Vector3f to_sun{0.45F, 0.55F, 0.70F};  ///< unit length after lightingOf()
-  float sun = 0.85F;                            ///< direct light on a surface facing it; 0: no shadows
-  float sky = 0.23F;                            ///< from above, on a level surface
-  float ground = 0.06F;                         ///< sent back by the ground, on a downward surface
-  float clouds = 0.5F;                          ///< 0..1
+  /// Unit length after lightingOf(). Shadows are hard: the few rays that a picture can afford would make
+  /// grain of a penumbra, and grain moves with no surface.
+  Eigen::Vector3f to_sun{0.45F, 0.55F, 0.70F};
+  float sun = 0.85F;     ///< direct light on a surface facing it; 0: no shadows
+  float sky = 0.23F;     ///< from above, on a level surface
+  float ground = 0.06F;  ///< sent back by the ground, on a downward surface
+  float clouds = 0.5F;   ///< 0..1
   std::uint32_t seed = 0;
   bool glare = false;                  ///< the sun's disc and the bright sky around it can be seen
   std::vector<Underpass> underpasses;  ///< where less of the sky is seen
@@ -34,9 +36,6 @@ struct Lighting {
     const float up = 0.5F + 0.5F * normal.z();
     return sky * up + ground * (1.0F - up);
   }
-
-  /// Where the `index`th of `count` rays to the sun's disc (half a degree wide) points.
-  Eigen::Vector3f sunSample(int index, int count) const;
 };
 
 Lighting lightingOf(const WorldSettings& settings, const Path& path);

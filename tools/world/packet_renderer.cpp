@@ -112,7 +112,7 @@ void PacketRenderer::recall(std::span<const Pixel> pixels, int samples, const Fi
   }
 }
 
-void PacketRenderer::lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun) {
+void PacketRenderer::lookAtSunTogether(int rays) {
   valid_.fill(0);
   bool any = false;
   for (int lane = 0; lane < rays; ++lane) {
@@ -121,9 +121,9 @@ void PacketRenderer::lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun) 
     shadow_.org_x[lane] = origin.x();
     shadow_.org_y[lane] = origin.y();
     shadow_.org_z[lane] = origin.z();
-    shadow_.dir_x[lane] = to_sun.x();
-    shadow_.dir_y[lane] = to_sun.y();
-    shadow_.dir_z[lane] = to_sun.z();
+    shadow_.dir_x[lane] = lighting_.to_sun.x();
+    shadow_.dir_y[lane] = lighting_.to_sun.y();
+    shadow_.dir_z[lane] = lighting_.to_sun.z();
     shadow_.tnear[lane] = 0.0F;
     shadow_.tfar[lane] = kShadowReach;
     shadow_.time[lane] = 0.0F;
@@ -143,15 +143,15 @@ void PacketRenderer::lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun) 
   }
 }
 
-bool PacketRenderer::seesSun(int lane, const Eigen::Vector3f& to_sun) const {
+bool PacketRenderer::seesSun(int lane) const {
   const Eigen::Vector3f origin = sunRayOrigin(lane);
   RTCRay ray{};
   ray.org_x = origin.x();
   ray.org_y = origin.y();
   ray.org_z = origin.z();
-  ray.dir_x = to_sun.x();
-  ray.dir_y = to_sun.y();
-  ray.dir_z = to_sun.z();
+  ray.dir_x = lighting_.to_sun.x();
+  ray.dir_y = lighting_.to_sun.y();
+  ray.dir_z = lighting_.to_sun.z();
   ray.tfar = kShadowReach;
   ray.mask = 0xffffffffU;
   RTCIntersectContext context;
@@ -160,14 +160,14 @@ bool PacketRenderer::seesSun(int lane, const Eigen::Vector3f& to_sun) const {
   return ray.tfar >= 0.0F;
 }
 
-/// The sun is a disc of half a degree: each of a pixel's samples looks at another part of it. A packet pays
-/// where most lanes take part; of the second look's rays few need the sun, and those few are far apart.
+/// A packet pays where most lanes take part; of the second look's rays few need the sun, and those few are
+/// far apart.
 void PacketRenderer::castSunRays(int rays, int samples) {
-  if (samples == 1) lookAtSunTogether(rays, lighting_.sunSample(0, 1));
-  for (int sample = 0; sample < samples && samples > 1; ++sample) {
-    const Eigen::Vector3f to_sun = lighting_.sunSample(sample, samples);
-    for (int lane = sample; lane < rays; lane += samples) {
-      if (!sun_known_[lane] && seesSun(lane, to_sun)) sunlit_[lane] = 1.0F;
+  if (samples == 1) {
+    lookAtSunTogether(rays);
+  } else {
+    for (int lane = 0; lane < rays; ++lane) {
+      if (!sun_known_[lane] && seesSun(lane)) sunlit_[lane] = 1.0F;
     }
   }
   for (int lane = 0; lane < rays; ++lane) {

@@ -78,8 +78,8 @@ class PacketRenderer {
   Eigen::Vector3f sunRayOrigin(int lane) const {
     return position_[lane] + (0.002F + 2e-4F * packet_.ray.tfar[lane]) * normal_[lane];
   }
-  void lookAtSunTogether(int rays, const Eigen::Vector3f& to_sun);
-  bool seesSun(int lane, const Eigen::Vector3f& to_sun) const;
+  void lookAtSunTogether(int rays);
+  bool seesSun(int lane) const;
   /// What several samples of a pixel saw of one surface.
   struct Piece {
     SurfaceHit hit;

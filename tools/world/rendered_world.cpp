@@ -25,7 +25,7 @@ namespace cartvo::world {
 namespace {
 
 constexpr int kLook =
-    3;  ///< raised whenever the same settings give other images, so that cached streams expire
+    4;  ///< raised whenever the same settings give other images, so that cached streams expire
 
 constexpr double kMeteredMost = 2.0;  ///< a pixel that is blinded says no more than this
 
@@ -115,25 +115,26 @@ class RenderedWorld::Implementation {
 
   cv::Mat image(int index, CameraSide side) {
     const std::lock_guard lock(mutex);
+    meter();
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    meter();
-    moveTo(seconds);
-    const RenderSettings sampling{settings.edge_samples, settings.threads};
     const std::uint32_t image_seed =
         hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
                 static_cast<std::uint32_t>(camera)});
-    cv::Mat radiance =
-        renderRadiance(stage->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
     SensorSettings sensor;
     sensor.gain = camera == 0 ? 1.0F : 1.03F;
     const CameraModel& model = camera == 0 ? rig.left : rig.right;
-    scatterInLens(radiance, model.fx);
     sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
     sensor.vignette = camera == 0 ? 0.30F : 0.33F;
     sensor.noise = static_cast<float>(settings.noise);
-    return exposeImage(radiance, exposure->exposure(seconds), sensor, mixBits(image_seed + 17U),
-                       settings.threads);
+    return exposeImage(radianceAt(seconds, camera), exposure->exposure(seconds), sensor,
+                       mixBits(image_seed + 17U), settings.threads);
+  }
+
+  cv::Mat radiance(int index, CameraSide side) {
+    const std::lock_guard lock(mutex);
+    buildStage();
+    return radianceAt(1e-9 * static_cast<double>(instantNs(index, side)), sideIndex(side));
   }
 
   DepthImage depth(int index, CameraSide side) {
@@ -184,6 +185,15 @@ class RenderedWorld::Implementation {
     view.T_map_camera = T_map_camera.cast<float>();
     view.sample_seed = samplePatternSeed(T_map_camera);
     return view;
+  }
+
+  cv::Mat radianceAt(double seconds, std::size_t camera) {
+    moveTo(seconds);
+    const RenderSettings sampling{settings.edge_samples, settings.threads};
+    cv::Mat radiance =
+        renderRadiance(stage->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
+    scatterInLens(radiance, (camera == 0 ? rig.left : rig.right).fx);
+    return radiance;
   }
 
   /// The mean light of the left camera's view.
@@ -256,6 +266,10 @@ void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
 
 cv::Mat RenderedWorld::image(int index, CameraSide side) const {
   return implementation_->image(index, side);
+}
+
+cv::Mat RenderedWorld::radiance(int index, CameraSide side) const {
+  return implementation_->radiance(index, side);
 }
 
 DepthImage RenderedWorld::renderDepth(int index, CameraSide side) const {

@@ -41,6 +41,10 @@ class RenderedWorld final : public simulate::Content {
   /// One camera's image only.
   cv::Mat image(int index, CameraSide side) const;
 
+  /// The light behind that image, CV_32FC1, in the unit of light(): before the sensor's blur, exposure,
+  /// noise, tone curve and rounding. For judging the renderer.
+  cv::Mat radiance(int index, CameraSide side) const;
+
   /// Depth and moving objects of that image, one ray through each pixel's centre.
   DepthImage renderDepth(int index, CameraSide side) const;
 

@@ -19,9 +19,9 @@ struct WarpResidual {
   Eigen::Vector2d residual;  ///< how far from there it is found, px
 };
 
-/// Warps `to` onto `from` through `from`'s depth and the true poses (bicubic, in floating point) and measures
-/// the displacement that remains on patches that are static, seen by both, away from depth edges, and
-/// textured.
+/// Warps `to` onto `from` through `from`'s depth and the true poses and measures the displacement that
+/// remains, in floating point and in two steps, on patches that are static, seen by both, away from depth
+/// edges, and textured.
 std::vector<WarpResidual> warpResiduals(const world::RenderedWorld& world, const Exposure& from,
                                         const Exposure& to);
 

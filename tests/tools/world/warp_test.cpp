@@ -1,6 +1,10 @@
 #include "tests/tools/world/warp.hpp"
 
+#include <cmath>
 #include <iostream>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -9,9 +13,10 @@ namespace {
 
 using test::WarpResidual;
 
-world::WorldSettings cleanDrive() {
+world::WorldSettings cleanDrive(world::Scenario scenario, std::uint64_t seed) {
   world::WorldSettings settings;
-  settings.seed = 3;
+  settings.scenario = scenario;
+  settings.seed = seed;
   settings.seconds = 8.0;
   settings.offset_s = 0.013;
   settings.noise = 0.0;
@@ -37,10 +42,6 @@ Summary summarise(const std::vector<WarpResidual>& residuals) {
   return summary;
 }
 
-void append(std::vector<WarpResidual>& all, const std::vector<WarpResidual>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
-
 void expectExact(const std::vector<WarpResidual>& residuals) {
   const Summary summary = summarise(residuals);
   std::cout << residuals.size() << " patches, mean residual " << summary.mean << " px, scale error "
@@ -50,23 +51,27 @@ void expectExact(const std::vector<WarpResidual>& residuals) {
   EXPECT_LT(std::abs(summary.scale), 0.001);
 }
 
-TEST(RenderedWorldWarp, LeftMeetsRightThroughDepthAndTruth) {
-  const world::RenderedWorld world(cleanDrive());
-  std::vector<WarpResidual> residuals;
-  for (const int index : {10, 130}) {
-    append(residuals, test::warpResiduals(world, {index, CameraSide::left}, {index, CameraSide::right}));
-  }
-  expectExact(residuals);
+/// A scenario and a seed.
+class RenderedWorldWarp : public testing::TestWithParam<std::tuple<world::Scenario, std::uint64_t>> {
+ protected:
+  const world::RenderedWorld world{cleanDrive(std::get<0>(GetParam()), std::get<1>(GetParam()))};
+};
+
+TEST_P(RenderedWorldWarp, LeftMeetsRightThroughDepthAndTruth) {
+  expectExact(test::warpResiduals(world, {130, CameraSide::left}, {130, CameraSide::right}));
 }
 
-TEST(RenderedWorldWarp, EachImageMeetsTheNextThroughDepthAndTruth) {
-  const world::RenderedWorld world(cleanDrive());
-  std::vector<WarpResidual> residuals;
-  for (const int index : {90, 130}) {
-    append(residuals, test::warpResiduals(world, {index, CameraSide::left}, {index + 1, CameraSide::left}));
-  }
-  expectExact(residuals);
+TEST_P(RenderedWorldWarp, EachImageMeetsTheNextThroughDepthAndTruth) {
+  expectExact(test::warpResiduals(world, {90, CameraSide::left}, {91, CameraSide::left}));
 }
+
+INSTANTIATE_TEST_SUITE_P(Worlds, RenderedWorldWarp,
+                         testing::Combine(testing::Values(world::Scenario::campus, world::Scenario::dusk),
+                                          testing::Values(1U, 2U, 3U)),
+                         [](const auto& drive) {
+                           return std::string(world::scenarioName(std::get<0>(drive.param))) + "Seed" +
+                                  std::to_string(std::get<1>(drive.param));
+                         });
 
 }  // namespace
 }  // namespace cartvo

@@ -93,6 +93,7 @@ int run(const CommandLine& command_line) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): out of memory before anything runs may as well end the program
 int main(int argument_count, char** arguments) {
   cartvo::setUpLog(spdlog::level::info);
   CLI::App app;

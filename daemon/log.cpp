@@ -58,7 +58,7 @@ std::string RepeatedWarnings::due(const std::string& text, Clock::time_point now
   Entry& entry = found->second;
   ++entry.repeats;
   if (now - entry.logged < kRepeatAfter) return {};
-  const std::string line = text + " (" + std::to_string(entry.repeats) + " times since this was last logged)";
+  std::string line = text + " (" + std::to_string(entry.repeats) + " times since this was last logged)";
   entry = {now, 0};
   return line;
 }

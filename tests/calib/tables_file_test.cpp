@@ -64,8 +64,9 @@ TEST(RectificationTables, AgreeWithUndistortPoints) {
     double largest = 0.0;
     for (std::size_t k = 0; k < rectified.size(); ++k) {
       const auto pixel = static_cast<int>(37 * k);
-      largest = std::max({largest, std::abs(rectified[k].x - pixel % tables.size.width),
-                          std::abs(rectified[k].y - pixel / tables.size.width)});
+      const int row = pixel / tables.size.width;
+      const int column = pixel % tables.size.width;
+      largest = std::max({largest, std::abs(rectified[k].x - column), std::abs(rectified[k].y - row)});
     }
     // Half of 1/256 px in the raw image, which the distortion stretches towards the corners.
     EXPECT_LT(largest, 2.0 / 512.0);

@@ -1,6 +1,6 @@
 // What the sanitizers cannot see into: the libraries behind the tests' encoders and servers.
 
-// NOLINTBEGIN(bugprone-reserved-identifier)
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions();
 
@@ -13,4 +13,4 @@ extern "C" const char* __lsan_default_suppressions() {
 extern "C" const char* __tsan_default_suppressions() {
   return "race:libglib-2.0\nrace:libgio-2.0\nrace:libgobject-2.0\nrace:libgst\nrace:client_feeds.cpp\n";
 }
-// NOLINTEND(bugprone-reserved-identifier)
+// NOLINTEND(readability-identifier-naming)

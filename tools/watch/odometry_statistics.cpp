@@ -54,7 +54,7 @@ void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_n
   }
   receptions_ns_.push_back(reception_ns);
   latencies_ms_.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
-  ages_ms_.push_back(static_cast<double>(reception_ns / 1000 - message.utime) * 1e-3);
+  ages_ms_.push_back(static_cast<double>(reception_ns - message.utime * 1000) * 1e-6);
   offsets_ms_.push_back(static_cast<double>(message.offset_us) * 1e-3);
   if (!last_was_valid_) return;
   ++counts_.valid;

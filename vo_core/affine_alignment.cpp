@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "vo_core/patch.hpp"
-#include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
 namespace {
@@ -15,20 +14,27 @@ namespace {
 constexpr int kSide = 15;  // px
 constexpr int kHalf = kSide / 2;
 constexpr int kCount = kSide * kSide;
-constexpr int kParameters = 6;
+constexpr int kMaximumParameters = 6;
+constexpr int kStereoParameters = 4;  // the first four of the six
+constexpr double kMinimumGain = 0.05;
 constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
 constexpr double kMaximumMove = 3.0;     // px from the start
 constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
 using Values = Patch<kSide, kSide>;      // the padding is zero in all but the sampled one
+
+using Parameters = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaximumParameters, 1>;
+using ParameterMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaximumParameters, kMaximumParameters>;
 
 /// The patch before and the derivatives of its values by the warp's parameters: shift x, y, then the warp's
 /// elements xx, xy, yx, yy, scaled by the patch's half side so that all six are pixels. From all, the mean is
 /// removed: brightness does not matter.
 struct Template {
   Values grey;
-  Values slope[kParameters];
+  Values slope[kMaximumParameters];
+  int parameters = kMaximumParameters;
   double norm = 0.0;  // of the values
-  Matrix6d hessian;
+  ParameterMatrix hessian;
 };
 
 Values makeRamp() {
@@ -39,7 +45,8 @@ Values makeRamp() {
   return ramp;
 }
 
-void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
+void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, WarpModel model, Template& out) {
+  out.parameters = model == WarpModel::stereo ? kStereoParameters : kMaximumParameters;
   static const Values kRamp = makeRamp();  // of a pixel's x offset, scaled
   Patch<kSide + 2, kSide + 2> wide;
   samplePatch(level, centre, wide);
@@ -62,9 +69,10 @@ void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Temp
     }
   }
   removeMean(out.grey);
-  for (Values& slope : out.slope)
-    removeMean(slope);
-  for (int i = 0; i < kParameters; ++i)
+  for (int i = 0; i < out.parameters; ++i)
+    removeMean(out.slope[i]);
+  out.hessian.resize(out.parameters, out.parameters);
+  for (int i = 0; i < out.parameters; ++i)
     for (int j = 0; j <= i; ++j)
       out.hessian(i, j) = out.hessian(j, i) = sumOfProducts(out.slope[i], out.slope[j]);
   out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
@@ -116,18 +124,21 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
   }
 }
 
-/// Samples the warped patch, gives the right side of the normal equations and the correlation.
-Vector6d compare(const Template& before, const PyramidLevel& after, AffineAlignment& alignment) {
+/// Samples the warped patch, gives the right side of the normal equations and the correlation. The patch's
+/// gain is taken out, else a darker image would shorten each step.
+Parameters compare(const Template& before, const PyramidLevel& after, AffineAlignment& alignment) {
   Values now;
   sampleWarped(after, alignment, now);
   removeMean(now);
   const double variance = sumOfProducts(now, now);
-  alignment.correlation =
-      sumOfProducts(now, before.grey) / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
+  const double product = sumOfProducts(now, before.grey);
+  alignment.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
+  const double gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
+  const float inverse_gain = static_cast<float>(1.0 / gain);
   for (int i = 0; i < kSide * Values::kStride; ++i)
-    now.value[i] -= before.grey.value[i];
-  Vector6d sum;
-  for (int i = 0; i < kParameters; ++i)
+    now.value[i] = inverse_gain * now.value[i] - before.grey.value[i];
+  Parameters sum(before.parameters);
+  for (int i = 0; i < before.parameters; ++i)
     sum[i] = sumOfProducts(before.slope[i], now);
   return sum;
 }
@@ -141,26 +152,27 @@ bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, c
 
 CARTVO_VECTOR_CLONES
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
-                                           const Eigen::Vector2d& from, const Eigen::Vector2d& start,
-                                           int iterations, double convergence) {
+                                           const Eigen::Vector2d& from, const AffineAlignment& start,
+                                           WarpModel model, int iterations, double convergence) {
   // Warped by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
   static_assert(kHalf * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
+  if (!plausible(start, start.position, after)) return std::nullopt;
   Template patch;
-  makeTemplate(before, from, patch);
-  const Eigen::LDLT<Matrix6d> factor(patch.hessian);
+  makeTemplate(before, from, model, patch);
+  const Eigen::LDLT<ParameterMatrix> factor(patch.hessian);
   const auto pivots = factor.vectorD();
   if (!(pivots.minCoeff() > kMinimumPivot * pivots.maxCoeff())) return std::nullopt;
 
-  AffineAlignment alignment;
-  alignment.position = start;
+  AffineAlignment alignment = start;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    const Vector6d step = factor.solve(compare(patch, after, alignment));
-    Eigen::Matrix2d stretch;
-    stretch << step[2], step[3], step[4], step[5];
+    const Parameters step = factor.solve(compare(patch, after, alignment));
+    Eigen::Matrix2d stretch = Eigen::Matrix2d::Zero();
+    stretch.row(0) = step.segment<2>(2);
+    if (model == WarpModel::affine) stretch.row(1) = step.segment<2>(4);
     const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + stretch / (0.5 * kSide)).inverse();
     alignment.warp = alignment.warp * change;
     alignment.position -= alignment.warp * step.head<2>();
-    if (!plausible(alignment, start, after)) return std::nullopt;
+    if (!plausible(alignment, start.position, after)) return std::nullopt;
     // A step so short does not change the correlation that was found before it.
     if (step.squaredNorm() < convergence * convergence) return alignment;
   }

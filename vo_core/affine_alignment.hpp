@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 
 #include "vo_core/image_pyramid.hpp"
@@ -13,13 +14,20 @@ struct AffineAlignment {
   double correlation = 0.0;                            ///< normalised, of the patches under the warp
 };
 
-/// Aligns the 15x15 patch around `from` in `before` with `after`, beginning at the shift to `start`, under an
-/// affine warp and any change of brightness (J. Shi, C. Tomasi, "Good features to track", 1994; inverse
-/// compositional). Near the camera a patch of the road grows by a fifth from one image to the next; a mere
-/// shift (thesis 4.10) then lands pixels off. Nothing if the texture does not hold a warp, the warp runs away
-/// from a plausible one, or the patch from where the shift has put it.
+/// What the patch may do between two images.
+enum class WarpModel : std::uint8_t {
+  affine,  ///< from one instant to another: six parameters
+  stereo,  ///< from left to right: rows stay straight, so only the shift and the slope of the disparity, four
+};
+
+/// Aligns the 15x15 patch around `from` in `before` with `after`, beginning at `start`'s position and warp,
+/// under a warp and any change of gain and brightness (J. Shi, C. Tomasi, "Good features to track", 1994;
+/// inverse compositional). Near the camera a patch of the road grows by a fifth from one image to the next,
+/// and its disparity changes by a third of a pixel from row to row; a mere shift (thesis 4.10) then lands
+/// pixels off. Nothing if the texture does not hold the warp, the warp runs away from a plausible one, or the
+/// patch from where it started.
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
-                                           const Eigen::Vector2d& from, const Eigen::Vector2d& start,
-                                           int iterations, double convergence);
+                                           const Eigen::Vector2d& from, const AffineAlignment& start,
+                                           WarpModel model, int iterations, double convergence);
 
 }  // namespace cartvo

@@ -71,10 +71,10 @@ double correlationOf(const Template& centred_before, Template& after) {
 }  // namespace
 
 CARTVO_VECTOR_CLONES
-KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
-                     const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings) {
-  KltResult result;
-  if (!before.grey.front().contains(from)) return result;
+std::optional<Eigen::Vector2d> trackShift(const ImagePyramid& before, const ImagePyramid& after,
+                                          const Eigen::Vector2d& from, const Eigen::Vector2d& guess,
+                                          int levels, double minimum_correlation) {
+  if (!before.grey.front().contains(from)) return std::nullopt;
   Linearisation patch;
   Template moved;
   Eigen::Vector2d shift = guess - from;  // px of the full image
@@ -87,7 +87,7 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
     if (!before.grey[index].contains(centre)) continue;
     linearise(before.grey[index], centre, patch);
     if (patch.smaller_eigenvalue < kMinimumTexture) {
-      if (index == 0) return result;
+      if (index == 0) return std::nullopt;
       continue;
     }
     Eigen::Vector2d position = centre + shift * scale;
@@ -101,14 +101,24 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
     if (target.contains(position))
       shift = (position - centre) / scale;
     else if (index == 0)
-      return result;
+      return std::nullopt;
   }
-  result.position = from + shift;
-  if (!after.grey.front().contains(result.position)) return result;
-  samplePatch(after.grey.front(), result.position, moved);
-  if (correlationOf(patch.grey, moved) < std::min(kWorthAligning, settings.minimum_correlation))
-    return result;
-  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, result.position,
+  const Eigen::Vector2d position = from + shift;
+  if (!after.grey.front().contains(position)) return std::nullopt;
+  samplePatch(after.grey.front(), position, moved);
+  if (correlationOf(patch.grey, moved) < minimum_correlation) return std::nullopt;
+  return position;
+}
+
+KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
+                     const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings) {
+  KltResult result;
+  const auto shifted =
+      trackShift(before, after, from, guess, levels, std::min(kWorthAligning, settings.minimum_correlation));
+  if (!shifted) return result;
+  AffineAlignment start;
+  start.position = *shifted;
+  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, WarpModel::affine,
                                    settings.iterations, settings.convergence);
   if (!aligned) return result;
   result.position = aligned->position;

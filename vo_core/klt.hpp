@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -12,6 +13,11 @@ struct KltResult {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< px, in the image after
   double correlation = 0.0;                            ///< normalised, of the patch before and after
 };
+
+/// The first part of trackPatch: the shift alone, to a tenth of a pixel.
+std::optional<Eigen::Vector2d> trackShift(const ImagePyramid& before, const ImagePyramid& after,
+                                          const Eigen::Vector2d& from, const Eigen::Vector2d& guess,
+                                          int levels, double minimum_correlation);
 
 /// Follows the 15x15 patch around `from` in the grey levels of `before` to those of `after`, coarse to fine,
 /// beginning at `guess` (px) in the coarsest of `levels` (a good guess needs few). It minimises the sum of

@@ -16,16 +16,25 @@ constexpr int kCandidates = 3;    // of the coarsest level
 constexpr int kSearchRadius = 3;  // px at each finer level
 constexpr int kSadColumns = 16, kSadRows = 9;
 constexpr int kNccColumns = 15, kNccRows = 9;
-constexpr int kNccRadius = 2;          // px around the disparity of the SAD
-constexpr int kDistinct = 3;           // px; candidates closer than this are the same peak
-constexpr double kNoiseFloor = 0.002;  // of 1 - correlation: differences below are noise
+constexpr int kNccRadius = 2;           // px around the disparity of the SAD
+constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
+constexpr double kLeastColumns = 0.05;  // px per px of disparity
+constexpr double kNoiseFloor = 0.002;   // of 1 - correlation: differences below are noise
 
-int sumOfAbsoluteDifferences(const PyramidLevel& left, int left_x, const PyramidLevel& right, int right_x,
-                             int y) {
+struct LevelPixel {
+  int x = 0, y = 0;
+};
+
+bool contains(const PyramidLevel& level, const LevelPixel& pixel) {
+  return pixel.x >= 0 && pixel.y >= 0 && pixel.x < level.width() && pixel.y < level.height();
+}
+
+int sumOfAbsoluteDifferences(const PyramidLevel& left, const LevelPixel& left_pixel,
+                             const PyramidLevel& right, const LevelPixel& right_pixel) {
   int sum = 0;
   for (int row = -kSadRows / 2; row <= kSadRows / 2; ++row) {
-    const unsigned char* a = left.at<unsigned char>(left_x - kSadColumns / 2, y + row);
-    const unsigned char* b = right.at<unsigned char>(right_x - kSadColumns / 2, y + row);
+    const unsigned char* a = left.at<unsigned char>(left_pixel.x - kSadColumns / 2, left_pixel.y + row);
+    const unsigned char* b = right.at<unsigned char>(right_pixel.x - kSadColumns / 2, right_pixel.y + row);
     for (int column = 0; column < kSadColumns; ++column)
       sum += std::abs(a[column] - b[column]);
   }
@@ -37,30 +46,47 @@ struct Candidates {
   int count = 0;
 };
 
-struct LevelPixel {
-  int x = 0, y = 0;
-};
-
 LevelPixel pixelAt(const PyramidLevel& level, const Eigen::Vector2d& pixel, int index) {
   const double scale = 1.0 / (1 << index);
   return {std::min(static_cast<int>(std::lround(pixel.x() * scale)), level.width() - 1),
           std::min(static_cast<int>(std::lround(pixel.y() * scale)), level.height() - 1)};
 }
 
+/// The line of one left pixel in one level.
+class LevelLine {
+ public:
+  LevelLine(const LevelPixel& pixel, const EpipolarLine& line, int index)
+      : pixel_(pixel),
+        infinity_(line.at_infinity / (1 << index)),
+        slope_(line.per_disparity - Eigen::Vector2d::UnitX()) {}
+
+  LevelPixel at(int disparity) const {
+    return {pixel_.x + static_cast<int>(std::lround(infinity_.x() + disparity * slope_.x())),
+            pixel_.y + static_cast<int>(std::lround(infinity_.y() + disparity * slope_.y()))};
+  }
+
+ private:
+  LevelPixel pixel_;
+  Eigen::Vector2d infinity_, slope_;
+};
+
 /// The deepest local minima of the sum of absolute differences over the whole range of disparity.
 Candidates searchCoarsest(const PyramidLevel& left, const PyramidLevel& right, const LevelPixel& pixel,
-                          int maximum_disparity) {
-  const int range = std::min(maximum_disparity, pixel.x);
+                          const LevelLine& line, int maximum_disparity) {
   constexpr int kFar = 1 << 30;
   std::array<int, kCandidates> best_sad;
   best_sad.fill(kFar);
   Candidates candidates;
+  const auto difference = [&](int disparity) {
+    const LevelPixel at = line.at(disparity);
+    return disparity <= maximum_disparity && contains(right, at)
+               ? sumOfAbsoluteDifferences(left, pixel, right, at)
+               : kFar;
+  };
   int previous = kFar;
-  int current = sumOfAbsoluteDifferences(left, pixel.x, right, pixel.x, pixel.y);
-  for (int disparity = 0; disparity <= range; ++disparity) {
-    const int next = disparity == range
-                         ? kFar
-                         : sumOfAbsoluteDifferences(left, pixel.x, right, pixel.x - disparity - 1, pixel.y);
+  int current = difference(0);
+  for (int disparity = 0; disparity <= maximum_disparity; ++disparity) {
+    const int next = difference(disparity + 1);
     if (current <= previous && current < next && current < best_sad[kCandidates - 1]) {
       int slot = kCandidates - 1;
       for (; slot > 0 && current < best_sad[slot - 1]; --slot) {
@@ -78,13 +104,13 @@ Candidates searchCoarsest(const PyramidLevel& left, const PyramidLevel& right, c
 }
 
 int searchAround(const PyramidLevel& left, const PyramidLevel& right, const LevelPixel& pixel,
-                 int disparity) {
+                 const LevelLine& line, int disparity) {
   int best = disparity;
   int best_sad = 1 << 30;
   for (int trial = disparity - kSearchRadius; trial <= disparity + kSearchRadius; ++trial) {
-    const int right_x = pixel.x - trial;
-    if (right_x < 0 || right_x >= right.width()) continue;
-    const int sad = sumOfAbsoluteDifferences(left, pixel.x, right, right_x, pixel.y);
+    const LevelPixel at = line.at(trial);
+    if (!contains(right, at)) continue;
+    const int sad = sumOfAbsoluteDifferences(left, pixel, right, at);
     if (sad < best_sad) {
       best_sad = sad;
       best = trial;
@@ -154,9 +180,11 @@ double correlate(const NccTemplate& left, const NccStrip& strip, int x0, int y0)
 /// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
 /// the same fractions of a pixel: the same blur in both, so that interpolation biases nothing.
 StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& pixel,
-                            int disparity, int rows) {
+                            const EpipolarLine& line, int disparity, int rows) {
   StereoMatch best;
-  const Eigen::Vector2d centre(pixel.x() - disparity, pixel.y());
+  const Eigen::Vector2d centre = line.at(pixel, disparity);
+  // Near the epipole a column is many disparities.
+  const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
   if (!right.contains(centre)) return best;
   NccStrip strip;
   samplePatch(right, centre, strip);
@@ -174,8 +202,9 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
       if (peak.height <= best.correlation) continue;
       best.correlation = peak.height;
       best.row_offset = row;
-      best.disparity =
-          disparity - (sample - (kNccRadius + 1) + peak.offset);  // to the right is less disparity
+      const double columns = sample - (kNccRadius + 1) + peak.offset;
+      best.right = centre + Eigen::Vector2d(columns, row);
+      best.disparity = disparity - columns * per_column;  // to the right is less disparity
     }
   }
   return best;
@@ -185,17 +214,20 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
 
 CARTVO_VECTOR_CLONES
 std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
-                                       const Eigen::Vector2d& left, const StereoSettings& settings) {
+                                       const Eigen::Vector2d& left, const StereoSettings& settings,
+                                       const EpipolarLine& line) {
   if (!left_image.grey.front().contains(left)) return std::nullopt;
   const int coarsest = static_cast<int>(left_image.dog.size()) - 1;
   const PyramidLevel& coarse = left_image.dog[coarsest];
-  Candidates candidates = searchCoarsest(coarse, right_image.dog[coarsest], pixelAt(coarse, left, coarsest),
-                                         (settings.maximum_disparity >> coarsest) + 1);
+  const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
+  Candidates candidates =
+      searchCoarsest(coarse, right_image.dog[coarsest], coarse_pixel, LevelLine(coarse_pixel, line, coarsest),
+                     (settings.maximum_disparity >> coarsest) + 1);
   for (int level = coarsest - 1; level >= 0; --level) {
     const LevelPixel pixel = pixelAt(left_image.dog[level], left, level);
     for (int i = 0; i < candidates.count; ++i)
-      candidates.disparity[i] =
-          searchAround(left_image.dog[level], right_image.dog[level], pixel, 2 * candidates.disparity[i]);
+      candidates.disparity[i] = searchAround(left_image.dog[level], right_image.dog[level], pixel,
+                                             LevelLine(pixel, line, level), 2 * candidates.disparity[i]);
   }
 
   const NccTemplate patch = makeTemplate(left_image.grey.front(), left);
@@ -204,7 +236,7 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
     const StereoMatch match =
-        correlateAround(patch, right_image.grey.front(), left, candidates.disparity[i], settings.rows);
+        correlateAround(patch, right_image.grey.front(), left, line, candidates.disparity[i], settings.rows);
     if (match.correlation <= 0.0) continue;
     const bool elsewhere = std::abs(match.disparity - best.disparity) > kDistinct;
     if (match.correlation > best.correlation) {

@@ -8,10 +8,23 @@
 
 namespace cartvo {
 
+/// Where the right image shows the points of one left pixel, by their disparity d: at pixel + at_infinity +
+/// (d (per_disparity.x - 1), d per_disparity.y). As it is when both images are of one instant; else the right
+/// camera has moved on, and the line with it.
+struct EpipolarLine {
+  Eigen::Vector2d at_infinity = Eigen::Vector2d::Zero();    ///< px
+  Eigen::Vector2d per_disparity = Eigen::Vector2d::Zero();  ///< px per px
+
+  Eigen::Vector2d at(const Eigen::Vector2d& pixel, double disparity) const {
+    return pixel + at_infinity + disparity * (per_disparity - Eigen::Vector2d::UnitX());
+  }
+};
+
 struct StereoMatch {
-  double disparity = 0.0;    ///< px, x_left - x_right
-  int row_offset = 0;        ///< px, y_right - y_left
-  double correlation = 0.0;  ///< normalised, of left and right patch
+  double disparity = 0.0;                           ///< px, x_left - x_right; along the line
+  int row_offset = 0;                               ///< px, off the line; y_right - y_left if it is a row
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();  ///< px, in the right image
+  double correlation = 0.0;                         ///< normalised, of left and right patch
 };
 
 /// Finds the point at `left` (px, sub-pixel) of the left image in the right image, in the stages of the
@@ -22,6 +35,7 @@ struct StereoMatch {
 /// ambiguous. No match: correlates too little, a rival correlates nearly as well, or outside the range of
 /// disparity.
 std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
-                                       const Eigen::Vector2d& left, const StereoSettings& settings);
+                                       const Eigen::Vector2d& left, const StereoSettings& settings,
+                                       const EpipolarLine& line = {});
 
 }  // namespace cartvo

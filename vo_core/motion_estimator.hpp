@@ -1,12 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/subset_random.hpp"
 
 namespace cartvo {
 
@@ -24,17 +23,6 @@ struct EstimatedMotion {
   double scale = 1.0;        ///< how much larger the errors are than the assumed noise; at least 1
   std::vector<bool> inlier;  ///< of each match: within the radius
   int inliers = 0;
-};
-
-/// Uniform numbers below a bound, the same on each platform.
-class SubsetRandom {
- public:
-  explicit SubsetRandom(std::uint64_t seed) : engine_(seed) {}
-  /// In [0, 1).
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
-
- private:
-  std::mt19937_64 engine_;
 };
 
 /// Horn's absolute orientation (thesis 4.15) over random subsets, the median pose of the subsets, then Horn

@@ -61,8 +61,10 @@ void validate(const ValiditySettings& settings) {
   requireRange("validity.minimum_inlier_ratio", settings.minimum_inlier_ratio, 0.0, 1.0);
   requireRange("validity.maximum_residual", settings.maximum_residual, 0.1, 100.0);
   requireRange("validity.maximum_time_step", settings.maximum_time_step, 0.001, 60.0);
+  requireRange("validity.maximum_offset", settings.maximum_offset, 0.0, 10.0);
   requireRange("validity.maximum_speed", settings.maximum_speed, 0.1, 1000.0);
   requireRange("validity.maximum_rate", settings.maximum_rate, 0.01, 100.0);
+  requireRange("validity.maximum_deviation", settings.maximum_deviation, 1e-4, 100.0);
 }
 
 }  // namespace
@@ -77,6 +79,18 @@ void validate(const OdometrySettings& settings) {
   requireRange("history.minimum_weight", settings.history.minimum_weight, 0.0, 1.0);
   requireRange("refinement.frames", settings.refinement.frames, 1, kHistoryLength);
   requireRange("refinement.iterations", settings.refinement.iterations, 1, 100);
+  requireRange("pose_search.subsets", settings.pose_search.subsets, 0, 10000);
+  requireRange("pose_search.gate", settings.pose_search.gate, 0.1, 100.0);
+  requireRange("pose_search.enough", settings.pose_search.enough, 0.0, 1.0);
+  requireRange("pose_search.maximum_acceleration", settings.pose_search.maximum_acceleration, 0.1, 1e6);
+  requireRange("pose_search.maximum_turn", settings.pose_search.maximum_turn, 0.1, 1e6);
+  requireRange("bundle.frames", settings.bundle.frames, 2, 20);
+  requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
+  requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);
+  requireRange("bundle.robust_width", settings.bundle.robust_width, 0.1, 1000.0);
+  requireRange("standstill.translation", settings.standstill.translation, 0.0, 1.0);
+  requireRange("standstill.rotation", settings.standstill.rotation, 0.0, 1.0);
+  requireRange("standstill.least_time", settings.standstill.least_time, 0.0, 3600.0);
   validate(settings.validity);
 }
 

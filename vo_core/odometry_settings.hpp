@@ -6,7 +6,8 @@ namespace cartvo {
 
 /// How the motion is estimated.
 enum class Estimator : std::uint8_t {
-  thesis,  ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
+  reprojection,  ///< robust least squares on the reprojection error in both images over a window of pairs
+  thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
 };
 
 /// Windows with adaptive FAST thresholds (thesis 4.9).
@@ -62,6 +63,37 @@ struct RefinementSettings {
   int iterations = 6;  ///< at most
 };
 
+/// The search for the first estimate of a pose among moving objects and false matches.
+struct PoseSearchSettings {
+  int subsets = 60;      ///< random subsets at most
+  double gate = 3.0;     ///< standard deviations within which a point is explained
+  double enough = 0.75;  ///< share of the points' weight: a start that explains so much needs no search
+  double maximum_acceleration = 25.0;  ///< m/s^2; a motion that changes faster is somebody else's
+  double maximum_turn = 40.0;          ///< rad/s^2
+};
+
+/// The least squares over the window of pairs.
+struct BundleSettings {
+  int frames = 7;             ///< pairs in the window
+  int free_frames = 1;        ///< of these the newest move; the older ones stand
+  int iterations = 4;         ///< at most
+  double robust_width = 2.5;  ///< standard deviations at which a residual has half its weight
+};
+
+/// When the cart is taken to stand.
+struct StandstillSettings {
+  double translation = 0.0015;  ///< m that the pose may stray
+  double rotation = 0.0002;     ///< rad
+  double least_time = 0.25;     ///< s, for so long at least
+};
+
+/// What is done about a rig that is not as calibrated.
+enum class RigRefinement : std::uint8_t {
+  off,
+  monitor,  ///< estimated only
+  correct,  ///< and disparities corrected
+};
+
 /// When a motion is believed.
 struct ValiditySettings {
   int minimum_features = 30;          ///< alive in the left image
@@ -70,12 +102,14 @@ struct ValiditySettings {
   double minimum_inlier_ratio = 0.3;  ///< of the matches
   double maximum_residual = 3.0;   ///< median of the matches' errors, in units of that of the assumed noise
   double maximum_time_step = 1.0;  ///< s between pairs
+  double maximum_offset = 0.1;     ///< s between the exposures of a pair
   double maximum_speed = 50.0;     ///< m/s; no cart is faster
   double maximum_rate = 4.0;       ///< rad/s
+  double maximum_deviation = 0.1;  ///< m and rad, standard deviation of each component of a motion
 };
 
 struct OdometrySettings {
-  Estimator estimator = Estimator::thesis;
+  Estimator estimator = Estimator::reprojection;
   int features = 1000;     ///< aimed at in each left image, 50 to 20000
   std::uint64_t seed = 1;  ///< of the random subsets
   DetectionSettings detection;
@@ -84,6 +118,10 @@ struct OdometrySettings {
   MotionSettings motion;
   HistorySettings history;
   RefinementSettings refinement;
+  PoseSearchSettings pose_search;
+  BundleSettings bundle;
+  StandstillSettings standstill;
+  RigRefinement rig_refinement = RigRefinement::correct;
   ValiditySettings validity;
 };
 

@@ -1,205 +1,35 @@
-// The odometry: its `process` is the list of the method's stages.
+// The choice of the method, and what holds for all.
 #include "vo_core/stereo_odometry.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 
-#include "vo_core/feature_set.hpp"
-#include "vo_core/frame_window.hpp"
-#include "vo_core/image_pyramid.hpp"
-#include "vo_core/motion_measurement.hpp"
+#include "vo_core/reprojection_odometry.hpp"
+#include "vo_core/thesis_odometry.hpp"
 
 namespace cartvo {
+namespace {
 
-class StereoOdometry::Implementation {
- public:
-  Implementation(const StereoCamera& camera, const OdometrySettings& settings)
-      : camera_(camera),
-        settings_(settings),
-        features_(camera, settings),
-        window_(std::max(settings.tracking.search_again + 1, settings.refinement.frames)),
-        meter_(camera, settings) {}
-
-  OdometryEstimate process(const StereoImages& images, StageObserver& observer);
-
- private:
-  void checkImage(const cv::Mat& image, const char* name) const;
-  void takeTime(std::int64_t exposure_ns);
-  std::optional<Eigen::Isometry3d> predictedPose() const;
-  void measureMotion();
-  void refineAndWeigh();
-  OdometryEstimate conclude();
-  double secondsSince(const FrameRecord& frame) const {
-    return 1e-9 * static_cast<double>(current_.exposure_ns - frame.exposure_ns);
-  }
-
-  StereoCamera camera_;
-  OdometrySettings settings_;
-  FeatureSet features_;
-  FrameWindow window_;  ///< the pairs before the current one
-  MotionMeter meter_;
-
-  std::uint32_t epoch_ = 0;
-  std::int64_t next_index_ = 0;
-  Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();  ///< the last that is known
-  Matrix6d pose_covariance_ = Matrix6d::Zero();
-  std::optional<Vector6d> velocity_;  ///< m/s and rad/s of the camera, in its axes, at the reference
-
-  // Of the pair at hand.
-  FrameRecord current_;
-  MotionMeasurement motion_;
-  FeatureCounts counts_;
-};
-
-OdometryEstimate StereoOdometry::Implementation::process(const StereoImages& images,
-                                                         StageObserver& observer) {
-  checkImage(images.left, "left");
-  checkImage(images.right, "right");
-  takeTime(images.left_exposure_ns);
-  ImagePyramid left;
-  ImagePyramid right;
-  {
-    const StageScope stage(observer, Stage::pyramid);
-    left = buildPyramid(images.left, settings_.tracking.levels);
-    right = buildPyramid(images.right, 1);
-  }
-  {
-    const StageScope stage(observer, Stage::optical_flow);
-    features_.track(left, current_.index, window_, predictedPose());
-  }
-  SpacingGrid spacing(camera_.width, camera_.height, features_.minimumDistance());
-  {
-    const StageScope stage(observer, Stage::minimum_distance);
-    features_.keepDistance(spacing);
-    counts_.tracked = features_.seenCount();
-  }
-  {
-    const StageScope stage(observer, Stage::detect);
-    features_.detect(images.left, spacing);
-    counts_.detected = features_.seenCount();
-  }
-  {
-    const StageScope stage(observer, Stage::disparity);
-    features_.matchStereo(left, right);
-  }
-  {
-    const StageScope stage(observer, Stage::reproject);
-    features_.triangulate();
-  }
-  {
-    const StageScope stage(observer, Stage::motion);
-    measureMotion();
-  }
-  {
-    const StageScope stage(observer, Stage::weights);
-    refineAndWeigh();
-  }
-  current_.left.grey = std::move(left.grey);
-  return conclude();
-}
-
-void StereoOdometry::Implementation::checkImage(const cv::Mat& image, const char* name) const {
-  if (image.type() == CV_8UC1 && image.cols == camera_.width && image.rows == camera_.height) return;
+void checkImage(const cv::Mat& image, const StereoCamera& camera, const char* name) {
+  if (image.type() == CV_8UC1 && image.cols == camera.width && image.rows == camera.height) return;
   throw std::invalid_argument(std::string(name) + " image is " + std::to_string(image.cols) + "x" +
                               std::to_string(image.rows) + " of OpenCV type " + std::to_string(image.type()) +
-                              ": expected " + std::to_string(camera_.width) + "x" +
-                              std::to_string(camera_.height) + " of CV_8UC1");
+                              ": expected " + std::to_string(camera.width) + "x" +
+                              std::to_string(camera.height) + " of CV_8UC1");
 }
 
-/// Begins the pair. Across a time step out of range nothing can be followed: all starts anew.
-void StereoOdometry::Implementation::takeTime(std::int64_t exposure_ns) {
-  current_ = FrameRecord{next_index_++, exposure_ns, {}, {}};
-  motion_ = MotionMeasurement{};
-  counts_ = FeatureCounts{};
-  const FrameRecord* previous = window_.newest();
-  if (previous == nullptr) {
-    motion_.reasons = OdometryReason::first_pair;
-    return;
-  }
-  const double step = secondsSince(*previous);
-  if (step > 0.0 && step <= settings_.validity.maximum_time_step) return;
-  motion_.reasons = OdometryReason::time_step;
-  ++epoch_;
-  window_.clear();
-  features_.clear();
-  velocity_.reset();
+std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const OdometrySettings& settings) {
+  if (settings.estimator == Estimator::thesis) return makeThesisOdometry(camera, settings);
+  return makeReprojectionOdometry(camera, settings);
 }
 
-/// Where the camera should be now if it went on as before.
-std::optional<Eigen::Isometry3d> StereoOdometry::Implementation::predictedPose() const {
-  const FrameRecord* reference = window_.reference();
-  if (reference == nullptr || !velocity_) return std::nullopt;
-  return *reference->T_world_camera * motionFromVector(secondsSince(*reference) * *velocity_);
-}
+}  // namespace
 
-/// The motion since the reference or, where that is lost, since the pair before, which begins a new epoch.
-void StereoOdometry::Implementation::measureMotion() {
-  const FrameRecord* previous = window_.newest();
-  if (previous == nullptr) return;
-  const FrameRecord* reference = window_.reference();
-  if (counts_.detected < settings_.validity.minimum_features) {
-    motion_.reasons = OdometryReason::too_few_features;
-    return;
-  }
-  motion_.reasons = OdometryReason::too_few_matches;
-  if (reference != nullptr)
-    motion_ =
-        meter_.measure(features_.features(), reference->index, current_.index, secondsSince(*reference));
-  if (motion_.valid() || reference == previous) return;
-
-  const MotionMeasurement anew =
-      meter_.measure(features_.features(), previous->index, current_.index, secondsSince(*previous));
-  if (!anew.valid()) return;
-  motion_ = anew;
-  ++epoch_;
-  window_.beginEpochAtNewest();
-  pose_covariance_.setZero();
-}
-
-void StereoOdometry::Implementation::refineAndWeigh() {
-  if (!motion_.valid()) return;
-  const FrameRecord& reference = *window_.reference();
-  meter_.refine(features_.features(), window_, current_.index, secondsSince(reference), motion_);
-  if (!motion_.valid()) return;
-  current_.T_world_camera = orthonormalised(*reference.T_world_camera * motion_.T_reference_current);
-  meter_.weighHistory(features_.features(), window_, current_.index, *current_.T_world_camera, motion_.scale);
-  features_.removeUnweighted();
-}
-
-/// Hands out the estimate and makes the pair the newest of the window.
-OdometryEstimate StereoOdometry::Implementation::conclude() {
-  counts_.matched = motion_.matched;
-  counts_.inliers = motion_.inliers;
-  OdometryEstimate estimate;
-  estimate.valid = motion_.valid();
-  estimate.reasons = motion_.reasons;
-  if (estimate.valid) {
-    const FrameRecord& reference = *window_.reference();
-    estimate.time_step = secondsSince(reference);
-    estimate.T_previous_current = motion_.T_reference_current;
-    estimate.motion_covariance = motion_.covariance;
-    velocity_ = vectorFromMotion(motion_.T_reference_current) / estimate.time_step;
-    T_world_camera_ = *current_.T_world_camera;
-    pose_covariance_ = composedCovariance(pose_covariance_, motion_.T_reference_current, motion_.covariance);
-  } else if (window_.newest() == nullptr) {  // the first pair, or the first after a step in time
-    current_.T_world_camera = Eigen::Isometry3d::Identity();
-    T_world_camera_.setIdentity();
-    pose_covariance_.setZero();
-  }
-  estimate.exposure_ns = current_.exposure_ns;
-  estimate.reset_counter = epoch_;
-  estimate.T_world_camera = T_world_camera_;
-  estimate.pose_covariance = pose_covariance_;
-  estimate.counts = counts_;
-  window_.push(std::move(current_));
-  return estimate;
-}
-
-StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings) {
+StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings)
+    : camera_(camera) {
   validate(camera);
   validate(settings);
-  implementation_ = std::make_unique<Implementation>(camera, settings);
+  method_ = makeMethod(camera, settings);
 }
 
 StereoOdometry::~StereoOdometry() = default;
@@ -207,7 +37,9 @@ StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
 
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
-  return implementation_->process(images, observer);
+  checkImage(images.left, camera_, "left");
+  checkImage(images.right, camera_, "right");
+  return method_->process(images, observer);
 }
 
 }  // namespace cartvo

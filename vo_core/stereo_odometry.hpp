@@ -24,13 +24,15 @@ struct StereoImages {
 /// Why an estimate is not there, as bits.
 enum class OdometryReason : std::uint32_t {
   none = 0,
-  first_pair = 1u << 0,          ///< nothing to compare with yet
-  too_few_features = 1u << 1,    ///< the images hold too little texture
-  too_few_matches = 1u << 2,     ///< too few features tracked in time and matched in stereo
-  too_few_inliers = 1u << 3,     ///< no motion explains enough of the matches
-  high_residual = 1u << 4,       ///< the best motion explains the matches badly
-  time_step = 1u << 5,           ///< time stood still, ran backwards or jumped
-  implausible_motion = 1u << 6,  ///< faster than the settings say a cart can be
+  first_pair = 1u << 0,           ///< nothing to compare with yet
+  too_few_features = 1u << 1,     ///< the images hold too little texture
+  too_few_matches = 1u << 2,      ///< too few features tracked in time and matched in stereo
+  too_few_inliers = 1u << 3,      ///< no motion explains enough of the matches
+  high_residual = 1u << 4,        ///< the best motion explains the matches badly
+  time_step = 1u << 5,            ///< time stood still, ran backwards or jumped
+  implausible_motion = 1u << 6,   ///< faster than the settings say a cart can be
+  degenerate_geometry = 1u << 7,  ///< the matches leave a direction of the motion open
+  zero_velocity = 1u << 11,       ///< of a valid estimate: the cart stands, and its pose is held
 };
 constexpr OdometryReason operator|(OdometryReason a, OdometryReason b) {
   return static_cast<OdometryReason>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -69,6 +71,8 @@ struct OdometryEstimate {
   FeatureCounts counts;
 };
 
+class OdometryMethod;
+
 /// Stereo visual odometry. Pure: the same images in the same order give the same estimates, whatever the
 /// number of threads. Not thread-safe.
 class StereoOdometry {
@@ -85,8 +89,8 @@ class StereoOdometry {
   OdometryEstimate process(const StereoImages& images, StageObserver& observer);
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  StereoCamera camera_;
+  std::unique_ptr<OdometryMethod> method_;
 };
 
 }  // namespace cartvo

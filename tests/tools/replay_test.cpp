@@ -187,7 +187,7 @@ TEST_F(ReplayOfKitti, IsSummedUp) {
   });
   const nlohmann::ordered_json summary = replaySummary(settings, replay);
   EXPECT_EQ(summary["kind"], "kitti");
-  EXPECT_EQ(summary["estimator"], "thesis");
+  EXPECT_EQ(summary["estimator"], "reprojection");
   EXPECT_EQ(summary["features"], 500);
   EXPECT_EQ(summary["pairs"], kPairs);
   EXPECT_EQ(summary["valid"], kPairs - 1);

@@ -11,8 +11,8 @@
 namespace cartvo {
 
 /// What the command line and results call the estimators; cartvod's configuration uses the same names.
-inline constexpr std::array<std::pair<Estimator, const char*>, 1> kEstimatorNames{
-    {{Estimator::thesis, "thesis"}}};
+inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorNames{
+    {{Estimator::reprojection, "reprojection"}, {Estimator::thesis, "thesis"}}};
 
 inline std::string estimatorName(Estimator estimator) {
   const auto named = std::find_if(kEstimatorNames.begin(), kEstimatorNames.end(),

@@ -33,6 +33,10 @@ const char* reasonName(OdometryReason reason) {
       return "time_step";
     case OdometryReason::implausible_motion:
       return "implausible_motion";
+    case OdometryReason::degenerate_geometry:
+      return "degenerate_geometry";
+    case OdometryReason::zero_velocity:
+      return "zero_velocity";
   }
   return "unknown";
 }

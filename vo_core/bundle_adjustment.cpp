@@ -1,0 +1,332 @@
+// Gauss-Newton on poses and inverse depths.
+#include "vo_core/bundle_adjustment.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cartvo {
+namespace {
+
+constexpr double kSettled = 1e-6;           // m and rad: the step that ends the iterations
+constexpr double kMedianOfNormal = 0.6745;  // of |e| for a standard normal e
+constexpr int kRowPoses = 3;                // poses that one residual depends on at most
+constexpr double kLeastDepthInformation = 1e-9;
+
+using RowVector6d = Eigen::Matrix<double, 1, 6>;
+constexpr int kShared = RigCorrection::kSize + 1;  // the rig's correction, and the window's scale
+using SharedVector = Eigen::Matrix<double, kShared, 1>;
+using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
+
+/// One residual, linearised: its derivative by some poses and by the landmark's inverse depth.
+struct Row {
+  double residual = 0.0;  // measured minus predicted, in standard deviations
+  double weight = 0.0;
+  double by_inverse_depth = 0.0;
+  SharedVector by_shared = SharedVector::Zero();
+  int poses = 0;
+  std::array<int, kRowPoses> pose{};
+  std::array<RowVector6d, kRowPoses> by_pose{RowVector6d::Zero(), RowVector6d::Zero(), RowVector6d::Zero()};
+
+  void add(int index, const RowVector6d& derivative) {
+    for (int i = 0; i < poses; ++i) {
+      if (pose[i] != index) continue;
+      by_pose[i] += derivative;
+      return;
+    }
+    pose[poses] = index;
+    by_pose[poses++] = derivative;
+  }
+};
+
+double robustWeight(double squared_error, double width) {
+  return 1.0 / (1.0 + squared_error / (width * width));
+}
+
+/// The cameras of a problem, each left and right one as seen from each left one.
+class Cameras {
+ public:
+  Cameras(const std::vector<TimedPose>& poses, double baseline) : count_(static_cast<int>(poses.size())) {
+    for (int i = 0; i < count_; ++i)
+      right_.push_back(rightCameraOf(poses, i, baseline));
+    for (int camera = 0; camera < count_; ++camera) {
+      const Eigen::Isometry3d left_inverse = poses[camera].T_world_camera.inverse();
+      const Eigen::Isometry3d right_inverse = right_[camera].T_world_camera.inverse();
+      for (int host = 0; host < count_; ++host) {
+        T_left_host_.push_back(left_inverse * poses[host].T_world_camera);
+        T_right_host_.push_back(right_inverse * poses[host].T_world_camera);
+      }
+    }
+  }
+  const Eigen::Isometry3d& leftFromHost(int camera, int host) const {
+    return T_left_host_[camera * count_ + host];
+  }
+  const Eigen::Isometry3d& rightFromHost(int camera, int host) const {
+    return T_right_host_[camera * count_ + host];
+  }
+  const RightCamera& right(int camera) const { return right_[camera]; }
+
+ private:
+  int count_;
+  std::vector<RightCamera> right_;
+  std::vector<Eigen::Isometry3d> T_left_host_, T_right_host_;
+};
+
+/// The residuals of one landmark.
+class LandmarkRows {
+ public:
+  LandmarkRows(const BundleProblem& problem, const Cameras& cameras, double robust_width)
+      : problem_(problem), cameras_(cameras), robust_width_(robust_width) {}
+
+  /// False if a camera has the landmark behind it.
+  bool linearise(const BundleLandmark& landmark) {
+    rows_.clear();
+    const int host = landmark.sightings.front().pose;
+    for (std::size_t i = 0; i < landmark.sightings.size(); ++i)
+      if (!addSighting(landmark, landmark.sightings[i], host, i == 0)) return false;
+    return true;
+  }
+  const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  bool addSighting(const BundleLandmark& landmark, const BundleSighting& sighting, int host, bool is_host) {
+    const StereoCamera& camera = problem_.camera;
+    const Eigen::Isometry3d& T_left_host = cameras_.leftFromHost(sighting.pose, host);
+    const Projection left = projectLandmark(camera, T_left_host, landmark.bearing, landmark.inverse_depth);
+    if (!left.valid) return false;
+    const ProjectionJacobians by =
+        projectionJacobians(camera, T_left_host, landmark.bearing, landmark.inverse_depth, left);
+    if (!is_host) {
+      const double precision = 1.0 / problem_.noise.pixel;
+      const Eigen::Vector2d error = precision * (sighting.left - left.pixel);
+      const double weight = landmark.weight * robustWeight(0.5 * error.squaredNorm(), robust_width_);
+      for (int axis = 0; axis < 2; ++axis) {
+        Row& row = rows_.emplace_back();
+        row.residual = error[axis];
+        row.weight = weight;
+        row.by_inverse_depth = precision * by.by_inverse_depth[axis];
+        row.add(sighting.pose, precision * by.by_camera.row(axis));
+        row.add(host, precision * by.by_host.row(axis));
+      }
+    }
+    return !sighting.stereo || addDisparity(landmark, sighting, host, is_host, left, by);
+  }
+
+  bool addDisparity(const BundleLandmark& landmark, const BundleSighting& sighting, int host, bool is_host,
+                    const Projection& left, const ProjectionJacobians& by_left) {
+    const Eigen::Isometry3d& T_right_host = cameras_.rightFromHost(sighting.pose, host);
+    const Projection right =
+        projectLandmark(problem_.camera, T_right_host, landmark.bearing, landmark.inverse_depth);
+    if (!right.valid) return false;
+    const ProjectionJacobians by =
+        projectionJacobians(problem_.camera, T_right_host, landmark.bearing, landmark.inverse_depth, right);
+    const RightCamera& right_camera = cameras_.right(sighting.pose);
+
+    const double precision =
+        1.0 / (problem_.noise.disparity + problem_.noise.stretch * std::abs(sighting.disparity()));
+    Row& row = rows_.emplace_back();
+    row.residual = precision * (sighting.disparity() - (left.pixel.x() - right.pixel.x()));
+    row.weight = landmark.weight * robustWeight(row.residual * row.residual, robust_width_);
+    row.by_inverse_depth = precision * (by_left.by_inverse_depth.x() - by.by_inverse_depth.x());
+    row.by_shared.head<RigCorrection::kSize>() =
+        precision * columnByCorrection(problem_.camera, sighting.right);
+    row.by_shared[RigCorrection::kSize] = precision * sighting.disparity();
+    if (!is_host) {
+      row.add(sighting.pose, precision * by_left.by_camera.row(0));
+      row.add(host, precision * by_left.by_host.row(0));
+    }
+    const RowVector6d by_right = -precision * by.by_camera.row(0);
+    row.add(sighting.pose, by_right * right_camera.by_own);
+    if (right_camera.neighbour >= 0) row.add(right_camera.neighbour, by_right * right_camera.by_neighbour);
+    row.add(host, -precision * by.by_host.row(0));
+    return true;
+  }
+
+  const BundleProblem& problem_;
+  const Cameras& cameras_;
+  double robust_width_;
+  std::vector<Row> rows_;
+};
+
+/// How one landmark's inverse depth hangs together with the poses.
+struct DepthEquation {
+  double hessian = 0.0;
+  double gradient = 0.0;
+  Eigen::VectorXd by_poses;
+};
+
+/// The normal equations, the inverse depths eliminated.
+class ReducedSystem {
+ public:
+  explicit ReducedSystem(const BundleProblem& problem)
+      : fixed_(problem.fixed), size_(6 * (static_cast<int>(problem.poses.size()) - problem.fixed)) {}
+
+  void build(const BundleProblem& problem, const Cameras& cameras, double robust_width) {
+    hessian = Eigen::MatrixXd::Zero(size_, size_);
+    gradient = Eigen::VectorXd::Zero(size_);
+    depths.assign(problem.landmarks.size(), {});
+    LandmarkRows rows(problem, cameras, robust_width);
+    for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
+      if (rows.linearise(problem.landmarks[i])) add(problem.landmarks[i], rows.rows(), depths[i]);
+    hessian.triangularView<Eigen::StrictlyUpper>() = hessian.transpose();
+  }
+
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+  std::vector<DepthEquation> depths;
+
+ private:
+  void add(const BundleLandmark& landmark, const std::vector<Row>& rows, DepthEquation& depth) {
+    depth.by_poses = Eigen::VectorXd::Zero(size_);
+    depth.hessian = landmark.prior_information;
+    depth.gradient = landmark.prior_information * (landmark.prior_inverse_depth - landmark.inverse_depth);
+    for (const Row& row : rows) {
+      depth.hessian += row.weight * row.by_inverse_depth * row.by_inverse_depth;
+      depth.gradient += row.weight * row.by_inverse_depth * row.residual;
+      for (int a = 0; a < row.poses; ++a) {
+        const int at_a = 6 * (row.pose[a] - fixed_);
+        if (at_a < 0) continue;
+        const RowVector6d weighted = row.weight * row.by_pose[a];
+        gradient.segment<6>(at_a) += weighted.transpose() * row.residual;
+        depth.by_poses.segment<6>(at_a) += weighted.transpose() * row.by_inverse_depth;
+        for (int b = 0; b < row.poses; ++b) {
+          const int at_b = 6 * (row.pose[b] - fixed_);
+          if (at_b < 0 || at_b > at_a) continue;
+          hessian.block<6, 6>(at_a, at_b).noalias() += weighted.transpose() * row.by_pose[b];
+        }
+      }
+    }
+    if (depth.hessian < kLeastDepthInformation) {
+      depth.hessian = 0.0;
+      return;
+    }
+    hessian.selfadjointView<Eigen::Lower>().rankUpdate(depth.by_poses, -1.0 / depth.hessian);
+    gradient -= depth.by_poses * (depth.gradient / depth.hessian);
+  }
+
+  int fixed_;
+  int size_;
+};
+
+void applyStep(const Eigen::VectorXd& step, const std::vector<DepthEquation>& depths,
+               BundleProblem& problem) {
+  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i) {
+    Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
+    pose = orthonormalised(
+        pose * motionFromVector(step.segment<6>(6 * (static_cast<Eigen::Index>(i) - problem.fixed))));
+  }
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const DepthEquation& depth = depths[i];
+    if (depth.hessian > 0.0)
+      problem.landmarks[i].inverse_depth += (depth.gradient - depth.by_poses.dot(step)) / depth.hessian;
+  }
+}
+
+/// What the residuals say of the rig's correction: the poses, the inverse depths and the scale eliminated.
+void judgeRig(const BundleProblem& problem, const Cameras& cameras, double robust_width,
+              const ReducedSystem& system, const Eigen::LDLT<Eigen::MatrixXd>& factor, BundleResult& result) {
+  using CrossMatrix = Eigen::Matrix<double, Eigen::Dynamic, kShared>;
+  SharedMatrix hessian = SharedMatrix::Zero();
+  SharedVector gradient = SharedVector::Zero();
+  CrossMatrix cross = CrossMatrix::Zero(system.hessian.rows(), kShared);
+  LandmarkRows rows(problem, cameras, robust_width);
+  for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
+    const DepthEquation& depth = system.depths[i];
+    if (!(depth.hessian > 0.0) || !rows.linearise(problem.landmarks[i])) continue;
+    SharedVector by_depth = SharedVector::Zero();
+    for (const Row& row : rows.rows()) {
+      const SharedVector weighted = row.weight * row.by_shared;
+      hessian += weighted * row.by_shared.transpose();
+      gradient += weighted * row.residual;
+      by_depth += weighted * row.by_inverse_depth;
+      for (int a = 0; a < row.poses; ++a)
+        if (const int at = 6 * (row.pose[a] - problem.fixed); at >= 0)
+          cross.middleRows<6>(at) += row.by_pose[a].transpose() * weighted.transpose();
+    }
+    hessian -= by_depth * by_depth.transpose() / depth.hessian;
+    gradient -= by_depth * (depth.gradient / depth.hessian);
+    cross -= depth.by_poses * (by_depth.transpose() / depth.hessian);
+  }
+  const CrossMatrix solved = factor.solve(cross);
+  hessian -= cross.transpose() * solved;
+  gradient -= solved.transpose() * system.gradient;
+  constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);
+  hessian(kShared - 1, kShared - 1) += kScaleInformation;
+  constexpr int n = RigCorrection::kSize;
+  const RigCorrection::Vector by_scale = hessian.topRightCorner<n, 1>();
+  result.rig_information = hessian.topLeftCorner<n, n>() - by_scale * by_scale.transpose() / hessian(n, n);
+  result.rig_gradient = gradient.head<n>() - by_scale * (gradient[n] / hessian(n, n));
+}
+
+double medianScale(std::vector<double>& absolute) {
+  if (absolute.empty()) return 1.0;
+  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
+  std::nth_element(absolute.begin(), middle, absolute.end());
+  return *middle / kMedianOfNormal;
+}
+
+/// Fills in what the residuals say at the end.
+void judge(BundleProblem& problem, const Cameras& cameras, double robust_width, BundleResult& result) {
+  std::vector<double> pixels;
+  std::vector<double> disparities;
+  LandmarkRows rows(problem, cameras, robust_width);
+  for (BundleLandmark& landmark : problem.landmarks) {
+    if (!rows.linearise(landmark)) {
+      landmark.error = 1e3;
+      continue;
+    }
+    std::size_t next = 0;
+    double last_squares = 0.0;
+    int last_count = 0;
+    for (std::size_t i = 0; i < landmark.sightings.size(); ++i) {
+      last_squares = 0.0;
+      last_count = 0;
+      const auto take = [&](std::vector<double>& into) {
+        const double residual = rows.rows()[next++].residual;
+        into.push_back(std::abs(residual));
+        last_squares += residual * residual;
+        ++last_count;
+      };
+      if (i > 0) {
+        take(pixels);
+        take(pixels);
+      }
+      if (landmark.sightings[i].stereo) take(disparities);
+    }
+    landmark.error = last_count > 0 ? std::sqrt(last_squares / last_count) : 0.0;
+  }
+  result.pixel_scale = medianScale(pixels);
+  result.disparity_scale = medianScale(disparities);
+}
+
+}  // namespace
+
+BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
+  BundleResult result;
+  ReducedSystem system(problem);
+  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
+    const Cameras cameras(problem.poses, problem.camera.baseline);
+    system.build(problem, cameras, settings.robust_width);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
+    const auto pivots = factor.vectorD();
+    if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
+    const Eigen::VectorXd step = factor.solve(system.gradient);
+    if (!step.allFinite()) return result;
+    applyStep(step, system.depths, problem);
+    if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
+  }
+  const Cameras cameras(problem.poses, problem.camera.baseline);
+  system.build(problem, cameras, settings.robust_width);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
+  result.covariance = factor.solve(Eigen::MatrixXd::Identity(system.hessian.rows(), system.hessian.cols()));
+  if (!result.covariance.allFinite()) return result;
+  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
+    problem.landmarks[i].information = system.depths[i].hessian;
+  judge(problem, cameras, settings.robust_width, result);
+  judgeRig(problem, cameras, settings.robust_width, system, factor, result);
+  result.converged = true;
+  return result;
+}
+
+}  // namespace cartvo

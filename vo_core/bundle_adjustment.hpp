@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/reprojection.hpp"
+#include "vo_core/rig_correction.hpp"
+#include "vo_core/stereo_camera.hpp"
+
+namespace cartvo {
+
+/// One sighting of a landmark, measured. See Sighting.
+struct BundleSighting {
+  int pose = 0;                                    ///< index into the problem's poses
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();  ///< px
+  bool stereo = false;
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();  ///< px, at the right camera's own instant
+
+  double disparity() const { return left.x() - right.x(); }
+};
+
+struct BundleLandmark {
+  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< in the host, z = 1
+  double inverse_depth = 0.0;                          ///< 1/m; the start, then the result
+  double information = 0.0;                            ///< m^2, the result's, with the poses held
+  double prior_inverse_depth = 0.0;
+  double prior_information = 0.0;
+  double weight = 1.0;
+  std::vector<BundleSighting> sightings;  ///< the host's first; its `left` defines the bearing
+  double error = 0.0;                     ///< result: rms of the last sighting's normalised residuals
+};
+
+/// Standard deviations of what is measured, px.
+struct BundleNoise {
+  double pixel = 0.15;      ///< of each coordinate of a left position against its template
+  double disparity = 0.15;  ///< of a disparity
+  double stretch = 0.006;   ///< added to a disparity's for each px of it: near patches deform more
+};
+
+struct BundleProblem {
+  StereoCamera camera;
+  std::vector<TimedPose> poses;  ///< oldest first; the start, then the result
+  int fixed = 1;                 ///< so many of the oldest poses stand
+  std::vector<BundleLandmark> landmarks;
+  BundleNoise noise;
+};
+
+struct BundleResult {
+  bool converged = false;
+  /// Of the free poses together, perturbations on the right, six each, oldest first, against the fixed ones.
+  Eigen::MatrixXd covariance;
+  double pixel_scale = 1.0;      ///< how much larger left residuals are than assumed, by their median
+  double disparity_scale = 1.0;  ///< and disparities
+  /// What the residuals say of the rig, beyond what is corrected already: information and information times
+  /// change. The scale of the whole window is left open here: it has come about under the same error.
+  RigCorrection::Matrix rig_information = RigCorrection::Matrix::Zero();
+  RigCorrection::Vector rig_gradient = RigCorrection::Vector::Zero();
+};
+
+/// Minimises the reprojection error in both images, each at its own instant, over the free poses and all
+/// inverse depths: robust (Cauchy), Gauss-Newton, the depths eliminated by the Schur complement (B. Triggs et
+/// al., "Bundle adjustment - a modern synthesis", 2000). Residuals of a sighting: the left position against
+/// the landmark's projection (not at the host, which defines it), and its disparity against that of the
+/// projections.
+BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings);
+
+}  // namespace cartvo

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace cartvo {
+
+/// A landmark seen by one pair.
+struct Sighting {
+  std::int64_t frame = -1;                             ///< index of the pair
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px
+  bool stereo = false;                                 ///< whether it was found in the right image too
+  Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< px, left minus right position; x is the disparity
+};
+
+/// A patch of the world followed through the left images. The pair it is first seen by, its host, defines it:
+/// the patch there is the template that all later images are compared with, so that no error adds up along a
+/// track. Its place is the host's pixel and an inverse depth (J. Civera, A. Davison, J. Montiel, "Inverse
+/// depth parametrization for monocular SLAM", 2008): it is as good for points at infinity as for near ones.
+struct Landmark {
+  std::uint64_t id = 0;
+  float score = 0.0F;  ///< FAST score (thesis 4.9) when it was detected
+  int age = 0;         ///< pairs that saw it, those of earlier hosts among them
+  double trust = 1.0;  ///< in [0, 1]: how much it is believed to belong to the static world
+
+  std::vector<Sighting> sightings;                     ///< the host's first; never empty
+  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< of the patch, host to last sighting
+  Eigen::Matrix2d stereo_warp =
+      Eigen::Matrix2d::Identity();  ///< of the patch, left to right, at the last sighting
+
+  double inverse_depth = 0.0;  ///< 1/m, along the host camera's z axis
+  double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: not known
+  /// What earlier hosts knew of inverse_depth, when the landmark got its present one.
+  double prior_inverse_depth = 0.0;
+  double prior_information = 0.0;
+
+  const Sighting& host() const { return sightings.front(); }
+  const Sighting& last() const { return sightings.back(); }
+  bool hasDepth() const { return information > 0.0; }
+};
+
+}  // namespace cartvo

@@ -1,0 +1,231 @@
+// The life of landmarks: detected, followed, matched in stereo, given new hosts, dropped.
+#include "vo_core/landmark_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core/utility.hpp>
+
+#include "vo_core/affine_alignment.hpp"
+#include "vo_core/klt.hpp"
+#include "vo_core/spacing_grid.hpp"
+#include "vo_core/stereo_matcher.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kUnknownInverseDepth = 0.02;  // 1/m, where a landmark without a depth is taken to be
+constexpr int kLevelsIfPredicted = 2;  // of the pyramid: within some 10 px of where the world has carried it
+constexpr double kOutside = 8.0;       // px; predicted farther outside the image, a landmark is gone
+constexpr double kShiftCorrelation = 0.4;  // after a mere shift, of which a warp may make a match
+constexpr double kLargestStretch = 0.35;   // of a warp's elements; a host that looks so different is given up
+constexpr double kLargestRow = 1.5;        // px, of a stereo match off the row where it is expected
+
+template <typename Work>
+void forEachIndex(std::size_t count, const Work& work) {
+  cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      work(static_cast<std::size_t>(i));
+  });
+}
+
+bool stretched(const Eigen::Matrix2d& warp) {
+  return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kLargestStretch;
+}
+
+/// To first order in the inverse depth.
+EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
+                          const Eigen::Vector2d& pixel) {
+  EpipolarLine line;
+  const Eigen::Vector3d bearing = bearingOf(camera, pixel);
+  const Projection infinity = projectLandmark(camera, T_right_left, bearing, 0.0);
+  if (!infinity.valid) return line;
+  line.at_infinity = infinity.pixel - pixel;
+  const ProjectionJacobians by = projectionJacobians(camera, T_right_left, bearing, 0.0, infinity);
+  line.per_disparity =
+      by.by_inverse_depth / (camera.focal_length * camera.baseline) + Eigen::Vector2d::UnitX();
+  return line;
+}
+
+/// The last sighting becomes the host: the landmark's depth, seen from there, goes on as a prior.
+void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window) {
+  const WindowFrame* old_host = findFrame(window, landmark.host().frame);
+  const WindowFrame* new_host = findFrame(window, landmark.last().frame);
+  if (old_host != nullptr && new_host != nullptr && landmark.hasDepth()) {
+    const Projection seen =
+        projectLandmark(camera, new_host->T_world_camera.inverse() * old_host->T_world_camera,
+                        bearingOf(camera, landmark.host().left), landmark.inverse_depth);
+    if (seen.valid) {
+      // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
+      const double z = seen.ray.z();
+      const double t_z = (new_host->T_world_camera.inverse() * old_host->T_world_camera).translation().z();
+      const double slope = (z - landmark.inverse_depth * t_z) / (z * z);
+      landmark.inverse_depth /= z;
+      landmark.information /= std::max(slope * slope, 1e-6);
+    }
+  }
+  // What the new host sees in stereo has its share in what is known already.
+  landmark.prior_inverse_depth = landmark.inverse_depth;
+  landmark.prior_information = landmark.information;
+  Sighting last = landmark.last();
+  last.stereo = false;
+  landmark.sightings.assign(1, last);
+  landmark.warp.setIdentity();
+}
+
+}  // namespace
+
+const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index) {
+  for (const WindowFrame& frame : window)
+    if (frame.index == index) return &frame;
+  return nullptr;
+}
+
+LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
+    : camera_(camera),
+      settings_(settings),
+      detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
+
+bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFrame>& window,
+                                const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
+                                const std::optional<Eigen::Isometry3d>& T_world_camera) const {
+  const WindowFrame* last = findFrame(window, landmark.last().frame);
+  if (last == nullptr) return false;
+  if (landmark.host().frame < oldest_host || stretched(landmark.warp)) moveHost(landmark, camera_, window);
+  const WindowFrame* host = findFrame(window, landmark.host().frame);
+  if (host == nullptr) return false;
+
+  Eigen::Vector2d guess = landmark.last().left;
+  if (T_world_camera) {
+    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
+    const Projection predicted = projectLandmark(camera_, T_world_camera->inverse() * host->T_world_camera,
+                                                 bearingOf(camera_, landmark.host().left), inverse_depth);
+    if (!predicted.valid) return false;
+    guess = predicted.pixel;
+  }
+  if (guess.x() < -kOutside || guess.y() < -kOutside || guess.x() > camera_.width + kOutside ||
+      guess.y() > camera_.height + kOutside)
+    return false;
+
+  const bool predicted = T_world_camera && landmark.hasDepth();
+  const int all_levels = settings_.tracking.levels;
+  const int few_levels = std::min(kLevelsIfPredicted, all_levels);
+  auto shifted = trackShift(last->left, left, landmark.last().left, guess,
+                            predicted ? few_levels : all_levels, kShiftCorrelation);
+  if (!shifted && predicted)
+    shifted = trackShift(last->left, left, landmark.last().left, guess, all_levels, kShiftCorrelation);
+  if (!shifted) return false;
+
+  const TrackingSettings& tracking = settings_.tracking;
+  AffineAlignment start;
+  start.position = *shifted;
+  start.warp = landmark.warp;
+  auto aligned = alignAffine(host->left.grey.front(), left.grey.front(), landmark.host().left, start,
+                             WarpModel::affine, tracking.iterations, tracking.convergence);
+  if ((!aligned || aligned->correlation < tracking.minimum_correlation) && landmark.sightings.size() > 1) {
+    moveHost(landmark, camera_, window);
+    start.warp.setIdentity();
+    aligned = alignAffine(last->left.grey.front(), left.grey.front(), landmark.host().left, start,
+                          WarpModel::affine, tracking.iterations, tracking.convergence);
+  }
+  if (!aligned || aligned->correlation < tracking.minimum_correlation) return false;
+  landmark.warp = aligned->warp;
+  Sighting sighting;
+  sighting.frame = frame;
+  sighting.left = aligned->position;
+  landmark.sightings.push_back(sighting);
+  ++landmark.age;
+  return true;
+}
+
+void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                             const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
+                             const std::optional<Eigen::Isometry3d>& T_world_camera) const {
+  std::vector<unsigned char> found(landmarks.size(), 0);
+  forEachIndex(landmarks.size(), [&](std::size_t i) {
+    found[i] = followOne(landmarks[i], window, left, frame, oldest_host, T_world_camera) ? 1 : 0;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (found[i] == 0) continue;
+    if (kept != i) landmarks[kept] = std::move(landmarks[i]);
+    ++kept;
+  }
+  landmarks.resize(kept);
+}
+
+void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame) {
+  const double room = std::sqrt(static_cast<double>(camera_.width) * camera_.height / settings_.features);
+  const double distance = std::max(std::min(settings_.tracking.minimum_distance, 0.5 * room), 1.0);
+  SpacingGrid spacing(camera_.width, camera_.height, distance);
+  std::stable_sort(landmarks.begin(), landmarks.end(), [](const Landmark& a, const Landmark& b) {
+    return a.trust * std::min(a.age, 10) > b.trust * std::min(b.age, 10);
+  });
+  std::erase_if(landmarks, [&](const Landmark& landmark) { return !spacing.insert(landmark.last().left); });
+
+  std::vector<Eigen::Vector2d> alive;
+  for (const Landmark& landmark : landmarks)
+    alive.push_back(landmark.last().left);
+  for (const Corner& corner : detector_.detect(left, alive, spacing)) {
+    if (corner.score < settings_.tracking.minimum_score) continue;
+    Landmark landmark;
+    landmark.id = next_id_++;
+    landmark.score = corner.score;
+    landmark.age = 1;
+    Sighting sighting;
+    sighting.frame = frame;
+    sighting.left = Eigen::Vector2d(corner.x, corner.y);
+    landmark.sightings.push_back(sighting);
+    landmarks.push_back(std::move(landmark));
+  }
+}
+
+void LandmarkTracker::matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
+                               const Eigen::Isometry3d& T_right_left, double inverse_depth) const {
+  Sighting& sighting = landmark.sightings.back();
+  AffineAlignment start;
+  if (inverse_depth > 0.0) {
+    const Projection expected =
+        projectLandmark(camera_, T_right_left, bearingOf(camera_, sighting.left), inverse_depth);
+    if (!expected.valid) return;
+    start.position = expected.pixel;
+    start.warp = landmark.stereo_warp;
+  } else {
+    const auto found = cartvo::matchStereo(left, right, sighting.left, settings_.stereo,
+                                           epipolarLine(camera_, T_right_left, sighting.left));
+    if (!found) return;
+    start.position = found->right;
+  }
+  const double expected_row = start.position.y();
+  if (!right.grey.front().contains(start.position)) return;
+  const auto aligned =
+      alignAffine(left.grey.front(), right.grey.front(), sighting.left, start, WarpModel::stereo,
+                  settings_.tracking.iterations, settings_.tracking.convergence);
+  if (!aligned || aligned->correlation < settings_.stereo.minimum_correlation ||
+      std::abs(aligned->position.y() - expected_row) > kLargestRow)
+    return;
+  landmark.stereo_warp = aligned->warp;
+  sighting.stereo = true;
+  sighting.parallax = sighting.left - aligned->position;
+}
+
+void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                                  const ImagePyramid& left, const ImagePyramid& right,
+                                  const Eigen::Isometry3d& T_left_right,
+                                  const std::optional<Eigen::Isometry3d>& T_world_camera) const {
+  const Eigen::Isometry3d T_right_left = T_left_right.inverse();
+  forEachIndex(landmarks.size(), [&](std::size_t i) {
+    Landmark& landmark = landmarks[i];
+    double inverse_depth = 0.0;
+    const WindowFrame* host = findFrame(window, landmark.host().frame);
+    if (landmark.hasDepth() && host != nullptr && T_world_camera) {
+      const Projection seen =
+          projectLandmark(camera_, T_world_camera->inverse() * host->T_world_camera,
+                          bearingOf(camera_, landmark.host().left), landmark.inverse_depth);
+      if (seen.valid) inverse_depth = std::max(landmark.inverse_depth, 1e-4) / seen.ray.z();
+    }
+    matchOne(landmark, left, right, T_right_left, inverse_depth);
+  });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/adaptive_detector.hpp"
+#include "vo_core/image_pyramid.hpp"
+#include "vo_core/landmark.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/reprojection.hpp"
+#include "vo_core/stereo_camera.hpp"
+
+namespace cartvo {
+
+/// A pair in the window: what is kept of it once it is processed.
+struct WindowFrame {
+  std::int64_t index = -1;
+  std::int64_t exposure_ns = 0;  ///< of the left image
+  double offset = 0.0;           ///< s, right exposure minus left exposure
+  ImagePyramid left;             ///< grey levels only
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  Matrix6d pose_covariance = Matrix6d::Zero();   ///< against the first pair; perturbation on the right
+  Matrix6d local_covariance = Matrix6d::Zero();  ///< against the landmarks of its time
+};
+
+/// Follows landmarks from pair to pair, finds them in the right images and adds new ones.
+class LandmarkTracker {
+ public:
+  LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings);
+
+  /// Looks for each landmark in the left image of pair `frame`, first where the last pair's patch has gone,
+  /// then by the host's patch. Appends a sighting to those that are found and drops the others.
+  /// `T_world_camera`: the expected pose of that pair, if there is one. A landmark whose host's patch no
+  /// longer fits, or whose host is older than `oldest_host`, gets the last pair as its new host.
+  void follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+              const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
+              const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+
+  /// Of landmarks closer to each other than the minimum distance the more trusted and older stays; then fills
+  /// up with new corners.
+  void renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame);
+
+  /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_left_right`: the
+  /// right camera at its own instant as expected from the left one at its; `T_world_camera` the expected
+  /// pose.
+  void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                   const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_left_right,
+                   const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+
+ private:
+  bool followOne(Landmark& landmark, const std::vector<WindowFrame>& window, const ImagePyramid& left,
+                 std::int64_t frame, std::int64_t oldest_host,
+                 const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+  void matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
+                const Eigen::Isometry3d& T_right_left, double inverse_depth) const;
+
+  StereoCamera camera_;
+  OdometrySettings settings_;
+  AdaptiveDetector detector_;
+  std::uint64_t next_id_ = 0;
+};
+
+/// The frame of that index, or nullptr.
+const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index);
+
+}  // namespace cartvo

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+
+/// A way from pairs to motion. Images come checked.
+class OdometryMethod {
+ public:
+  virtual ~OdometryMethod() = default;
+  virtual OdometryEstimate process(const StereoImages& images, StageObserver& observer) = 0;
+};
+
+}  // namespace cartvo

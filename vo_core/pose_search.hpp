@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/subset_random.hpp"
+
+namespace cartvo {
+
+/// A landmark whose place is known, seen by the current pair.
+struct PosePoint {
+  int host = 0;                                        ///< index into the hosts
+  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< in the host, z = 1
+  double inverse_depth = 0.0;                          ///< 1/m
+  double inverse_depth_deviation = 0.0;                ///< 1/m, standard deviation
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, where the current pair sees it
+  double weight = 1.0;                                 ///< trust
+};
+
+struct PoseProblem {
+  StereoCamera camera;
+  std::vector<Eigen::Isometry3d> hosts;                     ///< T_world_camera of the known pairs
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
+  std::vector<PosePoint> points;
+  double pixel_noise = 0.15;  ///< px, standard deviation of each coordinate
+  /// How far the motion may lie from the prediction, or nothing if there is none.
+  std::optional<Vector6d> admissible_change;  ///< m and rad, per component
+};
+
+struct FoundPose {
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  std::vector<bool> inlier;  ///< of each point
+  int inliers = 0;
+  double share = 0.0;  ///< of the points' weight that is explained
+};
+
+/// The current pose that explains most of the points' weight. RANSAC (M. Fischler, R. Bolles, 1981) over
+/// subsets of four points, each of which gives a pose by a few Gauss-Newton steps on the reprojection error
+/// that begin at the start (A. Geiger et al., "StereoScan", 2011); the best one, and the start itself, are
+/// polished on all they explain. Poses that change the motion more than is admissible do not compete: what
+/// moves by itself may fill most of the view, but the cart has inertia.
+std::optional<FoundPose> findPose(const PoseProblem& problem, const PoseSearchSettings& settings,
+                                  SubsetRandom& random);
+
+/// Normalised errors (rms of both coordinates, the depths' uncertainty included) of all points under a pose.
+std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera);
+
+}  // namespace cartvo

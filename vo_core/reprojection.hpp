@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "vo_core/rigid_motion.hpp"
+#include "vo_core/stereo_camera.hpp"
+
+namespace cartvo {
+
+/// A pair as the estimator sees it: the pose of the left camera at its exposure, and how much later the right
+/// camera was exposed.
+struct TimedPose {
+  double time = 0.0;    ///< s, of the left exposure, since any fixed instant
+  double offset = 0.0;  ///< s, right exposure minus left exposure
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+};
+
+/// The right camera at its own instant. Between two pairs the rig is taken to move with constant velocity
+/// (translation and rotation apart); its pose at time + offset so depends on the pose of its own pair and on
+/// that of a neighbour.
+struct RightCamera {
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< rectified right camera
+  int neighbour = -1;  ///< index of the pose it leans on; -1: none
+  /// How a perturbation of this camera (on the right) follows from those of its own pair and of the
+  /// neighbour.
+  Matrix6d by_own = Matrix6d::Identity();
+  Matrix6d by_neighbour = Matrix6d::Zero();
+};
+
+/// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure, if
+/// there is one, else the pair on this side: then the motion is carried on.
+RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double baseline);
+
+/// The rotation part of a right Jacobian of SO(3) and its inverse (T. Barfoot, "State Estimation for
+/// Robotics", 2017, eq. 7.77, 7.78).
+Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation);
+
+/// Pixel of a landmark in a camera at T_camera_host: y = R b + rho t, with its bearing b (z = 1) and its
+/// inverse depth rho in the host camera, both up to the scale rho, so that rho = 0 is a point at infinity.
+struct Projection {
+  bool valid = false;                               ///< in front of the camera
+  Eigen::Vector3d ray = Eigen::Vector3d::Zero();    ///< y
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< px
+};
+Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_host,
+                           const Eigen::Vector3d& bearing, double inverse_depth);
+
+/// Derivatives of a projection's pixel.
+struct ProjectionJacobians {
+  Eigen::Matrix<double, 2, 6> by_camera = Eigen::Matrix<double, 2, 6>::Zero();  ///< perturbation on the right
+  Eigen::Matrix<double, 2, 6> by_host = Eigen::Matrix<double, 2, 6>::Zero();    ///< perturbation on the right
+  Eigen::Matrix<double, 2, 3> by_bearing = Eigen::Matrix<double, 2, 3>::Zero();
+  Eigen::Vector2d by_inverse_depth = Eigen::Vector2d::Zero();
+};
+ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_host,
+                                        const Eigen::Vector3d& bearing, double inverse_depth,
+                                        const Projection& projection);
+
+/// Direction of a pixel, z = 1.
+inline Eigen::Vector3d bearingOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
+  return {(pixel.x() - camera.cx) / camera.focal_length, (pixel.y() - camera.cy) / camera.focal_length, 1.0};
+}
+
+}  // namespace cartvo

@@ -1,0 +1,146 @@
+// Tracks of pairs: one that lasts, and after a loss another that may take its place.
+#include "vo_core/reprojection_odometry.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "vo_core/visual_track.hpp"
+
+namespace cartvo {
+namespace {
+
+class ReprojectionOdometry final : public OdometryMethod {
+ public:
+  ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
+      : camera_(camera), settings_(settings) {}
+
+  OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
+
+ private:
+  PreparedPair prepare(const StereoImages& images, StageObserver& observer);
+  bool offsetInRange(const PreparedPair& pair) const;
+  OdometryEstimate refuse(const PreparedPair& pair) const;
+  bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
+  OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
+  OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
+  OdometryEstimate estimateOf(const PreparedPair& pair, const TrackedMotion& motion) const;
+
+  StereoCamera camera_;
+  OdometrySettings settings_;
+  std::optional<VisualTrack> track_;
+  /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
+  std::optional<VisualTrack> successor_;
+  int lost_pairs_ = 0;
+  std::uint32_t epoch_ = 0;
+  std::int64_t next_index_ = 0;
+};
+
+PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObserver& observer) {
+  const StageScope stage(observer, Stage::pyramid);
+  PreparedPair pair;
+  pair.index = next_index_++;
+  pair.left_exposure_ns = images.left_exposure_ns;
+  pair.right_exposure_ns = images.right_exposure_ns;
+  pair.left_image = images.left;
+  pair.left = buildPyramid(images.left, settings_.tracking.levels);
+  pair.right = buildPyramid(images.right, 1);
+  return pair;
+}
+
+bool ReprojectionOdometry::timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const {
+  const double step = 1e-9 * static_cast<double>(exposure_ns - track.lastExposure());
+  return step > 0.0 && step <= settings_.validity.maximum_time_step;
+}
+
+bool ReprojectionOdometry::offsetInRange(const PreparedPair& pair) const {
+  const double offset = 1e-9 * static_cast<double>(pair.right_exposure_ns - pair.left_exposure_ns);
+  return std::abs(offset) <= settings_.validity.maximum_offset;
+}
+
+/// The images belong to instants too far apart: as if the pair had not come.
+OdometryEstimate ReprojectionOdometry::refuse(const PreparedPair& pair) const {
+  TrackedMotion motion;
+  motion.reasons = OdometryReason::time_step;
+  return estimateOf(pair, motion);
+}
+
+OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, StageObserver& observer) {
+  const PreparedPair pair = prepare(images, observer);
+  if (!offsetInRange(pair)) return refuse(pair);
+  if (!track_) return begin(pair, OdometryReason::first_pair, observer);
+  if (!timeStepInRange(*track_, pair.left_exposure_ns)) {
+    ++epoch_;
+    return begin(pair, OdometryReason::time_step, observer);
+  }
+  TrackedMotion motion = track_->process(pair, observer);
+  if (!motion.valid() && successor_) {
+    const TrackedMotion anew = successor_->process(pair, observer);
+    if (anew.valid()) {
+      track_ = std::move(successor_);
+      ++epoch_;
+      motion = anew;
+    }
+  }
+  if (!motion.valid()) return lose(pair, motion, observer);
+  successor_.reset();
+  lost_pairs_ = 0;
+  return estimateOf(pair, motion);
+}
+
+OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryReason reason,
+                                             StageObserver& observer) {
+  track_.emplace(camera_, settings_, pair, track_ ? track_->rig() : RigMonitor(), observer);
+  successor_.reset();
+  lost_pairs_ = 0;
+  TrackedMotion motion;
+  motion.reasons = reason;
+  motion.counts.detected = track_->landmarkCount();
+  return estimateOf(pair, motion);
+}
+
+/// The pair explains nothing. A successor begins at it; the track itself is tried for some pairs more.
+OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const TrackedMotion& failed,
+                                            StageObserver& observer) {
+  TrackedMotion motion = failed;
+  successor_.emplace(camera_, settings_, pair, track_->rig(), observer);
+  if (++lost_pairs_ > settings_.tracking.search_again) {
+    track_ = std::move(successor_);
+    successor_.reset();
+    lost_pairs_ = 0;
+    ++epoch_;
+    motion.counts.detected = track_->landmarkCount();
+  } else {
+    motion.counts.detected = successor_->landmarkCount();
+  }
+  if (motion.counts.detected < settings_.validity.minimum_features)
+    motion.reasons = OdometryReason::too_few_features;
+  return estimateOf(pair, motion);
+}
+
+OdometryEstimate ReprojectionOdometry::estimateOf(const PreparedPair& pair,
+                                                  const TrackedMotion& motion) const {
+  OdometryEstimate estimate;
+  estimate.exposure_ns = pair.left_exposure_ns;
+  estimate.valid = motion.valid();
+  estimate.reasons = motion.reasons;
+  estimate.reset_counter = epoch_;
+  estimate.counts = motion.counts;
+  if (track_) {
+    estimate.T_world_camera = track_->pose();
+    estimate.pose_covariance = track_->poseCovariance();
+  }
+  if (!estimate.valid) return estimate;
+  estimate.time_step = motion.time_step;
+  estimate.T_previous_current = motion.T_previous_current;
+  estimate.motion_covariance = motion.motion_covariance;
+  return estimate;
+}
+
+}  // namespace
+
+std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
+                                                         const OdometrySettings& settings) {
+  return std::make_unique<ReprojectionOdometry>(camera, settings);
+}
+
+}  // namespace cartvo

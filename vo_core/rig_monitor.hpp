@@ -1,0 +1,28 @@
+#pragma once
+
+#include "vo_core/rig_correction.hpp"
+
+namespace cartvo {
+
+/// Gathers, pair by pair, what driving tells of the rig.
+class RigMonitor {
+ public:
+  RigMonitor();
+
+  /// `information`, `gradient`: of one pair, about the estimate as it is (BundleResult).
+  void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient);
+
+  /// What the calibration is off by.
+  const RigCorrection::Vector& estimate() const { return estimate_; }
+  RigCorrection::Vector deviation() const;
+
+  /// What is to be corrected: the part of the estimate beyond what any calibration leaves over, within
+  /// bounds.
+  RigCorrection correction() const;
+
+ private:
+  RigCorrection::Vector estimate_ = RigCorrection::Vector::Zero();
+  RigCorrection::Matrix information_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,392 @@
+// From one pair to the next: follow, search, match, adjust.
+#include "vo_core/visual_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cartvo {
+namespace {
+
+constexpr double kMonocularInverseDepth = 0.03;  // 1/m, what is expected of a landmark without a stereo match
+constexpr double kMonocularDeviation = 0.1;      // 1/m
+constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocularDeviation);
+constexpr double kUnknownSpeed = 3.0;                   // m/s that the cart may have at the first pair
+constexpr double kNoiseMemory = 0.9;                    // of the noise's running estimate, from pair to pair
+constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
+constexpr double kLeastTrust = 0.15;                    // below, a landmark is removed
+constexpr double kDoubtful = 2.0;                       // standard deviations at which trust tends to a half
+constexpr double kTellingWay = 0.5;                     // m driven within the window, for the rig to show
+// Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
+// on rendered worlds (docs/accuracy.md).
+constexpr double kSharedError = 4.0;
+constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
+constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
+constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
+
+double seconds(std::int64_t nanoseconds) {
+  return 1e-9 * static_cast<double>(nanoseconds);
+}
+
+WindowFrame frameOf(const PreparedPair& pair) {
+  WindowFrame frame;
+  frame.index = pair.index;
+  frame.exposure_ns = pair.left_exposure_ns;
+  frame.offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
+  frame.left.grey = pair.left.grey;
+  return frame;
+}
+
+int indexOf(const std::vector<WindowFrame>& window, std::int64_t index) {
+  for (std::size_t i = 0; i < window.size(); ++i)
+    if (window[i].index == index) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
+  std::vector<TimedPose> poses;
+  for (const WindowFrame& frame : window)
+    poses.push_back(
+        {seconds(frame.exposure_ns - window.front().exposure_ns), frame.offset, frame.T_world_camera});
+  return poses;
+}
+
+Eigen::Isometry3d besideEachOther(double baseline) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation().x() = baseline;
+  return T;
+}
+
+/// First depth of a landmark whose only sighting is in stereo: the inverse depth at which the right camera,
+/// where it was at its own instant, sees it where it did. From y = R b + rho t, linear in rho.
+void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
+               const Eigen::Vector2d& right_pixel, const BundleNoise& noise) {
+  const Eigen::Vector3d turned = T_right_left.linear() * bearingOf(camera, landmark.host().left);
+  const Eigen::Vector3d t = T_right_left.translation();
+  const Eigen::Vector2d seen = bearingOf(camera, right_pixel).head<2>();
+  const Eigen::Vector2d lever = t.head<2>() - seen * t.z();
+  const double square = lever.squaredNorm();
+  if (!(square > 1e-8)) return;
+  landmark.inverse_depth = lever.dot(seen * turned.z() - turned.head<2>()) / square;
+  const double deviation = (noise.disparity + noise.stretch * std::abs(landmark.host().parallax.x())) /
+                           (camera.focal_length * std::sqrt(square));
+  landmark.information = 1.0 / (deviation * deviation);
+}
+
+}  // namespace
+
+VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& settings,
+                         const PreparedPair& first, const RigMonitor& rig, StageObserver& observer)
+    : camera_(camera),
+      settings_(settings),
+      tracker_(camera, settings),
+      random_(settings.seed),
+      rig_(rig),
+      standstill_(settings.standstill),
+      last_exposure_ns_(first.left_exposure_ns) {
+  {
+    const StageScope stage(observer, Stage::detect);
+    tracker_.renew(landmarks_, first.left_image, first.index);
+  }
+  const StageScope stage(observer, Stage::disparity);
+  window_.push_back(frameOf(first));
+  Draft draft{std::move(landmarks_), std::move(window_)};
+  matchStereo(first, draft);
+  landmarks_ = std::move(draft.landmarks);
+  window_ = std::move(draft.window);
+  // How fast the cart is, is not known: with two instants, its depths are vague.
+  const double vague = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
+  for (Landmark& landmark : landmarks_) {
+    if (!landmark.hasDepth() || vague == 0.0) continue;
+    const double deviation = vague * std::max(landmark.inverse_depth, 0.0);
+    landmark.information = 1.0 / (1.0 / landmark.information + deviation * deviation);
+  }
+}
+
+RigCorrection VisualTrack::rigCorrection() const {
+  return settings_.rig_refinement == RigRefinement::correct ? rig_.correction() : RigCorrection{};
+}
+
+double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
+  return seconds(pair.left_exposure_ns - last_exposure_ns_);
+}
+
+/// Where the camera should be now if it went on as before.
+Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
+  const Eigen::Isometry3d& last = window_.back().T_world_camera;
+  return velocity_ ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
+}
+
+TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
+  TrackedMotion motion;
+  motion.time_step = secondsSinceLast(pair);
+  Draft draft{landmarks_, window_};
+  draft.window.push_back(frameOf(pair));
+  {
+    const StageScope stage(observer, Stage::optical_flow);
+    // The oldest pair leaves the window once this one has come.
+    const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
+    std::optional<Eigen::Isometry3d> expected;
+    if (velocity_) expected = expectedPose(pair);
+    tracker_.follow(draft.landmarks, window_, pair.left, pair.index, window_[full ? 1 : 0].index, expected);
+    motion.counts.tracked = static_cast<int>(draft.landmarks.size());
+  }
+  {
+    const StageScope stage(observer, Stage::motion);
+    if (!searchPose(pair, draft, motion)) return motion;
+  }
+  bool held = false;
+  if (standing_) {
+    held = holdStill(pair, draft.window.back().T_world_camera, motion);
+    const bool enough = motion.counts.matched >= kEnoughToHold * landmarks_when_stopped_;
+    motion.counts.detected = static_cast<int>(landmarks_.size());
+    if (held && enough) return motion;
+    // The pair is taken in: the cart moves, or too much of what it saw when it stopped has gone.
+    standing_ = held;
+  }
+  {
+    const StageScope stage(observer, Stage::detect);
+    tracker_.renew(draft.landmarks, pair.left_image, pair.index);
+    motion.counts.detected = static_cast<int>(draft.landmarks.size());
+  }
+  {
+    const StageScope stage(observer, Stage::disparity);
+    matchStereo(pair, draft);
+  }
+  const StageScope stage(observer, Stage::weights);
+  if (held)
+    renewStand(pair, draft, motion);
+  else
+    adjust(pair, draft, motion);
+  if (!held && motion.valid() && standstill_.stands(motion.T_world_camera, pair.left_exposure_ns)) {
+    standing_ = true;
+    landmarks_when_stopped_ = motion.counts.matched;
+    velocity_ = Vector6d::Zero();
+  }
+  return motion;
+}
+
+/// Takes a pair of a stand in, at the pose that is held, with the landmarks it brings.
+void VisualTrack::renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion) {
+  WindowFrame& current = draft.window.back();
+  current.T_world_camera = motion.T_world_camera;
+  current.pose_covariance = motion.pose_covariance;
+  current.local_covariance = motion.motion_covariance;
+  accept(pair, draft);
+  landmarks_when_stopped_ = static_cast<int>(std::count_if(
+      landmarks_.begin(), landmarks_.end(), [](const Landmark& landmark) { return landmark.hasDepth(); }));
+}
+
+void VisualTrack::accept(const PreparedPair& pair, Draft& draft) {
+  if (static_cast<int>(draft.window.size()) > settings_.bundle.frames)
+    draft.window.erase(draft.window.begin());
+  window_ = std::move(draft.window);
+  landmarks_ = std::move(draft.landmarks);
+  last_exposure_ns_ = pair.left_exposure_ns;
+}
+
+/// The start of the estimate: the pose most landmarks agree on. False, with the reason, if there is none.
+bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  std::vector<std::size_t> chosen;
+  const PoseProblem problem = poseProblem(draft.landmarks, pair, chosen);
+  motion.counts.matched = static_cast<int>(chosen.size());
+  if (motion.counts.matched < settings_.validity.minimum_matches) {
+    motion.reasons = OdometryReason::too_few_matches;
+    return false;
+  }
+  const auto found = findPose(problem, settings_.pose_search, random_);
+  if (!found || found->inliers < settings_.validity.minimum_inliers ||
+      found->share < settings_.validity.minimum_inlier_ratio) {
+    motion.reasons = OdometryReason::too_few_inliers;
+    return false;
+  }
+  motion.counts.inliers = found->inliers;
+  draft.window.back().T_world_camera = found->T_world_camera;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (!found->inlier[i]) draft.landmarks[chosen[i]].trust *= 0.5;
+  std::erase_if(draft.landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
+  return true;
+}
+
+PoseProblem VisualTrack::poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
+                                     std::vector<std::size_t>& chosen) const {
+  PoseProblem problem;
+  problem.camera = camera_;
+  problem.pixel_noise = noise_.pixel;
+  for (const WindowFrame& frame : window_)
+    problem.hosts.push_back(frame.T_world_camera);
+  problem.start = expectedPose(pair);
+  if (velocity_) {
+    const double square = std::pow(secondsSinceLast(pair), 2);
+    const PoseSearchSettings& limits = settings_.pose_search;
+    Vector6d change;
+    change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square + kSlackTranslation),
+        Eigen::Vector3d::Constant(limits.maximum_turn * square + kSlackRotation);
+    problem.admissible_change = change;
+  }
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    if (!landmark.hasDepth()) continue;
+    PosePoint point;
+    point.host = indexOf(window_, landmark.host().frame);
+    point.bearing = bearingOf(camera_, landmark.host().left);
+    point.inverse_depth = landmark.inverse_depth;
+    point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
+    point.left = landmark.last().left;
+    point.weight = landmark.trust;
+    problem.points.push_back(point);
+    chosen.push_back(i);
+  }
+  return problem;
+}
+
+/// A parked cart is measured against the pairs from before its stand, and none is taken into the window:
+/// nothing adds up, however long it stands and whatever drives past. Whether the found pose is still that of
+/// the stand; then the motion is nil.
+bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion) {
+  const WindowFrame& stand = window_.back();
+  if (standstill_.beyond(stand.T_world_camera.inverse() * found)) return false;
+  motion.reasons = OdometryReason::zero_velocity;
+  motion.T_world_camera = stand.T_world_camera;
+  motion.pose_covariance = stand.pose_covariance;
+  motion.motion_covariance.setZero();
+  motion.motion_covariance.diagonal() << Eigen::Vector3d::Constant(kStillTranslation * kStillTranslation),
+      Eigen::Vector3d::Constant(kStillRotation * kStillRotation);
+  last_exposure_ns_ = pair.left_exposure_ns;
+  return true;
+}
+
+void VisualTrack::matchStereo(const PreparedPair& pair, Draft& draft) const {
+  const std::vector<TimedPose> poses = timedPoses(draft.window);
+  const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, camera_.baseline);
+  const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
+  const Eigen::Isometry3d T_left_right =
+      poses.size() > 1 ? T_world_camera.inverse() * right.T_world_camera : besideEachOther(camera_.baseline);
+  tracker_.matchStereo(draft.landmarks, draft.window, pair.left, pair.right, T_left_right, T_world_camera);
+
+  const RigCorrection rig = rigCorrection();
+  for (Landmark& landmark : draft.landmarks) {
+    const Sighting& host = landmark.host();
+    if (landmark.hasDepth() || landmark.sightings.size() > 1 || !host.stereo) continue;
+    giveDepth(landmark, camera_, T_left_right.inverse(),
+              correctedRight(camera_, rig, host.left - host.parallax), noise_);
+  }
+}
+
+BundleProblem VisualTrack::bundleProblem(const Draft& draft, std::vector<std::size_t>& chosen) const {
+  BundleProblem problem;
+  problem.camera = camera_;
+  problem.noise = noise_;
+  problem.poses = timedPoses(draft.window);
+  problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
+  const RigCorrection rig = rigCorrection();
+  for (std::size_t i = 0; i < draft.landmarks.size(); ++i) {
+    const Landmark& landmark = draft.landmarks[i];
+    if (landmark.sightings.size() < 2) continue;
+    BundleLandmark item;
+    item.bearing = bearingOf(camera_, landmark.host().left);
+    item.weight = landmark.trust;
+    item.inverse_depth = landmark.inverse_depth;
+    item.prior_inverse_depth = landmark.prior_inverse_depth;
+    item.prior_information = landmark.prior_information;
+    if (!landmark.hasDepth()) {
+      item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
+      item.prior_information = kMonocularInformation;
+    }
+    for (const Sighting& sighting : landmark.sightings)
+      if (const int pose = indexOf(draft.window, sighting.frame); pose >= 0)
+        item.sightings.push_back({pose, sighting.left, sighting.stereo,
+                                  correctedRight(camera_, rig, sighting.left - sighting.parallax)});
+    problem.landmarks.push_back(std::move(item));
+    chosen.push_back(i);
+  }
+  return problem;
+}
+
+/// The least squares over the window; if its result is believed, the draft becomes what is known.
+void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  std::vector<std::size_t> chosen;
+  BundleProblem problem = bundleProblem(draft, chosen);
+  const BundleResult result = adjustBundle(problem, settings_.bundle);
+  if (!result.converged) {
+    motion.reasons = OdometryReason::degenerate_geometry;
+    return;
+  }
+  for (std::size_t i = 0; i < draft.window.size(); ++i)
+    draft.window[i].T_world_camera = problem.poses[i].T_world_camera;
+  weigh(problem, chosen, draft);
+  takeCovariances(problem, result, draft, motion);
+  motion.reasons = judge(motion);
+  if (!motion.valid()) return;
+
+  velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
+  learn(result, draft);
+  accept(pair, draft);
+}
+
+/// Landmarks get their new depths, and trust by how well they fit.
+void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen,
+                        Draft& draft) const {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    Landmark& landmark = draft.landmarks[chosen[i]];
+    const BundleLandmark& adjusted = problem.landmarks[i];
+    const double ratio = adjusted.error / kDoubtful;
+    landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + std::pow(ratio, 4)));
+    if (!landmark.hasDepth() && adjusted.information < 4.0 * kMonocularInformation) continue;
+    landmark.inverse_depth = adjusted.inverse_depth;
+    landmark.information = adjusted.information;
+  }
+  std::erase_if(draft.landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
+}
+
+void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
+                                  TrackedMotion& motion) const {
+  const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
+    if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
+    const auto at = [&](std::size_t i) { return 6 * (static_cast<Eigen::Index>(i) - problem.fixed); };
+    return result.covariance.block<6, 6>(at(a), at(b));
+  };
+  std::vector<WindowFrame>& window = draft.window;
+  const std::size_t last = window.size() - 1;
+  const WindowFrame& anchor = window[static_cast<std::size_t>(problem.fixed) - 1];
+  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i <= last; ++i) {
+    window[i].local_covariance = block(i, i);
+    window[i].pose_covariance =
+        composedCovariance(anchor.pose_covariance, anchor.T_world_camera.inverse() * window[i].T_world_camera,
+                           kSharedError * block(i, i));
+  }
+  motion.T_world_camera = window[last].T_world_camera;
+  motion.pose_covariance = window[last].pose_covariance;
+  motion.T_previous_current = window[last - 1].T_world_camera.inverse() * motion.T_world_camera;
+  // Both poses err against the landmarks: the motion has the errors of both.
+  const Matrix6d carried = adjoint(motion.T_previous_current.inverse());
+  motion.motion_covariance = window[last].local_covariance +
+                             carried * window[last - 1].local_covariance * carried.transpose() -
+                             carried * block(last - 1, last) - block(last, last - 1) * carried.transpose();
+}
+
+OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
+  const ValiditySettings& validity = settings_.validity;
+  const Vector6d vector = vectorFromMotion(motion.T_previous_current);
+  if (!vector.allFinite() || vector.head<3>().norm() > validity.maximum_speed * motion.time_step ||
+      vector.tail<3>().norm() > validity.maximum_rate * motion.time_step)
+    return OdometryReason::implausible_motion;
+  if (!(motion.motion_covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_deviation, 2)))
+    return OdometryReason::degenerate_geometry;
+  return OdometryReason::none;
+}
+
+/// What the residuals tell of the images' noise and of the rig.
+void VisualTrack::learn(const BundleResult& result, const Draft& draft) {
+  const auto adapt = [](double noise, double scale) {
+    return std::clamp(noise * (kNoiseMemory + (1.0 - kNoiseMemory) * scale), kLeastNoise, kMostNoise);
+  };
+  noise_.pixel = adapt(noise_.pixel, result.pixel_scale);
+  noise_.disparity = adapt(noise_.disparity, result.disparity_scale);
+  // Standing teaches nothing of the rig: what is measured is then its noise.
+  const Eigen::Isometry3d way =
+      draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
+  if (settings_.rig_refinement != RigRefinement::off && way.translation().norm() > kTellingWay)
+    rig_.add(result.rig_information, result.rig_gradient);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/landmark_tracker.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/pose_search.hpp"
+#include "vo_core/rig_monitor.hpp"
+#include "vo_core/standstill.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+
+/// A pair, prepared.
+struct PreparedPair {
+  std::int64_t index = 0;
+  std::int64_t left_exposure_ns = 0;
+  std::int64_t right_exposure_ns = 0;
+  cv::Mat left_image;
+  ImagePyramid left, right;
+};
+
+/// What a pair told a track.
+struct TrackedMotion {
+  OdometryReason reasons = OdometryReason::none;  ///< why it is not to be believed, or that the cart stands
+  double time_step = 0.0;                         ///< s, since the last pair that the track took in
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  FeatureCounts counts;
+
+  bool valid() const { return reasons == OdometryReason::none || reasons == OdometryReason::zero_velocity; }
+};
+
+/// An unbroken run of pairs: their poses since the first one, and the landmarks they share. A pair that
+/// cannot be explained leaves it as it was.
+class VisualTrack {
+ public:
+  /// Begins at a pair, which is the origin. `rig`: what is known of the rig so far.
+  VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
+              const RigMonitor& rig, StageObserver& observer);
+
+  TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
+
+  const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
+  const Matrix6d& poseCovariance() const { return window_.back().pose_covariance; }
+  std::int64_t lastExposure() const { return last_exposure_ns_; }
+  int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
+  const RigMonitor& rig() const { return rig_; }
+
+ private:
+  /// What a pair would become in the window, before it is accepted.
+  struct Draft {
+    std::vector<Landmark> landmarks;
+    std::vector<WindowFrame> window;  ///< the pair is the last
+  };
+
+  RigCorrection rigCorrection() const;
+  double secondsSinceLast(const PreparedPair& pair) const;
+  Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
+  bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  PoseProblem poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
+                          std::vector<std::size_t>& chosen) const;
+  void matchStereo(const PreparedPair& pair, Draft& draft) const;
+  BundleProblem bundleProblem(const Draft& draft, std::vector<std::size_t>& chosen) const;
+  void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
+  void takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
+                       TrackedMotion& motion) const;
+  OdometryReason judge(const TrackedMotion& motion) const;
+  void learn(const BundleResult& result, const Draft& draft);
+  bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
+  void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
+  void accept(const PreparedPair& pair, Draft& draft);
+
+  StereoCamera camera_;
+  OdometrySettings settings_;
+  LandmarkTracker tracker_;
+  SubsetRandom random_;
+  BundleNoise noise_;
+  RigMonitor rig_;
+  StandstillDetector standstill_;
+  bool standing_ = false;
+  int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand
+  std::vector<Landmark> landmarks_;
+  std::vector<WindowFrame> window_;    ///< oldest first; never empty
+  std::optional<Vector6d> velocity_;   ///< m/s and rad/s of the camera, in its axes
+  std::int64_t last_exposure_ns_ = 0;  ///< of the last pair that was explained
+};
+
+}  // namespace cartvo

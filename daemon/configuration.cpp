@@ -19,7 +19,7 @@ using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
 constexpr Keys kCamerasKeys = {"left", "right", "transport", "instants", "frame_rate", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url", "username", "password_file", "password_credential"};
-constexpr Keys kOdometryKeys = {"estimator", "features", "seed", "threads"};
+constexpr Keys kOdometryKeys = {"estimator", "features", "seed", "threads", "online_rig_refinement"};
 constexpr Keys kLcmKeys = {"url", "time_to_live"};
 constexpr Keys kRecordingKeys = {"directory"};
 constexpr Keys kLoggingKeys = {"level"};
@@ -33,7 +33,10 @@ constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
     {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
 constexpr std::array<std::pair<const char*, RtspInstants>, 2> kInstants{
     {{"sender_reports", RtspInstants::sender_reports}, {"arrival", RtspInstants::arrival}}};
-constexpr std::array<std::pair<const char*, Estimator>, 1> kEstimators{{{"thesis", Estimator::thesis}}};
+constexpr std::array<std::pair<const char*, RigRefinement>, 3> kRigRefinements{
+    {{"off", RigRefinement::off}, {"monitor", RigRefinement::monitor}, {"correct", RigRefinement::correct}}};
+constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
+    {{"reprojection", Estimator::reprojection}, {"thesis", Estimator::thesis}}};
 
 /// Takes one of the named values, or says which there are.
 template <typename Value, std::size_t count>
@@ -131,6 +134,8 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   if (yaml.has("seed")) {
     odometry.seed = static_cast<std::uint64_t>(yaml["seed"].integer(0, std::int64_t{1} << 53));
   }
+  if (yaml.has("online_rig_refinement"))
+    odometry.rig_refinement = choice(yaml["online_rig_refinement"], kRigRefinements);
   if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
 }
 
@@ -208,6 +213,8 @@ std::string effectiveConfiguration(const Configuration& configuration) {
        << nameOf(configuration.odometry.estimator, kEstimators);
   yaml << YAML::Key << "features" << configuration.odometry.features;
   yaml << YAML::Key << "seed" << configuration.odometry.seed;
+  yaml << YAML::Key << "online_rig_refinement"
+       << nameOf(configuration.odometry.rig_refinement, kRigRefinements);
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
   yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
   yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;

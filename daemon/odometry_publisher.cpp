@@ -38,6 +38,10 @@ constexpr std::int32_t messageBit(OdometryReason reason) {
       return odometry_t::REASON_TIME_STEP;
     case OdometryReason::implausible_motion:
       return odometry_t::REASON_IMPLAUSIBLE_MOTION;
+    case OdometryReason::degenerate_geometry:
+      return odometry_t::REASON_DEGENERATE_GEOMETRY;
+    case OdometryReason::zero_velocity:
+      return odometry_t::REASON_ZERO_VELOCITY;
   }
   return 0;
 }

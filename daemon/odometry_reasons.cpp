@@ -9,7 +9,7 @@
 
 namespace cartvo {
 std::string reasonNames(std::int32_t reasons) {
-  static constexpr std::array<std::pair<std::int32_t, const char*>, 10> kNames{{
+  static constexpr std::array<std::pair<std::int32_t, const char*>, 12> kNames{{
       {odometry_t::REASON_FIRST_PAIR, "first pair"},
       {odometry_t::REASON_TOO_FEW_FEATURES, "too few features"},
       {odometry_t::REASON_TOO_FEW_MATCHES, "too few matches"},
@@ -17,6 +17,8 @@ std::string reasonNames(std::int32_t reasons) {
       {odometry_t::REASON_HIGH_RESIDUAL, "high residual"},
       {odometry_t::REASON_TIME_STEP, "time step"},
       {odometry_t::REASON_IMPLAUSIBLE_MOTION, "implausible motion"},
+      {odometry_t::REASON_DEGENERATE_GEOMETRY, "degenerate geometry"},
+      {odometry_t::REASON_ZERO_VELOCITY, "zero velocity"},
       {odometry_t::REASON_NO_PAIR, "no pair"},
       {odometry_t::REASON_DAMAGED_FRAME, "damaged frame"},
       {odometry_t::REASON_WRONG_SIZE, "wrong picture size"},

@@ -68,9 +68,9 @@ TEST_F(ConfigurationFile, TakesRelativePathsFromItsOwnFolder) {
 }
 
 TEST_F(ConfigurationFile, NamesAnUnknownKeyWithFileAndLine) {
-  EXPECT_THAT(
-      errorOf(std::string(kMinimal) + "odometry:\n  feature: 1000\n"),
-      AllOf(HasSubstr("cartvod.yaml:8: odometry.feature"), HasSubstr("estimator, features, seed, threads")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry:\n  feature: 1000\n"),
+              AllOf(HasSubstr("cartvod.yaml:8: odometry.feature"),
+                    HasSubstr("estimator, features, seed, threads, online_rig_refinement")));
   EXPECT_THAT(errorOf(std::string(kMinimal) + "camera: 1\n"), HasSubstr("cartvod.yaml:7: camera"));
 }
 

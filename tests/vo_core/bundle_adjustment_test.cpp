@@ -1,0 +1,151 @@
+// The least squares on landmarks whose places and poses are known.
+#include "vo_core/bundle_adjustment.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/landmark_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+using test::LandmarkScene;
+
+constexpr double kOffsets[] = {-0.02, 0.0, 0.02};  // s
+
+TEST(BundleAdjustment, FindsPosesAndDepthsExactlyWithoutNoise) {
+  BundleSettings settings;
+  settings.iterations = 20;
+  for (const int free_frames : {1, 3}) {
+    for (const double offset : kOffsets) {
+      const LandmarkScene scene{.free_frames = free_frames, .offset = offset};
+      const BundleProblem truth = test::seenBy(scene, 1);
+      BundleProblem problem = truth;
+      test::disturb(problem);
+      const BundleResult result = adjustBundle(problem, settings);
+      ASSERT_TRUE(result.converged);
+      EXPECT_LT(test::poseErrors(problem).norm(), 1e-6) << free_frames << " free, " << offset << " s";
+      for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
+        EXPECT_NEAR(problem.landmarks[i].inverse_depth, truth.landmarks[i].inverse_depth, 1e-6);
+        EXPECT_LT(problem.landmarks[i].error, 1e-3);
+      }
+    }
+  }
+}
+
+TEST(BundleAdjustment, TakingTwoInstantsForOneMovesThePose) {
+  // That the tests with an offset would fail if it were ignored.
+  BundleProblem problem = test::seenBy({.offset = 0.02}, 1);
+  for (TimedPose& pose : problem.poses)
+    pose.offset = 0.0;
+  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_GT(test::poseErrors(problem).head<3>().norm(), 0.001);
+}
+
+TEST(BundleAdjustment, FixedPosesStand) {
+  BundleProblem problem = test::seenBy({.free_frames = 3, .noise = 1.0}, 1);
+  const std::vector<TimedPose> before = problem.poses;
+  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(problem.poses[i].T_world_camera.matrix() == before[i].T_world_camera.matrix(), i < 4) << i;
+}
+
+constexpr int kTrials = 200;
+
+/// Mean over the trials of the pose's squared error normalised by its covariance.
+double meanNees(const LandmarkScene& scene, double robust_width) {
+  double sum = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    BundleProblem problem = test::seenBy(scene, 1000 + trial);
+    const BundleResult result = adjustBundle(problem, {.robust_width = robust_width});
+    EXPECT_TRUE(result.converged);
+    const Eigen::VectorXd error = test::poseErrors(problem);
+    sum += error.dot(result.covariance.ldlt().solve(error));
+  }
+  return sum / kTrials;
+}
+
+/// The mean of so many chi-squared numbers lies so near its expectation in 99 % of all cases.
+double bandOf(double degrees) {
+  return 2.6 * std::sqrt(2.0 * degrees / kTrials);
+}
+
+TEST(BundleAdjustment, CovarianceOfPlainLeastSquaresAgreesWithTheErrors) {
+  constexpr double kPlain = 1e6;
+  for (const double offset : kOffsets) {
+    LandmarkScene scene{.landmarks = 35, .offset = offset, .noise = 1.0};
+    EXPECT_NEAR(meanNees(scene, kPlain), 6.0, bandOf(6.0)) << offset;
+    scene.noise = 2.0;  // no more so if the noise is not what is assumed
+    EXPECT_GT(meanNees(scene, kPlain), 6.0 + 3.0 * bandOf(6.0)) << offset;
+  }
+  EXPECT_NEAR(meanNees({.free_frames = 3, .landmarks = 35, .noise = 1.0}, kPlain), 18.0, bandOf(18.0));
+}
+
+TEST(BundleAdjustment, RobustWeightsMakeTheCovarianceALittleCautious) {
+  // Normal noise, too, is given less than its full weight: a mean of 0.88, for 5 % that is lost.
+  const double width = BundleSettings{}.robust_width;
+  for (const double offset : kOffsets) {
+    const double nees = meanNees({.landmarks = 35, .offset = offset, .noise = 1.0}, width);
+    EXPECT_LT(nees, 6.0) << offset;
+    EXPECT_GT(nees, 0.8 * 6.0) << offset;
+  }
+  EXPECT_GT(meanNees({.landmarks = 35, .noise = 2.0}, width), 6.0 + bandOf(6.0));
+}
+
+TEST(BundleAdjustment, SaysHowMuchLargerTheNoiseIsThanAssumed) {
+  for (const double noise : {0.5, 1.0, 2.0}) {
+    BundleProblem problem = test::seenBy({.landmarks = 400, .noise = noise}, 3);
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    EXPECT_NEAR(result.pixel_scale, noise, 0.15 * noise);
+    EXPECT_NEAR(result.disparity_scale, noise, 0.15 * noise);
+  }
+}
+
+TEST(BundleAdjustment, EndsWhereItWouldWithoutThemIfAFifthOfTheDisparitiesIsWrong) {
+  for (const double offset : kOffsets) {
+    BundleProblem problem =
+        test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0, .wrong_disparities = 0.2}, 5);
+    test::disturb(problem);
+    BundleProblem clean = test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0}, 5);
+    const BundleResult result = adjustBundle(problem, {.iterations = 10});
+    adjustBundle(clean, {.iterations = 10});
+    ASSERT_TRUE(result.converged);
+    const Eigen::ArrayXd deviation = result.covariance.diagonal().cwiseSqrt();
+    EXPECT_LT((test::poseErrors(problem).array().abs() / deviation).maxCoeff(), 4.0) << offset;
+  }
+}
+
+TEST(BundleAdjustment, ALandmarkWithoutStereoStandsByItsPrior) {
+  BundleProblem problem = test::seenBy({}, 1);
+  BundleLandmark& lone = problem.landmarks.front();
+  lone.sightings.resize(1);
+  lone.sightings[0].stereo = false;
+  lone.inverse_depth = 0.5;
+  lone.prior_inverse_depth = 0.1;
+  lone.prior_information = 100.0;
+  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_NEAR(lone.inverse_depth, 0.1, 1e-9);
+  EXPECT_NEAR(lone.information, 100.0, 1e-9);
+}
+
+TEST(BundleAdjustment, ALandmarkBehindTheCameraIsLeftOut) {
+  BundleProblem problem = test::seenBy({}, 1);
+  BundleLandmark& behind = problem.landmarks.front();
+  behind.inverse_depth = 5.0;  // 0.2 m ahead of a host that has since moved on by more
+  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_EQ(behind.information, 0.0);
+  EXPECT_GT(behind.error, 100.0);
+  EXPECT_LT(test::poseErrors(problem).norm(), 1e-6);
+}
+
+TEST(BundleAdjustment, SaysWhenThePoseIsLeftOpen) {
+  BundleProblem problem = test::seenBy({}, 1);
+  problem.landmarks.resize(1);
+  EXPECT_FALSE(adjustBundle(problem, BundleSettings{}).converged);
+  problem.landmarks.clear();
+  EXPECT_FALSE(adjustBundle(problem, BundleSettings{}).converged);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -131,7 +131,9 @@ class LandmarkRows {
     row.by_inverse_depth = precision * (by_left.by_inverse_depth.x() - by.by_inverse_depth.x());
     row.by_shared.head<RigCorrection::kSize>() =
         precision * columnByCorrection(problem_.camera, sighting.right);
-    row.by_shared[RigCorrection::kSize] = precision * sighting.disparity();
+    // Predicted, not measured: the noise of what is measured would take part in its own derivative, and a
+    // bias come of it.
+    row.by_shared[RigCorrection::kSize] = precision * (left.pixel.x() - right.pixel.x());
     if (!is_host) {
       row.add(sighting.pose, precision * by_left.by_camera.row(0));
       row.add(host, precision * by_left.by_host.row(0));

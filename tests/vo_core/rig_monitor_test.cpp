@@ -1,0 +1,129 @@
+// What driving tells of the rig, and how much of it is used.
+#include "vo_core/rig_monitor.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/landmark_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+using Vector = RigCorrection::Vector;
+using Matrix = RigCorrection::Matrix;
+
+/// A monitor that has seen `pairs` pairs, each of which tells yaw and bend with these deviations.
+RigMonitor told(const Vector& truth, int pairs, const Vector& deviations = {1e-4, 2e-4}) {
+  const Matrix information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
+  RigMonitor monitor;
+  for (int i = 0; i < pairs; ++i)
+    monitor.add(information, information * (truth - monitor.estimate()));
+  return monitor;
+}
+
+TEST(RigMonitor, CorrectsNothingToBeginWith) {
+  const RigMonitor monitor;
+  EXPECT_EQ(monitor.estimate(), Vector::Zero());
+  EXPECT_EQ(monitor.correction().yaw, 0.0);
+  EXPECT_EQ(monitor.correction().bend, 0.0);
+  EXPECT_GT(monitor.deviation().minCoeff(), 0.0);
+}
+
+TEST(RigMonitor, ConvergesToWhatThePairsTell) {
+  const Vector truth(4e-4, -7e-4);
+  EXPECT_LT((told(truth, 3000).estimate() - truth).norm(), 1e-6);
+}
+
+TEST(RigMonitor, FirstPairsAreNotTakenAtTheirWord) {
+  EXPECT_LT(told({4e-4, 0.0}, 1, {1e-3, 1e-3}).estimate()[0], 0.5 * 4e-4);
+}
+
+TEST(RigMonitor, DeviationShrinksWithEachPair) {
+  Vector before = RigMonitor().deviation();
+  for (const int pairs : {1, 2, 10, 100, 1000}) {
+    const Vector now = told({4e-4, 0.0}, pairs).deviation();
+    EXPECT_TRUE((now.array() < before.array()).all()) << pairs;
+    before = now;
+  }
+}
+
+TEST(RigMonitor, ManyPairsTellLessThanAsManyIndependentOnes) {
+  const double independent = 1e-4 / std::sqrt(1000.0);
+  EXPECT_GT(told({4e-4, 0.0}, 1000).deviation()[0], 2.0 * independent);
+}
+
+TEST(RigMonitor, CorrectsNoneOfWhatAnyCalibrationLeavesOver) {
+  const RigCorrection correction = told({1.5e-5, -1.5e-5}, 3000).correction();
+  EXPECT_EQ(correction.yaw, 0.0);
+  EXPECT_EQ(correction.bend, 0.0);
+}
+
+TEST(RigMonitor, CorrectsWhatIsBeyondWithItsSign) {
+  for (const double sign : {-1.0, 1.0}) {
+    const RigCorrection correction = told({sign * 4e-4, -sign * 7e-4}, 3000).correction();
+    EXPECT_NEAR(correction.yaw, sign * 3.8e-4, 2e-6);
+    EXPECT_NEAR(correction.bend, -sign * 6.8e-4, 2e-6);
+  }
+}
+
+TEST(RigMonitor, DoesNotCorrectMoreThanARigMayHaveComeTo) {
+  for (const double sign : {-1.0, 1.0}) {
+    const RigMonitor monitor = told({sign * 0.02, sign * 0.02}, 3000);
+    EXPECT_NEAR(monitor.estimate()[0], sign * 0.02, 1e-3);  // it is said, though
+    EXPECT_DOUBLE_EQ(monitor.correction().yaw, sign * 2e-3);
+    EXPECT_DOUBLE_EQ(monitor.correction().bend, sign * 3e-3);
+  }
+}
+
+TEST(RigMonitor, WhatIsNotANumberLeavesItAsItWas) {
+  RigMonitor monitor = told({4e-4, 0.0}, 10);
+  const Vector estimate = monitor.estimate();
+  const Vector deviation = monitor.deviation();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  monitor.add(Matrix::Identity() * 1e6, Vector(nan, 0.0));
+  monitor.add(Matrix::Identity() * nan, Vector(1.0, 0.0));
+  EXPECT_EQ(monitor.estimate(), estimate);
+  EXPECT_EQ(monitor.deviation(), deviation);
+}
+
+/// A drive with a rig that is off its calibration, each pair corrected by what the monitor has found so far.
+RigMonitor driven(const RigCorrection& rig, double offset, int pairs) {
+  RigMonitor monitor;
+  for (int i = 0; i < pairs; ++i) {
+    BundleProblem problem = test::seenBy({.offset = offset, .noise = 1.0, .rig = rig}, 1 + i);
+    const RigCorrection found{monitor.estimate()[0], monitor.estimate()[1]};
+    for (BundleLandmark& landmark : problem.landmarks)
+      for (BundleSighting& sighting : landmark.sightings)
+        sighting.right = correctedRight(problem.camera, found, sighting.right);
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    EXPECT_TRUE(result.converged);
+    monitor.add(result.rig_information, result.rig_gradient);
+  }
+  return monitor;
+}
+
+void expectFound(const RigCorrection& rig, double offset) {
+  const RigMonitor monitor = driven(rig, offset, 150);
+  EXPECT_LT(monitor.deviation().maxCoeff(), 3e-5);
+  EXPECT_LT(std::abs(monitor.estimate()[0] - rig.yaw), monitor.deviation()[0]) << offset;
+  EXPECT_LT(std::abs(monitor.estimate()[1] - rig.bend), monitor.deviation()[1]) << offset;
+}
+
+TEST(RigMonitor, FindsAnInjectedYawFromTheBundles) {
+  expectFound({.yaw = 5e-4, .bend = 0.0}, 0.0);
+  expectFound({.yaw = -5e-4, .bend = 0.0}, 0.02);
+}
+
+TEST(RigMonitor, FindsAnInjectedBendFromTheBundles) {
+  expectFound({.yaw = 0.0, .bend = 1e-3}, 0.0);
+}
+
+TEST(RigMonitor, FindsNothingWrongWithAGoodRig) {
+  expectFound({}, 0.0);
+  expectFound({}, 0.02);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,144 @@
+// The alignment on textures that are warped exactly, so that each error is its own.
+#include "vo_core/affine_alignment.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/synthetic_texture.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kWidth = 240, kHeight = 180;
+
+/// What happens to the picture: x after = centre + warp (x before - centre) + shift.
+struct Change {
+  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  double gain = 1.0;
+  double brightness = 0.0;
+
+  static Eigen::Vector2d centre() { return {0.5 * kWidth, 0.5 * kHeight}; }
+  Eigen::Vector2d after(const Eigen::Vector2d& before) const {
+    return centre() + warp * (before - centre()) + shift;
+  }
+  Eigen::Vector2d before(const Eigen::Vector2d& after) const {
+    return centre() + warp.inverse() * (after - centre() - shift);
+  }
+};
+
+struct AlignmentErrors {
+  test::Statistics x, y, warp;
+  int asked = 0, aligned = 0;
+};
+
+/// Aligns a grid of points, beginning a little off and with no idea of the warp.
+AlignmentErrors alignGrid(const Change& change, WarpModel model) {
+  const test::WaveTexture texture(23);
+  const auto changed = [&](double x, double y) {
+    const Eigen::Vector2d source = change.before({x, y});
+    return change.gain * texture(source.x(), source.y()) + change.brightness;
+  };
+  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
+  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
+  const TrackingSettings settings;
+  AlignmentErrors errors;
+  for (int y = 40; y < kHeight - 40; y += 7) {
+    for (int x = 40; x < kWidth - 40; x += 7) {
+      const Eigen::Vector2d from(x + 0.3, y + 0.6);
+      AffineAlignment start;
+      start.position = change.after(from) + Eigen::Vector2d(0.6, model == WarpModel::affine ? -0.5 : 0.0);
+      const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, model,
+                                       settings.iterations, settings.convergence);
+      ++errors.asked;
+      if (!aligned || aligned->correlation < settings.minimum_correlation) continue;
+      ++errors.aligned;
+      const Eigen::Vector2d error = aligned->position - change.after(from);
+      errors.x.add(error.x());
+      errors.y.add(error.y());
+      errors.warp.add((aligned->warp - change.warp).norm());
+    }
+  }
+  return errors;
+}
+
+void expectAligned(const Change& change, WarpModel model) {
+  const AlignmentErrors errors = alignGrid(change, model);
+  EXPECT_GT(errors.aligned, 0.95 * errors.asked);
+  EXPECT_LT(std::abs(errors.x.mean()), 0.015);
+  EXPECT_LT(std::abs(errors.y.mean()), 0.015);
+  EXPECT_LT(errors.x.deviation(), 0.05);
+  EXPECT_LT(errors.y.deviation(), 0.05);
+  EXPECT_LT(errors.warp.mean(), 0.03);
+}
+
+TEST(AffineAlignment, FindsAShift) {
+  expectAligned({.shift = {4.3, -2.8}}, WarpModel::affine);
+}
+
+TEST(AffineAlignment, FindsAPatchThatGrowsAndTurns) {
+  Eigen::Matrix2d warp;
+  warp << 1.15, -0.08, 0.06, 1.1;
+  expectAligned({.warp = warp, .shift = {1.4, 2.7}}, WarpModel::affine);
+}
+
+TEST(AffineAlignment, IsBlindToGainAndBrightness) {
+  for (const WarpModel model : {WarpModel::affine, WarpModel::stereo}) {
+    expectAligned({.shift = {4.3, 0.0}, .gain = 0.4, .brightness = 90.0}, model);
+    expectAligned({.shift = {4.3, 0.0}, .gain = 1.4, .brightness = -60.0}, model);
+  }
+}
+
+/// The right view of a surface whose disparity changes by so much from row to row, and column to column.
+Change slope(double per_row, double per_column) {
+  Change change;
+  change.warp << 1.0 - per_column, -per_row, 0.0, 1.0;
+  change.shift = {-9.4, 0.0};
+  return change;
+}
+
+TEST(AffineAlignment, InStereoFindsTheSlopeOfTheDisparity) {
+  expectAligned(slope(0.3, 0.0), WarpModel::stereo);
+  expectAligned(slope(-0.3, 0.0), WarpModel::stereo);
+  expectAligned(slope(0.0, 0.15), WarpModel::stereo);
+  expectAligned(slope(0.2, -0.1), WarpModel::stereo);
+}
+
+TEST(AffineAlignment, InStereoRowsStayStraight) {
+  const test::WaveTexture texture(23);
+  const Change turned = {.warp = Eigen::Rotation2Dd(0.05).toRotationMatrix()};
+  const auto changed = [&](double x, double y) {
+    const Eigen::Vector2d source = turned.before({x, y});
+    return texture(source.x(), source.y());
+  };
+  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
+  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
+  AffineAlignment start;
+  start.position = Change::centre();
+  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), Change::centre(), start,
+                                   WarpModel::stereo, 30, 0.01);
+  ASSERT_TRUE(aligned.has_value());
+  EXPECT_EQ(aligned->warp(1, 0), 0.0);
+  EXPECT_EQ(aligned->warp(1, 1), 1.0);
+  EXPECT_LT(aligned->warp(0, 1), -0.02);
+}
+
+TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {
+  const ImagePyramid grey = buildPyramid(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(128)), 1);
+  const ImagePyramid stripes = buildPyramid(
+      test::draw(kWidth, kHeight, [](double x, double) { return 128.0 + 60.0 * std::sin(0.5 * x); }), 1);
+  AffineAlignment start;
+  start.position = Change::centre();
+  for (const ImagePyramid& image : {grey, stripes})
+    EXPECT_FALSE(alignAffine(image.grey.front(), image.grey.front(), Change::centre(), start,
+                             WarpModel::affine, 30, 0.01));
+
+  const AlignmentErrors other = alignGrid({.warp = 2.5 * Eigen::Matrix2d::Identity()}, WarpModel::affine);
+  EXPECT_LT(other.aligned, 0.1 * other.asked);
+}
+
+}  // namespace
+}  // namespace cartvo

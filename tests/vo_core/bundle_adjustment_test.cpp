@@ -13,6 +13,7 @@ namespace {
 using test::LandmarkScene;
 
 constexpr double kOffsets[] = {-0.02, 0.0, 0.02};  // s
+constexpr double kPlain = 1e6;                     // width of a robust weight that is always one
 
 TEST(BundleAdjustment, FindsPosesAndDepthsExactlyWithoutNoise) {
   BundleSettings settings;
@@ -30,6 +31,21 @@ TEST(BundleAdjustment, FindsPosesAndDepthsExactlyWithoutNoise) {
         EXPECT_NEAR(problem.landmarks[i].inverse_depth, truth.landmarks[i].inverse_depth, 1e-6);
         EXPECT_LT(problem.landmarks[i].error, 1e-3);
       }
+    }
+  }
+}
+
+TEST(BundleAdjustment, ConvergesQuadratically) {
+  // Only derivatives that are right to the last term let one step from nearby end at the truth.
+  constexpr double kNearby = 1e-4;
+  for (const int free_frames : {1, 3, 6}) {
+    for (const double offset : kOffsets) {
+      BundleProblem problem = test::seenBy({.free_frames = free_frames, .offset = offset}, 1);
+      test::disturb(problem, kNearby);
+      const double before = test::poseErrors(problem).norm();
+      ASSERT_TRUE(adjustBundle(problem, {.iterations = 1, .robust_width = kPlain}).converged);
+      EXPECT_LT(test::poseErrors(problem).norm(), 1e-4 * before)
+          << free_frames << " free, " << offset << " s";
     }
   }
 }
@@ -72,7 +88,6 @@ double bandOf(double degrees) {
 }
 
 TEST(BundleAdjustment, CovarianceOfPlainLeastSquaresAgreesWithTheErrors) {
-  constexpr double kPlain = 1e6;
   for (const double offset : kOffsets) {
     LandmarkScene scene{.landmarks = 35, .offset = offset, .noise = 1.0};
     EXPECT_NEAR(meanNees(scene, kPlain), 6.0, bandOf(6.0)) << offset;
@@ -83,14 +98,37 @@ TEST(BundleAdjustment, CovarianceOfPlainLeastSquaresAgreesWithTheErrors) {
 }
 
 TEST(BundleAdjustment, RobustWeightsMakeTheCovarianceALittleCautious) {
-  // Normal noise, too, is given less than its full weight: a mean of 0.88, for 5 % that is lost.
-  const double width = BundleSettings{}.robust_width;
+  // Normal noise, too, is given less than its full weight.
+  LandmarkScene scene{.landmarks = 35, .offset = 0.02, .noise = 1.0};
+  const double plain = meanNees(scene, kPlain);
+  const double robust = meanNees(scene, BundleSettings{}.robust_width);
+  EXPECT_LT(robust, plain);
+  EXPECT_GT(robust, 0.85 * plain);
+  EXPECT_NEAR(robust, 6.0, bandOf(6.0));
+  scene.noise = 2.0;
+  EXPECT_GT(meanNees(scene, BundleSettings{}.robust_width), 6.0 + 3.0 * bandOf(6.0));
+}
+
+TEST(BundleAdjustment, RigGradientIsItsInformationTimesTheChange) {
+  const RigCorrection rig{1e-5, -2e-5};
   for (const double offset : kOffsets) {
-    const double nees = meanNees({.landmarks = 35, .offset = offset, .noise = 1.0}, width);
-    EXPECT_LT(nees, 6.0) << offset;
-    EXPECT_GT(nees, 0.8 * 6.0) << offset;
+    BundleProblem problem =
+        test::seenBy({.free_frames = 3, .landmarks = 20, .offset = offset, .rig = rig}, 1);
+    const BundleResult result = adjustBundle(problem, {.iterations = 10, .robust_width = kPlain});
+    const RigCorrection::Vector found = result.rig_information.ldlt().solve(result.rig_gradient);
+    EXPECT_NEAR(found[0], rig.yaw, 1e-7) << offset;
+    EXPECT_NEAR(found[1], rig.bend, 2e-7) << offset;
   }
-  EXPECT_GT(meanNees({.landmarks = 35, .noise = 2.0}, width), 6.0 + bandOf(6.0));
+}
+
+TEST(BundleAdjustment, RigInformationAgreesWithTheErrors) {
+  double sum = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    BundleProblem problem = test::seenBy({.free_frames = 3, .noise = 1.0}, 1000 + trial);
+    const BundleResult result = adjustBundle(problem, {.robust_width = kPlain});
+    sum += result.rig_gradient.dot(result.rig_information.ldlt().solve(result.rig_gradient));
+  }
+  EXPECT_NEAR(sum / kTrials, 2.0, bandOf(2.0));
 }
 
 TEST(BundleAdjustment, SaysHowMuchLargerTheNoiseIsThanAssumed) {

@@ -82,7 +82,7 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
   };
 
   for (int i = 0; i < scene.landmarks; ++i) {
-    const int host = i % 4;
+    const int host = i % (scene.frames - 1);
     BundleLandmark landmark;
     const double column = kRigCamera.width * random.uniform();
     const double row = kRigCamera.height * random.uniform();
@@ -97,14 +97,14 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
   return problem;
 }
 
-/// Moves the start off the truth, as far as a search may leave it.
-inline void disturb(BundleProblem& problem) {
+/// Moves the start off the truth: by a size of 1, as far as a search may leave it.
+inline void disturb(BundleProblem& problem, double size = 1.0) {
   for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i) {
     Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
-    pose = pose * motionFromVector(vector6(0.01, -0.01, 0.02, 0.002, -0.003, 0.002));
+    pose = pose * motionFromVector(size * vector6(0.01, -0.01, 0.02, 0.002, -0.003, 0.002));
   }
   for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
-    problem.landmarks[i].inverse_depth *= i % 2 == 0 ? 1.1 : 0.92;
+    problem.landmarks[i].inverse_depth *= 1.0 + size * (i % 2 == 0 ? 0.1 : -0.08);
 }
 
 /// Errors of the free poses, perturbations on the right, oldest first, given that the drive was the steady

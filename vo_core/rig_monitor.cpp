@@ -29,9 +29,14 @@ RigMonitor::RigMonitor() {
       RigCorrection::Vector(1.0 / (kPriorYaw * kPriorYaw), 1.0 / (kPriorBend * kPriorBend)).asDiagonal();
 }
 
-void RigMonitor::add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient) {
+void RigMonitor::add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
+                     const RigCorrection& applied) {
+  // What the pair says is about what was applied to it, which the dead zone and the bounds keep from the
+  // estimate.
+  const RigCorrection::Vector about_estimate =
+      gradient - information * (estimate_ - RigCorrection::Vector(applied.yaw, applied.bend));
   const RigCorrection::Matrix sum = information_ + kShare * information;
-  const RigCorrection::Vector change = sum.inverse() * (kShare * gradient);
+  const RigCorrection::Vector change = sum.inverse() * (kShare * about_estimate);
   if (!change.allFinite()) return;
   information_ = sum;
   estimate_ += change;

@@ -9,8 +9,10 @@ class RigMonitor {
  public:
   RigMonitor();
 
-  /// `information`, `gradient`: of one pair, about the estimate as it is (BundleResult).
-  void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient);
+  /// `information`, `gradient`: of one pair (BundleResult), whose disparities had been corrected by
+  /// `applied`.
+  void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
+           const RigCorrection& applied);
 
   /// What the calibration is off by.
   const RigCorrection::Vector& estimate() const { return estimate_; }

@@ -386,7 +386,7 @@ void VisualTrack::learn(const BundleResult& result, const Draft& draft) {
   const Eigen::Isometry3d way =
       draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
   if (settings_.rig_refinement != RigRefinement::off && way.translation().norm() > kTellingWay)
-    rig_.add(result.rig_information, result.rig_gradient);
+    rig_.add(result.rig_information, result.rig_gradient, rigCorrection());
 }
 
 }  // namespace cartvo

@@ -18,8 +18,10 @@ using Matrix = RigCorrection::Matrix;
 RigMonitor told(const Vector& truth, int pairs, const Vector& deviations = {1e-4, 2e-4}) {
   const Matrix information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
   RigMonitor monitor;
-  for (int i = 0; i < pairs; ++i)
-    monitor.add(information, information * (truth - monitor.estimate()));
+  for (int i = 0; i < pairs; ++i) {
+    const RigCorrection applied = monitor.correction();
+    monitor.add(information, information * (truth - Vector(applied.yaw, applied.bend)), applied);
+  }
   return monitor;
 }
 
@@ -82,8 +84,8 @@ TEST(RigMonitor, WhatIsNotANumberLeavesItAsItWas) {
   const Vector estimate = monitor.estimate();
   const Vector deviation = monitor.deviation();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  monitor.add(Matrix::Identity() * 1e6, Vector(nan, 0.0));
-  monitor.add(Matrix::Identity() * nan, Vector(1.0, 0.0));
+  monitor.add(Matrix::Identity() * 1e6, Vector(nan, 0.0), {});
+  monitor.add(Matrix::Identity() * nan, Vector(1.0, 0.0), {});
   EXPECT_EQ(monitor.estimate(), estimate);
   EXPECT_EQ(monitor.deviation(), deviation);
 }
@@ -99,7 +101,7 @@ RigMonitor driven(const RigCorrection& rig, double offset, int pairs) {
         sighting.right = correctedRight(problem.camera, found, sighting.right);
     const BundleResult result = adjustBundle(problem, BundleSettings{});
     EXPECT_TRUE(result.converged);
-    monitor.add(result.rig_information, result.rig_gradient);
+    monitor.add(result.rig_information, result.rig_gradient, found);
   }
   return monitor;
 }

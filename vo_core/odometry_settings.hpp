@@ -77,7 +77,7 @@ struct BundleSettings {
   int frames = 7;             ///< pairs in the window
   int free_frames = 1;        ///< of these the newest move; the older ones stand
   int iterations = 4;         ///< at most
-  double robust_width = 2.5;  ///< standard deviations at which a residual has half its weight
+  double robust_width = 1.5;  ///< standard deviations at which a residual has half its weight
 };
 
 /// When the cart is taken to stand.

@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kSide = 15;  // px
 constexpr int kHalf = kSide / 2;
-constexpr int kCount = kSide * kSide;
 constexpr int kMaximumParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;

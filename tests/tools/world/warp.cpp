@@ -126,7 +126,7 @@ std::optional<Eigen::Vector2d> step(const cv::Mat& image, const cv::Mat& to, con
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   for (int y = centre.y - kHalf; y <= centre.y + kHalf; ++y) {
     for (int x = centre.x - kHalf; x <= centre.x + kHalf; ++x) {
-      const cv::Vec2d place = places.at<cv::Vec2d>(y, x);
+      const cv::Vec2d& place = places.at<cv::Vec2d>(y, x);
       if (std::isnan(place[0])) return std::nullopt;
       const double w = interpolate(to, Eigen::Vector2d(place[0], place[1]) - shift);
       const double gx = 0.5 * (image.at<float>(y, x + 1) - image.at<float>(y, x - 1));
@@ -156,7 +156,7 @@ std::vector<WarpResidual> warpResiduals(const world::RenderedWorld& world, const
       const std::optional<Eigen::Vector2d> first = step(image, other, places, {x, y}, {0.0, 0.0});
       if (!first) continue;
       const std::optional<Eigen::Vector2d> second = step(image, other, places, {x, y}, *first);
-      const cv::Vec2d place = places.at<cv::Vec2d>(y, x);
+      const cv::Vec2d& place = places.at<cv::Vec2d>(y, x);
       residuals.push_back({{place[0] - x, place[1] - y}, second ? *first + *second : *first});
     }
   }

@@ -54,15 +54,15 @@ void expectExact(const std::vector<WarpResidual>& residuals) {
 /// A scenario and a seed.
 class RenderedWorldWarp : public testing::TestWithParam<std::tuple<world::Scenario, std::uint64_t>> {
  protected:
-  const world::RenderedWorld world{cleanDrive(std::get<0>(GetParam()), std::get<1>(GetParam()))};
+  const world::RenderedWorld world_{cleanDrive(std::get<0>(GetParam()), std::get<1>(GetParam()))};
 };
 
 TEST_P(RenderedWorldWarp, LeftMeetsRightThroughDepthAndTruth) {
-  expectExact(test::warpResiduals(world, {130, CameraSide::left}, {130, CameraSide::right}));
+  expectExact(test::warpResiduals(world_, {130, CameraSide::left}, {130, CameraSide::right}));
 }
 
 TEST_P(RenderedWorldWarp, EachImageMeetsTheNextThroughDepthAndTruth) {
-  expectExact(test::warpResiduals(world, {90, CameraSide::left}, {91, CameraSide::left}));
+  expectExact(test::warpResiduals(world_, {90, CameraSide::left}, {91, CameraSide::left}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RenderedWorldWarp,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/core/utility.hpp>
+#include "vo_core/parallel_loop.hpp"
 
 namespace cartvo {
 namespace {
@@ -40,7 +40,7 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
   corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
   thresholds_.assign(windows_.size(), settings.initial_threshold);
   corner_counts_.assign(windows_.size(), 0);
-  scores_.create(image_size, CV_16UC1);
+  scores_ = cv::Mat::zeros(image_size, CV_16UC1);
 }
 
 int AdaptiveDetector::threshold(int index) const {
@@ -64,28 +64,29 @@ int AdaptiveDetector::windowAt(double x, double y) const {
   return row * settings_.window_columns + column;
 }
 
-std::vector<std::vector<Corner>> AdaptiveDetector::findCorners(const cv::Mat& image) {
+std::vector<std::vector<Corner>> AdaptiveDetector::strongestCorners(const cv::Mat& image) {
+  std::vector<std::vector<Corner>> found(windows_.size());
+  forEachIndex(windows_.size(), [&](std::size_t i) {
+    found[i] = findCorners(image, windows_[i], threshold(static_cast<int>(i)), scores_);
+  });
   std::vector<std::vector<Corner>> corners(windows_.size());
-  cv::parallel_for_(cv::Range(0, windowCount()), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      scoreWindow(image, windows_[i], threshold(i), scores_);
+  forEachIndex(windows_.size(), [&](std::size_t i) {
+    corners[i] = localMaxima(scores_, found[i]);
+    std::sort(corners[i].begin(), corners[i].end(), stronger);
   });
-  cv::parallel_for_(cv::Range(0, windowCount()), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      corners[i] = localMaxima(scores_, windows_[i]);
-      std::sort(corners[i].begin(), corners[i].end(), stronger);
-    }
-  });
-  for (int i = 0; i < windowCount(); ++i)
+  for (int i = 0; i < windowCount(); ++i) {
     adaptThreshold(i, static_cast<int>(corners[i].size()));
+    for (const Corner& corner : found[i])
+      scores_.at<std::uint16_t>(corner.y, corner.x) = 0;
+  }
   return corners;
 }
 
 std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
                                              SpacingGrid& spacing) {
   for (; first_looks_ > 0; --first_looks_)
-    findCorners(image);
-  const std::vector<std::vector<Corner>> corners = findCorners(image);
+    strongestCorners(image);
+  const std::vector<std::vector<Corner>> corners = strongestCorners(image);
   const int count = windowCount();
   std::vector<int> wanted(windows_.size());
   for (int i = 0; i < count; ++i) {

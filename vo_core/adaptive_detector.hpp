@@ -32,7 +32,7 @@ class AdaptiveDetector {
 
  private:
   /// Of each window, strongest first; adapts the thresholds.
-  std::vector<std::vector<Corner>> findCorners(const cv::Mat& image);
+  std::vector<std::vector<Corner>> strongestCorners(const cv::Mat& image);
   void adaptThreshold(int index, int corners);
   int windowAt(double x, double y) const;
 
@@ -44,7 +44,7 @@ class AdaptiveDetector {
   std::vector<cv::Rect> windows_;
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;
-  cv::Mat scores_;
+  cv::Mat scores_;  ///< of the image's corners while they are looked for, else zero
 };
 
 }  // namespace cartvo

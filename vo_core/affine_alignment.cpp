@@ -13,133 +13,242 @@ namespace {
 
 constexpr int kSide = 15;  // px
 constexpr int kHalf = kSide / 2;
-constexpr int kMaximumParameters = 6;
+constexpr int kParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;
 constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
 constexpr double kMaximumMove = 3.0;     // px from the start
+constexpr int kPatience = 2;             // iterations after which a patch that is still hopeless is given up
+constexpr double kHopeless = 0.5;        // correlation
 constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
-using Values = Patch<kSide, kSide>;      // the padding is zero in all but the sampled one
+using Values = Patch<kSide, kSide>;
+constexpr int kBlocks = Values::kBlocks;
 
-using Parameters = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaximumParameters, 1>;
-using ParameterMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaximumParameters, kMaximumParameters>;
+/// The warp's parameters: shift x, y, then the warp's elements xx, xy, yx, yy, scaled by the patch's half
+/// side so that all six are pixels.
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
 
-/// The patch before and the derivatives of its values by the warp's parameters: shift x, y, then the warp's
-/// elements xx, xy, yx, yy, scaled by the patch's half side so that all six are pixels. From all, the mean is
-/// removed: brightness does not matter.
+/// A pixel's offset from the centre, scaled.
+constexpr float scaledOffset(int pixel) {
+  return static_cast<float>((pixel - kHalf) / (0.5 * kSide));
+}
+struct Ramp {
+  Patch<kSide, 1> offset{};
+  constexpr Ramp() {
+    for (int x = 0; x < kSide; ++x)
+      offset.value[x] = scaledOffset(x);
+  }
+};
+constexpr Ramp kRamp;
+constexpr Patch<kSide, 1> kMask = Values::mask();
+
+/// The patch before, its gradients, and what the normal equations need of them. A derivative by a parameter
+/// is a gradient times 1 or the pixel's offset; from all, the mean is removed: brightness does not matter.
 struct Template {
-  Values grey;
-  Values slope[kMaximumParameters];
-  int parameters = kMaximumParameters;
-  double norm = 0.0;  // of the values
-  ParameterMatrix hessian;
+  Values grey;  // without its mean, zero in the padding
+  Values gradient_x, gradient_y;
+  float mean = 0.0F;
+  double norm = 0.0;       // of grey
+  Parameters slope_sums;   // of the derivatives
+  Parameters slope_greys;  // of the derivatives times grey
+  ParameterMatrix inverse;
 };
 
-Values makeRamp() {
-  Values ramp{};
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      ramp.row(y)[x] = static_cast<float>((x - kHalf) / (0.5 * kSide));
-  return ramp;
-}
-
-void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, WarpModel model, Template& out) {
-  out.parameters = model == WarpModel::stereo ? kStereoParameters : kMaximumParameters;
-  static const Values kRamp = makeRamp();  // of a pixel's x offset, scaled
-  Patch<kSide + 2, kSide + 2> wide;
-  samplePatch(level, centre, wide);
-  for (int y = 0; y < kSide; ++y) {
-    const float dy = kRamp.row(0)[y];
-    const float* dx = kRamp.row(y);
-    const float* above = wide.row(y);
-    const float* row = wide.row(y + 1);
-    const float* below = wide.row(y + 2);
-    for (int x = 0; x < Values::kStride; ++x) {
-      const float gx = 0.5F * (row[x + 2] - row[x]);
-      const float gy = 0.5F * (below[x + 1] - above[x + 1]);
-      out.grey.row(y)[x] = row[x + 1];
-      out.slope[0].row(y)[x] = gx;
-      out.slope[1].row(y)[x] = gy;
-      out.slope[2].row(y)[x] = gx * dx[x];
-      out.slope[3].row(y)[x] = gx * dy;
-      out.slope[4].row(y)[x] = gy * dx[x];
-      out.slope[5].row(y)[x] = gy * dy;
+/// Sums over the patch of a b (1, x, y, x^2, x y, y^2), x and y being the scaled offsets.
+struct Moments {
+  double one, x, y, xx, xy, yy;
+};
+void momentsOf(const Values& a, const Values& b, Moments& moments) {
+  Lanes one{}, x{}, y{}, xx{}, xy{}, yy{};
+  for (int row = 0; row < kSide; ++row) {
+    const float offset_y = scaledOffset(row);
+    for (int block = 0; block < kBlocks; ++block) {
+      const Lanes& offset_x = kRamp.offset.lanes(0, block);
+      const Lanes product = a.lanes(row, block) * b.lanes(row, block);
+      const Lanes by_x = product * offset_x;
+      one += product;
+      x += by_x;
+      y += product * offset_y;
+      xx += by_x * offset_x;
+      xy += by_x * offset_y;
+      yy += product * (offset_y * offset_y);
     }
   }
-  removeMean(out.grey);
-  for (int i = 0; i < out.parameters; ++i)
-    removeMean(out.slope[i]);
-  out.hessian.resize(out.parameters, out.parameters);
-  for (int i = 0; i < out.parameters; ++i)
-    for (int j = 0; j <= i; ++j)
-      out.hessian(i, j) = out.hessian(j, i) = sumOfProducts(out.slope[i], out.slope[j]);
-  out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
+  moments = {sumOf(one), sumOf(x), sumOf(y), sumOf(xx), sumOf(xy), sumOf(yy)};
 }
 
-/// Samples the level under the warp, by bilinear interpolation. Row by row in three steps, of which the
-/// compiler makes vector instructions of all but the gathering.
+/// Sums of the six derivatives times some values.
+void slopeSums(const Template& patch, const Values& values, Parameters& sums) {
+  Lanes x{}, x_by_x{}, x_by_y{}, y{}, y_by_x{}, y_by_y{};
+  for (int row = 0; row < kSide; ++row) {
+    const float offset_y = scaledOffset(row);
+    for (int block = 0; block < kBlocks; ++block) {
+      const Lanes& offset_x = kRamp.offset.lanes(0, block);
+      const Lanes along_x = patch.gradient_x.lanes(row, block) * values.lanes(row, block);
+      const Lanes along_y = patch.gradient_y.lanes(row, block) * values.lanes(row, block);
+      x += along_x;
+      x_by_x += along_x * offset_x;
+      x_by_y += along_x * offset_y;
+      y += along_y;
+      y_by_x += along_y * offset_x;
+      y_by_y += along_y * offset_y;
+    }
+  }
+  sums << sumOf(x), sumOf(y), sumOf(x_by_x), sumOf(x_by_y), sumOf(y_by_x), sumOf(y_by_y);
+}
+
+/// Grey values and gradients, zero in the padding.
+void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
+  sampleGradients(level, centre, out.grey, out.gradient_x, out.gradient_y);
+  Lanes sum{};
+  for (int y = 0; y < kSide; ++y)
+    for (int block = 0; block < kBlocks; ++block)
+      sum += out.grey.lanes(y, block);
+  out.mean = static_cast<float>(sumOf(sum) / Values::kSize);
+  Lanes squares{};
+  for (int y = 0; y < kSide; ++y) {
+    for (int block = 0; block < kBlocks; ++block) {
+      Lanes& grey = out.grey.lanes(y, block);
+      grey = (grey - out.mean) * kMask.lanes(0, block);
+      squares += grey * grey;
+    }
+  }
+  out.norm = std::sqrt(sumOf(squares));
+}
+
+/// Inverts the upper left corner. False if it is nearly singular.
+template <int Size>
+bool invert(const ParameterMatrix& matrix, ParameterMatrix& inverse) {
+  using Corner = Eigen::Matrix<double, Size, Size>;
+  const Eigen::LLT<Corner> factor(matrix.topLeftCorner<Size, Size>());
+  if (factor.info() != Eigen::Success) return false;
+  const auto pivots = factor.matrixLLT().diagonal().array().square();
+  if (!(pivots.minCoeff() > kMinimumPivot * pivots.maxCoeff())) return false;
+  inverse.topLeftCorner<Size, Size>() = factor.solve(Corner::Identity());
+  return true;
+}
+
+/// The Gauss-Newton matrix, of gradients' moments, and its inverse; false if the texture does not hold the
+/// warp.
+bool invertHessian(WarpModel model, Template& out) {
+  Moments p, q, r;
+  momentsOf(out.gradient_x, out.gradient_x, p);
+  momentsOf(out.gradient_x, out.gradient_y, q);
+  momentsOf(out.gradient_y, out.gradient_y, r);
+  ParameterMatrix hessian;
+  hessian << p.one, q.one, p.x, p.y, q.x, q.y,  //
+      q.one, r.one, q.x, q.y, r.x, r.y,         //
+      p.x, q.x, p.xx, p.xy, q.xx, q.xy,         //
+      p.y, q.y, p.xy, p.yy, q.xy, q.yy,         //
+      q.x, r.x, q.xx, q.xy, r.xx, r.xy,         //
+      q.y, r.y, q.xy, q.yy, r.xy, r.yy;
+  hessian -= out.slope_sums * out.slope_sums.transpose() / Values::kSize;
+  if (model == WarpModel::stereo) {
+    out.inverse.setZero();
+    return invert<kStereoParameters>(hessian, out.inverse);
+  }
+  return invert<kParameters>(hessian, out.inverse);
+}
+
+bool makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, WarpModel model, Template& out) {
+  sampleTemplate(level, centre, out);
+  Values ones;
+  for (int y = 0; y < kSide; ++y)
+    for (int block = 0; block < kBlocks; ++block)
+      ones.lanes(y, block) = kMask.lanes(0, block);
+  slopeSums(out, ones, out.slope_sums);
+  slopeSums(out, out.grey, out.slope_greys);
+  return invertHessian(model, out);
+}
+
+/// Samples the level under the warp, by bilinear interpolation, in three passes: where, which pixels, what.
+/// In between the numbers lie in memory, so that all but the gathering is done in lanes.
 void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, Values& out) {
-  // Counted from the pixel of the centre: a float is precise enough for so few pixels. What is converted to
-  // int is positive, so that it is rounded down.
+  // Counted from a pixel left of and above all that is read: positive numbers are rounded down when
+  // converted.
   constexpr int kBias = PyramidLevel::kBorder;
   const int centre_x = static_cast<int>(std::floor(alignment.position.x()));
   const int centre_y = static_cast<int>(std::floor(alignment.position.y()));
   const Eigen::Vector2f fraction =
       (alignment.position - Eigen::Vector2d(centre_x, centre_y)).cast<float>().array() + kBias;
   const Eigen::Matrix2f warp = alignment.warp.cast<float>();
-  const float* const corner = level.at<float>(centre_x, centre_y);
-  const std::ptrdiff_t stride = level.at<float>(0, 1) - level.at<float>(0, 0);
+  const std::ptrdiff_t stride = level.stride();
+  const std::uint8_t* const corner = level.at(centre_x, centre_y) - kBias * stride - kBias;
+  const float row_step = static_cast<float>(stride);
 
+  constexpr int kPadded = kSide * Values::kStride;
+  alignas(64) std::int32_t offset[kPadded];
+  alignas(64) float fraction_x[kPadded], fraction_y[kPadded];
   for (int y = 0; y < kSide; ++y) {
     const Eigen::Vector2f start = fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(y - kHalf));
-    int column[Values::kStride];
-    int row[Values::kStride];
-    float fx[Values::kStride];
-    float fy[Values::kStride];
-    for (int x = 0; x < Values::kStride; ++x) {
-      const float at_x = start.x() + warp(0, 0) * static_cast<float>(x);
-      const float at_y = start.y() + warp(1, 0) * static_cast<float>(x);
-      column[x] = static_cast<int>(at_x);
-      row[x] = static_cast<int>(at_y);
-      fx[x] = at_x - static_cast<float>(column[x]);
-      fy[x] = at_y - static_cast<float>(row[x]);
+    for (int block = 0; block < kBlocks; ++block) {
+      const Lanes x = Lanes{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<float>(kLanes * block);
+      const Lanes at_x = start.x() + warp(0, 0) * x;
+      const Lanes at_y = start.y() + warp(1, 0) * x;
+      const Lanes column = __builtin_convertvector(__builtin_convertvector(at_x, IntLanes), Lanes);
+      const Lanes row = __builtin_convertvector(__builtin_convertvector(at_y, IntLanes), Lanes);
+      const int at = y * Values::kStride + kLanes * block;
+      *reinterpret_cast<Lanes*>(fraction_x + at) = at_x - column;
+      *reinterpret_cast<Lanes*>(fraction_y + at) = at_y - row;
+      // Below 2^24, so that the product is exact.
+      *reinterpret_cast<IntLanes*>(offset + at) = __builtin_convertvector(row * row_step + column, IntLanes);
     }
-    float neighbour[4][Values::kStride];
+  }
+
+  // Two neighbours each. What is read for the padding would lie beyond the border.
+  alignas(64) std::uint16_t upper[kPadded], lower[kPadded];
+  for (int y = 0; y < kSide; ++y) {
+    std::uint16_t* const above = upper + y * Values::kStride;
+    std::uint16_t* const below = lower + y * Values::kStride;
     for (int x = 0; x < kSide; ++x) {
-      const float* pixel = corner + (row[x] - kBias) * stride + (column[x] - kBias);
-      neighbour[0][x] = pixel[0];
-      neighbour[1][x] = pixel[1];
-      neighbour[2][x] = pixel[stride];
-      neighbour[3][x] = pixel[stride + 1];
+      const std::uint8_t* const pixel = corner + offset[y * Values::kStride + x];
+      std::memcpy(above + x, pixel, 2);
+      std::memcpy(below + x, pixel + stride, 2);
+      asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
     }
-    for (float(&values)[Values::kStride] : neighbour)
-      values[kSide] = 0.0F;
-    for (int x = 0; x < Values::kStride; ++x) {
-      const float upper = neighbour[0][x] + fx[x] * (neighbour[1][x] - neighbour[0][x]);
-      const float lower = neighbour[2][x] + fx[x] * (neighbour[3][x] - neighbour[2][x]);
-      out.row(y)[x] = upper + fy[x] * (lower - upper);
-    }
+    above[kSide] = below[kSide] = 0;
+  }
+
+  for (int i = 0; i < kPadded; i += kLanes) {
+    const IntLanes above = __builtin_convertvector(*reinterpret_cast<ShortLanes*>(upper + i), IntLanes);
+    const IntLanes below = __builtin_convertvector(*reinterpret_cast<ShortLanes*>(lower + i), IntLanes);
+    const Lanes above_left = __builtin_convertvector(above & 0xff, Lanes);
+    const Lanes above_right = __builtin_convertvector(above >> 8, Lanes);
+    const Lanes below_left = __builtin_convertvector(below & 0xff, Lanes);
+    const Lanes below_right = __builtin_convertvector(below >> 8, Lanes);
+    const Lanes& fx = *reinterpret_cast<Lanes*>(fraction_x + i);
+    const Lanes top = above_left + fx * (above_right - above_left);
+    const Lanes bottom = below_left + fx * (below_right - below_left);
+    *reinterpret_cast<Lanes*>(out.value + i) =
+        top + *reinterpret_cast<Lanes*>(fraction_y + i) * (bottom - top);
   }
 }
 
 /// Samples the warped patch, gives the right side of the normal equations and the correlation. The patch's
 /// gain is taken out, else a darker image would shorten each step.
-Parameters compare(const Template& before, const PyramidLevel& after, AffineAlignment& alignment) {
+void compare(const Template& before, const PyramidLevel& after, AffineAlignment& alignment,
+             Parameters& right_side) {
   Values now;
   sampleWarped(after, alignment, now);
-  removeMean(now);
-  const double variance = sumOfProducts(now, now);
-  const double product = sumOfProducts(now, before.grey);
+  Lanes sums{}, squares{}, products{};
+  for (int y = 0; y < kSide; ++y) {
+    for (int block = 0; block < kBlocks; ++block) {
+      Lanes& value = now.lanes(y, block);
+      value = (value - before.mean) * kMask.lanes(0, block);  // small numbers, so that little is rounded
+      sums += value;
+      squares += value * value;
+      products += value * before.grey.lanes(y, block);
+    }
+  }
+  const double mean = sumOf(sums) / Values::kSize;
+  const double variance = sumOf(squares) - Values::kSize * mean * mean;
+  const double product = sumOf(products);
   alignment.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
   const double gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
-  const float inverse_gain = static_cast<float>(1.0 / gain);
-  for (int i = 0; i < kSide * Values::kStride; ++i)
-    now.value[i] = inverse_gain * now.value[i] - before.grey.value[i];
-  Parameters sum(before.parameters);
-  for (int i = 0; i < before.parameters; ++i)
-    sum[i] = sumOfProducts(before.slope[i], now);
-  return sum;
+  Parameters slopes;
+  slopeSums(before, now, slopes);
+  right_side = (slopes - mean * before.slope_sums) / gain - before.slope_greys;
 }
 
 bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, const PyramidLevel& after) {
@@ -157,17 +266,16 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
   static_assert(kHalf * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
   if (!plausible(start, start.position, after)) return std::nullopt;
   Template patch;
-  makeTemplate(before, from, model, patch);
-  const Eigen::LDLT<ParameterMatrix> factor(patch.hessian);
-  const auto pivots = factor.vectorD();
-  if (!(pivots.minCoeff() > kMinimumPivot * pivots.maxCoeff())) return std::nullopt;
+  if (!makeTemplate(before, from, model, patch)) return std::nullopt;
 
   AffineAlignment alignment = start;
+  Parameters right_side;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    const Parameters step = factor.solve(compare(patch, after, alignment));
-    Eigen::Matrix2d stretch = Eigen::Matrix2d::Zero();
-    stretch.row(0) = step.segment<2>(2);
-    if (model == WarpModel::affine) stretch.row(1) = step.segment<2>(4);
+    compare(patch, after, alignment, right_side);
+    if (iteration >= kPatience && alignment.correlation < kHopeless) return std::nullopt;
+    const Parameters step = patch.inverse * right_side;
+    Eigen::Matrix2d stretch;
+    stretch << step[2], step[3], step[4], step[5];
     const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + stretch / (0.5 * kSide)).inverse();
     alignment.warp = alignment.warp * change;
     alignment.position -= alignment.warp * step.head<2>();
@@ -175,7 +283,7 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
     // A step so short does not change the correlation that was found before it.
     if (step.squaredNorm() < convergence * convergence) return alignment;
   }
-  compare(patch, after, alignment);
+  compare(patch, after, alignment, right_side);
   return alignment;
 }
 

@@ -6,13 +6,16 @@
 #include <array>
 #include <cmath>
 
+#include "vo_core/median.hpp"
+
 namespace cartvo {
 namespace {
 
 constexpr double kSettled = 1e-6;           // m and rad: the step that ends the iterations
 constexpr double kMedianOfNormal = 0.6745;  // of |e| for a standard normal e
-constexpr int kRowPoses = 3;                // poses that one residual depends on at most
+constexpr int kRowPoses = 4;                // poses that one residual depends on at most
 constexpr double kLeastDepthInformation = 1e-9;
+constexpr double kNotSeen = 1e3;  // error of a landmark behind a camera
 
 using RowVector6d = Eigen::Matrix<double, 1, 6>;
 constexpr int kShared = RigCorrection::kSize + 1;  // the rig's correction, and the window's scale
@@ -27,7 +30,8 @@ struct Row {
   SharedVector by_shared = SharedVector::Zero();
   int poses = 0;
   std::array<int, kRowPoses> pose{};
-  std::array<RowVector6d, kRowPoses> by_pose{RowVector6d::Zero(), RowVector6d::Zero(), RowVector6d::Zero()};
+  std::array<RowVector6d, kRowPoses> by_pose{RowVector6d::Zero(), RowVector6d::Zero(), RowVector6d::Zero(),
+                                             RowVector6d::Zero()};
 
   void add(int index, const RowVector6d& derivative) {
     for (int i = 0; i < poses; ++i) {
@@ -132,8 +136,10 @@ class LandmarkRows {
     row.by_shared.head<RigCorrection::kSize>() =
         precision * columnByCorrection(problem_.camera, sighting.right);
     // Predicted, not measured: the noise of what is measured would take part in its own derivative, and a
-    // bias come of it.
-    row.by_shared[RigCorrection::kSize] = precision * (left.pixel.x() - right.pixel.x());
+    // bias come of it. Of the disparity, what the baseline makes; what the motion since the left exposure
+    // makes scales with the window.
+    row.by_shared[RigCorrection::kSize] = precision * problem_.camera.focal_length *
+                                          problem_.camera.baseline * landmark.inverse_depth / right.ray.z();
     if (!is_host) {
       row.add(sighting.pose, precision * by_left.by_camera.row(0));
       row.add(host, precision * by_left.by_host.row(0));
@@ -141,6 +147,7 @@ class LandmarkRows {
     const RowVector6d by_right = -precision * by.by_camera.row(0);
     row.add(sighting.pose, by_right * right_camera.by_own);
     if (right_camera.neighbour >= 0) row.add(right_camera.neighbour, by_right * right_camera.by_neighbour);
+    if (right_camera.third >= 0) row.add(right_camera.third, by_right * right_camera.by_third);
     row.add(host, -precision * by.by_host.row(0));
     return true;
   }
@@ -164,13 +171,18 @@ class ReducedSystem {
   explicit ReducedSystem(const BundleProblem& problem)
       : fixed_(problem.fixed), size_(6 * (static_cast<int>(problem.poses.size()) - problem.fixed)) {}
 
-  void build(const BundleProblem& problem, const Cameras& cameras, double robust_width) {
+  /// `visit(i, rows, depth)` sees each landmark's residuals, and none of one behind a camera.
+  template <typename Visit>
+  void build(const BundleProblem& problem, const Cameras& cameras, double robust_width, const Visit& visit) {
     hessian = Eigen::MatrixXd::Zero(size_, size_);
     gradient = Eigen::VectorXd::Zero(size_);
     depths.assign(problem.landmarks.size(), {});
     LandmarkRows rows(problem, cameras, robust_width);
-    for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
-      if (rows.linearise(problem.landmarks[i])) add(problem.landmarks[i], rows.rows(), depths[i]);
+    for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
+      if (!rows.linearise(problem.landmarks[i])) continue;
+      add(problem.landmarks[i], rows.rows(), depths[i]);
+      visit(i, rows.rows(), depths[i]);
+    }
     hessian.triangularView<Eigen::StrictlyUpper>() = hessian.transpose();
   }
 
@@ -225,82 +237,90 @@ void applyStep(const Eigen::VectorXd& step, const std::vector<DepthEquation>& de
   }
 }
 
-/// What the residuals say of the rig's correction: the poses, the inverse depths and the scale eliminated.
-void judgeRig(const BundleProblem& problem, const Cameras& cameras, double robust_width,
-              const ReducedSystem& system, const Eigen::LDLT<Eigen::MatrixXd>& factor, BundleResult& result) {
-  using CrossMatrix = Eigen::Matrix<double, Eigen::Dynamic, kShared>;
-  SharedMatrix hessian = SharedMatrix::Zero();
-  SharedVector gradient = SharedVector::Zero();
-  CrossMatrix cross = CrossMatrix::Zero(system.hessian.rows(), kShared);
-  LandmarkRows rows(problem, cameras, robust_width);
-  for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
-    const DepthEquation& depth = system.depths[i];
-    if (!(depth.hessian > 0.0) || !rows.linearise(problem.landmarks[i])) continue;
+/// What the residuals say of the rig's correction and the window's scale, the inverse depths eliminated.
+class RigSystem {
+ public:
+  explicit RigSystem(const BundleProblem& problem)
+      : fixed_(problem.fixed),
+        by_poses_(CrossMatrix::Zero(6 * (static_cast<int>(problem.poses.size()) - problem.fixed), kShared)) {}
+
+  void add(const std::vector<Row>& rows, const DepthEquation& depth) {
+    if (!(depth.hessian > 0.0)) return;
     SharedVector by_depth = SharedVector::Zero();
-    for (const Row& row : rows.rows()) {
+    for (const Row& row : rows) {
       const SharedVector weighted = row.weight * row.by_shared;
-      hessian += weighted * row.by_shared.transpose();
-      gradient += weighted * row.residual;
+      hessian_ += weighted * row.by_shared.transpose();
+      gradient_ += weighted * row.residual;
       by_depth += weighted * row.by_inverse_depth;
       for (int a = 0; a < row.poses; ++a)
-        if (const int at = 6 * (row.pose[a] - problem.fixed); at >= 0)
-          cross.middleRows<6>(at) += row.by_pose[a].transpose() * weighted.transpose();
+        if (const int at = 6 * (row.pose[a] - fixed_); at >= 0)
+          by_poses_.middleRows<6>(at) += row.by_pose[a].transpose() * weighted.transpose();
     }
-    hessian -= by_depth * by_depth.transpose() / depth.hessian;
-    gradient -= by_depth * (depth.gradient / depth.hessian);
-    cross -= depth.by_poses * (by_depth.transpose() / depth.hessian);
+    hessian_ -= by_depth * by_depth.transpose() / depth.hessian;
+    gradient_ -= by_depth * (depth.gradient / depth.hessian);
+    by_poses_ -= depth.by_poses * (by_depth.transpose() / depth.hessian);
   }
-  const CrossMatrix solved = factor.solve(cross);
-  hessian -= cross.transpose() * solved;
-  gradient -= solved.transpose() * system.gradient;
-  constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);
-  hessian(kShared - 1, kShared - 1) += kScaleInformation;
-  constexpr int n = RigCorrection::kSize;
-  const RigCorrection::Vector by_scale = hessian.topRightCorner<n, 1>();
-  result.rig_information = hessian.topLeftCorner<n, n>() - by_scale * by_scale.transpose() / hessian(n, n);
-  result.rig_gradient = gradient.head<n>() - by_scale * (gradient[n] / hessian(n, n));
-}
 
-double medianScale(std::vector<double>& absolute) {
-  if (absolute.empty()) return 1.0;
-  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-  std::nth_element(absolute.begin(), middle, absolute.end());
-  return *middle / kMedianOfNormal;
-}
+  /// Eliminates the poses and the scale.
+  void conclude(const ReducedSystem& system, const Eigen::LDLT<Eigen::MatrixXd>& factor,
+                BundleResult& result) const {
+    const CrossMatrix solved = factor.solve(by_poses_);
+    SharedMatrix hessian = hessian_ - by_poses_.transpose() * solved;
+    const SharedVector gradient = gradient_ - solved.transpose() * system.gradient;
+    constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);
+    hessian(kShared - 1, kShared - 1) += kScaleInformation;
+    constexpr int n = RigCorrection::kSize;
+    const RigCorrection::Vector by_scale = hessian.topRightCorner<n, 1>();
+    result.rig_information = hessian.topLeftCorner<n, n>() - by_scale * by_scale.transpose() / hessian(n, n);
+    result.rig_gradient = gradient.head<n>() - by_scale * (gradient[n] / hessian(n, n));
+  }
 
-/// Fills in what the residuals say at the end.
-void judge(BundleProblem& problem, const Cameras& cameras, double robust_width, BundleResult& result) {
-  std::vector<double> pixels;
-  std::vector<double> disparities;
-  LandmarkRows rows(problem, cameras, robust_width);
-  for (BundleLandmark& landmark : problem.landmarks) {
-    if (!rows.linearise(landmark)) {
-      landmark.error = 1e3;
-      continue;
-    }
+ private:
+  using CrossMatrix = Eigen::Matrix<double, Eigen::Dynamic, kShared>;
+  int fixed_;
+  SharedMatrix hessian_ = SharedMatrix::Zero();
+  SharedVector gradient_ = SharedVector::Zero();
+  CrossMatrix by_poses_;
+};
+
+/// How large the residuals are, of all landmarks and of each one's last sighting.
+class ResidualSizes {
+ public:
+  /// The landmark's rows come in the order of its sightings: two of the left position, but for the host, and
+  /// one of the disparity.
+  void add(const std::vector<Row>& rows, BundleLandmark& landmark) {
     std::size_t next = 0;
-    double last_squares = 0.0;
-    int last_count = 0;
+    double squares = 0.0;
+    int count = 0;
     for (std::size_t i = 0; i < landmark.sightings.size(); ++i) {
-      last_squares = 0.0;
-      last_count = 0;
+      squares = 0.0;
+      count = 0;
       const auto take = [&](std::vector<double>& into) {
-        const double residual = rows.rows()[next++].residual;
+        const double residual = rows[next++].residual;
         into.push_back(std::abs(residual));
-        last_squares += residual * residual;
-        ++last_count;
+        squares += residual * residual;
+        ++count;
       };
       if (i > 0) {
-        take(pixels);
-        take(pixels);
+        take(pixels_);
+        take(pixels_);
       }
-      if (landmark.sightings[i].stereo) take(disparities);
+      if (landmark.sightings[i].stereo) take(disparities_);
     }
-    landmark.error = last_count > 0 ? std::sqrt(last_squares / last_count) : 0.0;
+    landmark.error = count > 0 ? std::sqrt(squares / count) : 0.0;
   }
-  result.pixel_scale = medianScale(pixels);
-  result.disparity_scale = medianScale(disparities);
-}
+
+  void conclude(BundleResult& result) {
+    result.pixel_scale = scaleOf(pixels_);
+    result.disparity_scale = scaleOf(disparities_);
+  }
+
+ private:
+  static double scaleOf(std::vector<double>& absolute) {
+    return absolute.empty() ? 1.0 : median(absolute) / kMedianOfNormal;
+  }
+  std::vector<double> pixels_, disparities_;
+};
 
 }  // namespace
 
@@ -309,7 +329,7 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
   ReducedSystem system(problem);
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const Cameras cameras(problem.poses, problem.camera.baseline);
-    system.build(problem, cameras, settings.robust_width);
+    system.build(problem, cameras, settings.robust_width, [](auto&&...) {});
     const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
     const auto pivots = factor.vectorD();
     if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
@@ -318,15 +338,22 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
     applyStep(step, system.depths, problem);
     if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
   }
+  for (BundleLandmark& landmark : problem.landmarks)
+    landmark.error = kNotSeen;
+  RigSystem rig(problem);
+  ResidualSizes sizes;
   const Cameras cameras(problem.poses, problem.camera.baseline);
-  system.build(problem, cameras, settings.robust_width);
+  system.build(problem, cameras, settings.robust_width,
+               [&](std::size_t i, const std::vector<Row>& rows, const DepthEquation& depth) {
+                 problem.landmarks[i].information = depth.hessian;
+                 sizes.add(rows, problem.landmarks[i]);
+                 rig.add(rows, depth);
+               });
   const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
   result.covariance = factor.solve(Eigen::MatrixXd::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return result;
-  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
-    problem.landmarks[i].information = system.depths[i].hessian;
-  judge(problem, cameras, settings.robust_width, result);
-  judgeRig(problem, cameras, settings.robust_width, system, factor, result);
+  sizes.conclude(result);
+  rig.conclude(system, factor, result);
   result.converged = true;
   return result;
 }

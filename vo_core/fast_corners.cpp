@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include <opencv2/features2d.hpp>
+
 namespace cartvo {
 namespace {
 
@@ -54,43 +56,42 @@ std::uint16_t scoreAt(const unsigned char* centre, const std::array<std::ptrdiff
   return 0;
 }
 
-cv::Rect awayFromEdge(const cv::Rect& window, const cv::Size& size) {
-  return window &
-         cv::Rect(kFastRadius, kFastRadius, size.width - 2 * kFastRadius, size.height - 2 * kFastRadius);
-}
-
 }  // namespace
 
 std::uint16_t fastScore(const cv::Mat& image, int x, int y, int threshold) {
   return scoreAt(image.ptr(y) + x, circle(static_cast<std::ptrdiff_t>(image.step)), threshold);
 }
 
-void scoreWindow(const cv::Mat& image, const cv::Rect& window, int threshold, cv::Mat& scores) {
-  scores(window).setTo(0);
+std::vector<Corner> findCorners(const cv::Mat& image, const cv::Rect& window, int threshold,
+                                cv::Mat& scores) {
+  // What OpenCV is given, it searches but for a margin of the circle's radius.
+  const cv::Rect searched = cv::Rect(window.x - kFastRadius, window.y - kFastRadius,
+                                     window.width + 2 * kFastRadius, window.height + 2 * kFastRadius) &
+                            cv::Rect(cv::Point(), image.size());
+  std::vector<cv::KeyPoint> found;
+  cv::FAST(image(searched), found, threshold, false, cv::FastFeatureDetector::TYPE_9_16);
   const auto offsets = circle(static_cast<std::ptrdiff_t>(image.step));
-  const cv::Rect inner = awayFromEdge(window, image.size());
-  for (int y = inner.y; y < inner.y + inner.height; ++y) {
-    const unsigned char* row = image.ptr(y);
-    auto* out = scores.ptr<std::uint16_t>(y);
-    for (int x = inner.x; x < inner.x + inner.width; ++x)
-      out[x] = scoreAt(row + x, offsets, threshold);
+  std::vector<Corner> corners;
+  corners.reserve(found.size());
+  for (const cv::KeyPoint& point : found) {
+    const int x = searched.x + static_cast<int>(point.pt.x);
+    const int y = searched.y + static_cast<int>(point.pt.y);
+    const std::uint16_t score = scoreAt(image.ptr(y) + x, offsets, threshold);
+    scores.at<std::uint16_t>(y, x) = score;
+    corners.push_back({x, y, score});
   }
+  return corners;
 }
 
-std::vector<Corner> localMaxima(const cv::Mat& scores, const cv::Rect& window) {
+std::vector<Corner> localMaxima(const cv::Mat& scores, const std::vector<Corner>& corners) {
   std::vector<Corner> maxima;
-  const cv::Rect inner = awayFromEdge(window, scores.size());
-  for (int y = inner.y; y < inner.y + inner.height; ++y) {
-    const auto* above = scores.ptr<std::uint16_t>(y - 1);
-    const auto* row = scores.ptr<std::uint16_t>(y);
-    const auto* below = scores.ptr<std::uint16_t>(y + 1);
-    for (int x = inner.x; x < inner.x + inner.width; ++x) {
-      const std::uint16_t score = row[x];
-      if (score == 0) continue;
-      const int before = std::max({above[x - 1], above[x], above[x + 1], row[x - 1]});
-      const int after = std::max({row[x + 1], below[x - 1], below[x], below[x + 1]});
-      if (score > before && score >= after) maxima.push_back({x, y, score});
-    }
+  for (const Corner& corner : corners) {
+    const auto* above = scores.ptr<std::uint16_t>(corner.y - 1) + corner.x;
+    const auto* row = scores.ptr<std::uint16_t>(corner.y) + corner.x;
+    const auto* below = scores.ptr<std::uint16_t>(corner.y + 1) + corner.x;
+    const int before = std::max({above[-1], above[0], above[1], row[-1]});
+    const int after = std::max({row[1], below[-1], below[0], below[1]});
+    if (corner.score > before && corner.score >= after) maxima.push_back(corner);
   }
   return maxima;
 }

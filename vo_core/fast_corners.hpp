@@ -21,12 +21,12 @@ constexpr int kFastRadius = 3;  ///< px; pixels closer than this to the edge are
 /// circle that differ so (thesis 4.9); 0: no corner. (x, y) must lie kFastRadius inside the CV_8UC1 image.
 std::uint16_t fastScore(const cv::Mat& image, int x, int y, int threshold);
 
-/// Writes the score of each pixel of `window` into `scores` (CV_16UC1, the image's size), 0 where there is no
-/// corner or the pixel is too close to the edge of the image.
-void scoreWindow(const cv::Mat& image, const cv::Rect& window, int threshold, cv::Mat& scores);
+/// The corners of `window`, in reading order, their scores also written into `scores` (CV_16UC1, the image's
+/// size, else zero). Pixels too close to the edge of the image are none.
+std::vector<Corner> findCorners(const cv::Mat& image, const cv::Rect& window, int threshold, cv::Mat& scores);
 
-/// The pixels of `window` whose score is the greatest of their 3x3 neighbours' (non-maximum suppression; of
-/// equal ones the first in reading order stays), in reading order.
-std::vector<Corner> localMaxima(const cv::Mat& scores, const cv::Rect& window);
+/// Those corners whose score is the greatest of their 3x3 neighbours' (non-maximum suppression; of equal ones
+/// the first in reading order stays).
+std::vector<Corner> localMaxima(const cv::Mat& scores, const std::vector<Corner>& corners);
 
 }  // namespace cartvo

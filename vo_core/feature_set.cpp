@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/core/utility.hpp>
-
 #include "vo_core/klt.hpp"
+#include "vo_core/parallel_loop.hpp"
 #include "vo_core/stereo_matcher.hpp"
 
 namespace cartvo {
@@ -16,26 +15,12 @@ constexpr double kFarAway = 1000.0;    // m, where a feature without a disparity
 constexpr int kLevelsIfPredicted = 2;  // of the pyramid: within some 10 px of where the world has carried it
 constexpr double kOutside = 8.0;       // px; predicted farther outside the image, a feature is gone
 
-/// Calls work(i) for each i below count, on OpenCV's threads; each i must write to its own place only.
-template <typename Work>
-void forEachIndex(std::size_t count, const Work& work) {
-  cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      work(static_cast<std::size_t>(i));
-  });
-}
-
 }  // namespace
 
 FeatureSet::FeatureSet(const StereoCamera& camera, const OdometrySettings& settings)
     : camera_(camera),
       settings_(settings),
       detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
-
-double FeatureSet::minimumDistance() const {
-  const double spacing = std::sqrt(static_cast<double>(camera_.width) * camera_.height / settings_.features);
-  return std::max(std::min(settings_.tracking.minimum_distance, 0.5 * spacing), 1.0);
-}
 
 int FeatureSet::seenCount() const {
   return static_cast<int>(std::count_if(features_.begin(), features_.end(),

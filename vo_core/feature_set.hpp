@@ -42,8 +42,6 @@ class FeatureSet {
   const std::vector<Feature>& features() const { return features_; }
   bool seen(const Feature& feature) const { return feature.last().frame == frame_; }
   int seenCount() const;
-  /// px; less than the setting where the aimed number of features leaves no room for it.
-  double minimumDistance() const;
 
  private:
   Eigen::Vector2d predictPixel(const Feature& feature, const FrameWindow& window,

@@ -22,13 +22,8 @@ cv::Mat differenceOfGaussians(const cv::Mat& level) {
 
 }  // namespace
 
-PyramidLevel::PyramidLevel(const cv::Mat& image, int type) {
-  cv::Mat bordered;
-  cv::copyMakeBorder(image, bordered, kBorder, kBorder, kBorder, kBorder, cv::BORDER_REFLECT_101);
-  if (bordered.type() == type)
-    padded_ = bordered;
-  else
-    bordered.convertTo(padded_, type);
+PyramidLevel::PyramidLevel(const cv::Mat& image) {
+  cv::copyMakeBorder(image, padded_, kBorder, kBorder, kBorder, kBorder, cv::BORDER_REFLECT_101);
 }
 
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {
@@ -41,8 +36,8 @@ ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {
       cv::pyrDown(level, half);
       level = half;
     }
-    if (index < grey_levels) pyramid.grey.emplace_back(level, CV_32F);
-    if (index < kDogLevels) pyramid.dog.emplace_back(differenceOfGaussians(level), CV_8U);
+    if (index < grey_levels) pyramid.grey.emplace_back(level);
+    if (index < kDogLevels) pyramid.dog.emplace_back(differenceOfGaussians(level));
   }
   return pyramid;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -14,8 +16,8 @@ class PyramidLevel {
   static constexpr int kBorder = 24;  ///< px
 
   PyramidLevel() = default;
-  /// `image`: any type of one channel, at least 2x2; it is converted to `type` (CV_8U or CV_32F).
-  PyramidLevel(const cv::Mat& image, int type);
+  /// `image`: CV_8UC1, at least 2x2.
+  explicit PyramidLevel(const cv::Mat& image);
 
   int width() const { return padded_.cols - 2 * kBorder; }
   int height() const { return padded_.rows - 2 * kBorder; }
@@ -24,10 +26,9 @@ class PyramidLevel {
   }
 
   /// The pixel (x, y), which may lie up to kBorder outside the image; the row goes on to its right.
-  template <typename Value>
-  const Value* at(int x, int y) const {
-    return padded_.ptr<Value>(y + kBorder) + x + kBorder;
-  }
+  const std::uint8_t* at(int x, int y) const { return padded_.ptr(y + kBorder) + x + kBorder; }
+  /// From one row to the next, in pixels.
+  std::ptrdiff_t stride() const { return static_cast<std::ptrdiff_t>(padded_.step); }
 
  private:
   cv::Mat padded_;
@@ -35,8 +36,8 @@ class PyramidLevel {
 
 /// What one image of a pair is turned into, once, for all stages.
 struct ImagePyramid {
-  std::vector<PyramidLevel> grey;  ///< CV_32F, Gaussian pyramid, for the KLT and the NCC
-  std::vector<PyramidLevel> dog;   ///< CV_8U, difference of Gaussians around 128, kDogLevels, for the SAD
+  std::vector<PyramidLevel> grey;  ///< Gaussian pyramid, for the KLT and the NCC
+  std::vector<PyramidLevel> dog;   ///< difference of Gaussians around 128, kDogLevels, for the SAD
 };
 
 constexpr int kDogLevels = 4;

@@ -13,13 +13,14 @@ namespace {
 
 constexpr int kSide = 15;                // px
 constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
-constexpr int kShiftIterations = 8;      // a shift that takes longer is lost
+constexpr int kShiftIterations = 5;      // a shift that takes longer is lost
 constexpr double kWorthAligning = 0.5;   // correlation after the shift, of which a warp may make a match
 constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
 using Template = Patch<kSide, kSide>;
+constexpr Patch<kSide, 1> kMask = Template::mask();
 
 /// The patch before, its gradients (mean removed, which makes the shift blind to a change of brightness) and
-/// the inverse of its structure matrix G (thesis 4.12).
+/// the inverse of its structure matrix G (thesis 4.12). All zero in the padding.
 struct Linearisation {
   Template grey;
   Template gradient_x;
@@ -28,19 +29,27 @@ struct Linearisation {
   double smaller_eigenvalue = 0.0;  ///< of G, per pixel
 };
 
+void removeMean(Template& patch) {
+  Lanes sum{};
+  for (int y = 0; y < kSide; ++y)
+    for (int block = 0; block < Template::kBlocks; ++block)
+      sum += patch.lanes(y, block) * kMask.lanes(0, block);
+  const float mean = static_cast<float>(sumOf(sum) / Template::kSize);
+  for (int y = 0; y < kSide; ++y)
+    for (int block = 0; block < Template::kBlocks; ++block)
+      patch.lanes(y, block) = (patch.lanes(y, block) - mean) * kMask.lanes(0, block);
+}
+
+double sumOfProducts(const Template& a, const Template& b) {
+  Lanes sum{};
+  for (int y = 0; y < kSide; ++y)
+    for (int block = 0; block < Template::kBlocks; ++block)
+      sum += a.lanes(y, block) * b.lanes(y, block);
+  return sumOf(sum);
+}
+
 void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, Linearisation& out) {
-  Patch<kSide + 2, kSide + 2> wide;
-  samplePatch(level, centre, wide);
-  for (int y = 0; y < kSide; ++y) {
-    const float* above = wide.row(y);
-    const float* row = wide.row(y + 1);
-    const float* below = wide.row(y + 2);
-    for (int x = 0; x < Template::kStride; ++x) {
-      out.grey.row(y)[x] = row[x + 1];
-      out.gradient_x.row(y)[x] = 0.5F * (row[x + 2] - row[x]);
-      out.gradient_y.row(y)[x] = 0.5F * (below[x + 1] - above[x + 1]);
-    }
-  }
+  sampleGradients(level, centre, out.grey, out.gradient_x, out.gradient_y);
   removeMean(out.grey);
   removeMean(out.gradient_x);
   removeMean(out.gradient_y);
@@ -49,17 +58,23 @@ void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, Lineari
   const double xy = sumOfProducts(out.gradient_x, out.gradient_y);
   const double yy = sumOfProducts(out.gradient_y, out.gradient_y);
   out.smaller_eigenvalue =
-      (0.5 * (xx + yy) - std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)) / (kSide * kSide);
+      (0.5 * (xx + yy) - std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)) / Template::kSize;
   const double determinant = xx * yy - xy * xy;
   if (determinant > 0.0)
     out.inverse_structure << yy / determinant, -xy / determinant, -xy / determinant, xx / determinant;
 }
 
-/// The mismatch vector b (thesis 4.13); `after` becomes the difference.
-Eigen::Vector2d mismatch(const Linearisation& before, Template& after) {
-  for (int i = 0; i < kSide * Template::kStride; ++i)
-    after.value[i] -= before.grey.value[i];
-  return {sumOfProducts(before.gradient_x, after), sumOfProducts(before.gradient_y, after)};
+/// The mismatch vector b (thesis 4.13).
+Eigen::Vector2d mismatch(const Linearisation& before, const Template& after) {
+  Lanes x{}, y{};
+  for (int row = 0; row < kSide; ++row) {
+    for (int block = 0; block < Template::kBlocks; ++block) {
+      const Lanes difference = after.lanes(row, block) - before.grey.lanes(row, block);
+      x += before.gradient_x.lanes(row, block) * difference;
+      y += before.gradient_y.lanes(row, block) * difference;
+    }
+  }
+  return {sumOf(x), sumOf(y)};
 }
 
 double correlationOf(const Template& centred_before, Template& after) {
@@ -73,21 +88,22 @@ double correlationOf(const Template& centred_before, Template& after) {
 CARTVO_VECTOR_CLONES
 std::optional<Eigen::Vector2d> trackShift(const ImagePyramid& before, const ImagePyramid& after,
                                           const Eigen::Vector2d& from, const Eigen::Vector2d& guess,
-                                          int levels, double minimum_correlation) {
+                                          const PyramidLevels& levels, double minimum_correlation) {
   if (!before.grey.front().contains(from)) return std::nullopt;
   Linearisation patch;
   Template moved;
   Eigen::Vector2d shift = guess - from;  // px of the full image
   const int available = static_cast<int>(std::min(before.grey.size(), after.grey.size()));
-  for (int index = std::min(levels, available) - 1; index >= 0; --index) {
+  for (int index = std::min(levels.coarsest, available - 1); index >= levels.finest; --index) {
+    const bool finest = index == levels.finest;
     const double scale = 1.0 / (1 << index);
     const PyramidLevel& target = after.grey[index];
     const Eigen::Vector2d centre = from * scale;
     // In a small level the centre of a pixel near the right or lower edge may lie beyond the last pixel.
-    if (!before.grey[index].contains(centre)) continue;
-    linearise(before.grey[index], centre, patch);
-    if (patch.smaller_eigenvalue < kMinimumTexture) {
-      if (index == 0) return std::nullopt;
+    const bool usable = before.grey[index].contains(centre);
+    if (usable) linearise(before.grey[index], centre, patch);
+    if (!usable || patch.smaller_eigenvalue < kMinimumTexture) {
+      if (finest) return std::nullopt;
       continue;
     }
     Eigen::Vector2d position = centre + shift * scale;
@@ -100,21 +116,22 @@ std::optional<Eigen::Vector2d> trackShift(const ImagePyramid& before, const Imag
     }
     if (target.contains(position))
       shift = (position - centre) / scale;
-    else if (index == 0)
+    else if (finest)
       return std::nullopt;
+    if (!finest) continue;
+    samplePatch(target, position, moved);
+    if (correlationOf(patch.grey, moved) < minimum_correlation) return std::nullopt;
   }
   const Eigen::Vector2d position = from + shift;
   if (!after.grey.front().contains(position)) return std::nullopt;
-  samplePatch(after.grey.front(), position, moved);
-  if (correlationOf(patch.grey, moved) < minimum_correlation) return std::nullopt;
   return position;
 }
 
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
                      const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings) {
   KltResult result;
-  const auto shifted =
-      trackShift(before, after, from, guess, levels, std::min(kWorthAligning, settings.minimum_correlation));
+  const auto shifted = trackShift(before, after, from, guess, {0, levels - 1},
+                                  std::min(kWorthAligning, settings.minimum_correlation));
   if (!shifted) return result;
   AffineAlignment start;
   start.position = *shifted;

@@ -14,10 +14,17 @@ struct KltResult {
   double correlation = 0.0;                            ///< normalised, of the patch before and after
 };
 
-/// The first part of trackPatch: the shift alone, to a tenth of a pixel.
+/// Levels of a pyramid, from the finest to the coarsest, both included.
+struct PyramidLevels {
+  int finest = 0;
+  int coarsest = 0;
+};
+
+/// The first part of trackPatch: the shift alone, to a tenth of a pixel of the finest level, where the
+/// patches must correlate by `minimum_correlation`.
 std::optional<Eigen::Vector2d> trackShift(const ImagePyramid& before, const ImagePyramid& after,
                                           const Eigen::Vector2d& from, const Eigen::Vector2d& guess,
-                                          int levels, double minimum_correlation);
+                                          const PyramidLevels& levels, double minimum_correlation);
 
 /// Follows the 15x15 patch around `from` in the grey levels of `before` to those of `after`, coarse to fine,
 /// beginning at `guess` (px) in the coarsest of `levels` (a good guess needs few). It minimises the sum of

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/core/utility.hpp>
-
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/klt.hpp"
+#include "vo_core/parallel_loop.hpp"
 #include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_matcher.hpp"
 
@@ -15,19 +14,11 @@ namespace cartvo {
 namespace {
 
 constexpr double kUnknownInverseDepth = 0.02;  // 1/m, where a landmark without a depth is taken to be
-constexpr int kLevelsIfPredicted = 2;  // of the pyramid: within some 10 px of where the world has carried it
-constexpr double kOutside = 8.0;       // px; predicted farther outside the image, a landmark is gone
-constexpr double kShiftCorrelation = 0.4;  // after a mere shift, of which a warp may make a match
-constexpr double kLargestStretch = 0.35;   // of a warp's elements; a host that looks so different is given up
-constexpr double kLargestRow = 1.5;        // px, of a stereo match off the row where it is expected
-
-template <typename Work>
-void forEachIndex(std::size_t count, const Work& work) {
-  cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      work(static_cast<std::size_t>(i));
-  });
-}
+constexpr PyramidLevels kNearLevels{1, 1};  // of what is within some 10 px of where the world has carried it
+constexpr double kOutside = 8.0;            // px; predicted farther outside the image, a landmark is gone
+constexpr double kShiftCorrelation = 0.4;   // after a mere shift, of which a warp may make a match
+constexpr double kLargestStretch = 0.35;  // of a warp's elements; a host that looks so different is given up
+constexpr double kLargestRow = 1.5;       // px, of a stereo match off the row where it is expected
 
 bool stretched(const Eigen::Matrix2d& warp) {
   return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kLargestStretch;
@@ -52,14 +43,13 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
   const WindowFrame* old_host = findFrame(window, landmark.host().frame);
   const WindowFrame* new_host = findFrame(window, landmark.last().frame);
   if (old_host != nullptr && new_host != nullptr && landmark.hasDepth()) {
+    const Eigen::Isometry3d T_new_old = new_host->T_world_camera.inverse() * old_host->T_world_camera;
     const Projection seen =
-        projectLandmark(camera, new_host->T_world_camera.inverse() * old_host->T_world_camera,
-                        bearingOf(camera, landmark.host().left), landmark.inverse_depth);
+        projectLandmark(camera, T_new_old, bearingOf(camera, landmark.host().left), landmark.inverse_depth);
     if (seen.valid) {
       // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
       const double z = seen.ray.z();
-      const double t_z = (new_host->T_world_camera.inverse() * old_host->T_world_camera).translation().z();
-      const double slope = (z - landmark.inverse_depth * t_z) / (z * z);
+      const double slope = (z - landmark.inverse_depth * T_new_old.translation().z()) / (z * z);
       landmark.inverse_depth /= z;
       landmark.information /= std::max(slope * slope, 1e-6);
     }
@@ -73,18 +63,54 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
   landmark.warp.setIdentity();
 }
 
+/// px that the landmark moves in the image from the newest pair's left exposure to its right one, by its last
+/// image velocity (OffsetModel::image_velocity). Nothing for one that has none yet.
+std::optional<Eigen::Vector2d> carriedInImage(const Landmark& landmark,
+                                              const std::vector<WindowFrame>& window) {
+  const WindowFrame& current = window.back();
+  if (current.image_offset == 0.0 || window.size() == 1) return Eigen::Vector2d::Zero();
+  if (landmark.sightings.size() < 2) return std::nullopt;
+  const Sighting& before = *(landmark.sightings.end() - 2);
+  const WindowFrame* frame = findFrame(window, before.frame);
+  if (frame == nullptr) return std::nullopt;
+  const double time_step = 1e-9 * static_cast<double>(current.exposure_ns - frame->exposure_ns);
+  return current.image_offset / time_step * (landmark.last().left - before.left);
+}
+
 }  // namespace
 
+int placeOf(const std::vector<WindowFrame>& window, std::int64_t index) {
+  for (std::size_t i = 0; i < window.size(); ++i)
+    if (window[i].index == index) return static_cast<int>(i);
+  return -1;
+}
+
 const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index) {
-  for (const WindowFrame& frame : window)
-    if (frame.index == index) return &frame;
-  return nullptr;
+  const int place = placeOf(window, index);
+  return place < 0 ? nullptr : &window[static_cast<std::size_t>(place)];
 }
 
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
     : camera_(camera),
       settings_(settings),
       detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
+
+/// A shift from the last image, then the alignment with the host's patch.
+std::optional<AffineAlignment> LandmarkTracker::alignFrom(const Landmark& landmark, const WindowFrame& host,
+                                                          const WindowFrame& last, const ImagePyramid& left,
+                                                          const Eigen::Vector2d& guess,
+                                                          PyramidLevels levels) const {
+  const auto shifted = trackShift(last.left, left, landmark.last().left, guess, levels, kShiftCorrelation);
+  if (!shifted) return std::nullopt;
+  const TrackingSettings& tracking = settings_.tracking;
+  AffineAlignment start;
+  start.position = *shifted;
+  start.warp = landmark.warp;
+  auto aligned = alignAffine(host.left.grey.front(), left.grey.front(), landmark.host().left, start,
+                             WarpModel::affine, tracking.iterations, tracking.convergence);
+  if (aligned && aligned->correlation < tracking.minimum_correlation) aligned.reset();
+  return aligned;
+}
 
 bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFrame>& window,
                                 const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
@@ -108,27 +134,13 @@ bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFram
     return false;
 
   const bool predicted = T_world_camera && landmark.hasDepth();
-  const int all_levels = settings_.tracking.levels;
-  const int few_levels = std::min(kLevelsIfPredicted, all_levels);
-  auto shifted = trackShift(last->left, left, landmark.last().left, guess,
-                            predicted ? few_levels : all_levels, kShiftCorrelation);
-  if (!shifted && predicted)
-    shifted = trackShift(last->left, left, landmark.last().left, guess, all_levels, kShiftCorrelation);
-  if (!shifted) return false;
-
-  const TrackingSettings& tracking = settings_.tracking;
-  AffineAlignment start;
-  start.position = *shifted;
-  start.warp = landmark.warp;
-  auto aligned = alignAffine(host->left.grey.front(), left.grey.front(), landmark.host().left, start,
-                             WarpModel::affine, tracking.iterations, tracking.convergence);
-  if ((!aligned || aligned->correlation < tracking.minimum_correlation) && landmark.sightings.size() > 1) {
+  const PyramidLevels levels = predicted ? kNearLevels : PyramidLevels{1, settings_.tracking.levels - 1};
+  auto aligned = alignFrom(landmark, *host, *last, left, guess, levels);
+  if (!aligned && landmark.sightings.size() > 1) {
     moveHost(landmark, camera_, window);
-    start.warp.setIdentity();
-    aligned = alignAffine(last->left.grey.front(), left.grey.front(), landmark.host().left, start,
-                          WarpModel::affine, tracking.iterations, tracking.convergence);
+    aligned = alignFrom(landmark, *last, *last, left, guess, levels);
   }
-  if (!aligned || aligned->correlation < tracking.minimum_correlation) return false;
+  if (!aligned) return false;
   landmark.warp = aligned->warp;
   Sighting sighting;
   sighting.frame = frame;
@@ -155,9 +167,8 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
 }
 
 void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame) {
-  const double room = std::sqrt(static_cast<double>(camera_.width) * camera_.height / settings_.features);
-  const double distance = std::max(std::min(settings_.tracking.minimum_distance, 0.5 * room), 1.0);
-  SpacingGrid spacing(camera_.width, camera_.height, distance);
+  SpacingGrid spacing(camera_.width, camera_.height,
+                      minimumDistance(settings_, camera_.width, camera_.height));
   std::stable_sort(landmarks.begin(), landmarks.end(), [](const Landmark& a, const Landmark& b) {
     return a.trust * std::min(a.age, 10) > b.trust * std::min(b.age, 10);
   });
@@ -169,8 +180,6 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& lef
   for (const Corner& corner : detector_.detect(left, alive, spacing)) {
     if (corner.score < settings_.tracking.minimum_score) continue;
     Landmark landmark;
-    landmark.id = next_id_++;
-    landmark.score = corner.score;
     landmark.age = 1;
     Sighting sighting;
     sighting.frame = frame;
@@ -181,18 +190,20 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& lef
 }
 
 void LandmarkTracker::matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
-                               const Eigen::Isometry3d& T_right_left, double inverse_depth) const {
+                               const Eigen::Isometry3d& T_right_left, double inverse_depth,
+                               const Eigen::Vector2d& carried) const {
   Sighting& sighting = landmark.sightings.back();
   AffineAlignment start;
   if (inverse_depth > 0.0) {
     const Projection expected =
         projectLandmark(camera_, T_right_left, bearingOf(camera_, sighting.left), inverse_depth);
     if (!expected.valid) return;
-    start.position = expected.pixel;
+    start.position = expected.pixel + carried;
     start.warp = landmark.stereo_warp;
   } else {
-    const auto found = cartvo::matchStereo(left, right, sighting.left, settings_.stereo,
-                                           epipolarLine(camera_, T_right_left, sighting.left));
+    EpipolarLine line = epipolarLine(camera_, T_right_left, sighting.left);
+    line.at_infinity += carried;
+    const auto found = cartvo::matchStereo(left, right, sighting.left, settings_.stereo, line);
     if (!found) return;
     start.position = found->right;
   }
@@ -206,25 +217,25 @@ void LandmarkTracker::matchOne(Landmark& landmark, const ImagePyramid& left, con
     return;
   landmark.stereo_warp = aligned->warp;
   sighting.stereo = true;
-  sighting.parallax = sighting.left - aligned->position;
+  sighting.parallax = sighting.left - (aligned->position - carried);
 }
 
 void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                                   const ImagePyramid& left, const ImagePyramid& right,
-                                  const Eigen::Isometry3d& T_left_right,
-                                  const std::optional<Eigen::Isometry3d>& T_world_camera) const {
-  const Eigen::Isometry3d T_right_left = T_left_right.inverse();
+                                  const Eigen::Isometry3d& T_right_left,
+                                  const Eigen::Isometry3d& T_world_camera) const {
   forEachIndex(landmarks.size(), [&](std::size_t i) {
     Landmark& landmark = landmarks[i];
     double inverse_depth = 0.0;
     const WindowFrame* host = findFrame(window, landmark.host().frame);
-    if (landmark.hasDepth() && host != nullptr && T_world_camera) {
+    if (landmark.hasDepth() && host != nullptr) {
       const Projection seen =
-          projectLandmark(camera_, T_world_camera->inverse() * host->T_world_camera,
+          projectLandmark(camera_, T_world_camera.inverse() * host->T_world_camera,
                           bearingOf(camera_, landmark.host().left), landmark.inverse_depth);
       if (seen.valid) inverse_depth = std::max(landmark.inverse_depth, 1e-4) / seen.ray.z();
     }
-    matchOne(landmark, left, right, T_right_left, inverse_depth);
+    if (const auto carried = carriedInImage(landmark, window))
+      matchOne(landmark, left, right, T_right_left, inverse_depth, *carried);
   });
 }
 

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "vo_core/adaptive_detector.hpp"
+#include "vo_core/affine_alignment.hpp"
 #include "vo_core/image_pyramid.hpp"
+#include "vo_core/klt.hpp"
 #include "vo_core/landmark.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/reprojection.hpp"
@@ -17,7 +19,8 @@ namespace cartvo {
 struct WindowFrame {
   std::int64_t index = -1;
   std::int64_t exposure_ns = 0;  ///< of the left image
-  double offset = 0.0;           ///< s, right exposure minus left exposure
+  double offset = 0.0;           ///< s, right exposure minus left exposure, as OffsetModel sees it
+  double image_offset = 0.0;     ///< s, by which OffsetModel::image_velocity shifts the right image
   ImagePyramid left;             ///< grey levels only
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Matrix6d pose_covariance = Matrix6d::Zero();   ///< against the first pair; perturbation on the right
@@ -41,27 +44,31 @@ class LandmarkTracker {
   /// up with new corners.
   void renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame);
 
-  /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_left_right`: the
+  /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_right_left`: the
   /// right camera at its own instant as expected from the left one at its; `T_world_camera` the expected
   /// pose.
   void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                   const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_left_right,
-                   const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+                   const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_right_left,
+                   const Eigen::Isometry3d& T_world_camera) const;
 
  private:
   bool followOne(Landmark& landmark, const std::vector<WindowFrame>& window, const ImagePyramid& left,
                  std::int64_t frame, std::int64_t oldest_host,
                  const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+  std::optional<AffineAlignment> alignFrom(const Landmark& landmark, const WindowFrame& host,
+                                           const WindowFrame& last, const ImagePyramid& left,
+                                           const Eigen::Vector2d& guess, PyramidLevels levels) const;
   void matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
-                const Eigen::Isometry3d& T_right_left, double inverse_depth) const;
+                const Eigen::Isometry3d& T_right_left, double inverse_depth,
+                const Eigen::Vector2d& carried) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;
   AdaptiveDetector detector_;
-  std::uint64_t next_id_ = 0;
 };
 
-/// The frame of that index, or nullptr.
+/// Where the window has the pair of that index, or -1; and that pair, or nullptr.
+int placeOf(const std::vector<WindowFrame>& window, std::int64_t index);
 const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index);
 
 }  // namespace cartvo

@@ -1,8 +1,7 @@
 // One pose out of many, unmoved by a minority of wrong ones.
 #include "vo_core/median_pose.hpp"
 
-#include <algorithm>
-
+#include "vo_core/median.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
@@ -18,16 +17,14 @@ Eigen::Isometry3d medianPose(const std::vector<Eigen::Isometry3d>& poses) {
     vectors.push_back(vector);
   }
 
-  Vector6d median;
+  Vector6d middle;
   std::vector<double> component(vectors.size());
   for (int i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < vectors.size(); ++j)
       component[j] = vectors[j][i];
-    const auto middle = component.begin() + static_cast<std::ptrdiff_t>(component.size() / 2);
-    std::nth_element(component.begin(), middle, component.end());
-    median[i] = *middle;
+    middle[i] = median(component);
   }
-  Eigen::Isometry3d pose = motionFromVector(median);
+  Eigen::Isometry3d pose = motionFromVector(middle);
   pose.linear() = base.linear() * pose.linear();
   return pose;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "vo_core/feature_history.hpp"
+#include "vo_core/plausible_motion.hpp"
 #include "vo_core/window_refinement.hpp"
 
 namespace cartvo {
@@ -31,12 +32,6 @@ Eigen::Matrix3d MotionMeter::covarianceOf(const Observation& observation) const 
   const double near = settings_.motion.near_noise * observation.disparity;
   return pointCovariance(camera_, observation.point, settings_.motion.pixel_noise + near,
                          settings_.motion.disparity_noise + near);
-}
-
-bool MotionMeter::plausible(const Eigen::Isometry3d& motion, double time_step) const {
-  const Vector6d vector = vectorFromMotion(motion);
-  return vector.allFinite() && vector.head<3>().norm() <= settings_.validity.maximum_speed * time_step &&
-         vector.tail<3>().norm() <= settings_.validity.maximum_rate * time_step;
 }
 
 MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std::int64_t reference,
@@ -68,7 +63,7 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
     measurement.reasons = measurement.reasons | OdometryReason::too_few_inliers;
   if (settings_.refinement.frames == 1 && motion->scale > validity.maximum_residual)
     measurement.reasons = measurement.reasons | OdometryReason::high_residual;
-  if (!plausible(motion->T_reference_current, time_step))
+  if (!plausibleMotion(motion->T_reference_current, time_step, validity))
     measurement.reasons = measurement.reasons | OdometryReason::implausible_motion;
   return measurement;
 }
@@ -116,7 +111,7 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     measurement.T_reference_current = orthonormalised(T_world_reference.inverse() * refined.T_world_camera);
   }
   measurement.covariance = refined.covariance;
-  if (!plausible(measurement.T_reference_current, time_step))
+  if (!plausibleMotion(measurement.T_reference_current, time_step, settings_.validity))
     measurement.reasons = OdometryReason::implausible_motion;
 }
 

@@ -46,7 +46,6 @@ class MotionMeter {
 
  private:
   Eigen::Matrix3d covarianceOf(const Observation& observation) const;
-  bool plausible(const Eigen::Isometry3d& motion, double time_step) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;

@@ -1,6 +1,8 @@
 // The edge at which settings that make no sense are refused.
 #include "vo_core/odometry_settings.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -68,6 +70,11 @@ void validate(const ValiditySettings& settings) {
 }
 
 }  // namespace
+
+double minimumDistance(const OdometrySettings& settings, int width, int height) {
+  const double spacing = std::sqrt(static_cast<double>(width) * height / settings.features);
+  return std::max(std::min(settings.tracking.minimum_distance, 0.5 * spacing), 1.0);
+}
 
 void validate(const OdometrySettings& settings) {
   requireRange("features", settings.features, 50, 20000);

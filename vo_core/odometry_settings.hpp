@@ -10,6 +10,13 @@ enum class Estimator : std::uint8_t {
   thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
 };
 
+/// What is made of the time between a pair's two exposures. `reprojection` only: `thesis` takes both as one.
+enum class OffsetModel : std::uint8_t {
+  two_instants,    ///< the right camera is where the estimated motion takes it by its own instant
+  image_velocity,  ///< positions in the right image are shifted by how fast they move in the left ones
+  simultaneous,    ///< nothing: the error that other odometries make
+};
+
 /// Windows with adaptive FAST thresholds (thesis 4.9).
 struct DetectionSettings {
   int window_columns = 16;     ///< windows side by side
@@ -22,8 +29,8 @@ struct DetectionSettings {
 /// KLT from frame to frame (thesis 4.10-4.13).
 struct TrackingSettings {
   int levels = 4;                    ///< of the pyramid, the full image among them
-  int iterations = 10;               ///< at most, of the last, affine step
-  double convergence = 0.01;         ///< px; the track is done when a step is shorter
+  int iterations = 6;                ///< at most, of the last, affine step
+  double convergence = 0.03;         ///< px; the track is done when a step is shorter
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
   double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
@@ -110,8 +117,9 @@ struct ValiditySettings {
 
 struct OdometrySettings {
   Estimator estimator = Estimator::reprojection;
-  int features = 1000;     ///< aimed at in each left image, 50 to 20000
-  std::uint64_t seed = 1;  ///< of the random subsets
+  OffsetModel offset_model = OffsetModel::two_instants;  ///< the others are there to compare with
+  int features = 1000;                                   ///< aimed at in each left image, 50 to 20000
+  std::uint64_t seed = 1;                                ///< of the random subsets
   DetectionSettings detection;
   TrackingSettings tracking;
   StereoSettings stereo;
@@ -124,6 +132,10 @@ struct OdometrySettings {
   RigRefinement rig_refinement = RigRefinement::correct;
   ValiditySettings validity;
 };
+
+/// px between features in an image of that size; less than the setting where the aimed number of features
+/// leaves no room for it.
+double minimumDistance(const OdometrySettings& settings, int width, int height);
 
 /// Throws std::invalid_argument naming the value, as in "tracking.levels is 0: expected 1 to 8".
 void validate(const OdometrySettings& settings);

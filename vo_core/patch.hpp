@@ -2,13 +2,15 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "vo_core/image_pyramid.hpp"
 
-// The inner loops of tracking are compiled twice, for any x86-64 and for AVX2; which one runs is found out at
-// the start. What they call is inlined (flatten), else it would stay as it is. Both do the same operations in
-// the same order (sums have fixed lanes, and without FMA nothing is contracted), so that the results are the
-// same bits. Sanitizers cannot stand the choice at start.
+// The inner loops on patches are compiled twice, for any processor and for AVX2; which one runs is found out
+// at the start. What they call is inlined (flatten), else it would stay as it is. Both do the same operations
+// in the same order (sums have eight fixed lanes, and without FMA nothing is contracted), so that the results
+// are the same bits. Sanitizers cannot stand the choice at start.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define CARTVO_VECTOR_CLONES __attribute__((flatten, target_clones("avx2", "default")))
@@ -18,54 +20,50 @@
 
 namespace cartvo {
 
-/// A small window of grey values around a sub-pixel centre. Rows are padded to a multiple of four so that the
-/// compiler turns loops over them into vector instructions; the padding is read from the image as well.
+/// Eight numbers that are worked on at once: the vector extension of GCC and Clang, which becomes AVX, two
+/// times SSE or two times NEON. Never passed by value, as how that is done depends on the processor.
+constexpr int kLanes = 8;
+using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
+using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
+using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
+using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes), may_alias));
+
+inline double sumOf(const Lanes& lanes) {
+  return static_cast<double>(((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
+                             ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7])));
+}
+
+/// A small window of grey values around a sub-pixel centre. Rows are padded to whole lanes; the padding is
+/// read from the image as well.
 template <int Columns, int Rows>
 struct Patch {
   static constexpr int kColumns = Columns;
   static constexpr int kRows = Rows;
-  static constexpr int kStride = (Columns + 3) / 4 * 4;
+  static constexpr int kSize = Columns * Rows;
+  static constexpr int kBlocks = (Columns + kLanes - 1) / kLanes;  ///< of lanes in a row
+  static constexpr int kStride = kLanes * kBlocks;
   alignas(64) float value[Rows * kStride];
 
   const float* row(int y) const { return value + y * kStride; }
   float* row(int y) { return value + y * kStride; }
+  const Lanes& lanes(int y, int block) const {
+    return *reinterpret_cast<const Lanes*>(row(y) + kLanes * block);
+  }
+  Lanes& lanes(int y, int block) { return *reinterpret_cast<Lanes*>(row(y) + kLanes * block); }
+
+  /// One in the window's columns, zero in the padding.
+  static constexpr Patch<Columns, 1> mask() {
+    Patch<Columns, 1> ones{};
+    for (int x = 0; x < Columns; ++x)
+      ones.value[x] = 1.0F;
+    return ones;
+  }
 };
 
-/// Sum over the window of a times b. The compiler may not reorder sums of floats by itself: there is a sum
-/// for each of eight lanes, added up at the end. The padding must be zero in one of the two.
-template <int Columns, int Rows>
-double sumOfProducts(const Patch<Columns, Rows>& a, const Patch<Columns, Rows>& b) {
-  constexpr int kLanes = 8;
-  constexpr int kSize = Rows * Patch<Columns, Rows>::kStride;
-  static_assert(kSize % kLanes == 0);
-  float lane[kLanes] = {};
-  for (int i = 0; i < kSize; i += kLanes)
-    for (int j = 0; j < kLanes; ++j)
-      lane[j] += a.value[i + j] * b.value[i + j];
-  double sum = 0.0;
-  for (const float part : lane)
-    sum += part;
-  return sum;
-}
-
-/// Makes the window's mean zero, and its padding.
-template <int Columns, int Rows>
-void removeMean(Patch<Columns, Rows>& patch) {
-  using P = Patch<Columns, Rows>;
-  float column_sum[P::kStride] = {};
-  for (int y = 0; y < Rows; ++y)
-    for (int x = 0; x < P::kStride; ++x)
-      column_sum[x] += patch.row(y)[x];
-  float sum = 0.0F;
-  for (int x = 0; x < Columns; ++x)
-    sum += column_sum[x];
-  const float mean = sum / (Columns * Rows);
-  for (int y = 0; y < Rows; ++y) {
-    for (int x = 0; x < P::kStride; ++x)
-      patch.row(y)[x] -= mean;
-    for (int x = Columns; x < P::kStride; ++x)
-      patch.row(y)[x] = 0.0F;
-  }
+inline void loadBytes(const std::uint8_t* from, Lanes& to) {
+  ByteLanes bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  to = __builtin_convertvector(__builtin_convertvector(bytes, IntLanes), Lanes);
 }
 
 /// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation. Columns and
@@ -78,23 +76,50 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   const double floor_y = std::floor(centre.y());
   const float fx = static_cast<float>(centre.x() - floor_x);
   const float fy = static_cast<float>(centre.y() - floor_y);
-  const int left = static_cast<int>(floor_x) - Columns / 2;
-  const int top = static_cast<int>(floor_y) - Rows / 2;
+  const std::uint8_t* source =
+      level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - Rows / 2);
+  const std::ptrdiff_t stride = level.stride();
 
-  float upper[P::kStride];
-  float lower[P::kStride];
-  const auto interpolate_row = [&](int y, float* out) {
-    const float* source = level.at<float>(left, y);
-    for (int x = 0; x < P::kStride; ++x)
-      out[x] = source[x] + fx * (source[x + 1] - source[x]);
+  const auto interpolate_row = [fx](const std::uint8_t* from, int block, Lanes& out) {
+    Lanes next;
+    loadBytes(from + kLanes * block, out);
+    loadBytes(from + kLanes * block + 1, next);
+    out += fx * (next - out);
   };
-  interpolate_row(top, upper);
+  Lanes upper[P::kBlocks];
+  for (int block = 0; block < P::kBlocks; ++block)
+    interpolate_row(source, block, upper[block]);
   for (int y = 0; y < Rows; ++y) {
-    interpolate_row(top + y + 1, lower);
-    float* out = patch.row(y);
-    for (int x = 0; x < P::kStride; ++x) {
-      out[x] = upper[x] + fy * (lower[x] - upper[x]);
-      upper[x] = lower[x];
+    source += stride;
+    for (int block = 0; block < P::kBlocks; ++block) {
+      Lanes lower;
+      interpolate_row(source, block, lower);
+      patch.lanes(y, block) = upper[block] + fy * (lower - upper[block]);
+      upper[block] = lower;
+    }
+  }
+}
+
+/// Grey values and their gradients, by central differences, around `centre`; all zero in the padding.
+template <int Side>
+void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Side>& grey,
+                     Patch<Side, Side>& gradient_x, Patch<Side, Side>& gradient_y) {
+  static constexpr Patch<Side, 1> kMask = Patch<Side, Side>::mask();
+  Patch<Side + 2, Side + 2> wide;
+  samplePatch(level, centre, wide);
+  for (int y = 0; y < Side; ++y) {
+    for (int block = 0; block < Patch<Side, Side>::kBlocks; ++block) {
+      const Lanes& mask = kMask.lanes(0, block);
+      const int at = kLanes * block;
+      Lanes left, middle, right, above, below;
+      std::memcpy(&left, wide.row(y + 1) + at, sizeof left);
+      std::memcpy(&middle, wide.row(y + 1) + at + 1, sizeof middle);
+      std::memcpy(&right, wide.row(y + 1) + at + 2, sizeof right);
+      std::memcpy(&above, wide.row(y) + at + 1, sizeof above);
+      std::memcpy(&below, wide.row(y + 2) + at + 1, sizeof below);
+      grey.lanes(y, block) = mask * middle;
+      gradient_x.lanes(y, block) = 0.5F * mask * (right - left);
+      gradient_y.lanes(y, block) = 0.5F * mask * (below - above);
     }
   }
 }

@@ -3,8 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <vector>
+
+#include "vo_core/median.hpp"
 
 namespace cartvo {
 
@@ -29,9 +30,7 @@ constexpr double kMaximumErrorScale = 4.0;
 /// How much larger than assumed the errors are, judged by their median: half of the matches may be wrong.
 inline double errorScale(std::vector<double> errors) {
   if (errors.empty()) return 1.0;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return std::clamp(*middle / kMedianOfChi3, 1.0, kMaximumErrorScale);
+  return std::clamp(median(errors) / kMedianOfChi3, 1.0, kMaximumErrorScale);
 }
 
 }  // namespace cartvo

@@ -2,6 +2,7 @@
 #include "vo_core/reprojection.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace cartvo {
 namespace {
@@ -17,9 +18,48 @@ int neighbourOf(const std::vector<TimedPose>& poses, int index) {
   return -1;
 }
 
+/// On the pair's side away from the neighbour, else beyond the neighbour; -1 if there is none.
+int thirdOf(const std::vector<TimedPose>& poses, int index, int neighbour) {
+  const int side = neighbour - index;
+  for (const int third : {index - side, neighbour + side})
+    if (third >= 0 && third < static_cast<int>(poses.size())) return third;
+  return -1;
+}
+
 Eigen::Matrix3d inverseRightJacobianOfRotation(const Eigen::Vector3d& rotation) {
   return rightJacobianOfRotation(rotation).inverse();
 }
+
+/// The share that the way to another pose has in the step from the left exposure to the right one.
+struct WayShare {
+  WayShare(const TimedPose& own, const TimedPose& other, double its_share)
+      : D(own.T_world_camera.inverse() * other.T_world_camera), way(vectorFromMotion(D)), share(its_share) {}
+
+  /// How a perturbation on the right of the step follows from the way's own change.
+  Matrix6d toRight(const Vector6d& step) const {
+    Matrix6d to_right = Matrix6d::Zero();
+    to_right.topLeftCorner<3, 3>() = share * motionFromVector(step).linear().transpose();
+    to_right.bottomRightCorner<3, 3>() = share * rightJacobianOfRotation(step.tail<3>());
+    return to_right;
+  }
+  Matrix6d byOwn(const Vector6d& step) const {
+    Matrix6d way_by_own = Matrix6d::Zero();
+    way_by_own.topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+    way_by_own.topRightCorner<3, 3>() = skew(way.head<3>());
+    way_by_own.bottomRightCorner<3, 3>() = -inverseRightJacobianOfRotation(-way.tail<3>());
+    return toRight(step) * way_by_own;
+  }
+  Matrix6d byOther(const Vector6d& step) const {
+    Matrix6d way_by_other = Matrix6d::Zero();
+    way_by_other.topLeftCorner<3, 3>() = D.linear();
+    way_by_other.bottomRightCorner<3, 3>() = inverseRightJacobianOfRotation(way.tail<3>());
+    return toRight(step) * way_by_other;
+  }
+
+  Eigen::Isometry3d D;
+  Vector6d way;
+  double share;
+};
 
 }  // namespace
 
@@ -38,34 +78,36 @@ RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double
   Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
   T_left_right.translation().x() = baseline;
 
-  right.neighbour = std::abs(own.offset) < kSimultaneous ? -1 : neighbourOf(poses, index);
   Eigen::Isometry3d carried = Eigen::Isometry3d::Identity();  // from the left exposure to the right one
+  right.neighbour = std::abs(own.offset) < kSimultaneous ? -1 : neighbourOf(poses, index);
   if (right.neighbour >= 0) {
-    const TimedPose& other = poses[right.neighbour];
-    const double part = own.offset / (other.time - own.time);
-    const Eigen::Isometry3d D = own.T_world_camera.inverse() * other.T_world_camera;
-    const Vector6d step = vectorFromMotion(D);
-    const Eigen::Vector3d turn = step.tail<3>();
-    carried = motionFromVector(part * step);
-
-    // The step's own change, carried to a perturbation on the right of what is interpolated.
-    Matrix6d step_to_right = Matrix6d::Zero();
-    step_to_right.topLeftCorner<3, 3>() = part * carried.linear().transpose();
-    step_to_right.bottomRightCorner<3, 3>() = part * rightJacobianOfRotation(part * turn);
-    Matrix6d step_by_own = Matrix6d::Zero();
-    step_by_own.topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
-    step_by_own.topRightCorner<3, 3>() = skew(step.head<3>());
-    step_by_own.bottomRightCorner<3, 3>() = -inverseRightJacobianOfRotation(-turn);
-    Matrix6d step_by_neighbour = Matrix6d::Zero();
-    step_by_neighbour.topLeftCorner<3, 3>() = D.linear();
-    step_by_neighbour.bottomRightCorner<3, 3>() = inverseRightJacobianOfRotation(turn);
-    right.by_own = adjoint(carried.inverse()) + step_to_right * step_by_own;
-    right.by_neighbour = step_to_right * step_by_neighbour;
+    right.third = thirdOf(poses, index, right.neighbour);
+    const double to_neighbour = poses[right.neighbour].time - own.time;
+    WayShare neighbour(own, poses[right.neighbour], own.offset / to_neighbour);
+    std::optional<WayShare> third;
+    Vector6d step = Vector6d::Zero();
+    if (right.third >= 0) {
+      // Lagrange's polynomial; that of the own pose, which is the origin, drops out.
+      const double to_third = poses[right.third].time - own.time;
+      neighbour.share *= (own.offset - to_third) / (to_neighbour - to_third);
+      third.emplace(own, poses[right.third],
+                    own.offset * (own.offset - to_neighbour) / (to_third * (to_third - to_neighbour)));
+      step += third->share * third->way;
+    }
+    step += neighbour.share * neighbour.way;
+    carried = motionFromVector(step);
+    right.by_own = adjoint(carried.inverse()) + neighbour.byOwn(step);
+    right.by_neighbour = neighbour.byOther(step);
+    if (third) {
+      right.by_own += third->byOwn(step);
+      right.by_third = third->byOther(step);
+    }
   }
   // From the rig's left camera at that instant to the right camera.
   const Matrix6d to_right = adjoint(T_left_right.inverse());
   right.by_own = to_right * right.by_own;
   right.by_neighbour = to_right * right.by_neighbour;
+  right.by_third = to_right * right.by_third;
   right.T_world_camera = own.T_world_camera * carried * T_left_right;
   return right;
 }

@@ -16,20 +16,21 @@ struct TimedPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
 };
 
-/// The right camera at its own instant. Between two pairs the rig is taken to move with constant velocity
-/// (translation and rotation apart); its pose at time + offset so depends on the pose of its own pair and on
-/// that of a neighbour.
+/// The right camera at its own instant. The rig is taken to move on a parabola through the poses of its pair,
+/// of a neighbour and of a third pair, translation and rotation apart; without a third one, on a line.
 struct RightCamera {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< rectified right camera
-  int neighbour = -1;  ///< index of the pose it leans on; -1: none
-  /// How a perturbation of this camera (on the right) follows from those of its own pair and of the
-  /// neighbour.
+  int neighbour = -1;  ///< index of the pose on the other side of the right exposure, or on this; -1: none
+  int third = -1;      ///< index of the third pose; -1: none
+  /// How a perturbation of this camera (on the right) follows from those of its own pair and of the others.
   Matrix6d by_own = Matrix6d::Identity();
   Matrix6d by_neighbour = Matrix6d::Zero();
+  Matrix6d by_third = Matrix6d::Zero();
 };
 
 /// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure, if
-/// there is one, else the pair on this side: then the motion is carried on.
+/// there is one, else the pair on this side: then the motion is carried on. The third is the pair on this
+/// pair's other side, else the one beyond the neighbour.
 RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double baseline);
 
 /// The rotation part of a right Jacobian of SO(3) and its inverse (T. Barfoot, "State Estimation for

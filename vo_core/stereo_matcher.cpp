@@ -19,6 +19,7 @@ constexpr int kNccColumns = 15, kNccRows = 9;
 constexpr int kNccRadius = 2;           // px around the disparity of the SAD
 constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
 constexpr double kLeastColumns = 0.05;  // px per px of disparity
+constexpr int kNoRival = 2;             // times the least difference: a candidate that is none
 constexpr double kNoiseFloor = 0.002;   // of 1 - correlation: differences below are noise
 
 struct LevelPixel {
@@ -33,8 +34,8 @@ int sumOfAbsoluteDifferences(const PyramidLevel& left, const LevelPixel& left_pi
                              const PyramidLevel& right, const LevelPixel& right_pixel) {
   int sum = 0;
   for (int row = -kSadRows / 2; row <= kSadRows / 2; ++row) {
-    const unsigned char* a = left.at<unsigned char>(left_pixel.x - kSadColumns / 2, left_pixel.y + row);
-    const unsigned char* b = right.at<unsigned char>(right_pixel.x - kSadColumns / 2, right_pixel.y + row);
+    const unsigned char* a = left.at(left_pixel.x - kSadColumns / 2, left_pixel.y + row);
+    const unsigned char* b = right.at(right_pixel.x - kSadColumns / 2, right_pixel.y + row);
     for (int column = 0; column < kSadColumns; ++column)
       sum += std::abs(a[column] - b[column]);
   }
@@ -46,10 +47,16 @@ struct Candidates {
   int count = 0;
 };
 
+/// The nearest whole number; of what is above -kRoundingBias, as all pixels are.
+int rounded(double value) {
+  constexpr int kRoundingBias = 1 << 20;
+  return static_cast<int>(value + (kRoundingBias + 0.5)) - kRoundingBias;
+}
+
 LevelPixel pixelAt(const PyramidLevel& level, const Eigen::Vector2d& pixel, int index) {
   const double scale = 1.0 / (1 << index);
-  return {std::min(static_cast<int>(std::lround(pixel.x() * scale)), level.width() - 1),
-          std::min(static_cast<int>(std::lround(pixel.y() * scale)), level.height() - 1)};
+  return {std::min(rounded(pixel.x() * scale), level.width() - 1),
+          std::min(rounded(pixel.y() * scale), level.height() - 1)};
 }
 
 /// The line of one left pixel in one level.
@@ -61,8 +68,8 @@ class LevelLine {
         slope_(line.per_disparity - Eigen::Vector2d::UnitX()) {}
 
   LevelPixel at(int disparity) const {
-    return {pixel_.x + static_cast<int>(std::lround(infinity_.x() + disparity * slope_.x())),
-            pixel_.y + static_cast<int>(std::lround(infinity_.y() + disparity * slope_.y()))};
+    return {pixel_.x + rounded(infinity_.x() + disparity * slope_.x()),
+            pixel_.y + rounded(infinity_.y() + disparity * slope_.y())};
   }
 
  private:
@@ -103,10 +110,11 @@ Candidates searchCoarsest(const PyramidLevel& left, const PyramidLevel& right, c
   return candidates;
 }
 
+/// The best disparity around one, and its sum of absolute differences.
 int searchAround(const PyramidLevel& left, const PyramidLevel& right, const LevelPixel& pixel,
-                 const LevelLine& line, int disparity) {
+                 const LevelLine& line, int disparity, int& best_sad) {
   int best = disparity;
-  int best_sad = 1 << 30;
+  best_sad = 1 << 30;
   for (int trial = disparity - kSearchRadius; trial <= disparity + kSearchRadius; ++trial) {
     const LevelPixel at = line.at(trial);
     if (!contains(right, at)) continue;
@@ -121,60 +129,48 @@ int searchAround(const PyramidLevel& left, const PyramidLevel& right, const Leve
 
 using NccPatch = Patch<kNccColumns, kNccRows>;
 using NccStrip = Patch<kNccColumns + 2 * (kNccRadius + 1), kNccRows + 2 * 3>;  // room for rows <= 3
+constexpr Patch<kNccColumns, 1> kMask = NccPatch::mask();
 
-/// The left patch with its mean removed, and its norm.
+/// The left patch with its mean removed, zero in the padding, its mean and its norm.
 struct NccTemplate {
   NccPatch centred;
+  float mean = 0.0F;
   double norm = 0.0;
 };
 
-NccTemplate makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel) {
-  NccTemplate result;
-  NccPatch& patch = result.centred;
-  samplePatch(level, pixel, patch);
-  double sum = 0.0;
+void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
+  samplePatch(level, pixel, out.centred);
+  Lanes sum{}, square{};
   for (int y = 0; y < kNccRows; ++y)
-    for (int x = 0; x < kNccColumns; ++x)
-      sum += patch.row(y)[x];
-  const float mean = static_cast<float>(sum / (kNccRows * kNccColumns));
-  double square = 0.0;
+    for (int block = 0; block < NccPatch::kBlocks; ++block)
+      sum += out.centred.lanes(y, block) * kMask.lanes(0, block);
+  out.mean = static_cast<float>(sumOf(sum) / NccPatch::kSize);
   for (int y = 0; y < kNccRows; ++y) {
-    for (int x = 0; x < kNccColumns; ++x) {
-      float& value = patch.row(y)[x];
-      value -= mean;
-      square += static_cast<double>(value) * value;
+    for (int block = 0; block < NccPatch::kBlocks; ++block) {
+      Lanes& value = out.centred.lanes(y, block);
+      value = (value - out.mean) * kMask.lanes(0, block);
+      square += value * value;
     }
-    for (int x = kNccColumns; x < NccPatch::kStride; ++x)
-      patch.row(y)[x] = 0.0F;
   }
-  result.norm = std::sqrt(square);
-  return result;
+  out.norm = std::sqrt(sumOf(square));
 }
 
 /// Normalised cross-correlation of the template with the strip's window whose upper left corner is (x0, y0).
 double correlate(const NccTemplate& left, const NccStrip& strip, int x0, int y0) {
-  float column_product[NccPatch::kStride] = {};
-  float column_sum[NccPatch::kStride] = {};
-  float column_square[NccPatch::kStride] = {};
+  Lanes products{}, sums{}, squares{};
   for (int y = 0; y < kNccRows; ++y) {
-    const float* a = left.centred.row(y);
-    const float* b = strip.row(y0 + y) + x0;
-    for (int x = 0; x < kNccColumns; ++x) {
-      column_product[x] += a[x] * b[x];
-      column_sum[x] += b[x];
-      column_square[x] += b[x] * b[x];
+    for (int block = 0; block < NccPatch::kBlocks; ++block) {
+      Lanes value;
+      std::memcpy(&value, strip.row(y0 + y) + x0 + kLanes * block, sizeof value);
+      const Lanes masked = (value - left.mean) * kMask.lanes(0, block);
+      products += left.centred.lanes(y, block) * masked;
+      sums += masked;
+      squares += masked * masked;
     }
   }
-  double product = 0.0;
-  double sum = 0.0;
-  double square = 0.0;
-  for (int x = 0; x < kNccColumns; ++x) {
-    product += column_product[x];
-    sum += column_sum[x];
-    square += column_square[x];
-  }
-  const double variance = square - sum * sum / (kNccRows * kNccColumns);
-  return variance > 1.0 ? product / (left.norm * std::sqrt(variance)) : 0.0;
+  const double sum = sumOf(sums);
+  const double variance = sumOf(squares) - sum * sum / NccPatch::kSize;
+  return variance > 1.0 ? sumOf(products) / (left.norm * std::sqrt(variance)) : 0.0;
 }
 
 /// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
@@ -223,18 +219,24 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   Candidates candidates =
       searchCoarsest(coarse, right_image.dog[coarsest], coarse_pixel, LevelLine(coarse_pixel, line, coarsest),
                      (settings.maximum_disparity >> coarsest) + 1);
+  if (candidates.count == 0) return std::nullopt;
+  std::array<int, kCandidates> difference{};
   for (int level = coarsest - 1; level >= 0; --level) {
     const LevelPixel pixel = pixelAt(left_image.dog[level], left, level);
+    const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
-      candidates.disparity[i] = searchAround(left_image.dog[level], right_image.dog[level], pixel,
-                                             LevelLine(pixel, line, level), 2 * candidates.disparity[i]);
+      candidates.disparity[i] = searchAround(left_image.dog[level], right_image.dog[level], pixel, level_line,
+                                             2 * candidates.disparity[i], difference[i]);
   }
+  const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 
-  const NccTemplate patch = makeTemplate(left_image.grey.front(), left);
+  NccTemplate patch;
+  makeTemplate(left_image.grey.front(), left, patch);
   if (patch.norm < 1.0) return std::nullopt;
   StereoMatch best;
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
+    if (difference[i] / kNoRival > least) continue;
     const StereoMatch match =
         correlateAround(patch, right_image.grey.front(), left, line, candidates.disparity[i], settings.rows);
     if (match.correlation <= 0.0) continue;

@@ -64,7 +64,8 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, StageObserv
     const StageScope stage(observer, Stage::optical_flow);
     features_.track(left, current_.index, window_, predictedPose());
   }
-  SpacingGrid spacing(camera_.width, camera_.height, features_.minimumDistance());
+  SpacingGrid spacing(camera_.width, camera_.height,
+                      minimumDistance(settings_, camera_.width, camera_.height));
   {
     const StageScope stage(observer, Stage::minimum_distance);
     features_.keepDistance(spacing);

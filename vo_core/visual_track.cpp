@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/plausible_motion.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -18,7 +20,9 @@ constexpr double kDoubtful = 2.0;                       // standard deviations a
 constexpr double kTellingWay = 0.5;                     // m driven within the window, for the rig to show
 // Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
 // on rendered worlds (docs/accuracy.md).
-constexpr double kSharedError = 4.0;
+constexpr double kSharedError = 8.0;
+// For the same reason a motion errs less than the sum of its two poses' errors.
+constexpr double kMotionShare = 0.85;
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
@@ -27,19 +31,15 @@ double seconds(std::int64_t nanoseconds) {
   return 1e-9 * static_cast<double>(nanoseconds);
 }
 
-WindowFrame frameOf(const PreparedPair& pair) {
+WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
   WindowFrame frame;
   frame.index = pair.index;
   frame.exposure_ns = pair.left_exposure_ns;
-  frame.offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
+  const double offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
+  if (model == OffsetModel::two_instants) frame.offset = offset;
+  if (model == OffsetModel::image_velocity) frame.image_offset = offset;
   frame.left.grey = pair.left.grey;
   return frame;
-}
-
-int indexOf(const std::vector<WindowFrame>& window, std::int64_t index) {
-  for (std::size_t i = 0; i < window.size(); ++i)
-    if (window[i].index == index) return static_cast<int>(i);
-  return -1;
 }
 
 std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
@@ -50,10 +50,8 @@ std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
   return poses;
 }
 
-Eigen::Isometry3d besideEachOther(double baseline) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().x() = baseline;
-  return T;
+void dropDistrusted(std::vector<Landmark>& landmarks) {
+  std::erase_if(landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
 }
 
 /// First depth of a landmark whose only sighting is in stereo: the inverse depth at which the right camera,
@@ -88,11 +86,8 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     tracker_.renew(landmarks_, first.left_image, first.index);
   }
   const StageScope stage(observer, Stage::disparity);
-  window_.push_back(frameOf(first));
-  Draft draft{std::move(landmarks_), std::move(window_)};
-  matchStereo(first, draft);
-  landmarks_ = std::move(draft.landmarks);
-  window_ = std::move(draft.window);
+  window_.push_back(frameOf(first, settings.offset_model));
+  matchStereo(first, window_, landmarks_);
   // How fast the cart is, is not known: with two instants, its depths are vague.
   const double vague = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
   for (Landmark& landmark : landmarks_) {
@@ -120,7 +115,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
   TrackedMotion motion;
   motion.time_step = secondsSinceLast(pair);
   Draft draft{landmarks_, window_};
-  draft.window.push_back(frameOf(pair));
+  draft.window.push_back(frameOf(pair, settings_.offset_model));
   {
     const StageScope stage(observer, Stage::optical_flow);
     // The oldest pair leaves the window once this one has come.
@@ -150,7 +145,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
   }
   {
     const StageScope stage(observer, Stage::disparity);
-    matchStereo(pair, draft);
+    matchStereo(pair, draft.window, draft.landmarks);
   }
   const StageScope stage(observer, Stage::weights);
   if (held)
@@ -203,7 +198,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   draft.window.back().T_world_camera = found->T_world_camera;
   for (std::size_t i = 0; i < chosen.size(); ++i)
     if (!found->inlier[i]) draft.landmarks[chosen[i]].trust *= 0.5;
-  std::erase_if(draft.landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
+  dropDistrusted(draft.landmarks);
   return true;
 }
 
@@ -227,7 +222,7 @@ PoseProblem VisualTrack::poseProblem(const std::vector<Landmark>& landmarks, con
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth()) continue;
     PosePoint point;
-    point.host = indexOf(window_, landmark.host().frame);
+    point.host = placeOf(window_, landmark.host().frame);
     point.bearing = bearingOf(camera_, landmark.host().left);
     point.inverse_depth = landmark.inverse_depth;
     point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
@@ -255,20 +250,20 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
   return true;
 }
 
-void VisualTrack::matchStereo(const PreparedPair& pair, Draft& draft) const {
-  const std::vector<TimedPose> poses = timedPoses(draft.window);
+void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
+                              std::vector<Landmark>& landmarks) const {
+  const std::vector<TimedPose> poses = timedPoses(window);
   const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, camera_.baseline);
   const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
-  const Eigen::Isometry3d T_left_right =
-      poses.size() > 1 ? T_world_camera.inverse() * right.T_world_camera : besideEachOther(camera_.baseline);
-  tracker_.matchStereo(draft.landmarks, draft.window, pair.left, pair.right, T_left_right, T_world_camera);
+  const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * T_world_camera;
+  tracker_.matchStereo(landmarks, window, pair.left, pair.right, T_right_left, T_world_camera);
 
   const RigCorrection rig = rigCorrection();
-  for (Landmark& landmark : draft.landmarks) {
+  for (Landmark& landmark : landmarks) {
     const Sighting& host = landmark.host();
     if (landmark.hasDepth() || landmark.sightings.size() > 1 || !host.stereo) continue;
-    giveDepth(landmark, camera_, T_left_right.inverse(),
-              correctedRight(camera_, rig, host.left - host.parallax), noise_);
+    giveDepth(landmark, camera_, T_right_left, correctedRight(camera_, rig, host.left - host.parallax),
+              noise_);
   }
 }
 
@@ -293,7 +288,7 @@ BundleProblem VisualTrack::bundleProblem(const Draft& draft, std::vector<std::si
       item.prior_information = kMonocularInformation;
     }
     for (const Sighting& sighting : landmark.sightings)
-      if (const int pose = indexOf(draft.window, sighting.frame); pose >= 0)
+      if (const int pose = placeOf(draft.window, sighting.frame); pose >= 0)
         item.sightings.push_back({pose, sighting.left, sighting.stereo,
                                   correctedRight(camera_, rig, sighting.left - sighting.parallax)});
     problem.landmarks.push_back(std::move(item));
@@ -335,7 +330,7 @@ void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::siz
     landmark.inverse_depth = adjusted.inverse_depth;
     landmark.information = adjusted.information;
   }
-  std::erase_if(draft.landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
+  dropDistrusted(draft.landmarks);
 }
 
 void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
@@ -357,18 +352,17 @@ void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResu
   motion.T_world_camera = window[last].T_world_camera;
   motion.pose_covariance = window[last].pose_covariance;
   motion.T_previous_current = window[last - 1].T_world_camera.inverse() * motion.T_world_camera;
-  // Both poses err against the landmarks: the motion has the errors of both.
+  // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
   const Matrix6d carried = adjoint(motion.T_previous_current.inverse());
-  motion.motion_covariance = window[last].local_covariance +
-                             carried * window[last - 1].local_covariance * carried.transpose() -
-                             carried * block(last - 1, last) - block(last, last - 1) * carried.transpose();
+  motion.motion_covariance =
+      kMotionShare *
+      (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
+       carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
 
 OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
   const ValiditySettings& validity = settings_.validity;
-  const Vector6d vector = vectorFromMotion(motion.T_previous_current);
-  if (!vector.allFinite() || vector.head<3>().norm() > validity.maximum_speed * motion.time_step ||
-      vector.tail<3>().norm() > validity.maximum_rate * motion.time_step)
+  if (!plausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
   if (!(motion.motion_covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_deviation, 2)))
     return OdometryReason::degenerate_geometry;

@@ -65,7 +65,8 @@ class VisualTrack {
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   PoseProblem poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
                           std::vector<std::size_t>& chosen) const;
-  void matchStereo(const PreparedPair& pair, Draft& draft) const;
+  void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
+                   std::vector<Landmark>& landmarks) const;
   BundleProblem bundleProblem(const Draft& draft, std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;

@@ -27,14 +27,33 @@ TEST(FastCorners, NeedsNineContiguousPixels) {
   EXPECT_GT(fastScore(corner, 10, 10, 40), 0);
 }
 
+TEST(FastCorners, AreFoundInTheirWindowAndScored) {
+  test::Noise noise(3);
+  cv::Mat image(60, 80, CV_8UC1);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(noise.uniform() * 255.0);
+  const cv::Rect window(20, 0, 30, 40);
+  cv::Mat scores(image.size(), CV_16UC1, cv::Scalar(0));
+  const auto corners = findCorners(image, window, 50, scores);
+  int expected = 0;
+  for (int y = kFastRadius; y < window.br().y; ++y)  // the window touches the upper edge of the image
+    for (int x = window.x; x < window.br().x; ++x) {
+      const std::uint16_t score = fastScore(image, x, y, 50);
+      EXPECT_EQ(scores.at<std::uint16_t>(y, x), score);
+      if (score > 0) ++expected;
+    }
+  EXPECT_GT(expected, 10);
+  EXPECT_EQ(static_cast<int>(corners.size()), expected);
+}
+
 TEST(FastCorners, SuppressionKeepsTheStrongestOfNeighbours) {
+  // Of the last two, which are equal, the first stays.
+  const std::vector<Corner> corners = {{8, 8, 100}, {9, 8, 200}, {9, 9, 150}, {5, 14, 70}, {6, 14, 70}};
   cv::Mat scores(20, 20, CV_16UC1, cv::Scalar(0));
-  scores.at<std::uint16_t>(8, 8) = 100;
-  scores.at<std::uint16_t>(8, 9) = 200;
-  scores.at<std::uint16_t>(9, 9) = 150;
-  scores.at<std::uint16_t>(14, 5) = 70;  // two equal ones: the first stays
-  scores.at<std::uint16_t>(14, 6) = 70;
-  const auto maxima = localMaxima(scores, cv::Rect(0, 0, 20, 20));
+  for (const Corner& corner : corners)
+    scores.at<std::uint16_t>(corner.y, corner.x) = corner.score;
+  const auto maxima = localMaxima(scores, corners);
   ASSERT_EQ(maxima.size(), 2U);
   EXPECT_EQ(maxima[0].x, 9);
   EXPECT_EQ(maxima[0].y, 8);

@@ -26,16 +26,10 @@ class CorridorWorld {
 
   StereoImages render(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
                       std::int64_t time_ns) const {
-    const Eigen::Isometry3d T_world_right = T_world_camera * Eigen::Translation3d(camera.baseline, 0, 0);
-    return {view(camera, T_world_camera), view(camera, T_world_right), time_ns, time_ns};
+    return {view(camera, T_world_camera), rightView(camera, T_world_camera), time_ns, time_ns};
   }
 
- private:
-  struct Wave {
-    double x, y, length, phase;
-  };
-  static constexpr int kPlanes = 4;
-
+  /// What a camera there sees; what the right one of a rig sees whose left camera is there.
   cv::Mat view(const StereoCamera& camera, const Eigen::Isometry3d& T) const {
     return draw(camera.width, camera.height, [&](int x, int y) {
       const Eigen::Vector3d ray = T.linear() * Eigen::Vector3d((x - camera.cx) / camera.focal_length,
@@ -43,6 +37,15 @@ class CorridorWorld {
       return shade(T.translation(), ray, camera.focal_length);
     });
   }
+  cv::Mat rightView(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera) const {
+    return view(camera, T_world_camera * Eigen::Translation3d(camera.baseline, 0, 0));
+  }
+
+ private:
+  struct Wave {
+    double x, y, length, phase;
+  };
+  static constexpr int kPlanes = 4;
 
   double shade(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double focal_length) const {
     // Axis and offset of each plane: left and right wall, floor, end.

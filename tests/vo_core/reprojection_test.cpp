@@ -148,17 +148,20 @@ TEST(RightCamera, DerivativesAgreeWithDifferences) {
     double offset;
     int index;
     int neighbour;
+    int third;
   };
   // Later with a later neighbour, earlier with an earlier one, and both carried on where there is none.
-  for (const Case& c :
-       {Case{0.02, 1, 2}, Case{-0.02, 1, 0}, Case{0.02, 2, 1}, Case{-0.02, 0, 1}, Case{0.0, 1, -1}}) {
+  for (const Case& c : {Case{0.02, 1, 2, 0}, Case{-0.02, 1, 0, 2}, Case{0.02, 2, 1, 0}, Case{-0.02, 0, 1, 2},
+                        Case{0.0, 1, -1, -1}}) {
     const std::vector<TimedPose> poses = unsteadyPoses(c.offset);
     const RightCamera right = rightCameraOf(poses, c.index, kRigCamera.baseline);
     EXPECT_EQ(right.neighbour, c.neighbour);
+    EXPECT_EQ(right.third, c.third);
     for (int moved = 0; moved < 3; ++moved) {
       Matrix6d expected = Matrix6d::Zero();
       if (moved == c.index) expected = right.by_own;
       if (moved == c.neighbour) expected = right.by_neighbour;
+      if (moved == c.third) expected = right.by_third;
       EXPECT_LT((rightByPose(poses, c.index, moved) - expected).norm(), 1e-7)
           << c.offset << " s, pair " << c.index << ", moved " << moved;
     }
@@ -172,6 +175,22 @@ TEST(RightCamera, LiesOnASteadyDriveAtItsOwnInstant) {
                                           {0.11, offset, steadyDrive(0.11)}};
     for (int i = 0; i < 3; ++i) {
       const Eigen::Isometry3d expected = test::rightOf(steadyDrive(poses[i].time + offset));
+      const RightCamera right = rightCameraOf(poses, i, kRigCamera.baseline);
+      EXPECT_LT((right.T_world_camera.matrix() - expected.matrix()).norm(), 1e-12)
+          << offset << " s, pair " << i;
+    }
+  }
+}
+
+TEST(RightCamera, LiesOnADriveThatGathersSpeedInABend) {
+  const auto drive = [](double t) {
+    return motionFromVector(vector6(2.0 * t * t, 0.0, 5.0 * t + t * t, 0.0, 0.4 * t + 0.3 * t * t, 0.0));
+  };
+  for (const double offset : {-0.027, 0.004, 0.027}) {
+    const std::vector<TimedPose> poses = {
+        {0.0, offset, drive(0.0)}, {0.055, offset, drive(0.055)}, {0.12, offset, drive(0.12)}};
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Isometry3d expected = test::rightOf(drive(poses[i].time + offset));
       const RightCamera right = rightCameraOf(poses, i, kRigCamera.baseline);
       EXPECT_LT((right.T_world_camera.matrix() - expected.matrix()).norm(), 1e-12)
           << offset << " s, pair " << i;

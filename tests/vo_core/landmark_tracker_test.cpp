@@ -1,0 +1,147 @@
+// Landmarks on a texture that is carried sideways by known amounts: a wall that the camera drives along.
+#include "vo_core/landmark_tracker.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/synthetic_texture.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kWidth = 400, kHeight = 240;
+constexpr double kDisparity = 8.0;                       // px, of the wall
+const Eigen::Vector2d kShift = Eigen::Vector2d(5.3, 0);  // px, of the wall from pair to pair
+
+StereoCamera camera() {
+  return {
+      .focal_length = 300.0, .cx = 200.0, .cy = 120.0, .baseline = 0.12, .width = kWidth, .height = kHeight};
+}
+double wallDepth() {
+  return camera().focal_length * camera().baseline / kDisparity;
+}
+
+/// The rectified right camera from the left one.
+Eigen::Isometry3d rightFromLeft() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation().x() = -camera().baseline;
+  return T;
+}
+
+cv::Mat wallAt(const Eigen::Vector2d& place) {
+  static const test::WaveTexture texture(11);
+  return test::draw(kWidth, kHeight,
+                    [&](double x, double y) { return texture(x - place.x(), y - place.y()); });
+}
+
+WindowFrame frameAt(int index) {
+  WindowFrame frame;
+  frame.index = index;
+  frame.left.grey = buildPyramid(wallAt(index * kShift), 4).grey;
+  // What shifts the wall to the right moves the camera to the left.
+  frame.T_world_camera.translation().x() = -index * kShift.x() * wallDepth() / camera().focal_length;
+  return frame;
+}
+
+class LandmarkTrackerTest : public testing::Test {
+ protected:
+  LandmarkTrackerTest() {
+    window_.push_back(frameAt(0));
+    tracker_.renew(landmarks_, wallAt(Eigen::Vector2d::Zero()), 0);
+  }
+
+  void follow(int index, std::int64_t oldest_host, const std::optional<Eigen::Isometry3d>& expected) {
+    const WindowFrame frame = frameAt(index);
+    tracker_.follow(landmarks_, window_, frame.left, index, oldest_host, expected);
+    window_.push_back(frame);
+  }
+
+  /// How far the landmarks' last positions are from where the wall has carried their hosts', px.
+  double medianError() const {
+    std::vector<double> errors;
+    for (const Landmark& landmark : landmarks_) {
+      const auto pairs = static_cast<double>(landmark.last().frame - landmark.host().frame);
+      errors.push_back((landmark.last().left - landmark.host().left - pairs * kShift).norm());
+    }
+    std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+    return errors[errors.size() / 2];
+  }
+
+  OdometrySettings settings_ = [] {
+    OdometrySettings s;
+    s.features = 150;
+    s.tracking.minimum_score = 0.0;  // the texture is soft
+    return s;
+  }();
+  LandmarkTracker tracker_{camera(), settings_};
+  std::vector<WindowFrame> window_;
+  std::vector<Landmark> landmarks_;
+};
+
+TEST_F(LandmarkTrackerTest, FollowsWithoutKnowingTheMotion) {
+  const std::size_t before = landmarks_.size();
+  ASSERT_GT(before, 50U);
+  for (int index = 1; index <= 3; ++index)
+    follow(index, 0, std::nullopt);
+  EXPECT_GT(landmarks_.size(), 0.8 * static_cast<double>(before));  // the rest has left the picture
+  EXPECT_LT(medianError(), 0.03);
+  for (const Landmark& landmark : landmarks_) {
+    EXPECT_EQ(landmark.sightings.size(), 4U);
+    EXPECT_EQ(landmark.age, 4);
+  }
+}
+
+TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {
+  const double inverse_depth = 1.0 / wallDepth();
+  for (Landmark& landmark : landmarks_) {
+    landmark.inverse_depth = inverse_depth;
+    landmark.information = 1e4;
+  }
+  follow(1, 0, frameAt(1).T_world_camera);
+  follow(2, 1, frameAt(2).T_world_camera);  // the first pair may no longer be a host
+  ASSERT_FALSE(landmarks_.empty());
+  for (const Landmark& landmark : landmarks_) {
+    EXPECT_EQ(landmark.host().frame, 1);
+    EXPECT_EQ(landmark.sightings.size(), 2U);
+    EXPECT_NEAR(landmark.inverse_depth, inverse_depth, 1e-9);  // the camera has moved along the wall
+    EXPECT_EQ(landmark.prior_inverse_depth, landmark.inverse_depth);
+  }
+  EXPECT_LT(medianError(), 0.03);
+}
+
+TEST_F(LandmarkTrackerTest, FindsNewOnesInTheRightImageAndKnownOnesWhereTheirDepthPutsThem) {
+  const ImagePyramid left = buildPyramid(wallAt(Eigen::Vector2d::Zero()), 4);
+  const ImagePyramid right = buildPyramid(wallAt({-kDisparity, 0.0}), 1);
+  for (std::size_t i = 0; i < landmarks_.size(); i += 2) {
+    landmarks_[i].inverse_depth = 1.0 / wallDepth();
+    landmarks_[i].information = 1e4;
+  }
+  tracker_.matchStereo(landmarks_, window_, left, right, rightFromLeft(), Eigen::Isometry3d::Identity());
+  for (const bool known : {true, false}) {
+    test::Statistics disparity;
+    int asked = 0;
+    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+      if ((i % 2 == 0) != known) continue;
+      ++asked;
+      if (landmarks_[i].last().stereo) disparity.add(landmarks_[i].last().parallax.x());
+    }
+    EXPECT_GT(disparity.count(), 0.6 * asked) << known;
+    EXPECT_NEAR(disparity.mean(), kDisparity, 0.02) << known;
+    EXPECT_LT(disparity.deviation(), 0.1) << known;
+  }
+}
+
+TEST_F(LandmarkTrackerTest, OfTwoThatMeetTheTrustedOneStays) {
+  Landmark rival = landmarks_.front();
+  rival.sightings.front().left += Eigen::Vector2d(1.0, 1.0);
+  rival.trust = 0.5;
+  const Eigen::Vector2d place = rival.last().left;
+  landmarks_.push_back(rival);
+  tracker_.renew(landmarks_, wallAt(Eigen::Vector2d::Zero()), 0);
+  EXPECT_TRUE(std::none_of(landmarks_.begin(), landmarks_.end(),
+                           [&](const Landmark& landmark) { return landmark.last().left == place; }));
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/rigid_motion.hpp"
+
+namespace cartvo {
+
+/// Whether a cart can have moved so far and turned so much in `time_step` seconds.
+inline bool plausibleMotion(const Eigen::Isometry3d& motion, double time_step,
+                            const ValiditySettings& validity) {
+  const Vector6d vector = vectorFromMotion(motion);
+  return vector.allFinite() && vector.head<3>().norm() <= validity.maximum_speed * time_step &&
+         vector.tail<3>().norm() <= validity.maximum_rate * time_step;
+}
+
+}  // namespace cartvo

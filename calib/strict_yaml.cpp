@@ -31,12 +31,27 @@ std::string shortened(const std::string& text) {
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
+/// With what it holds, if that is short: a person must see which item is wrong.
+std::string describeSequence(const YAML::Node& node) {
+  constexpr std::size_t kMostShown = 10;
+  std::string description = "a sequence of " + std::to_string(node.size());
+  const bool is_short = node.size() > 0 && node.size() <= kMostShown;
+  if (!is_short ||
+      !std::all_of(node.begin(), node.end(), [](const YAML::Node& item) { return item.IsScalar(); })) {
+    return description;
+  }
+  std::string items;
+  for (const YAML::Node& item : node)
+    items += (items.empty() ? "" : ", ") + shortened(item.Scalar());
+  return description + " [" + items + "]";
+}
+
 std::string describe(const YAML::Node& node) {
   switch (node.Type()) {
     case YAML::NodeType::Scalar:
       return "'" + shortened(node.Scalar()) + "'";
     case YAML::NodeType::Sequence:
-      return "a sequence of " + std::to_string(node.size());
+      return describeSequence(node);
     case YAML::NodeType::Map:
       return "a map";
     default:

@@ -26,6 +26,15 @@ ImageFolder readImageFolder(const std::filesystem::path& folder) {
                            "mav0/cam0 and mav0/cam1 (EuRoC's)");
 }
 
+cv::Mat readGreyImage(const std::filesystem::path& file) {
+  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (image.empty()) {
+    throw std::runtime_error(
+        file.string() + ": not an image that can be read; expected a whole PNG or JPEG file, copy it anew");
+  }
+  return image;
+}
+
 std::int64_t nominalPeriodNs(const ImageSequence& sequence) {
   if (sequence.instants_ns.size() < 2) return 0;
   std::vector<std::int64_t> intervals;
@@ -71,11 +80,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   if (interrupted_ || index >= sequence_.images.size()) return ReadOutcome::ended;
   const std::filesystem::path& file = sequence_.images[index];
   Frame read;
-  read.image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (read.image.empty()) {
-    throw std::runtime_error(file.string() +
-                             ": cannot be read as an image; expected a whole PNG or JPEG file, copy it anew");
-  }
+  read.image = readGreyImage(file);
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +

@@ -51,6 +51,9 @@ std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folde
 /// instants that do not increase.
 ImageFolder readImageFolder(const std::filesystem::path& folder);
 
+/// The image as grey. Throws std::runtime_error naming the file if it is not one.
+cv::Mat readGreyImage(const std::filesystem::path& file);
+
 /// Median time between the frames, ns; 0 if there is only one.
 std::int64_t nominalPeriodNs(const ImageSequence& sequence);
 

@@ -24,10 +24,10 @@
 #include "daemon/lcm_connection.hpp"
 #include "daemon/log.hpp"
 #include "daemon/odometry_publisher.hpp"
-#include "daemon/odometry_reasons.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/progress_watch.hpp"
 #include "daemon/service_manager.hpp"
+#include "daemon/validity_log.hpp"
 
 namespace cartvo {
 namespace {
@@ -93,8 +93,7 @@ class Daemon::Implementation {
   void onNoPair(const NoPair& no_pair);
   void turn();
   void publishHealth(Clock::time_point now);
-  void logValidity(const odometry_t& message);
-  void logState(const char* side, const CameraHealth& health, std::optional<CameraState>& last);
+  void logCamera(const char* side, const CameraHealth& health, std::optional<CameraState>& last);
   std::string statusLine(const health_t& health) const;
 
   Configuration configuration_;
@@ -116,7 +115,7 @@ class Daemon::Implementation {
   std::uint64_t reported_failures_ = 0;
   std::optional<CameraState> left_state_;
   std::optional<CameraState> right_state_;
-  std::optional<bool> was_valid_;
+  ValidityLog validity_;
 };
 
 Daemon::Implementation::Implementation(const Configuration& configuration)
@@ -175,26 +174,15 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
   health_.add(result, message);
   if (message.status == odometry_t::VALID) service_.ready();
-  logValidity(message);
+  validity_.note(message);
   turn();
 }
 
 void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   const odometry_t& message = publisher_.publish(no_pair);
   health_.addNoPair();
-  logValidity(message);
+  validity_.note(message);
   turn();
-}
-
-void Daemon::Implementation::logValidity(const odometry_t& message) {
-  const bool valid = message.status == odometry_t::VALID;
-  if (was_valid_ == valid) return;
-  was_valid_ = valid;
-  if (valid) {
-    spdlog::info("odometry is valid");
-  } else {
-    spdlog::info("odometry is not valid: {}", reasonNames(message.reasons));
-  }
 }
 
 /// Once for each message; that is at the frame rate, whatever the cameras do.
@@ -216,33 +204,37 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.status(statusLine(message));
-  logState("left", snapshot.left, left_state_);
-  logState("right", snapshot.right, right_state_);
-  if (!message.problem.empty()) warnings_.warn(message.problem);
+  logCamera("left", snapshot.left, left_state_);
+  logCamera("right", snapshot.right, right_state_);
+  for (const std::string& problem : {snapshot.problem, health_.clockProblem(), snapshot.recording}) {
+    if (!problem.empty()) warnings_.warn(problem);
+  }
   if (publisher_.failures() > reported_failures_) {
     warnings_.warn(
         "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
     reported_failures_ = publisher_.failures();
   }
-  if (!snapshot.recording.empty() && snapshot.recording != message.problem)
-    warnings_.warn(snapshot.recording);
 }
 
-void Daemon::Implementation::logState(const char* side, const CameraHealth& health,
-                                      std::optional<CameraState>& last) {
-  if (last == health.state) return;
+/// Each change of a camera's state, and what is wrong with it: again each minute while it lasts.
+void Daemon::Implementation::logCamera(const char* side, const CameraHealth& health,
+                                       std::optional<CameraState>& last) {
+  const bool changed = last != health.state;
   last = health.state;
+  const std::string state = fmt::format("{} camera: {}", side, stateName(health.state));
   if (health.state == CameraState::streaming || health.last_error.empty()) {
-    spdlog::info("{} camera: {}", side, stateName(health.state));
-  } else {
-    spdlog::warn("{} camera: {}: {}", side, stateName(health.state), health.last_error);
+    if (changed) spdlog::info(state);
+    return;
   }
+  const std::string fault = state + ": " + health.last_error;
+  if (changed) warnings_.forget(fault);
+  warnings_.warn(fault);
 }
 
 std::string Daemon::Implementation::statusLine(const health_t& health) const {
   if (!health.problem.empty()) return health.problem;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
-                     was_valid_.value_or(false) ? "odometry valid" : "no valid odometry", health.pair_rate,
+                     validity_.valid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);
 }
 

@@ -126,7 +126,7 @@ void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   window_.right_decode.push_back(decodeMilliseconds(result.right));
 }
 
-std::string HealthMonitor::clockProblem(Clock::time_point now, const HealthSnapshot& snapshot) {
+std::string HealthMonitor::findClockProblem(Clock::time_point now, const HealthSnapshot& snapshot) {
   const bool differ = snapshot.left.state == CameraState::streaming &&
                       snapshot.right.state == CameraState::streaming &&
                       snapshot.left.instant_source != snapshot.right.instant_source;
@@ -169,8 +169,8 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
   message.memory_mb = megabytesResident();
-  const std::string clock_problem = clockProblem(now, snapshot);
-  message.problem = shortened(clock_problem.empty() ? firstProblem(snapshot) : clock_problem);
+  clock_problem_ = findClockProblem(now, snapshot);
+  message.problem = shortened(clock_problem_.empty() ? firstProblem(snapshot) : clock_problem_);
 
   last_ = now;
   last_left_frames_ = snapshot.left.frames;

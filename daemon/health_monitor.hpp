@@ -38,9 +38,12 @@ class HealthMonitor {
   /// Makes the message for the time since the last one and begins anew.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
+  /// As of the last message: says so if the cameras' instants have rested on different clocks for too long,
+  /// so that nothing pairs; else empty.
+  const std::string& clockProblem() const { return clock_problem_; }
+
  private:
-  /// Says so if the cameras' instants have rested on different clocks for too long, so that nothing pairs.
-  std::string clockProblem(Clock::time_point now, const HealthSnapshot& snapshot);
+  std::string findClockProblem(Clock::time_point now, const HealthSnapshot& snapshot);
 
   /// Of the pairs since the last message, ms.
   struct Window {
@@ -56,6 +59,7 @@ class HealthMonitor {
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
   std::optional<Clock::time_point> clocks_differ_since_;
+  std::string clock_problem_;
 };
 
 /// The value below which `fraction` of the values lie (nearest rank); NaN if there are none.

@@ -23,6 +23,9 @@ class RepeatedWarnings {
   std::string due(const std::string& text, Clock::time_point now);
   void warn(const std::string& text);
 
+  /// The fault is over: should it come back, that is news.
+  void forget(const std::string& text) { entries_.erase(text); }
+
  private:
   struct Entry {
     Clock::time_point logged;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "calib/rectifier.hpp"
+#include "daemon/velocity_at_exposure.hpp"
 
 namespace cartvo {
 namespace {
@@ -50,6 +51,7 @@ class PairProcessor::Implementation {
     const StereoImages images = rectify(pair);
     result.estimate = odometry_.process(images, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_);
+    takeVelocityToExposure(result);
     result.times = clock_.endPair();
     return result;
   }
@@ -58,6 +60,19 @@ class PairProcessor::Implementation {
   const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
 
  private:
+  void takeVelocityToExposure(PairResult& result) {
+    const double time_step = result.estimate.time_step;
+    if (!result.estimate.valid || !(time_step > 0.0)) return velocity_.forget();
+    if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.stand(time_step);
+    Twist mean;
+    mean.value << result.motion.velocity, result.motion.angular_velocity;
+    mean.covariance = result.motion.twist_covariance;
+    const Twist now = velocity_.next(mean, time_step);
+    result.motion.velocity = now.value.head<3>();
+    result.motion.angular_velocity = now.value.tail<3>();
+    result.motion.twist_covariance = now.covariance;
+  }
+
   StereoImages rectify(const FramePair& pair) {
     StereoImages images;
     images.left_exposure_ns = pair.left.exposure_ns;
@@ -73,6 +88,7 @@ class PairProcessor::Implementation {
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
   StereoOdometry odometry_;
+  VelocityAtExposure velocity_;
   StageClock clock_;
   std::uint64_t next_sequence_ = 0;
 };

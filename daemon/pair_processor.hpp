@@ -29,7 +29,7 @@ struct PairResult {
   FrameInstants left;
   FrameInstants right;
   OdometryEstimate estimate;  ///< of the rectified left camera
-  BodyMotion motion;          ///< of the cart's body
+  BodyMotion motion;  ///< of the cart's body; its velocities are those at the exposure (VelocityAtExposure)
   StageTimes times;
 
   /// Right minus left exposure, ns.

@@ -108,14 +108,17 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"PrincipalPointFarAway", "cy: 240.75", "cy: 2400",
               "12: left.cy: expected a number from -480 to 960, found '2400'"},
         Fault{"DistortionTooShort", "distortion: [0, 0, 0, 0, 0, 0, 0, 0]", "distortion: [0, 0]",
-              "13: left.distortion: expected a sequence of 8 numbers, found a sequence of 2"},
+              "13: left.distortion: expected a sequence of 8 numbers, found a sequence of 2 [0, 0]"},
         Fault{"DistortionNoNumber", "distortion: [0, 0, 0, 0, 0, 0, 0, 0]",
               "distortion: [0, 0, 0, 0, 0, 0, 0, k]",
-              "13: left.distortion: expected a sequence of 8 numbers, found a sequence of 8"},
+              "13: left.distortion: expected a sequence of 8 numbers, found a sequence of 8 [0, 0, 0, 0, 0, "
+              "0, 0, k]"},
         Fault{"SizeNotWhole", "image_size: [640, 480]", "image_size: [640.5, 480]",
-              "5: image_size: expected [width, height], two integers from 16 to 8192, found a sequence of 2"},
+              "5: image_size: expected [width, height], two integers from 16 to 8192, found a sequence of 2 "
+              "[640.5, 480]"},
         Fault{"SizeTooLarge", "image_size: [640, 480]", "image_size: [640000, 480]",
-              "5: image_size: expected [width, height], two integers from 16 to 8192, found a sequence of 2"},
+              "5: image_size: expected [width, height], two integers from 16 to 8192, found a sequence of 2 "
+              "[640000, 480]"},
         Fault{
             "RotationNotOrthonormal", "- [1, 0, 0]", "- [1, 0.1, 0]",
             "24: T_right_left.rotation: expected three orthonormal rows of a right-handed rotation, found a "
@@ -125,7 +128,8 @@ INSTANTIATE_TEST_SUITE_P(
             "24: T_right_left.rotation: expected three orthonormal rows of a right-handed rotation, found a "
             "sequence of 3"},
         Fault{"BaselineInMillimetres", "translation: [-0.12, 0, 0]", "translation: [-120, 0, 0]",
-              "27: T_right_left.translation: expected a baseline of 0.005 m to 10 m, found a sequence of 3"},
+              "27: T_right_left.translation: expected a baseline of 0.005 m to 10 m, found a sequence of 3 "
+              "[-120, 0, 0]"},
         Fault{"NotYaml", "left:", "left: [", "10: is not YAML: end of sequence flow not found"}),
     [](const auto& test_case) { return test_case.param.name; });
 

@@ -5,12 +5,15 @@
 #include <fstream>
 #include <future>
 #include <mutex>
+#include <sstream>
 
 #include <cartvo/health_t.hpp>
 #include <cartvo/odometry_t.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include "calib/rig_file.hpp"
 #include "daemon/daemon.hpp"
@@ -196,6 +199,49 @@ TEST_F(LiveStream, IsProcessedWhenItsRecordingCannotStartAndHealthSaysWhy) {
               AllOf(HasSubstr("not recording: cannot make the folder"), HasSubstr("rig.yaml/recording")));
   daemon.stop();
   run.wait();
+}
+
+/// What is logged while it lives.
+class LogText {
+ public:
+  LogText() : before_(spdlog::default_logger()) {
+    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text_);
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", std::move(sink)));
+  }
+  ~LogText() { spdlog::set_default_logger(before_); }
+  LogText(const LogText&) = delete;
+  LogText& operator=(const LogText&) = delete;
+
+  /// Lines that hold the text; only when nothing logs any more.
+  int linesWith(const std::string& part) const {
+    std::istringstream lines(text_.str());
+    int count = 0;
+    for (std::string line; std::getline(lines, line);)
+      count += line.find(part) != std::string::npos ? 1 : 0;
+    return count;
+  }
+
+ private:
+  std::ostringstream text_;
+  std::shared_ptr<spdlog::logger> before_;
+};
+
+TEST_F(LiveStream, OfACameraThatIsNotThereIsLoggedOnceNotEachSecond) {
+  const LogText log;
+  right_.reset();
+  Subscriber subscriber;
+  Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
+  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  const auto said = [&] {
+    return std::count_if(subscriber.health.begin(), subscriber.health.end(),
+                         [](const health_t& health) { return !health.right.last_error.empty(); });
+  };
+  EXPECT_TRUE(subscriber.listen(milliseconds(10000), [&] { return said() >= 3; }));
+  daemon.stop();
+  run.wait();
+  ASSERT_FALSE(subscriber.health.empty());
+  EXPECT_EQ(log.linesWith(subscriber.health.back().right.last_error), 1);
+  EXPECT_EQ(log.linesWith("right camera: connecting: "), 1);
 }
 
 TEST(LcmConnection, NamesTheInterfaceOfItsRoute) {

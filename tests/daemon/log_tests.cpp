@@ -18,6 +18,14 @@ TEST(RepeatedWarnings, LogTheFirstAtOnceThenOnceAMinuteWithTheirCount) {
   EXPECT_EQ(warnings.due("no partner", start + std::chrono::minutes(1)), "");
 }
 
+TEST(RepeatedWarnings, LogAFaultAtOnceThatComesBackAfterItWasOver) {
+  RepeatedWarnings warnings;
+  const RepeatedWarnings::Clock::time_point start;
+  warnings.due("no answer", start);
+  warnings.forget("no answer");
+  EXPECT_EQ(warnings.due("no answer", start + std::chrono::seconds(1)), "no answer");
+}
+
 TEST(RepeatedWarnings, TellTextsApartAndRememberABoundedNumber) {
   RepeatedWarnings warnings;
   const RepeatedWarnings::Clock::time_point now;

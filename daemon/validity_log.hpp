@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include <cartvo/odometry_t.hpp>
+
+namespace cartvo {
+
+/// Tells when the odometry becomes valid or stops to be. Where that changes again and again, as on a host
+/// that is too slow, only the first few changes are told each by a line, then at most one line in ten seconds
+/// with their number. One thread.
+class ValidityLog {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// For each message: the line to log now, or empty. Pure, for tests; `note` logs it.
+  std::string due(const odometry_t& message, Clock::time_point now);
+  void note(const odometry_t& message);
+
+  /// Of the last message; false before the first.
+  bool valid() const { return valid_; }
+
+ private:
+  bool mayTell(Clock::time_point now);
+
+  bool valid_ = false;
+  bool begun_ = false;
+  std::uint64_t untold_changes_ = 0;
+  int lines_left_ = 0;  ///< that may still follow one another at once
+  Clock::time_point last_refill_;
+  Clock::time_point last_told_;
+};
+
+}  // namespace cartvo

@@ -20,6 +20,10 @@ class LatestOdometryTest : public testing::Test {
     lcm_.publish("CARTVO_ODOMETRY", &message);
   }
 
+  void subscribeToOther() { lcm_.subscribe("OTHER", &LatestOdometryTest::onOther, this); }
+  void onOther(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
+               const odometry_t* /*message*/) {}
+
   lcm::LCM lcm_{"memq://"};
   LatestOdometry odometry_{lcm_};
 };
@@ -27,6 +31,17 @@ class LatestOdometryTest : public testing::Test {
 TEST_F(LatestOdometryTest, IsNotUsableBeforeTheFirstMessage) {
   EXPECT_FALSE(odometry_.update(0));
   EXPECT_FALSE(odometry_.isUsable(0));
+}
+
+TEST_F(LatestOdometryTest, IsNotUpdatedByAnotherChannel) {
+  subscribeToOther();
+  const odometry_t other{};
+  lcm_.publish("OTHER", &other);
+  EXPECT_FALSE(odometry_.update(10));
+  lcm_.publish("OTHER", &other);
+  publish(1, kNow, odometry_t::VALID);
+  lcm_.publish("OTHER", &other);
+  EXPECT_TRUE(odometry_.update(100)) << "behind the other's message";
 }
 
 TEST_F(LatestOdometryTest, IsUsableWhileValidAndFresh) {

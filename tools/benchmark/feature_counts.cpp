@@ -3,9 +3,6 @@
 
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
-
-#include <opencv2/imgcodecs.hpp>
 
 #include "capture/image_folder.hpp"
 #include "vo_core/adaptive_detector.hpp"
@@ -28,23 +25,17 @@ Spread spreadOf(const std::vector<int>& values) {
   return spread;
 }
 
-cv::Mat readImage(const std::filesystem::path& file) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw std::runtime_error(file.string() + ": cannot be read as an image");
-  return image;
-}
-
 }  // namespace
 
 FeatureCountSeries countFeatures(const std::filesystem::path& folder, const DetectionSettings& settings,
                                  int features) {
   const std::vector<std::filesystem::path> images = readImageFolder(folder).left.images;
-  AdaptiveDetector detector(settings, features, readImage(images.front()).size());
+  AdaptiveDetector detector(settings, features, readGreyImage(images.front()).size());
   std::vector<std::vector<int>> over_images(static_cast<std::size_t>(detector.windowCount()));
   FeatureCountSeries series;
   series.window_target = detector.cornerTarget();
   for (const std::filesystem::path& file : images) {
-    const cv::Mat image = readImage(file);
+    const cv::Mat image = readGreyImage(file);
     SpacingGrid spacing(image.cols, image.rows, TrackingSettings{}.minimum_distance);
     series.features.push_back(static_cast<int>(detector.detect(image, {}, spacing).size()));
     std::vector<int> windows;

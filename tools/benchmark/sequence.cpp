@@ -82,6 +82,11 @@ std::string worldName(const world::WorldSettings& settings) {
     std::snprintf(offset, sizeof offset, " %+g ms", 1e3 * settings.offset_s);
     name += offset;
   }
+  if (settings.offset_drift_ppm != 0.0) {
+    char drift[32];
+    std::snprintf(drift, sizeof drift, " %+g ppm", settings.offset_drift_ppm);
+    name += drift;
+  }
   return name;
 }
 

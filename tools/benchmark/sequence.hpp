@@ -42,7 +42,7 @@ std::vector<Sequence> realSequences(const std::filesystem::path& data);
 Sequence renderedSequence(const world::WorldSettings& settings, const WorldCache& cache,
                           const simulate::Progress& progress);
 
-/// "campus 1", "campus 1 +12 ms": scenario, seed, offset of the right camera.
+/// "campus 1", "campus 1 +12 ms +50 ppm": scenario, seed, offset of the right camera and its clock's drift.
 std::string worldName(const world::WorldSettings& settings);
 
 }  // namespace cartvo::benchmark

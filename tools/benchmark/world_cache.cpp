@@ -2,6 +2,7 @@
 #include "tools/benchmark/world_cache.hpp"
 
 #include <cerrno>
+#include <cstdio>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "capture/image_folder.hpp"
 #include "tools/simulate/content_files.hpp"
 
 namespace cartvo::benchmark {
@@ -35,12 +37,49 @@ class FileLock {
   int descriptor_;
 };
 
+/// A world whose left images are on disk already: they do not depend on when the right camera is exposed.
+class WithLeftImages final : public simulate::Content {
+ public:
+  WithLeftImages(const world::RenderedWorld& world, fs::path left_images)
+      : world_(world), left_images_(std::move(left_images)) {}
+
+  Rig rig() const override { return world_.rig(); }
+  double frameRate() const override { return world_.frameRate(); }
+  int pairCount() const override { return world_.pairCount(); }
+  std::int64_t leftInstant(int index) const override { return world_.leftInstant(index); }
+  std::int64_t rightInstant(int index) const override { return world_.rightInstant(index); }
+  Trajectory truth() const override { return world_.truth(); }
+  std::string cacheKey() const override { return world_.cacheKey(); }
+  void images(int index, cv::Mat& left, cv::Mat& right) const override {
+    char name[24];
+    std::snprintf(name, sizeof name, "%06d.png", index);
+    left = readGreyImage(left_images_ / name);
+    right = world_.image(index, CameraSide::right);
+  }
+
+ private:
+  const world::RenderedWorld& world_;
+  fs::path left_images_;
+};
+
 }  // namespace
 
 WorldCache::WorldCache(fs::path folder) : folder_(std::move(folder)) {}
 
 fs::path WorldCache::folderOf(const world::RenderedWorld& world) const {
   return folder_ / world.cacheKey();  // letters, digits, dots and hyphens
+}
+
+void WorldCache::render(const fs::path& images, const world::RenderedWorld& world,
+                        const simulate::Progress& progress) const {
+  world::WorldSettings at_once = world.settings();
+  at_once.offset_s = at_once.offset_drift_ppm = 0.0;
+  const fs::path left_images = folderOf(world::RenderedWorld(at_once)) / "image_0";
+  if (fs::exists(left_images)) {
+    simulate::renderFolder(images, WithLeftImages(world, left_images), progress);
+  } else {
+    simulate::renderFolder(images, world, progress);
+  }
 }
 
 fs::path WorldCache::rendered(const world::RenderedWorld& world, const simulate::Progress& progress) const {
@@ -50,7 +89,7 @@ fs::path WorldCache::rendered(const world::RenderedWorld& world, const simulate:
   fs::path lock_file = images;
   lock_file += ".lock";
   const FileLock lock(lock_file);
-  if (!fs::exists(images)) simulate::renderFolder(images, world, progress);
+  if (!fs::exists(images)) render(images, world, progress);
   fs::remove(lock_file);
   return images;
 }

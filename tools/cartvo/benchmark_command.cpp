@@ -1,25 +1,19 @@
-// `cartvo benchmark`: how accurate the odometry is, over all sequences at hand, and the thesis' own tables.
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
+// `cartvo benchmark`: how accurate the odometry is over all sequences at hand, and the thesis' own tables.
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <opencv2/core/utility.hpp>
-#include <opencv2/core/version.hpp>
 
-#include "calib/atomic_file.hpp"
 #include "tools/benchmark/accuracy_benchmark.hpp"
 #include "tools/benchmark/accuracy_report.hpp"
-#include "tools/benchmark/table.hpp"
 #include "tools/benchmark/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis_report.hpp"
+#include "tools/cartvo/benchmark_offset.hpp"
+#include "tools/cartvo/benchmark_options.hpp"
 #include "tools/cartvo/commands.hpp"
-#include "tools/cartvo/progress_bar.hpp"
 #include "tools/replay/estimator_names.hpp"
 #include "tools/simulate/stream_cache.hpp"
 
@@ -30,24 +24,9 @@ namespace fs = std::filesystem;
 using namespace benchmark;  // NOLINT(google-build-using-namespace): this file is that namespace's command
                             // line
 
-constexpr const char* kAll = "all";
-constexpr const char* kNone = "none";
-
-struct CommonOptions {
-  fs::path data;
-  int threads = 2;
-  std::string format = "text";
-  fs::path output;
-
-  ReportFormat reportFormat() const {
-    return format == "json" ? ReportFormat::json
-                            : (format == "markdown" ? ReportFormat::markdown : ReportFormat::text);
-  }
-};
-
 struct AccuracyOptions {
-  CommonOptions common;
-  std::vector<std::string> scenarios{kAll};
+  BenchmarkOptions common;
+  std::vector<std::string> scenarios{kAllScenarios};
   std::vector<std::uint64_t> seeds{1};
   double seconds = 0.0;  // 0: each scenario's own
   double offset_ms = 0.0;
@@ -67,40 +46,9 @@ double secondsOf(world::Scenario scenario) {
   return 40.0;
 }
 
-/// --data, else $CARTVO_DATA, else ../shared/data if it is there.
-fs::path dataFolder(const fs::path& given) {
-  if (given == kNone) return {};
-  if (!given.empty()) return given;
-  if (const char* configured = std::getenv("CARTVO_DATA"); configured != nullptr && *configured != '\0')
-    return configured;
-  fs::path beside = "../shared/data";
-  if (fs::is_directory(beside)) return beside;
-  std::fputs("cartvo: no real sequences: ../shared/data is not here; name their folder with --data DIR\n",
-             stderr);
-  return {};
-}
-
-void checkData(const fs::path& data) {
-  if (!data.empty() && !fs::is_directory(data)) {
-    throw std::runtime_error(
-        data.string() +
-        ": is no folder; --data takes one with image folders (KITTI or EuRoC layout), or "
-        "'none'");
-  }
-}
-
 std::vector<world::WorldSettings> worldsOf(const AccuracyOptions& options) {
-  std::vector<world::Scenario> scenarios;
-  for (const std::string& name : options.scenarios) {
-    if (name == kNone) continue;
-    if (name == kAll) {
-      scenarios.insert(scenarios.end(), world::allScenarios().begin(), world::allScenarios().end());
-    } else {
-      scenarios.push_back(world::scenarioFromName(name));
-    }
-  }
   std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenarios) {
+  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
     for (const std::uint64_t seed : options.seeds) {
       world::WorldSettings settings;
       settings.scenario = scenario;
@@ -116,8 +64,7 @@ std::vector<world::WorldSettings> worldsOf(const AccuracyOptions& options) {
 
 AccuracySettings settingsOf(const AccuracyOptions& options) {
   AccuracySettings settings;
-  settings.data = dataFolder(options.common.data);
-  checkData(settings.data);
+  settings.data = dataFolder(options.common);
   settings.worlds = worldsOf(options);
   for (const std::string& name : options.estimators)
     settings.estimators.push_back(estimatorNamed(name));
@@ -129,92 +76,25 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
   return settings;
 }
 
-/// A line on the error output for each piece of work, and a bar below it while it goes on.
-class WorkDisplay {
- public:
-  WorkObserver observer() {
-    return {[this](const std::string& what) {
-              bar_.reset();
-              std::fprintf(stderr, "%s\n", what.c_str());
-              bar_.emplace("pairs");
-            },
-            [this](int done, int total) {
-              if (bar_) bar_->show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
-            }};
-  }
-
- private:
-  std::optional<ProgressBar> bar_;
-};
-
-void checkOutput(const CommonOptions& options) {
-  if (options.output.empty()) return;
-  const fs::path folder = fs::absolute(options.output).parent_path();
-  if (!fs::is_directory(folder))
-    throw std::runtime_error(options.output.string() + ": cannot be written: there is no folder " +
-                             folder.string());
-}
-
-void hand(const CommonOptions& options, const std::string& report) {
-  if (options.output.empty()) {
-    std::fputs(report.c_str(), stdout);
-  } else {
-    writeFileAtomically(options.output, report);
-  }
-}
-
-nlohmann::ordered_json jsonHead(const char* benchmark, int threads) {
-  return {{"benchmark", benchmark},
-          {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
-          {"threads", threads}};
-}
-
 void runAccuracy(const AccuracyOptions& options) {
-  checkOutput(options.common);
+  checkOutput(options.common.output);
   const AccuracySettings settings = settingsOf(options);
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const std::vector<SequenceAccuracy> accuracies = runAccuracyBenchmark(settings, display.observer());
   if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = jsonHead("accuracy", options.common.threads);
+    nlohmann::ordered_json json = reportHead("accuracy", options.common.threads);
     json["features"] = options.features;
     json.update(accuracyJson(accuracies));
-    hand(options.common, json.dump(2) + "\n");
+    handReport(options.common, json.dump(2) + "\n");
   } else {
-    hand(options.common, accuracyTable(accuracies, options.common.reportFormat()));
+    handReport(options.common, accuracyTable(accuracies, options.common.reportFormat()));
   }
 }
 
-void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  command
-      .add_option("--data", options.data,
-                  "Folder with real sequences, each an image folder with its poses.txt, or 'none'\n"
-                  "(default: $CARTVO_DATA, else ../shared/data)")
-      ->type_name("DIR");
-  command.add_option("--threads", options.threads, "Threads for rendering and image operations")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command.add_option("--format", options.format, "text, markdown or json")
-      ->check(CLI::IsMember({"text", "markdown", "json"}))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command.add_option("--output", options.output, "Write the report into this file, not to the terminal")
-      ->type_name("FILE");
-}
-
-std::vector<std::string> scenarioChoices() {
-  std::vector<std::string> names{kAll, kNone};
-  for (const world::Scenario scenario : world::allScenarios())
-    names.emplace_back(world::scenarioName(scenario));
-  return names;
-}
-
 void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
-  std::string choices;
-  for (const std::string& name : scenarioChoices())
-    choices += (choices.empty() ? "" : ", ") + name;
   CLI::Option* scenarios =
-      command.add_option("--scenarios", options.scenarios, "Rendered drives: " + choices)
+      command.add_option("--scenarios", options.scenarios, "Rendered drives: " + scenarioList())
           ->delimiter(',')
           ->check(CLI::IsMember(scenarioChoices()))
           ->type_name("LIST")
@@ -245,7 +125,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
 void addAccuracy(CLI::App& benchmark) {
   CLI::App* command = benchmark.add_subcommand("accuracy", "One table of errors, consistency and times");
   const auto options = std::make_shared<AccuracyOptions>();
-  addCommonOptions(*command, options->common);
+  addBenchmarkOptions(*command, options->common);
   addWorldOptions(*command, *options);
   command->add_option("--estimators", options->estimators, "Which to compare")
       ->delimiter(',')
@@ -282,25 +162,24 @@ void addAccuracy(CLI::App& benchmark) {
 }
 
 struct ThesisOptions {
-  CommonOptions common;
+  BenchmarkOptions common;
 };
 
 void runThesis(const ThesisOptions& options) {
-  checkOutput(options.common);
+  checkOutput(options.common.output);
   ThesisSettings settings;
-  settings.data = dataFolder(options.common.data);
-  checkData(settings.data);
+  settings.data = dataFolder(options.common);
   settings.odometry.estimator = Estimator::thesis;
   settings.threads = options.common.threads;
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const ThesisResults results = runThesisBenchmark(settings, display.observer());
   if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = jsonHead("thesis", options.common.threads);
+    nlohmann::ordered_json json = reportHead("thesis", options.common.threads);
     json.update(thesisJson(results));
-    hand(options.common, json.dump(2) + "\n");
+    handReport(options.common, json.dump(2) + "\n");
   } else {
-    hand(options.common, thesisTables(results, options.common.reportFormat()));
+    handReport(options.common, thesisTables(results, options.common.reportFormat()));
   }
 }
 
@@ -308,7 +187,7 @@ void addThesis(CLI::App& benchmark) {
   CLI::App* command =
       benchmark.add_subcommand("thesis", "The thesis' tables, repeated beside its own values");
   const auto options = std::make_shared<ThesisOptions>();
-  addCommonOptions(*command, options->common);
+  addBenchmarkOptions(*command, options->common);
   command->footer(
       "Table 5-1 (depth regression with and without sub-pixel disparities, against rendered depth), Figures "
       "4-13\n"
@@ -330,6 +209,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   command->require_subcommand(1);
   command->footer("'cartvo benchmark accuracy --help' explains each.");
   addAccuracy(*command);
+  addOffsetBenchmark(*command);
   addThesis(*command);
 }
 

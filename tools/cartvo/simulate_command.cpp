@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -36,15 +35,6 @@ void stopOnSignals() {
   action.sa_handler = [](int) { stop_requested = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-cv::Size parseSize(const std::string& text) {
-  cv::Size size;
-  char more = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &more) != 2) {
-    throw std::invalid_argument("--size " + text + ": expected WIDTHxHEIGHT, such as 680x420");
-  }
-  return size;
 }
 
 std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
@@ -166,8 +156,6 @@ void serve(const SimulateOptions& options, const Content& content,
 }
 
 void run(const SimulateOptions& options) {
-  parseEndpoint(options.left);  // before minutes of rendering
-  parseEndpoint(options.right);
   const std::unique_ptr<Content> content = makeContent(options);
   if (!options.render.empty()) {
     ProgressBar bar("pairs");

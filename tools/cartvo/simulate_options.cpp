@@ -1,8 +1,26 @@
 // The command line of `cartvo simulate`.
 #include "tools/cartvo/simulate_options.hpp"
 
+#include <cstdio>
+#include <stdexcept>
+
+#include "tools/simulate/camera_pair_simulation.hpp"
+
 namespace cartvo {
 namespace {
+
+/// A check of an option: what `parse` does not take is a wrong command line.
+template <typename Parse>
+auto takenBy(Parse parse) {
+  return [parse](const std::string& text) -> std::string {
+    try {
+      parse(text);
+      return {};
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+}
 
 void addContentOptions(CLI::App& command, SimulateOptions& options) {
   std::string worlds;
@@ -10,8 +28,9 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
     worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
   }
   const auto group = command.add_option_group("Content", "What the cameras see");
-  CLI::Option* world =
-      group->add_option("--world", options.world, "A rendered drive: " + worlds)->type_name("NAME");
+  CLI::Option* world = group->add_option("--world", options.world, "A rendered drive: " + worlds)
+                           ->type_name("NAME")
+                           ->check(takenBy(world::scenarioFromName));
   CLI::Option* sequence =
       group
           ->add_option("--sequence", options.sequence,
@@ -23,6 +42,8 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
       ->check(CLI::Range(0.05, 36000.0));
   group->add_option("--seed", options.drive.seed, "Another seed, another world")->capture_default_str();
   group->add_option("--size", options.size, "Rendered picture, px; the field of view stays")
+      ->type_name("WIDTHxHEIGHT")
+      ->check(takenBy(parseSize))
       ->capture_default_str();
   CLI::Option* rate =
       group->add_option("--frame-rate", options.drive.frame_rate, "Of the rendered cameras, Hz")
@@ -46,9 +67,11 @@ void addCameraOptions(CLI::App& command, SimulateOptions& options) {
   const auto group = command.add_option_group("Cameras", "How they serve it");
   group->add_option("--left", options.left, "Where the left camera listens")
       ->type_name("ADDRESS:PORT")
+      ->check(takenBy(simulate::parseEndpoint))
       ->capture_default_str();
   group->add_option("--right", options.right, "Where the right camera listens")
       ->type_name("ADDRESS:PORT")
+      ->check(takenBy(simulate::parseEndpoint))
       ->capture_default_str();
   group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
   group
@@ -90,6 +113,15 @@ void addFileOptions(CLI::App& command, SimulateOptions& options) {
 }
 
 }  // namespace
+
+cv::Size parseSize(const std::string& text) {
+  cv::Size size;
+  char more = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &more) != 2) {
+    throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
+  }
+  return size;
+}
 
 void addSimulateOptions(CLI::App& command, SimulateOptions& options) {
   addContentOptions(command, options);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <opencv2/core/types.hpp>
 
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/simulate/stream_encoder.hpp"
@@ -38,6 +39,9 @@ struct SimulateOptions {
   bool prepare_only = false;
   std::filesystem::path render;
 };
+
+/// WIDTHxHEIGHT, as --size takes it. Throws std::invalid_argument for other text.
+cv::Size parseSize(const std::string& text);
 
 /// `options` must live as long as the command.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);

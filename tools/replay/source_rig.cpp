@@ -3,20 +3,17 @@
 #include <stdexcept>
 
 #include <opencv2/core/mat.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "calib/rig_file.hpp"
 #include "calib/rig_import.hpp"
+#include "capture/image_folder.hpp"
 
 namespace cartvo {
 namespace {
 
 /// KITTI's calib.txt does not say how large the images are; the first one does.
 cv::Size firstImageSize(const std::filesystem::path& folder) {
-  const std::filesystem::path first = readImageFolder(folder).left.images.front();
-  const cv::Mat image = cv::imread(first.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw std::runtime_error(first.string() + ": cannot be read as an image");
-  return image.size();
+  return readGreyImage(readImageFolder(folder).left.images.front()).size();
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "calib/rig_file.hpp"
 #include "calib/rig_import.hpp"
 #include "tools/simulate/truth.hpp"
@@ -14,12 +12,6 @@
 namespace cartvo::simulate {
 namespace fs = std::filesystem;
 namespace {
-
-cv::Mat readImage(const fs::path& file) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
-  return image;
-}
 
 cv::Size evenSize(cv::Size size) {
   return {size.width / 2 * 2, size.height / 2 * 2};
@@ -56,7 +48,7 @@ SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings&
     truncate(folder_.right, count);
     if (!truth_.empty()) truth_.resize(count);
   }
-  readRigOf(readImage(folder_.left.images.front()).size());
+  readRigOf(readGreyImage(folder_.left.images.front()).size());
   truth_ = bodyTrajectory(truth_, rig_);
   for (std::size_t index = 0; index < truth_.size(); ++index) {
     truth_[index].time_ns = leftInstant(static_cast<int>(index));
@@ -108,7 +100,7 @@ std::int64_t SequenceContent::rightInstant(int index) const {
 
 void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
   const auto read = [&](const fs::path& file, cv::Size even) {
-    const cv::Mat image = readImage(file);
+    const cv::Mat image = readGreyImage(file);
     if (evenSize(image.size()) != even) {
       throw std::runtime_error(file.string() + ": its size differs from the sequence's");
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -16,12 +18,20 @@ class LatestOdometry {
     lcm_.subscribe("CARTVO_ODOMETRY", &LatestOdometry::onMessage, this);
   }
 
-  /// Waits up to `timeout_ms` for a message, then takes all that wait. False if there was none.
+  /// Waits up to `timeout_ms` for a message, then takes all that wait. False if there was none: what LCM
+  /// handles may be of another channel, such as the self-test of a program that starts.
   bool update(int timeout_ms) {
-    const bool received = lcm_.handleTimeout(timeout_ms) > 0;
-    while (received && lcm_.handleTimeout(0) > 0) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = Clock::now() + std::chrono::milliseconds(timeout_ms);
+    const std::uint64_t before = received_;
+    int left_ms = timeout_ms;
+    while (received_ == before && lcm_.handleTimeout(left_ms) > 0) {
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+      left_ms = static_cast<int>(std::max<std::int64_t>(left.count(), 0));
     }
-    return received;
+    while (received_ != before && lcm_.handleTimeout(0) > 0) {
+    }
+    return received_ != before;
   }
 
   const odometry_t& message() const { return message_; }
@@ -41,15 +51,15 @@ class LatestOdometry {
   void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
                  const odometry_t* message) {
     const bool restarted = message->sequence <= message_.sequence;
-    if (has_message_ && !restarted) lost_ += message->sequence - message_.sequence - 1;
+    if (received_ > 0 && !restarted) lost_ += message->sequence - message_.sequence - 1;
     if (restarted) lost_ = 0;
     message_ = *message;
-    has_message_ = true;
+    ++received_;
   }
 
   lcm::LCM& lcm_;
   odometry_t message_{};
-  bool has_message_ = false;
+  std::uint64_t received_ = 0;
   std::int64_t lost_ = 0;
 };
 

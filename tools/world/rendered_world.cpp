@@ -264,6 +264,10 @@ void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
   right = image(index, CameraSide::right);
 }
 
+const WorldSettings& RenderedWorld::settings() const {
+  return implementation_->settings;
+}
+
 cv::Mat RenderedWorld::image(int index, CameraSide side) const {
   return implementation_->image(index, side);
 }

@@ -38,6 +38,8 @@ class RenderedWorld final : public simulate::Content {
   Trajectory truth() const override;
   std::string cacheKey() const override;
 
+  const WorldSettings& settings() const;
+
   /// One camera's image only.
   cv::Mat image(int index, CameraSide side) const;
 

@@ -1,42 +1,29 @@
 // `cartvo benchmark` as people call it.
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
+#include "tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {
 
 using ::testing::HasSubstr;
 
-struct Finished {
-  int exit_code = -1;
-  std::string said;  ///< on both outputs
-};
+using test::Finished;
 
 Finished runBenchmark(const std::string& arguments) {
-  const std::string command = std::string(CARTVO_PROGRAM) + " benchmark " + arguments + " 2>&1";
-  Finished run;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return run;
-  std::array<char, 4096> part{};
-  for (std::size_t count = 0; (count = fread(part.data(), 1, part.size(), pipe)) > 0;)
-    run.said.append(part.data(), count);
-  const int status = pclose(pipe);
-  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return run;
+  return test::runCartvo("benchmark " + arguments);
 }
 
 TEST(BenchmarkCommand, ExplainsItself) {
-  for (const char* benchmark : {"accuracy", "thesis"}) {
+  for (const char* benchmark : {"accuracy", "offset", "thesis"}) {
     const Finished run = runBenchmark(std::string(benchmark) + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.said, HasSubstr("Examples:"));
@@ -45,7 +32,7 @@ TEST(BenchmarkCommand, ExplainsItself) {
 }
 
 TEST(BenchmarkCommand, RefusesWrongArguments) {
-  const std::array<std::pair<const char*, const char*>, 7> wrong{{
+  const std::array<std::pair<const char*, const char*>, 10> wrong{{
       {"", "subcommand"},
       {"accuracy --scenarios nowhere", "nowhere"},
       {"accuracy --estimators guess", "guess"},
@@ -53,6 +40,9 @@ TEST(BenchmarkCommand, RefusesWrongArguments) {
       {"accuracy --bitrates 0", "--bitrates"},
       {"accuracy --features 3", "--features"},
       {"accuracy --quick --seconds 5", "--quick"},
+      {"offset --models guess", "guess"},
+      {"offset --sweeps wide", "wide"},
+      {"offset --offsets-ms soon", "soon"},
   }};
   for (const auto& [arguments, named] : wrong) {
     const Finished run = runBenchmark(arguments);
@@ -67,6 +57,9 @@ TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
         std::pair("accuracy --data none --scenarios none", "nothing to measure"),
         std::pair("accuracy --data none --output /no/such/folder/report",
                   "there is no folder /no/such/folder"),
+        std::pair("offset --data none --scenarios none", "nothing to measure"),
+        std::pair("offset --data none --plot /no/such/folder/plot", "there is no folder /no/such/folder"),
+        std::pair("offset --scenarios none --data . --plot plot", "--plot draws rendered worlds"),
         std::pair("thesis --data /no/such/folder", "/no/such/folder: is no folder")}) {
     const Finished run = runBenchmark(arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;
@@ -93,6 +86,33 @@ TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
   EXPECT_EQ(json["sequences"][0]["pairs"], 21);
   EXPECT_NEAR(json["sequences"][0]["evaluation"]["path_length_m"], 17.3, 0.1);
   EXPECT_TRUE(json["summaries"].empty()) << "there was no world";
+}
+
+TEST(BenchmarkCommand, TakesHalfOfARealSequenceForOneThatIsNotSynchronised) {
+  CARTVO_NEEDS_DATA(sequence, "kitti_06");
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "data");
+  std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), folder / "data/kitti_06");
+  const std::filesystem::path report = folder / "report.json";
+  const Finished run = runBenchmark("offset --scenarios none --models two-instants --format json --data " +
+                                    (folder / "data").string() + " --output " + report.string());
+  EXPECT_EQ(run.exit_code, 0) << run.said;
+  std::ifstream file(report);
+  const nlohmann::json json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["benchmark"], "offset");
+  ASSERT_EQ(json["offsets"].size(), 2u);
+  const nlohmann::json& together = json["offsets"][0];
+  const nlohmann::json& apart = json["offsets"][1];
+  EXPECT_EQ(together["offset_ms"], 0.0);
+  EXPECT_NEAR(apart["offset_ms"].get<double>(), 103.8, 0.5);
+  EXPECT_EQ(together["pairs"], 26);
+  EXPECT_EQ(apart["pairs"], 25);
+  for (const nlohmann::json& one : json["offsets"]) {
+    EXPECT_EQ(one["invalid"], 0);
+    EXPECT_EQ(one["resets"], 0);
+  }
+  EXPECT_LT(apart["evaluation"]["final_drift_m"].get<double>(),
+            2.0 * together["evaluation"]["final_drift_m"].get<double>());
 }
 
 }  // namespace

@@ -78,6 +78,8 @@ TEST(WorldName, TellsScenarioSeedAndOffset) {
   EXPECT_EQ(worldName(settings), "stop_and_go 3");
   settings.offset_s = -0.0125;
   EXPECT_EQ(worldName(settings), "stop_and_go 3 -12.5 ms");
+  settings.offset_drift_ppm = 50.0;
+  EXPECT_EQ(worldName(settings), "stop_and_go 3 -12.5 ms +50 ppm");
 }
 
 class BenchmarkOfATinyWorld : public ::testing::Test {
@@ -107,6 +109,26 @@ TEST_F(BenchmarkOfATinyWorld, RendersItOnceWithTheTruthOfEachInstant) {
   const auto rendered_at = std::filesystem::last_write_time(sequence.folder / "poses.txt");
   EXPECT_EQ(renderedSequence(tinyWorld(), worlds, {}).folder, sequence.folder);
   EXPECT_EQ(std::filesystem::last_write_time(sequence.folder / "poses.txt"), rendered_at);
+}
+
+TEST_F(BenchmarkOfATinyWorld, RendersOnlyTheRightImagesWhereOnlyTheRightCameraIsLater) {
+  const WorldCache worlds(cache_->path() / "worlds");
+  const std::filesystem::path at_once = renderedSequence(tinyWorld(), worlds, {}).folder;
+  // A picture that no renderer makes is recognised again.
+  const std::filesystem::path first = "image_0/000000.png";
+  const cv::Mat seen = cv::imread((at_once / first).string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat marked(seen.size(), CV_8UC1, cv::Scalar(77));
+  cv::imwrite((at_once / first).string(), marked);
+  world::WorldSettings settings = tinyWorld();
+  settings.offset_s = 0.02;
+  const Sequence later = renderedSequence(settings, worlds, {});
+  EXPECT_EQ(cv::norm(cv::imread((later.folder / first).string(), cv::IMREAD_GRAYSCALE), marked), 0.0);
+  cv::imwrite((at_once / first).string(), seen);
+  const world::RenderedWorld world(settings);
+  EXPECT_EQ(cv::norm(cv::imread((later.folder / "image_1/000003.png").string(), cv::IMREAD_GRAYSCALE),
+                     world.image(3, CameraSide::right)),
+            0.0);
+  std::filesystem::remove_all(later.folder);
 }
 
 TEST_F(BenchmarkOfATinyWorld, MeasuresEachEstimatorLosslessAndEncoded) {

@@ -81,7 +81,8 @@ TEST(SequenceContent, saysWhatIsWrongWithAFolder) {
   renderFolder(folder / "b", pattern, {});
   std::ofstream(folder / "b" / "image_0" / "000000.png") << "not a picture";
   EXPECT_EQ(errorOf(folder / "b"),
-            (folder / "b" / "image_0" / "000000.png").string() + ": not an image that can be read");
+            (folder / "b" / "image_0" / "000000.png").string() +
+                ": not an image that can be read; expected a whole PNG or JPEG file, copy it anew");
 
   renderFolder(folder / "c", pattern, {});
   fs::remove(folder / "c" / "rig.yaml");

@@ -1,0 +1,32 @@
+// `cartvo simulate` as people call it.
+#include <array>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tools/run_cartvo.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(SimulateCommand, RefusesWrongArguments) {
+  const std::array<std::pair<const char*, const char*>, 6> wrong{{
+      {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
+      {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
+      {"--left here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
+      {"--right 127.0.0.1:99999", "'127.0.0.1:99999' is not ADDRESS:PORT"},
+      {"--seconds -1", "--seconds"},
+      {"--world campus --sequence folder", "--world excludes --sequence"},
+  }};
+  for (const auto& [arguments, said] : wrong) {
+    const test::Finished run = test::runCartvo(std::string("simulate ") + arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_THAT(run.said, HasSubstr(said));
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,171 @@
+// `cartvo benchmark offset`: what it costs that the cameras are not exposed at once.
+#include "tools/cartvo/benchmark_offset.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/utility.hpp>
+
+#include "calib/atomic_file.hpp"
+#include "tools/benchmark/offset_benchmark.hpp"
+#include "tools/benchmark/offset_plot.hpp"
+#include "tools/benchmark/offset_report.hpp"
+#include "tools/cartvo/benchmark_options.hpp"
+#include "tools/simulate/stream_cache.hpp"
+
+namespace cartvo {
+namespace {
+
+using namespace benchmark;  // NOLINT(google-build-using-namespace): this file is that namespace's command
+                            // line
+
+struct OffsetOptions {
+  BenchmarkOptions common;
+  std::vector<std::string> scenarios{"campus", "turns", "bumpy", "traffic"};
+  std::vector<std::uint64_t> seeds{1};
+  double seconds = 20.0;
+  std::vector<double> offsets_ms{0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0};
+  std::vector<std::string> sweeps{"slow", "fast"};
+  std::vector<std::string> models = offsetModelNames();
+  int features = OdometrySettings{}.features;
+  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
+  std::filesystem::path plot;
+};
+
+std::vector<world::WorldSettings> worldsOf(const OffsetOptions& options) {
+  std::vector<world::WorldSettings> worlds;
+  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
+    for (const std::uint64_t seed : options.seeds) {
+      world::WorldSettings world;
+      world.scenario = scenario;
+      world.seed = seed;
+      world.seconds = options.seconds;
+      world.lead_in_seconds = 0.5;  // a cart that stands does not tell an offset
+      world.threads = options.common.threads;
+      worlds.push_back(world);
+    }
+  }
+  return worlds;
+}
+
+/// Zero first: what is compared with, and its left images serve the others.
+std::vector<RightClock> clocksOf(const OffsetOptions& options, const world::WorldSettings& world) {
+  std::vector<RightClock> clocks{RightClock{}};
+  for (const double offset_ms : options.offsets_ms)
+    if (offset_ms != 0.0) clocks.push_back({1e-3 * offset_ms, 0.0});
+  for (const std::string& sweep : options.sweeps) {
+    if (sweep == "slow") clocks.push_back(slowSweep(world));
+    if (sweep == "fast") clocks.push_back(fastSweep(world));
+  }
+  return clocks;
+}
+
+OffsetSettings settingsOf(const OffsetOptions& options) {
+  OffsetSettings settings;
+  settings.data = dataFolder(options.common);
+  settings.worlds = worldsOf(options);
+  if (settings.data.empty() && settings.worlds.empty())
+    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
+  if (settings.worlds.empty() && !options.plot.empty())
+    throw std::runtime_error("--plot draws rendered worlds, and there is none");
+  if (!settings.worlds.empty()) settings.clocks = clocksOf(options, settings.worlds.front());
+  for (const std::string& name : options.models)
+    settings.models.push_back(offsetModelNamed(name));
+  settings.odometry.features = options.features;
+  settings.cache = options.cache;
+  return settings;
+}
+
+void run(const OffsetOptions& options) {
+  checkOutput(options.common.output);
+  checkOutput(options.plot);
+  const OffsetSettings settings = settingsOf(options);
+  cv::setNumThreads(options.common.threads);
+  WorkDisplay display;
+  const std::vector<OffsetAccuracy> accuracies = runOffsetBenchmark(settings, display.observer());
+  if (!options.plot.empty()) writeFileAtomically(options.plot, offsetPlot(accuracies));
+  if (options.common.reportFormat() == ReportFormat::json) {
+    nlohmann::ordered_json json = reportHead("offset", options.common.threads);
+    json["features"] = options.features;
+    json["seconds"] = options.seconds;
+    json.update(offsetJson(accuracies));
+    handReport(options.common, json.dump(2) + "\n");
+  } else {
+    handReport(options.common, offsetTable(accuracies, options.common.reportFormat()));
+  }
+}
+
+void addDriveOptions(CLI::App& command, OffsetOptions& options) {
+  command.add_option("--scenarios", options.scenarios, "Rendered drives: " + scenarioList())
+      ->delimiter(',')
+      ->check(CLI::IsMember(scenarioChoices()))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command
+      .add_option("--seeds", options.seeds, "Another seed, another world: each scenario with each of them")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--seconds", options.seconds, "Length of each drive")
+      ->check(CLI::Range(6.0, 3600.0))
+      ->capture_default_str();
+  command
+      .add_option("--offsets-ms", options.offsets_ms,
+                  "How much later the right camera is exposed; 0 is measured in any case")
+      ->delimiter(',')
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--sweeps", options.sweeps,
+          "Clocks that drift: slow (50 ppm, across half a frame period, where partners change), fast\n"
+          "(through all offsets within the drive), none")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"slow", "fast", "none"}))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--cache", options.cache, "Keeps rendered worlds (0.4 GB a minute)")
+      ->type_name("DIR")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addOffsetBenchmark(CLI::App& benchmark) {
+  CLI::App* command =
+      benchmark.add_subcommand("offset", "Errors over the time between the cameras' exposures");
+  const auto options = std::make_shared<OffsetOptions>();
+  addBenchmarkOptions(*command, options->common);
+  addDriveOptions(*command, *options);
+  command
+      ->add_option(
+          "--models", options->models,
+          "two-instants: as cartvod does it; image-velocity: right positions shifted by how fast they\n"
+          "move in the left image; simultaneous: as other odometries do it")
+      ->delimiter(',')
+      ->check(CLI::IsMember(offsetModelNames()))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command->add_option("--features", options->features, "Features aimed at in each left image")
+      ->check(CLI::Range(50, 20000))
+      ->capture_default_str();
+  command->add_option("--plot", options->plot, "Draw errors over offsets into this SVG")->type_name("FILE");
+  command->footer(
+      "Each rendered drive with the right camera later and later, and by clocks that drift; of the left "
+      "camera,\n"
+      "which sees the same each time, the images are rendered once. Real sequences at half their rate: left "
+      "images\n"
+      "of even numbers with right ones of even and of odd numbers. docs/unsynchronised-cameras.md tells what "
+      "it is about.\n"
+      "Examples:\n"
+      "  cartvo benchmark offset --data none --scenarios campus --seconds 10 --offsets-ms 25 --sweeps none\n"
+      "  cartvo benchmark offset --scenarios none                          real images only: seconds\n"
+      "  cartvo benchmark offset --format markdown --plot offset.svg       all of it: hours of rendering");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,124 @@
+// What the benchmarks' command lines have in common.
+#include "tools/cartvo/benchmark_options.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+#include <opencv2/core/version.hpp>
+
+#include "calib/atomic_file.hpp"
+
+namespace cartvo {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kNoData = "none";
+
+fs::path foundData(const fs::path& given) {
+  if (given == kNoData) return {};
+  if (!given.empty()) return given;
+  if (const char* configured = std::getenv("CARTVO_DATA"); configured != nullptr && *configured != '\0')
+    return configured;
+  fs::path beside = "../shared/data";
+  if (fs::is_directory(beside)) return beside;
+  std::fputs("cartvo: no real sequences: ../shared/data is not here; name their folder with --data DIR\n",
+             stderr);
+  return {};
+}
+
+}  // namespace
+
+benchmark::ReportFormat BenchmarkOptions::reportFormat() const {
+  using benchmark::ReportFormat;
+  if (format == "json") return ReportFormat::json;
+  return format == "markdown" ? ReportFormat::markdown : ReportFormat::text;
+}
+
+void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options) {
+  command
+      .add_option("--data", options.data,
+                  "Folder with real sequences, each an image folder with its poses.txt, or 'none'\n"
+                  "(default: $CARTVO_DATA, else ../shared/data)")
+      ->type_name("DIR");
+  command.add_option("--threads", options.threads, "Threads for rendering and image operations")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command.add_option("--format", options.format, "text, markdown or json")
+      ->check(CLI::IsMember({"text", "markdown", "json"}))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command.add_option("--output", options.output, "Write the report into this file, not to the terminal")
+      ->type_name("FILE");
+}
+
+fs::path dataFolder(const BenchmarkOptions& options) {
+  fs::path data = foundData(options.data);
+  if (!data.empty() && !fs::is_directory(data)) {
+    throw std::runtime_error(
+        data.string() +
+        ": is no folder; --data takes one with image folders (KITTI or EuRoC layout), or 'none'");
+  }
+  return data;
+}
+
+void checkOutput(const fs::path& file) {
+  if (file.empty()) return;
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(file.string() + ": cannot be written: there is no folder " + folder.string());
+}
+
+void handReport(const BenchmarkOptions& options, const std::string& report) {
+  if (options.output.empty()) {
+    std::fputs(report.c_str(), stdout);
+  } else {
+    writeFileAtomically(options.output, report);
+  }
+}
+
+nlohmann::ordered_json reportHead(const char* benchmark, int threads) {
+  return {{"benchmark", benchmark},
+          {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
+          {"threads", threads}};
+}
+
+std::vector<std::string> scenarioChoices() {
+  std::vector<std::string> names{kAllScenarios, kNoScenario};
+  for (const world::Scenario scenario : world::allScenarios())
+    names.emplace_back(world::scenarioName(scenario));
+  return names;
+}
+
+std::string scenarioList() {
+  std::string list;
+  for (const std::string& name : scenarioChoices())
+    list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names) {
+  std::vector<world::Scenario> scenarios;
+  for (const std::string& name : names) {
+    if (name == kNoScenario) continue;
+    if (name == kAllScenarios) {
+      scenarios.insert(scenarios.end(), world::allScenarios().begin(), world::allScenarios().end());
+    } else {
+      scenarios.push_back(world::scenarioFromName(name));
+    }
+  }
+  return scenarios;
+}
+
+benchmark::WorkObserver WorkDisplay::observer() {
+  return {[this](const std::string& what) {
+            bar_.reset();
+            std::fprintf(stderr, "%s\n", what.c_str());
+            bar_.emplace("pairs");
+          },
+          [this](int done, int total) {
+            if (bar_) bar_->show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+          }};
+}
+
+}  // namespace cartvo

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tools/benchmark/accuracy_benchmark.hpp"
+#include "tools/benchmark/table.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/world/world_settings.hpp"
+
+namespace cartvo {
+
+/// What all of `cartvo benchmark` can be asked for.
+struct BenchmarkOptions {
+  std::filesystem::path data;
+  int threads = 2;
+  std::string format = "text";
+  std::filesystem::path output;
+
+  benchmark::ReportFormat reportFormat() const;
+};
+
+/// `options` must live as long as the command.
+void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
+
+/// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it is there; empty: none.
+/// Throws std::runtime_error if it is no folder.
+std::filesystem::path dataFolder(const BenchmarkOptions& options);
+
+/// Throws std::runtime_error, before the work, if the folder of a file that will be written is not there. An
+/// empty name is fine.
+void checkOutput(const std::filesystem::path& file);
+
+/// To the terminal or into the file that was asked for.
+void handReport(const BenchmarkOptions& options, const std::string& report);
+
+/// What stands first in each report in JSON.
+nlohmann::ordered_json reportHead(const char* benchmark, int threads);
+
+inline constexpr const char* kAllScenarios = "all";
+inline constexpr const char* kNoScenario = "none";
+
+/// The names of the scenarios, "all" and "none".
+std::vector<std::string> scenarioChoices();
+/// The same as one line of text.
+std::string scenarioList();
+/// `names` must be of `scenarioChoices`.
+std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names);
+
+/// A line on the error output for each piece of work, and a bar below it while it goes on.
+class WorkDisplay {
+ public:
+  benchmark::WorkObserver observer();
+
+ private:
+  std::optional<ProgressBar> bar_;
+};
+
+}  // namespace cartvo

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# tests/system/fresh_chroot.sh [FOLDER]: proves that no installation step is missing. Makes a fresh Debian 12 in FOLDER
-# (default: a temporary one), clones HEAD into it and runs the two commands of the README there. Root; run by hand.
+# tests/system/fresh_chroot.sh [FOLDER [SECONDS]]: proves that no installation step is missing. Makes a fresh Debian 12 in FOLDER
+# (default: a temporary one), clones HEAD into it and runs the two commands of the README there, the demo with a drive of
+# SECONDS (default: the demo's). Root; run by hand.
 # The real sequences are bind-mounted read-only if $CARTVO_DATA or ../shared/data is there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -24,6 +25,6 @@ if [ -d "$data" ]; then
 fi
 
 run() { echo "--- fresh Debian $(cat "$root/etc/debian_version"): $*"; chroot "$root" env -i HOME=/root TERM=dumb PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
-run /root/cartvo/tools/demo
+run /root/cartvo/tools/demo ${2:+--seconds "$2"}
 run /root/cartvo/tools/test
 echo "--- both commands pass on a fresh Debian $(cat "$root/etc/debian_version") ($root)"

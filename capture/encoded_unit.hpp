@@ -21,8 +21,9 @@ struct EncodedUnit {
   std::vector<std::uint8_t> data;  ///< an access unit in Annex B form (with start codes)
   std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s, from the connection's first
   std::int64_t exposure_ns = 0;    ///< as Frame's
-  std::int64_t arrival_ns = 0;     ///< as Frame's
-  std::uint64_t sequence = 0;      ///< as Frame's
+  std::int64_t exposure_deviation_ns = 0;  ///< as Frame's
+  std::int64_t arrival_ns = 0;             ///< as Frame's
+  std::uint64_t sequence = 0;              ///< as Frame's
   InstantSource instant_source = InstantSource::arrival;
   FrameStatus status = FrameStatus::good;  ///< damaged: data were lost since the last key frame
   bool key = false;                        ///< decodable without those before it

@@ -33,9 +33,9 @@ ExposureClock::Instant ExposureClock::stamp(std::int64_t pts, std::optional<std:
                                             std::int64_t arrival_ns) {
   const std::int64_t rtp_us = ticksToMicroseconds(pts);
   if (reference_us) update(*reference_us - rtp_us, arrival_ns / 1000 - rtp_us);
-  if (!relation_us_) return {arrival_ns, InstantSource::arrival};
+  if (!relation_us_) return {arrival_ns, InstantSource::arrival, usualDeviationNs(InstantSource::arrival)};
   const std::int64_t exposure_us = reference_us ? *reference_us + correction_us_ : rtp_us + *relation_us_;
-  return {exposure_us * 1000, InstantSource::sender_report};
+  return {exposure_us * 1000, InstantSource::sender_report, usualDeviationNs(InstantSource::sender_report)};
 }
 
 /// `relation_us` and `arrival_relation_us`: instant minus RTP time by the report and by arrival.

@@ -18,6 +18,7 @@ class ExposureClock {
   struct Instant {
     std::int64_t exposure_ns = 0;
     InstantSource source = InstantSource::arrival;
+    std::int64_t deviation_ns = usualDeviationNs(InstantSource::arrival);
   };
 
   /// `pts`: unwrapped RTP time stamp, 1/90000 s. `reference_us`: the same instant by the last sender report

@@ -20,12 +20,28 @@ enum class InstantSource : std::uint8_t {
   arrival,        ///< no sender report yet: the instant of arrival stands in for it
 };
 
+/// Standard deviation of a camera's instants against another's, ns, where nothing better is known of them.
+/// Two clocks that follow a time server in the same network agree to about a millisecond; arrival differs by
+/// what encoding and network make of pictures of different size.
+constexpr std::int64_t usualDeviationNs(InstantSource source) {
+  switch (source) {
+    case InstantSource::file:
+      return 0;
+    case InstantSource::sender_report:
+      return 1'000'000;
+    case InstantSource::arrival:
+      return 5'000'000;
+  }
+  return 5'000'000;
+}
+
 /// One image of one camera with the instants that belong to it. All instants: ns since the Unix epoch.
 struct Frame {
   cv::Mat image;                 ///< CV_8UC1, grey; may lie in memory that `storage` keeps alive; read-only
   std::int64_t exposure_ns = 0;  ///< exposure, by the camera's clock
-  std::int64_t arrival_ns = 0;   ///< the frame's last packet was received (host's clock)
-  std::int64_t decoded_ns = 0;   ///< the picture was ready (host's clock)
+  std::int64_t exposure_deviation_ns = 0;  ///< standard deviation of exposure_ns
+  std::int64_t arrival_ns = 0;             ///< the frame's last packet was received (host's clock)
+  std::int64_t decoded_ns = 0;             ///< the picture was ready (host's clock)
   std::uint64_t sequence = 0;  ///< counts the camera's frames from 0, lost ones included where that is known
   FrameStatus status = FrameStatus::good;
   InstantSource instant_source = InstantSource::file;

@@ -88,6 +88,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
                              std::to_string(size_.width) + "x" + std::to_string(size_.height));
   }
   read.exposure_ns = sequence_.instants_ns[index];
+  read.exposure_deviation_ns = sequence_.deviation_ns;
   read.arrival_ns = read.exposure_ns;
   read.decoded_ns = read.exposure_ns;
   read.sequence = index;

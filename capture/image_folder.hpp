@@ -18,6 +18,7 @@ enum class FolderLayout : std::uint8_t { kitti, euroc };
 struct ImageSequence {
   std::vector<std::filesystem::path> images;
   std::vector<std::int64_t> instants_ns;  ///< of exposure, strictly increasing; as many as images
+  std::int64_t deviation_ns = 0;          ///< standard deviation of these
 };
 
 /// What P0 and P1 of a KITTI calib.txt say of rectified cameras, which share all but the baseline.

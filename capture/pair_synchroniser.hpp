@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -23,6 +24,12 @@ struct FramePair {
 
   /// Right minus left exposure, ns. The cameras run free, so it is rarely zero.
   std::int64_t offsetNs() const { return right.exposure_ns - left.exposure_ns; }
+
+  /// Standard deviation of the offset, ns: the two cameras' clocks err independently.
+  double offsetDeviationNs() const {
+    return std::hypot(static_cast<double>(left.exposure_deviation_ns),
+                      static_cast<double>(right.exposure_deviation_ns));
+  }
 };
 
 struct PairSynchroniserSettings {

@@ -133,6 +133,7 @@ bool RecordingSource::Implementation::nextUnit(EncodedUnit& unit) {
   unit.data.assign(packet->data, packet->data + packet->size);
   unit.pts = row.pts;
   unit.exposure_ns = row.exposure_ns;
+  unit.exposure_deviation_ns = usualDeviationNs(row.instant_source);
   unit.arrival_ns = row.arrival_ns;
   unit.sequence = row.sequence;
   unit.instant_source = row.instant_source;

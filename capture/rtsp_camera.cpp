@@ -73,6 +73,7 @@ class PictureStream {
       const auto reference = instants_ == RtspInstants::arrival ? std::nullopt : assembled->reference_us;
       const ExposureClock::Instant instant = clock_.stamp(unit.pts, reference, unit.arrival_ns);
       unit.exposure_ns = instant.exposure_ns;
+      unit.exposure_deviation_ns = instant.deviation_ns;
       unit.instant_source = instant.source;
       return unit;
     }

@@ -1,6 +1,7 @@
 #include "capture/stereo_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -20,8 +21,9 @@ StereoSource openRecording(const std::filesystem::path& path) {
   return source;
 }
 
-StereoSource openImageFolder(const std::filesystem::path& path) {
+StereoSource openImageFolder(const std::filesystem::path& path, double offset_deviation_ns) {
   ImageFolder folder = readImageFolder(path);
+  folder.left.deviation_ns = folder.right.deviation_ns = std::llround(offset_deviation_ns / std::sqrt(2.0));
   StereoSource source;
   source.kind = folder.layout == FolderLayout::kitti ? SourceKind::kitti : SourceKind::euroc;
   source.period_ns = std::min(nominalPeriodNs(folder.left), nominalPeriodNs(folder.right));
@@ -38,13 +40,17 @@ StereoSource openImageFolder(const std::filesystem::path& path) {
 }  // namespace
 
 StereoSource openSource(const std::filesystem::path& path) {
+  return openSource(path, 0.0);
+}
+
+StereoSource openSource(const std::filesystem::path& path, double folder_offset_deviation_ns) {
   if (!std::filesystem::exists(path))
     throw std::runtime_error(path.string() + " does not exist; expected a folder with a recording or images");
   if (!std::filesystem::is_directory(path))
     throw std::runtime_error(path.string() +
                              " is not a folder; expected a folder with a recording or images");
   if (isRecording(path)) return openRecording(path);
-  if (detectImageFolder(path)) return openImageFolder(path);
+  if (detectImageFolder(path)) return openImageFolder(path, folder_offset_deviation_ns);
   throw std::runtime_error(
       path.string() +
       " is nothing that can be replayed. Looked for: a recording (recording.json, left.mkv, "

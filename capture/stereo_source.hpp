@@ -34,4 +34,8 @@ struct StereoSource {
 /// none of the kinds, or that says what is wrong with it.
 StereoSource openSource(const std::filesystem::path& path);
 
+/// The same; the offsets of an image folder's pairs are known with that standard deviation, ns. A recording
+/// knows its own.
+StereoSource openSource(const std::filesystem::path& path, double folder_offset_deviation_ns);
+
 }  // namespace cartvo

@@ -42,6 +42,7 @@ bool hasLumaPlane(const AVFrame& frame) {
 /// What belongs to a unit and comes out with its picture.
 struct VideoDecoder::Pending {
   std::int64_t exposure_ns = 0;
+  std::int64_t exposure_deviation_ns = 0;
   std::int64_t arrival_ns = 0;
   std::uint64_t sequence = 0;
   InstantSource instant_source = InstantSource::arrival;
@@ -89,8 +90,8 @@ VideoDecoder::~VideoDecoder() = default;
 
 void VideoDecoder::send(const EncodedUnit& unit) {
   Implementation& self = *implementation_;
-  self.pending.push_back(
-      {unit.exposure_ns, unit.arrival_ns, unit.sequence, unit.instant_source, unit.status, unit.key});
+  self.pending.push_back({unit.exposure_ns, unit.exposure_deviation_ns, unit.arrival_ns, unit.sequence,
+                          unit.instant_source, unit.status, unit.key});
   if (self.pending.size() > kMostPending) self.pending.pop_front();
 
   // Not reference-counted, so FFmpeg copies it, with the padding it needs.
@@ -131,6 +132,7 @@ std::optional<Frame> VideoDecoder::receive() {
     frame.image = cv::Mat(picture->height, picture->width, CV_8UC1, picture->data[0],
                           static_cast<std::size_t>(picture->linesize[0]));
     frame.exposure_ns = pending.exposure_ns;
+    frame.exposure_deviation_ns = pending.exposure_deviation_ns;
     frame.arrival_ns = pending.arrival_ns;
     frame.decoded_ns = nowNs();
     frame.sequence = pending.sequence;

@@ -77,6 +77,7 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
     motion.velocity.setConstant(kUnknown);
     motion.angular_velocity.setConstant(kUnknown);
     motion.twist_covariance.setConstant(kUnknown);
+    motion.twist_offset_error.setConstant(kUnknown);
     return motion;
   }
   const Vector6d twist = logarithm(motion.T_previous_current);
@@ -84,6 +85,7 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
   motion.angular_velocity = twist.tail<3>() / estimate.time_step;
   const Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
   motion.twist_covariance = J * estimate.motion_covariance * J.transpose();
+  motion.twist_offset_error = J * estimate.motion_offset_error;
   return motion;
 }
 

@@ -16,6 +16,9 @@ struct BodyMotion {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body's origin, in body axes, m/s
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw rate in body axes, rad/s
   Matrix6d twist_covariance = Matrix6d::Zero();
+  /// What the offset's uncertainty has in it: its outer product is part of twist_covariance, and neighbouring
+  /// velocities err together by it. NaN if there is no velocity.
+  Vector6d twist_offset_error = Vector6d::Zero();
 };
 
 /// Moves an estimate from the rectified left camera to the body that carries it. `T_body_rectified`:

@@ -19,7 +19,8 @@ using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
 constexpr Keys kCamerasKeys = {"left", "right", "transport", "instants", "frame_rate", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url", "username", "password_file", "password_credential"};
-constexpr Keys kOdometryKeys = {"estimator", "features", "seed", "threads", "online_rig_refinement"};
+constexpr Keys kOdometryKeys = {
+    "estimator", "features", "seed", "threads", "online_rig_refinement", "maximum_offset_uncertainty"};
 constexpr Keys kLcmKeys = {"url", "time_to_live"};
 constexpr Keys kRecordingKeys = {"directory"};
 constexpr Keys kLoggingKeys = {"level"};
@@ -136,6 +137,9 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   }
   if (yaml.has("online_rig_refinement"))
     odometry.rig_refinement = choice(yaml["online_rig_refinement"], kRigRefinements);
+  if (yaml.has("maximum_offset_uncertainty")) {
+    odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
+  }
   if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
 }
 
@@ -215,6 +219,8 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   yaml << YAML::Key << "seed" << configuration.odometry.seed;
   yaml << YAML::Key << "online_rig_refinement"
        << nameOf(configuration.odometry.rig_refinement, kRigRefinements);
+  yaml << YAML::Key << "maximum_offset_uncertainty"
+       << configuration.odometry.validity.maximum_offset_uncertainty;
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
   yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
   yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;

@@ -40,6 +40,8 @@ constexpr std::int32_t messageBit(OdometryReason reason) {
       return odometry_t::REASON_IMPLAUSIBLE_MOTION;
     case OdometryReason::degenerate_geometry:
       return odometry_t::REASON_DEGENERATE_GEOMETRY;
+    case OdometryReason::offset_uncertain:
+      return odometry_t::REASON_OFFSET_UNCERTAIN;
     case OdometryReason::zero_velocity:
       return odometry_t::REASON_ZERO_VELOCITY;
   }

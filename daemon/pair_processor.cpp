@@ -66,17 +66,20 @@ class PairProcessor::Implementation {
     if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.stand(time_step);
     Twist mean;
     mean.value << result.motion.velocity, result.motion.angular_velocity;
-    mean.covariance = result.motion.twist_covariance;
+    // An error that the velocities share is no noise in how they change.
+    const Matrix6d shared = result.motion.twist_offset_error * result.motion.twist_offset_error.transpose();
+    mean.covariance = result.motion.twist_covariance - shared;
     const Twist now = velocity_.next(mean, time_step);
     result.motion.velocity = now.value.head<3>();
     result.motion.angular_velocity = now.value.tail<3>();
-    result.motion.twist_covariance = now.covariance;
+    result.motion.twist_covariance = now.covariance + shared;
   }
 
   StereoImages rectify(const FramePair& pair) {
     StereoImages images;
     images.left_exposure_ns = pair.left.exposure_ns;
     images.right_exposure_ns = pair.right.exposure_ns;
+    images.offset_deviation = 1e-9 * pair.offsetDeviationNs();
     clock_.begin(Stage::rectify);
     rectifier_.rectifyLeft(pair.left.image, images.left);
     rectifier_.rectifyRight(pair.right.image, images.right);

@@ -28,6 +28,7 @@ struct Row {
   double weight = 0.0;
   double by_inverse_depth = 0.0;
   SharedVector by_shared = SharedVector::Zero();
+  double by_late_right = 0.0;  ///< the right camera's later exposure itself, not what it did to earlier poses
   int poses = 0;
   std::array<int, kRowPoses> pose{};
   std::array<RowVector6d, kRowPoses> by_pose{RowVector6d::Zero(), RowVector6d::Zero(), RowVector6d::Zero(),
@@ -149,6 +150,7 @@ class LandmarkRows {
     if (right_camera.neighbour >= 0) row.add(right_camera.neighbour, by_right * right_camera.by_neighbour);
     if (right_camera.third >= 0) row.add(right_camera.third, by_right * right_camera.by_third);
     row.add(host, -precision * by.by_host.row(0));
+    row.by_late_right = by_right.dot(right_camera.by_offset.transpose());
     return true;
   }
 
@@ -283,6 +285,58 @@ class RigSystem {
   CrossMatrix by_poses_;
 };
 
+/// How the result errs if all right cameras were exposed later than their offsets say. With the state x, the
+/// unmodelled delay d, the residuals z - h(x, d) and the poses that stand wrong by P d already (H: the
+/// Hessian),
+///
+///   dx = H^-1 J^T W (dh/dd - J_standing P) d:
+///
+/// the consideration of a parameter that is not estimated (S. Schmidt, "Application of state-space methods to
+/// navigation problems", 1966).
+class LateRight {
+ public:
+  explicit LateRight(const BundleProblem& problem)
+      : problem_(problem),
+        by_poses_(Eigen::VectorXd::Zero(6 * (static_cast<int>(problem.poses.size()) - problem.fixed))),
+        by_depth_(problem.landmarks.size(), 0.0) {}
+
+  void add(std::size_t landmark, const std::vector<Row>& rows, const DepthEquation& depth) {
+    if (!(depth.hessian > 0.0)) return;
+    const BundleLandmark& item = problem_.landmarks[landmark];
+    double by_depth = item.prior_information * item.prior_by_late_right;
+    for (const Row& row : rows) {
+      double by_delay = row.by_late_right;
+      for (int a = 0; a < row.poses; ++a)
+        if (row.pose[a] < problem_.fixed)
+          by_delay -= row.by_pose[a].dot(problem_.poses[row.pose[a]].by_late_right.transpose());
+      const double weighted = row.weight * by_delay;
+      by_depth += weighted * row.by_inverse_depth;
+      for (int a = 0; a < row.poses; ++a)
+        if (const int at = 6 * (row.pose[a] - problem_.fixed); at >= 0)
+          by_poses_.segment<6>(at) += weighted * row.by_pose[a].transpose();
+    }
+    by_poses_ -= depth.by_poses * (by_depth / depth.hessian);
+    by_depth_[landmark] = by_depth;
+  }
+
+  void conclude(const Eigen::LDLT<Eigen::MatrixXd>& factor, const std::vector<DepthEquation>& depths,
+                BundleProblem& problem) const {
+    const Eigen::VectorXd by_delay = factor.solve(by_poses_);
+    for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i)
+      problem.poses[i].by_late_right =
+          by_delay.segment<6>(6 * (static_cast<Eigen::Index>(i) - problem.fixed));
+    for (std::size_t i = 0; i < depths.size(); ++i)
+      if (depths[i].hessian > 0.0)
+        problem.landmarks[i].by_late_right =
+            (by_depth_[i] - depths[i].by_poses.dot(by_delay)) / depths[i].hessian;
+  }
+
+ private:
+  const BundleProblem& problem_;
+  Eigen::VectorXd by_poses_;
+  std::vector<double> by_depth_;
+};
+
 /// How large the residuals are, of all landmarks and of each one's last sighting.
 class ResidualSizes {
  public:
@@ -341,6 +395,7 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
   for (BundleLandmark& landmark : problem.landmarks)
     landmark.error = kNotSeen;
   RigSystem rig(problem);
+  LateRight late_right(problem);
   ResidualSizes sizes;
   const Cameras cameras(problem.poses, problem.camera.baseline);
   system.build(problem, cameras, settings.robust_width,
@@ -348,12 +403,14 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
                  problem.landmarks[i].information = depth.hessian;
                  sizes.add(rows, problem.landmarks[i]);
                  rig.add(rows, depth);
+                 late_right.add(i, rows, depth);
                });
   const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
   result.covariance = factor.solve(Eigen::MatrixXd::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return result;
   sizes.conclude(result);
   rig.conclude(system, factor, result);
+  late_right.conclude(factor, system.depths, problem);
   result.converged = true;
   return result;
 }

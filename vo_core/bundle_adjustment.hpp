@@ -26,6 +26,8 @@ struct BundleLandmark {
   double information = 0.0;                            ///< m^2, the result's, with the poses held
   double prior_inverse_depth = 0.0;
   double prior_information = 0.0;
+  double prior_by_late_right = 0.0;  ///< as Landmark's
+  double by_late_right = 0.0;        ///< result: as Landmark's
   double weight = 1.0;
   std::vector<BundleSighting> sightings;  ///< the host's first; its `left` defines the bearing
   double error = 0.0;                     ///< result: rms of the last sighting's normalised residuals
@@ -40,8 +42,10 @@ struct BundleNoise {
 
 struct BundleProblem {
   StereoCamera camera;
-  std::vector<TimedPose> poses;  ///< oldest first; the start, then the result
-  int fixed = 1;                 ///< so many of the oldest poses stand
+  /// Oldest first; the start, then the result. `by_late_right` of those that stand is given, of the free ones
+  /// a result.
+  std::vector<TimedPose> poses;
+  int fixed = 1;  ///< so many of the oldest poses stand
   std::vector<BundleLandmark> landmarks;
   BundleNoise noise;
 };

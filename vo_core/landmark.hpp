@@ -32,6 +32,10 @@ struct Landmark {
   /// What earlier hosts knew of inverse_depth, when the landmark got its present one.
   double prior_inverse_depth = 0.0;
   double prior_information = 0.0;
+  /// How much the two err, 1/m, for each second by which the right cameras were exposed later than is
+  /// believed.
+  double by_late_right = 0.0;
+  double prior_by_late_right = 0.0;
 
   const Sighting& host() const { return sightings.front(); }
   const Sighting& last() const { return sightings.back(); }

@@ -52,11 +52,13 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
       const double slope = (z - landmark.inverse_depth * T_new_old.translation().z()) / (z * z);
       landmark.inverse_depth /= z;
       landmark.information /= std::max(slope * slope, 1e-6);
+      landmark.by_late_right *= slope;
     }
   }
   // What the new host sees in stereo has its share in what is known already.
   landmark.prior_inverse_depth = landmark.inverse_depth;
   landmark.prior_information = landmark.information;
+  landmark.prior_by_late_right = landmark.by_late_right;
   Sighting last = landmark.last();
   last.stereo = false;
   landmark.sightings.assign(1, last);

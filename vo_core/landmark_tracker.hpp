@@ -25,6 +25,10 @@ struct WindowFrame {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Matrix6d pose_covariance = Matrix6d::Zero();   ///< against the first pair; perturbation on the right
   Matrix6d local_covariance = Matrix6d::Zero();  ///< against the landmarks of its time
+  Vector6d by_late_right = Vector6d::Zero();     ///< as TimedPose's
+  /// Error of the pose against the first pair's if all offsets are off by one standard deviation, to the same
+  /// side. Not in pose_covariance.
+  Vector6d offset_error = Vector6d::Zero();
 };
 
 /// Follows landmarks from pair to pair, finds them in the right images and adds new ones.

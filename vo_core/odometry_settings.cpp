@@ -64,6 +64,7 @@ void validate(const ValiditySettings& settings) {
   requireRange("validity.maximum_residual", settings.maximum_residual, 0.1, 100.0);
   requireRange("validity.maximum_time_step", settings.maximum_time_step, 0.001, 60.0);
   requireRange("validity.maximum_offset", settings.maximum_offset, 0.0, 10.0);
+  requireRange("validity.maximum_offset_uncertainty", settings.maximum_offset_uncertainty, 0.0, 10.0);
   requireRange("validity.maximum_speed", settings.maximum_speed, 0.1, 1000.0);
   requireRange("validity.maximum_rate", settings.maximum_rate, 0.01, 100.0);
   requireRange("validity.maximum_deviation", settings.maximum_deviation, 1e-4, 100.0);

@@ -110,9 +110,10 @@ struct ValiditySettings {
   double maximum_residual = 3.0;   ///< median of the matches' errors, in units of that of the assumed noise
   double maximum_time_step = 1.0;  ///< s between pairs
   double maximum_offset = 0.1;     ///< s between the exposures of a pair
-  double maximum_speed = 50.0;     ///< m/s; no cart is faster
-  double maximum_rate = 4.0;       ///< rad/s
-  double maximum_deviation = 0.1;  ///< m and rad, standard deviation of each component of a motion
+  double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of that
+  double maximum_speed = 50.0;               ///< m/s; no cart is faster
+  double maximum_rate = 4.0;                 ///< rad/s
+  double maximum_deviation = 0.1;            ///< m and rad, standard deviation of each component of a motion
 };
 
 struct OdometrySettings {

@@ -2,7 +2,6 @@
 #include "vo_core/reprojection.hpp"
 
 #include <cmath>
-#include <optional>
 
 namespace cartvo {
 namespace {
@@ -30,35 +29,89 @@ Eigen::Matrix3d inverseRightJacobianOfRotation(const Eigen::Vector3d& rotation) 
   return rightJacobianOfRotation(rotation).inverse();
 }
 
-/// The share that the way to another pose has in the step from the left exposure to the right one.
+/// What the way to another pose has in the step from the left exposure to the right one.
 struct WayShare {
-  WayShare(const TimedPose& own, const TimedPose& other, double its_share)
-      : D(own.T_world_camera.inverse() * other.T_world_camera), way(vectorFromMotion(D)), share(its_share) {}
+  WayShare(const TimedPose& own, const TimedPose& other)
+      : D(own.T_world_camera.inverse() * other.T_world_camera), way(vectorFromMotion(D)) {}
 
-  /// How a perturbation on the right of the step follows from the way's own change.
-  Matrix6d toRight(const Vector6d& step) const {
-    Matrix6d to_right = Matrix6d::Zero();
-    to_right.topLeftCorner<3, 3>() = share * motionFromVector(step).linear().transpose();
-    to_right.bottomRightCorner<3, 3>() = share * rightJacobianOfRotation(step.tail<3>());
-    return to_right;
-  }
-  Matrix6d byOwn(const Vector6d& step) const {
+  Matrix6d byOwn(const Matrix6d& to_right) const {
     Matrix6d way_by_own = Matrix6d::Zero();
     way_by_own.topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
     way_by_own.topRightCorner<3, 3>() = skew(way.head<3>());
     way_by_own.bottomRightCorner<3, 3>() = -inverseRightJacobianOfRotation(-way.tail<3>());
-    return toRight(step) * way_by_own;
+    return share * to_right * way_by_own;
   }
-  Matrix6d byOther(const Vector6d& step) const {
+  Matrix6d byOther(const Matrix6d& to_right) const {
     Matrix6d way_by_other = Matrix6d::Zero();
     way_by_other.topLeftCorner<3, 3>() = D.linear();
     way_by_other.bottomRightCorner<3, 3>() = inverseRightJacobianOfRotation(way.tail<3>());
-    return toRight(step) * way_by_other;
+    return share * to_right * way_by_other;
   }
 
   Eigen::Isometry3d D;
   Vector6d way;
-  double share;
+  double share = 0.0;
+  double share_by_offset = 0.0;  // 1/s
+};
+
+/// How a perturbation on the right of a step follows from the step's own change.
+Matrix6d perturbationByStep(const Vector6d& step) {
+  Matrix6d to_right = Matrix6d::Zero();
+  to_right.topLeftCorner<3, 3>() = motionFromVector(step).linear().transpose();
+  to_right.bottomRightCorner<3, 3>() = rightJacobianOfRotation(step.tail<3>());
+  return to_right;
+}
+
+/// The step from the left exposure of poses[index] to its right one.
+class CarriedMotion {
+ public:
+  CarriedMotion(const std::vector<TimedPose>& poses, int index) {
+    neighbour = neighbourOf(poses, index);
+    if (neighbour < 0) return;
+    const TimedPose& own = poses[index];
+    third = thirdOf(poses, index, neighbour);
+    const double to_neighbour = poses[neighbour].time - own.time;
+    WayShare& near = ways_.emplace_back(own, poses[neighbour]);
+    near.share = own.offset / to_neighbour;
+    near.share_by_offset = 1.0 / to_neighbour;
+    if (third >= 0) {
+      // Lagrange's polynomial; that of the own pose, which is the origin, drops out.
+      const double to_third = poses[third].time - own.time;
+      near.share *= (own.offset - to_third) / (to_neighbour - to_third);
+      near.share_by_offset *= (2.0 * own.offset - to_third) / (to_neighbour - to_third);
+      const double square = to_third * (to_third - to_neighbour);
+      WayShare far(own, poses[third]);
+      far.share = own.offset * (own.offset - to_neighbour) / square;
+      far.share_by_offset = (2.0 * own.offset - to_neighbour) / square;
+      ways_.push_back(far);
+    }
+    Vector6d step_by_offset = Vector6d::Zero();
+    for (const WayShare& way : ways_) {
+      step_ += way.share * way.way;
+      step_by_offset += way.share_by_offset * way.way;
+    }
+    to_right_ = perturbationByStep(step_);
+    by_offset = to_right_ * step_by_offset;
+  }
+
+  Eigen::Isometry3d motion() const { return motionFromVector(step_); }
+  Matrix6d byOwn() const {
+    Matrix6d by_own = adjoint(motion().inverse());
+    for (const WayShare& way : ways_)
+      by_own += way.byOwn(to_right_);
+    return by_own;
+  }
+  Matrix6d byNeighbour() const { return ways_[0].byOther(to_right_); }
+  Matrix6d byThird() const { return ways_[1].byOther(to_right_); }
+
+  int neighbour = -1;
+  int third = -1;
+  Vector6d by_offset = Vector6d::Zero();
+
+ private:
+  std::vector<WayShare> ways_;
+  Vector6d step_ = Vector6d::Zero();
+  Matrix6d to_right_ = Matrix6d::Zero();
 };
 
 }  // namespace
@@ -77,38 +130,22 @@ RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double
   RightCamera right;
   Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
   T_left_right.translation().x() = baseline;
-
-  Eigen::Isometry3d carried = Eigen::Isometry3d::Identity();  // from the left exposure to the right one
-  right.neighbour = std::abs(own.offset) < kSimultaneous ? -1 : neighbourOf(poses, index);
-  if (right.neighbour >= 0) {
-    right.third = thirdOf(poses, index, right.neighbour);
-    const double to_neighbour = poses[right.neighbour].time - own.time;
-    WayShare neighbour(own, poses[right.neighbour], own.offset / to_neighbour);
-    std::optional<WayShare> third;
-    Vector6d step = Vector6d::Zero();
-    if (right.third >= 0) {
-      // Lagrange's polynomial; that of the own pose, which is the origin, drops out.
-      const double to_third = poses[right.third].time - own.time;
-      neighbour.share *= (own.offset - to_third) / (to_neighbour - to_third);
-      third.emplace(own, poses[right.third],
-                    own.offset * (own.offset - to_neighbour) / (to_third * (to_third - to_neighbour)));
-      step += third->share * third->way;
-    }
-    step += neighbour.share * neighbour.way;
-    carried = motionFromVector(step);
-    right.by_own = adjoint(carried.inverse()) + neighbour.byOwn(step);
-    right.by_neighbour = neighbour.byOther(step);
-    if (third) {
-      right.by_own += third->byOwn(step);
-      right.by_third = third->byOther(step);
-    }
-  }
   // From the rig's left camera at that instant to the right camera.
   const Matrix6d to_right = adjoint(T_left_right.inverse());
-  right.by_own = to_right * right.by_own;
-  right.by_neighbour = to_right * right.by_neighbour;
-  right.by_third = to_right * right.by_third;
-  right.T_world_camera = own.T_world_camera * carried * T_left_right;
+
+  const CarriedMotion carried(poses, index);
+  right.by_offset = to_right * carried.by_offset;
+  if (carried.neighbour < 0 || std::abs(own.offset) < kSimultaneous) {
+    right.by_own = to_right;
+    right.T_world_camera = own.T_world_camera * T_left_right;
+    return right;
+  }
+  right.neighbour = carried.neighbour;
+  right.third = carried.third;
+  right.by_own = to_right * carried.byOwn();
+  right.by_neighbour = to_right * carried.byNeighbour();
+  if (right.third >= 0) right.by_third = to_right * carried.byThird();
+  right.T_world_camera = own.T_world_camera * carried.motion() * T_left_right;
   return right;
 }
 

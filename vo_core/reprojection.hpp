@@ -14,6 +14,9 @@ struct TimedPose {
   double time = 0.0;    ///< s, of the left exposure, since any fixed instant
   double offset = 0.0;  ///< s, right exposure minus left exposure
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  /// How much the estimate errs (a perturbation on the right) for each second by which the right cameras of
+  /// all pairs were in truth exposed later than `offset` says.
+  Vector6d by_late_right = Vector6d::Zero();
 };
 
 /// The right camera at its own instant. The rig is taken to move on a parabola through the poses of its pair,
@@ -26,6 +29,8 @@ struct RightCamera {
   Matrix6d by_own = Matrix6d::Identity();
   Matrix6d by_neighbour = Matrix6d::Zero();
   Matrix6d by_third = Matrix6d::Zero();
+  /// And from the offset, per s; known at an offset of zero too, as soon as there is another pose.
+  Vector6d by_offset = Vector6d::Zero();
 };
 
 /// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure, if

@@ -19,7 +19,7 @@ class ReprojectionOdometry final : public OdometryMethod {
  private:
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
   bool offsetInRange(const PreparedPair& pair) const;
-  OdometryEstimate refuse(const PreparedPair& pair) const;
+  OdometryEstimate refuse(const PreparedPair& pair, OdometryReason reason) const;
   bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
@@ -41,6 +41,7 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.index = next_index_++;
   pair.left_exposure_ns = images.left_exposure_ns;
   pair.right_exposure_ns = images.right_exposure_ns;
+  pair.offset_deviation = images.offset_deviation;
   pair.left_image = images.left;
   pair.left = buildPyramid(images.left, settings_.tracking.levels);
   pair.right = buildPyramid(images.right, 1);
@@ -57,16 +58,18 @@ bool ReprojectionOdometry::offsetInRange(const PreparedPair& pair) const {
   return std::abs(offset) <= settings_.validity.maximum_offset;
 }
 
-/// The images belong to instants too far apart: as if the pair had not come.
-OdometryEstimate ReprojectionOdometry::refuse(const PreparedPair& pair) const {
+/// As if the pair had not come.
+OdometryEstimate ReprojectionOdometry::refuse(const PreparedPair& pair, OdometryReason reason) const {
   TrackedMotion motion;
-  motion.reasons = OdometryReason::time_step;
+  motion.reasons = reason;
   return estimateOf(pair, motion);
 }
 
 OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, StageObserver& observer) {
   const PreparedPair pair = prepare(images, observer);
-  if (!offsetInRange(pair)) return refuse(pair);
+  if (!offsetInRange(pair)) return refuse(pair, OdometryReason::time_step);
+  if (!(pair.offset_deviation <= settings_.validity.maximum_offset_uncertainty))
+    return refuse(pair, OdometryReason::offset_uncertain);
   if (!track_) return begin(pair, OdometryReason::first_pair, observer);
   if (!timeStepInRange(*track_, pair.left_exposure_ns)) {
     ++epoch_;
@@ -133,6 +136,7 @@ OdometryEstimate ReprojectionOdometry::estimateOf(const PreparedPair& pair,
   estimate.time_step = motion.time_step;
   estimate.T_previous_current = motion.T_previous_current;
   estimate.motion_covariance = motion.motion_covariance;
+  estimate.motion_offset_error = motion.motion_offset_error;
   return estimate;
 }
 

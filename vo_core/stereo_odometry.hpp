@@ -19,6 +19,7 @@ struct StereoImages {
   cv::Mat right;
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
+  double offset_deviation = 0.0;  ///< s, standard deviation of right minus left exposure
 };
 
 /// Why an estimate is not there, as bits.
@@ -33,6 +34,7 @@ enum class OdometryReason : std::uint32_t {
   implausible_motion = 1u << 6,   ///< faster than the settings say a cart can be
   degenerate_geometry = 1u << 7,  ///< the matches leave a direction of the motion open
   zero_velocity = 1u << 11,       ///< of a valid estimate: the cart stands, and its pose is held
+  offset_uncertain = 1u << 12,    ///< how far apart the exposures are is not known well enough
 };
 constexpr OdometryReason operator|(OdometryReason a, OdometryReason b) {
   return static_cast<OdometryReason>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -65,6 +67,9 @@ struct OdometryEstimate {
   double time_step = 0.0;           ///< s since the reference, left to left; 0 without
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();  ///< motion; identity if not valid
   Matrix6d motion_covariance = Matrix6d::Zero();
+  /// The motion's error if the pair's offset is off by its standard deviation; its outer product is part of
+  /// motion_covariance. Neighbouring motions err together.
+  Vector6d motion_offset_error = Vector6d::Zero();
   Eigen::Isometry3d T_world_camera =
       Eigen::Isometry3d::Identity();  ///< pose; world: the camera where the epoch began
   Matrix6d pose_covariance = Matrix6d::Zero();

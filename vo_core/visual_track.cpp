@@ -45,9 +45,14 @@ WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
 std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
   std::vector<TimedPose> poses;
   for (const WindowFrame& frame : window)
-    poses.push_back(
-        {seconds(frame.exposure_ns - window.front().exposure_ns), frame.offset, frame.T_world_camera});
+    poses.push_back({seconds(frame.exposure_ns - window.front().exposure_ns), frame.offset,
+                     frame.T_world_camera, frame.by_late_right});
   return poses;
+}
+
+/// With what the offset's error has added up to.
+Matrix6d poseCovarianceOf(const WindowFrame& frame) {
+  return frame.pose_covariance + frame.offset_error * frame.offset_error.transpose();
 }
 
 void dropDistrusted(std::vector<Landmark>& landmarks) {
@@ -95,6 +100,10 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     const double deviation = vague * std::max(landmark.inverse_depth, 0.0);
     landmark.information = 1.0 / (1.0 / landmark.information + deviation * deviation);
   }
+}
+
+Matrix6d VisualTrack::poseCovariance() const {
+  return poseCovarianceOf(window_.back());
 }
 
 RigCorrection VisualTrack::rigCorrection() const {
@@ -164,7 +173,9 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
 void VisualTrack::renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion) {
   WindowFrame& current = draft.window.back();
   current.T_world_camera = motion.T_world_camera;
-  current.pose_covariance = motion.pose_covariance;
+  current.pose_covariance = window_.back().pose_covariance;
+  current.by_late_right = window_.back().by_late_right;
+  current.offset_error = window_.back().offset_error;
   current.local_covariance = motion.motion_covariance;
   accept(pair, draft);
   landmarks_when_stopped_ = static_cast<int>(std::count_if(
@@ -242,7 +253,7 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
   if (standstill_.beyond(stand.T_world_camera.inverse() * found)) return false;
   motion.reasons = OdometryReason::zero_velocity;
   motion.T_world_camera = stand.T_world_camera;
-  motion.pose_covariance = stand.pose_covariance;
+  motion.pose_covariance = poseCovarianceOf(stand);
   motion.motion_covariance.setZero();
   motion.motion_covariance.diagonal() << Eigen::Vector3d::Constant(kStillTranslation * kStillTranslation),
       Eigen::Vector3d::Constant(kStillRotation * kStillRotation);
@@ -283,9 +294,11 @@ BundleProblem VisualTrack::bundleProblem(const Draft& draft, std::vector<std::si
     item.inverse_depth = landmark.inverse_depth;
     item.prior_inverse_depth = landmark.prior_inverse_depth;
     item.prior_information = landmark.prior_information;
+    item.prior_by_late_right = landmark.prior_by_late_right;
     if (!landmark.hasDepth()) {
       item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
       item.prior_information = kMonocularInformation;
+      item.prior_by_late_right = 0.0;
     }
     for (const Sighting& sighting : landmark.sightings)
       if (const int pose = placeOf(draft.window, sighting.frame); pose >= 0)
@@ -310,6 +323,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     draft.window[i].T_world_camera = problem.poses[i].T_world_camera;
   weigh(problem, chosen, draft);
   takeCovariances(problem, result, draft, motion);
+  takeOffsetErrors(problem, pair.offset_deviation, draft, motion);
+  motion.pose_covariance = poseCovarianceOf(draft.window.back());
   motion.reasons = judge(motion);
   if (!motion.valid()) return;
 
@@ -329,6 +344,7 @@ void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::siz
     if (!landmark.hasDepth() && adjusted.information < 4.0 * kMonocularInformation) continue;
     landmark.inverse_depth = adjusted.inverse_depth;
     landmark.information = adjusted.information;
+    landmark.by_late_right = adjusted.by_late_right;
   }
   dropDistrusted(draft.landmarks);
 }
@@ -350,7 +366,6 @@ void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResu
                            kSharedError * block(i, i));
   }
   motion.T_world_camera = window[last].T_world_camera;
-  motion.pose_covariance = window[last].pose_covariance;
   motion.T_previous_current = window[last - 1].T_world_camera.inverse() * motion.T_world_camera;
   // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
   const Matrix6d carried = adjoint(motion.T_previous_current.inverse());
@@ -358,6 +373,31 @@ void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResu
       kMotionShare *
       (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
        carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
+}
+
+/// What the uncertainty of the offset makes of motion and poses. It is one and the same error for as long as
+/// the cameras' clocks keep it: in a pose it adds up with its sign. Nobody knows for how long that is; the
+/// same errors, drawn anew for each pair, are counted as well, so that turning left and right does not make
+/// them vanish.
+void VisualTrack::takeOffsetErrors(const BundleProblem& problem, double offset_deviation, Draft& draft,
+                                   TrackedMotion& motion) const {
+  std::vector<WindowFrame>& window = draft.window;
+  const std::size_t anchor = static_cast<std::size_t>(problem.fixed) - 1;
+  const std::size_t last = window.size() - 1;
+  const auto error_of_way = [&](std::size_t from, std::size_t to) -> Vector6d {
+    const Eigen::Isometry3d way = window[from].T_world_camera.inverse() * window[to].T_world_camera;
+    return offset_deviation *
+           (window[to].by_late_right - adjoint(way.inverse()) * window[from].by_late_right);
+  };
+  for (std::size_t i = anchor + 1; i <= last; ++i) {
+    window[i].by_late_right = problem.poses[i].by_late_right;
+    const Eigen::Isometry3d way = window[anchor].T_world_camera.inverse() * window[i].T_world_camera;
+    const Vector6d error = error_of_way(anchor, i);
+    window[i].offset_error = adjoint(way.inverse()) * window[anchor].offset_error + error;
+    window[i].pose_covariance += error * error.transpose();
+  }
+  motion.motion_offset_error = error_of_way(last - 1, last);
+  motion.motion_covariance += motion.motion_offset_error * motion.motion_offset_error.transpose();
 }
 
 OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {

@@ -19,6 +19,7 @@ struct PreparedPair {
   std::int64_t index = 0;
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
+  double offset_deviation = 0.0;  ///< s
   cv::Mat left_image;
   ImagePyramid left, right;
 };
@@ -31,6 +32,7 @@ struct TrackedMotion {
   Matrix6d pose_covariance = Matrix6d::Zero();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
+  Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
   FeatureCounts counts;
 
   bool valid() const { return reasons == OdometryReason::none || reasons == OdometryReason::zero_velocity; }
@@ -47,7 +49,7 @@ class VisualTrack {
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
 
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
-  const Matrix6d& poseCovariance() const { return window_.back().pose_covariance; }
+  Matrix6d poseCovariance() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   const RigMonitor& rig() const { return rig_; }
@@ -72,6 +74,8 @@ class VisualTrack {
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
   void takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
                        TrackedMotion& motion) const;
+  void takeOffsetErrors(const BundleProblem& problem, double offset_deviation, Draft& draft,
+                        TrackedMotion& motion) const;
   OdometryReason judge(const TrackedMotion& motion) const;
   void learn(const BundleResult& result, const Draft& draft);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);

@@ -25,6 +25,8 @@ TEST(ExposureClock, ArrivalStandsInUntilTheFirstReport) {
   const ExposureClock::Instant after = clock.stamp(Camera::pts(1), Camera::instant(1), Camera::arrival(1));
   EXPECT_EQ(after.exposure_ns, Camera::instant(1) * 1000);
   EXPECT_EQ(after.source, InstantSource::sender_report);
+  EXPECT_GT(before.deviation_ns, after.deviation_ns);
+  EXPECT_GT(after.deviation_ns, 0);
 }
 
 TEST(ExposureClock, GivesTheReportedInstantsToTheMicrosecond) {

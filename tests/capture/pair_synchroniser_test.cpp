@@ -319,5 +319,13 @@ TEST(PairSynchroniser, AtTheSwapWithJitterPairsGoOnComing) {
   EXPECT_GT(outcome.pairs.size(), 500U);
 }
 
+TEST(FramePair, ItsOffsetIsAsUncertainAsBothInstantsTogether) {
+  FramePair pair;
+  EXPECT_EQ(pair.offsetDeviationNs(), 0.0);
+  pair.left.exposure_deviation_ns = 3'000'000;
+  pair.right.exposure_deviation_ns = 4'000'000;
+  EXPECT_DOUBLE_EQ(pair.offsetDeviationNs(), 5e6);
+}
+
 }  // namespace
 }  // namespace cartvo

@@ -2,6 +2,7 @@
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +66,54 @@ TEST(BundleAdjustment, FixedPosesStand) {
   ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
   for (std::size_t i = 0; i < before.size(); ++i)
     EXPECT_EQ(problem.poses[i].T_world_camera.matrix() == before[i].T_world_camera.matrix(), i < 4) << i;
+}
+
+/// The problem as it is if all right cameras are exposed later than is believed.
+BundleProblem withDelay(const LandmarkScene& scene, double delay) {
+  BundleProblem problem = test::seenBy(scene, 1);
+  for (TimedPose& pose : problem.poses)
+    pose.offset -= delay;
+  return problem;
+}
+
+TEST(BundleAdjustment, SaysHowTheResultErrsIfRightCamerasAreLate) {
+  constexpr double kDelay = 1e-5;
+  const BundleSettings settings{.iterations = 10, .robust_width = kPlain};
+  for (const int free_frames : {1, 3}) {
+    for (const double offset : kOffsets) {
+      const LandmarkScene scene{.free_frames = free_frames, .offset = offset};
+      const BundleProblem truth = test::seenBy(scene, 1);
+      BundleProblem late = withDelay(scene, kDelay);
+      ASSERT_TRUE(adjustBundle(late, settings).converged);
+      for (int i = 0; i < free_frames; ++i) {
+        const Vector6d expected = test::poseErrors(late).segment<6>(6 * i) / kDelay;
+        const Vector6d& said = late.poses[late.fixed + i].by_late_right;
+        EXPECT_GT(expected.norm(), 0.01);
+        EXPECT_LT((said - expected).norm(), 0.01 * expected.norm()) << free_frames << " free, " << offset;
+      }
+      for (std::size_t i = 0; i < truth.landmarks.size(); ++i) {
+        const double expected = (late.landmarks[i].inverse_depth - truth.landmarks[i].inverse_depth) / kDelay;
+        EXPECT_NEAR(late.landmarks[i].by_late_right, expected, 0.01 * std::abs(expected) + 1e-3);
+      }
+    }
+  }
+}
+
+TEST(BundleAdjustment, PassesOnWhatLateRightCamerasDidToPosesAndPriors) {
+  constexpr double kDelay = 1e-5;
+  const LandmarkScene scene{.offset = 0.01};
+  BundleProblem late = withDelay(scene, kDelay);
+  late.poses[5].by_late_right = test::vector6(0.3, -0.1, 0.4, 0.02, 0.05, -0.01);
+  late.poses[5].T_world_camera =
+      late.poses[5].T_world_camera * motionFromVector(kDelay * late.poses[5].by_late_right);
+  for (BundleLandmark& landmark : late.landmarks) {
+    landmark.prior_information = 1e4;
+    landmark.prior_by_late_right = 2.0;
+    landmark.prior_inverse_depth = landmark.inverse_depth + 2.0 * kDelay;
+  }
+  ASSERT_TRUE(adjustBundle(late, {.iterations = 10, .robust_width = kPlain}).converged);
+  const Vector6d expected = test::poseErrors(late) / kDelay;
+  EXPECT_LT((late.poses.back().by_late_right - expected).norm(), 0.01 * expected.norm());
 }
 
 constexpr int kTrials = 200;

@@ -168,6 +168,27 @@ TEST(RightCamera, DerivativesAgreeWithDifferences) {
   }
 }
 
+TEST(RightCamera, DerivativeByTheOffsetAgreesWithDifferences) {
+  for (const double offset : {-0.02, 0.0, 0.02}) {
+    for (int index = 0; index < 3; ++index) {
+      const std::vector<TimedPose> poses = unsteadyPoses(offset);
+      const RightCamera right = rightCameraOf(poses, index, kRigCamera.baseline);
+      const auto expected = centralDifference<1>([&](const Eigen::Matrix<double, 1, 1>& delay) -> Vector6d {
+        std::vector<TimedPose> changed = poses;
+        changed[index].offset += delay[0];
+        return vectorFromMotion(right.T_world_camera.inverse() *
+                                rightCameraOf(changed, index, kRigCamera.baseline).T_world_camera);
+      });
+      EXPECT_LT((right.by_offset - expected).norm(), 1e-6) << offset << " s, pair " << index;
+    }
+  }
+}
+
+TEST(RightCamera, OfAStandingCartDoesNotDependOnTheOffset) {
+  const std::vector<TimedPose> poses = {{0.0, 0.02, steadyDrive(1.0)}, {0.05, 0.02, steadyDrive(1.0)}};
+  EXPECT_LT(rightCameraOf(poses, 1, kRigCamera.baseline).by_offset.norm(), 1e-12);
+}
+
 TEST(RightCamera, LiesOnASteadyDriveAtItsOwnInstant) {
   for (const double offset : {-0.027, -0.01, 0.004, 0.027}) {
     const std::vector<TimedPose> poses = {{0.0, offset, steadyDrive(0.0)},

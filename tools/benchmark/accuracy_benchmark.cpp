@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tools/benchmark/encoded_source.hpp"
-#include "tools/replay/estimator_names.hpp"
+#include "tools/replay/setting_names.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/simulate/truth.hpp"

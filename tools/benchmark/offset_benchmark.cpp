@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tools/benchmark/alternate_frames.hpp"
-#include "tools/replay/estimator_names.hpp"
+#include "tools/replay/setting_names.hpp"
 
 namespace cartvo::benchmark {
 namespace {

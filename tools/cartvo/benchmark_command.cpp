@@ -14,7 +14,7 @@
 #include "tools/cartvo/benchmark_offset.hpp"
 #include "tools/cartvo/benchmark_options.hpp"
 #include "tools/cartvo/commands.hpp"
-#include "tools/replay/estimator_names.hpp"
+#include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream_cache.hpp"
 
 namespace cartvo {

@@ -16,10 +16,10 @@
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/replay/estimator_names.hpp"
 #include "tools/replay/motion_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -30,6 +30,8 @@ namespace {
 struct Options {
   ReplaySettings replay;
   std::string estimator = estimatorName(OdometrySettings{}.estimator);
+  std::string rig_refinement = rigRefinementName(OdometrySettings{}.rig_refinement);
+  double offset_uncertainty_ms = 0.0;
   std::filesystem::path output;
   std::filesystem::path truth;
   int threads = 2;
@@ -123,6 +125,19 @@ void addReplayCommand(CLI::App& cartvo) {
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
   command
+      ->add_option("--online-rig-refinement", options->rig_refinement,
+                   "What is done about a right camera that is turned against the rig file")
+      ->check(CLI::IsMember(rigRefinementNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--offset-uncertainty", options->offset_uncertainty_ms,
+          "Standard deviation of how far apart a folder's exposures are, ms; a recording knows its own")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MS")
+      ->capture_default_str();
+  command
       ->add_option("--threads", options->threads,
                    "Threads for the image operations; the results do not depend on it")
       ->check(CLI::Range(1, 64))
@@ -144,6 +159,8 @@ void addReplayCommand(CLI::App& cartvo) {
       "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out");
   command->callback([options] {
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
+    options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
+    options->replay.folder_offset_deviation = 1e-3 * options->offset_uncertainty_ms;
     run(*options);
   });
 }

@@ -98,7 +98,7 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
 }
 
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
-  StereoSource source = openSource(settings.source);
+  StereoSource source = openSource(settings.source, 1e9 * settings.folder_offset_deviation);
   const FoundRig rig = findRig(source, settings.source, settings.rig);
   Replay replay = replayPairs(source, rig, settings.odometry, observer);
   if (replay.pairs.empty()) {

@@ -19,6 +19,7 @@ struct ReplaySettings {
   std::filesystem::path source;
   std::filesystem::path rig;  ///< empty: found beside the source
   OdometrySettings odometry;
+  double folder_offset_deviation = 0.0;  ///< s, of the pairs' offsets in a folder of images
 };
 
 /// What is kept of one pair.

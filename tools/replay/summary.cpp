@@ -8,7 +8,7 @@
 
 #include "daemon/health_monitor.hpp"
 #include "tools/evaluate/evaluation.hpp"
-#include "tools/replay/estimator_names.hpp"
+#include "tools/replay/setting_names.hpp"
 
 namespace cartvo {
 namespace {
@@ -35,6 +35,8 @@ const char* reasonName(OdometryReason reason) {
       return "implausible_motion";
     case OdometryReason::degenerate_geometry:
       return "degenerate_geometry";
+    case OdometryReason::offset_uncertain:
+      return "offset_uncertain";
     case OdometryReason::zero_velocity:
       return "zero_velocity";
   }

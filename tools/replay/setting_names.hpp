@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+/// What the command line and results call the estimators; cartvod's configuration uses the same names.
+inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorNames{
+    {{Estimator::reprojection, "reprojection"}, {Estimator::thesis, "thesis"}}};
+
+/// And what is done about a rig that is not as calibrated.
+inline constexpr std::array<std::pair<RigRefinement, const char*>, 3> kRigRefinementNames{
+    {{RigRefinement::off, "off"}, {RigRefinement::monitor, "monitor"}, {RigRefinement::correct, "correct"}}};
+
+template <typename Names, typename Value>
+std::string nameIn(const Names& names, Value value) {
+  return std::find_if(names.begin(), names.end(), [&](const auto& entry) { return entry.first == value; })
+      ->second;
+}
+
+template <typename Names>
+auto valueIn(const Names& names, const std::string& name) {
+  return std::find_if(names.begin(), names.end(), [&](const auto& entry) { return name == entry.second; })
+      ->first;
+}
+
+template <typename Names>
+std::vector<std::string> listOf(const Names& names) {
+  std::vector<std::string> list;
+  for (const auto& [value, name] : names)
+    list.emplace_back(name);
+  return list;
+}
+
+inline std::string estimatorName(Estimator estimator) {
+  return nameIn(kEstimatorNames, estimator);
+}
+/// `name` must be one of `estimatorNames`.
+inline Estimator estimatorNamed(const std::string& name) {
+  return valueIn(kEstimatorNames, name);
+}
+inline std::vector<std::string> estimatorNames() {
+  return listOf(kEstimatorNames);
+}
+
+inline std::string rigRefinementName(RigRefinement refinement) {
+  return nameIn(kRigRefinementNames, refinement);
+}
+/// `name` must be one of `rigRefinementNames`.
+inline RigRefinement rigRefinementNamed(const std::string& name) {
+  return valueIn(kRigRefinementNames, name);
+}
+inline std::vector<std::string> rigRefinementNames() {
+  return listOf(kRigRefinementNames);
+}
+
+}  // namespace cartvo

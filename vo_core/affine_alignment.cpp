@@ -101,20 +101,8 @@ void slopeSums(const Template& patch, const Values& values, Parameters& sums) {
 /// Grey values and gradients, zero in the padding.
 void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
   sampleGradients(level, centre, out.grey, out.gradient_x, out.gradient_y);
-  Lanes sum{};
-  for (int y = 0; y < kSide; ++y)
-    for (int block = 0; block < kBlocks; ++block)
-      sum += out.grey.lanes(y, block);
-  out.mean = static_cast<float>(sumOf(sum) / Values::kSize);
-  Lanes squares{};
-  for (int y = 0; y < kSide; ++y) {
-    for (int block = 0; block < kBlocks; ++block) {
-      Lanes& grey = out.grey.lanes(y, block);
-      grey = (grey - out.mean) * kMask.lanes(0, block);
-      squares += grey * grey;
-    }
-  }
-  out.norm = std::sqrt(sumOf(squares));
+  out.mean = removeMean(out.grey);
+  out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
 }
 
 /// Inverts the upper left corner. False if it is nearly singular.

@@ -17,7 +17,6 @@ constexpr int kShiftIterations = 5;      // a shift that takes longer is lost
 constexpr double kWorthAligning = 0.5;   // correlation after the shift, of which a warp may make a match
 constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
 using Template = Patch<kSide, kSide>;
-constexpr Patch<kSide, 1> kMask = Template::mask();
 
 /// The patch before, its gradients (mean removed, which makes the shift blind to a change of brightness) and
 /// the inverse of its structure matrix G (thesis 4.12). All zero in the padding.
@@ -28,25 +27,6 @@ struct Linearisation {
   Eigen::Matrix2d inverse_structure;
   double smaller_eigenvalue = 0.0;  ///< of G, per pixel
 };
-
-void removeMean(Template& patch) {
-  Lanes sum{};
-  for (int y = 0; y < kSide; ++y)
-    for (int block = 0; block < Template::kBlocks; ++block)
-      sum += patch.lanes(y, block) * kMask.lanes(0, block);
-  const float mean = static_cast<float>(sumOf(sum) / Template::kSize);
-  for (int y = 0; y < kSide; ++y)
-    for (int block = 0; block < Template::kBlocks; ++block)
-      patch.lanes(y, block) = (patch.lanes(y, block) - mean) * kMask.lanes(0, block);
-}
-
-double sumOfProducts(const Template& a, const Template& b) {
-  Lanes sum{};
-  for (int y = 0; y < kSide; ++y)
-    for (int block = 0; block < Template::kBlocks; ++block)
-      sum += a.lanes(y, block) * b.lanes(y, block);
-  return sumOf(sum);
-}
 
 void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, Linearisation& out) {
   sampleGradients(level, centre, out.grey, out.gradient_x, out.gradient_y);

@@ -100,6 +100,33 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   }
 }
 
+/// Takes the mean of the window off, which makes what is compared blind to brightness; the padding becomes
+/// zero. Returns the mean.
+template <int Columns, int Rows>
+float removeMean(Patch<Columns, Rows>& patch) {
+  using P = Patch<Columns, Rows>;
+  static constexpr Patch<Columns, 1> kMask = P::mask();
+  Lanes sum{};
+  for (int y = 0; y < Rows; ++y)
+    for (int block = 0; block < P::kBlocks; ++block)
+      sum += patch.lanes(y, block) * kMask.lanes(0, block);
+  const float mean = static_cast<float>(sumOf(sum) / P::kSize);
+  for (int y = 0; y < Rows; ++y)
+    for (int block = 0; block < P::kBlocks; ++block)
+      patch.lanes(y, block) = (patch.lanes(y, block) - mean) * kMask.lanes(0, block);
+  return mean;
+}
+
+/// Of two patches with zero in the padding of at least one.
+template <int Columns, int Rows>
+double sumOfProducts(const Patch<Columns, Rows>& a, const Patch<Columns, Rows>& b) {
+  Lanes sum{};
+  for (int y = 0; y < Rows; ++y)
+    for (int block = 0; block < Patch<Columns, Rows>::kBlocks; ++block)
+      sum += a.lanes(y, block) * b.lanes(y, block);
+  return sumOf(sum);
+}
+
 /// Grey values and their gradients, by central differences, around `centre`; all zero in the padding.
 template <int Side>
 void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Side>& grey,

@@ -140,19 +140,8 @@ struct NccTemplate {
 
 void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
   samplePatch(level, pixel, out.centred);
-  Lanes sum{}, square{};
-  for (int y = 0; y < kNccRows; ++y)
-    for (int block = 0; block < NccPatch::kBlocks; ++block)
-      sum += out.centred.lanes(y, block) * kMask.lanes(0, block);
-  out.mean = static_cast<float>(sumOf(sum) / NccPatch::kSize);
-  for (int y = 0; y < kNccRows; ++y) {
-    for (int block = 0; block < NccPatch::kBlocks; ++block) {
-      Lanes& value = out.centred.lanes(y, block);
-      value = (value - out.mean) * kMask.lanes(0, block);
-      square += value * value;
-    }
-  }
-  out.norm = std::sqrt(sumOf(square));
+  out.mean = removeMean(out.centred);
+  out.norm = std::sqrt(sumOfProducts(out.centred, out.centred));
 }
 
 /// Normalised cross-correlation of the template with the strip's window whose upper left corner is (x0, y0).

@@ -93,17 +93,7 @@ void runAccuracy(const AccuracyOptions& options) {
 }
 
 void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
-  CLI::Option* scenarios =
-      command.add_option("--scenarios", options.scenarios, "Rendered drives: " + scenarioList())
-          ->delimiter(',')
-          ->check(CLI::IsMember(scenarioChoices()))
-          ->type_name("LIST")
-          ->capture_default_str();
-  command
-      .add_option("--seeds", options.seeds, "Another seed, another world: each scenario with each of them")
-      ->delimiter(',')
-      ->type_name("LIST")
-      ->capture_default_str();
+  CLI::Option* scenarios = addWorldChoice(command, options.scenarios, options.seeds);
   CLI::Option* seconds =
       command
           .add_option("--seconds", options.seconds,

@@ -99,16 +99,7 @@ void run(const OffsetOptions& options) {
 }
 
 void addDriveOptions(CLI::App& command, OffsetOptions& options) {
-  command.add_option("--scenarios", options.scenarios, "Rendered drives: " + scenarioList())
-      ->delimiter(',')
-      ->check(CLI::IsMember(scenarioChoices()))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command
-      .add_option("--seeds", options.seeds, "Another seed, another world: each scenario with each of them")
-      ->delimiter(',')
-      ->type_name("LIST")
-      ->capture_default_str();
+  addWorldChoice(command, options.scenarios, options.seeds);
   command.add_option("--seconds", options.seconds, "Length of each drive")
       ->check(CLI::Range(6.0, 3600.0))
       ->capture_default_str();

@@ -27,6 +27,22 @@ fs::path foundData(const fs::path& given) {
   return {};
 }
 
+/// The names of the scenarios, "all" and "none".
+std::vector<std::string> scenarioChoices() {
+  std::vector<std::string> names{kAllScenarios, kNoScenario};
+  for (const world::Scenario scenario : world::allScenarios())
+    names.emplace_back(world::scenarioName(scenario));
+  return names;
+}
+
+/// The same as one line of text.
+std::string scenarioList() {
+  std::string list;
+  for (const std::string& name : scenarioChoices())
+    list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
 }  // namespace
 
 benchmark::ReportFormat BenchmarkOptions::reportFormat() const {
@@ -83,18 +99,17 @@ nlohmann::ordered_json reportHead(const char* benchmark, int threads) {
           {"threads", threads}};
 }
 
-std::vector<std::string> scenarioChoices() {
-  std::vector<std::string> names{kAllScenarios, kNoScenario};
-  for (const world::Scenario scenario : world::allScenarios())
-    names.emplace_back(world::scenarioName(scenario));
-  return names;
-}
-
-std::string scenarioList() {
-  std::string list;
-  for (const std::string& name : scenarioChoices())
-    list += (list.empty() ? "" : ", ") + name;
-  return list;
+CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
+                            std::vector<std::uint64_t>& seeds) {
+  command.add_option("--seeds", seeds, "Another seed, another world: each scenario with each of them")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->capture_default_str();
+  return command.add_option("--scenarios", scenarios, "Rendered drives: " + scenarioList())
+      ->delimiter(',')
+      ->check(CLI::IsMember(scenarioChoices()))
+      ->type_name("LIST")
+      ->capture_default_str();
 }
 
 std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -45,11 +46,12 @@ nlohmann::ordered_json reportHead(const char* benchmark, int threads);
 inline constexpr const char* kAllScenarios = "all";
 inline constexpr const char* kNoScenario = "none";
 
-/// The names of the scenarios, "all" and "none".
-std::vector<std::string> scenarioChoices();
-/// The same as one line of text.
-std::string scenarioList();
-/// `names` must be of `scenarioChoices`.
+/// Adds --scenarios and --seeds; returns the former. What they are read into must live as long as the
+/// command.
+CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
+                            std::vector<std::uint64_t>& seeds);
+
+/// `names` must be what --scenarios takes: names of scenarios, "all", "none".
 std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names);
 
 /// A line on the error output for each piece of work, and a bar below it while it goes on.

@@ -67,18 +67,24 @@ TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
   }
 }
 
-TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
-  CARTVO_NEEDS_DATA(sequence, "kitti_00");
+/// What the benchmark writes about a folder that holds but this sequence.
+nlohmann::json reportOn(const std::filesystem::path& sequence, const std::string& arguments) {
   const test::TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "data");
-  std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), folder / "data/kitti_00");
+  const std::filesystem::path data = folder / "data";
+  std::filesystem::create_directory(data);
+  std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), data / sequence.filename());
   const std::filesystem::path report = folder / "report.json";
   const Finished run =
-      runBenchmark("accuracy --scenarios none --features 300 --estimators thesis --format json --data " +
-                   (folder / "data").string() + " --output " + report.string());
+      runBenchmark(arguments + " --format json --data " + data.string() + " --output " + report.string());
   EXPECT_EQ(run.exit_code, 0) << run.said;
   std::ifstream file(report);
-  const nlohmann::json json = nlohmann::json::parse(file);
+  return nlohmann::json::parse(file, nullptr, false);
+}
+
+TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
+  CARTVO_NEEDS_DATA(sequence, "kitti_00");
+  const nlohmann::json json =
+      reportOn(sequence, "accuracy --scenarios none --features 300 --estimators thesis");
   EXPECT_EQ(json["benchmark"], "accuracy");
   EXPECT_EQ(json["features"], 300);
   ASSERT_EQ(json["sequences"].size(), 1u);
@@ -90,15 +96,7 @@ TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
 
 TEST(BenchmarkCommand, TakesHalfOfARealSequenceForOneThatIsNotSynchronised) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
-  const test::TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "data");
-  std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), folder / "data/kitti_06");
-  const std::filesystem::path report = folder / "report.json";
-  const Finished run = runBenchmark("offset --scenarios none --models two-instants --format json --data " +
-                                    (folder / "data").string() + " --output " + report.string());
-  EXPECT_EQ(run.exit_code, 0) << run.said;
-  std::ifstream file(report);
-  const nlohmann::json json = nlohmann::json::parse(file);
+  const nlohmann::json json = reportOn(sequence, "offset --scenarios none --models two-instants");
   EXPECT_EQ(json["benchmark"], "offset");
   ASSERT_EQ(json["offsets"].size(), 2u);
   const nlohmann::json& together = json["offsets"][0];

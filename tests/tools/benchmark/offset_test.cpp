@@ -10,6 +10,7 @@
 #include "tools/benchmark/offset_benchmark.hpp"
 #include "tools/benchmark/offset_plot.hpp"
 #include "tools/benchmark/offset_report.hpp"
+#include "tools/benchmark/tiny_world.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -17,20 +18,21 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(RightClock, SweepsAcrossHalfAPeriodAtTheRateOfCrystals) {
+world::WorldSettings twentySecondsAtTwentyHertz() {
   world::WorldSettings world;
   world.seconds = 20.0;
   world.frame_rate = 20.0;
-  const RightClock slow = slowSweep(world);
+  return world;
+}
+
+TEST(RightClock, SweepsAcrossHalfAPeriodAtTheRateOfCrystals) {
+  const RightClock slow = slowSweep(twentySecondsAtTwentyHertz());
   EXPECT_DOUBLE_EQ(slow.drift_ppm, 50.0);
   EXPECT_NEAR(slow.offset_s + 10.0 * 50e-6, 0.025, 1e-12) << "in the middle of the drive";
 }
 
 TEST(RightClock, SweepsThroughAllOffsetsWithinTheDrive) {
-  world::WorldSettings world;
-  world.seconds = 20.0;
-  world.frame_rate = 20.0;
-  const RightClock fast = fastSweep(world);
+  const RightClock fast = fastSweep(twentySecondsAtTwentyHertz());
   EXPECT_LT(fast.offset_s, 0.0);
   EXPECT_NEAR(fast.offset_s + 5.0 * 1e-6 * fast.drift_ppm, 0.0, 1e-12) << "through zero";
   EXPECT_NEAR(fast.offset_s + 15.0 * 1e-6 * fast.drift_ppm, 0.025, 1e-12) << "through half a period";
@@ -60,27 +62,15 @@ TEST(AlternateFrames, AreHalfOfWhatTheCamerasTook) {
   }
 }
 
-world::WorldSettings tinyWorld() {
-  world::WorldSettings settings;
-  settings.image_size = {340, 210};
-  settings.focal_length = 240.0;
-  settings.frame_rate = 9.0;
-  settings.lead_in_seconds = 0.0;
-  settings.seconds = 0.7;
-  settings.edge_samples = 0;
-  return settings;
-}
-
 TEST(OffsetBenchmark, MeasuresEachWorldWithEachClockByEachModel) {
   const test::TemporaryFolder cache;
   OffsetSettings settings;
-  settings.worlds = {tinyWorld()};
+  settings.worlds = {test::tinyWorld()};
   settings.clocks = {RightClock{}, RightClock{0.04, 0.0}};
   settings.models = {OffsetModel::two_instants, OffsetModel::simultaneous};
   settings.odometry.features = 400;
   settings.cache = cache.path();
-  const std::vector<OffsetAccuracy> accuracies =
-      runOffsetBenchmark(settings, {[](const std::string&) {}, [](int, int) {}});
+  const std::vector<OffsetAccuracy> accuracies = runOffsetBenchmark(settings, test::silent());
   ASSERT_EQ(accuracies.size(), 4u);
   for (const OffsetAccuracy& one : accuracies) {
     EXPECT_EQ(one.sequence, "campus");

@@ -15,26 +15,14 @@
 #include "tools/benchmark/feature_counts.hpp"
 #include "tools/benchmark/sequence.hpp"
 #include "tools/benchmark/stage_times.hpp"
+#include "tools/benchmark/tiny_world.hpp"
 #include "tools/simulate/sequence_content.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
-WorkObserver silent() {
-  return {[](const std::string&) {}, [](int, int) {}};
-}
-
-/// A drive that is rendered in a few seconds: half the size, a picture each ninth of a second.
-world::WorldSettings tinyWorld() {
-  world::WorldSettings settings;
-  settings.image_size = {340, 210};
-  settings.focal_length = 240.0;
-  settings.frame_rate = 9.0;
-  settings.lead_in_seconds = 0.0;
-  settings.seconds = 0.7;
-  settings.edge_samples = 0;
-  return settings;
-}
+using test::silent;
+using test::tinyWorld;
 
 TEST(RealSequences, AreTheImageFoldersWithATruth) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "tools/benchmark/accuracy_benchmark.hpp"
+#include "tools/world/world_settings.hpp"
+
+namespace cartvo::test {
+
+/// A drive that is rendered in a few seconds: half the size, a picture each ninth of a second.
+inline world::WorldSettings tinyWorld() {
+  world::WorldSettings settings;
+  settings.image_size = {340, 210};
+  settings.focal_length = 240.0;
+  settings.frame_rate = 9.0;
+  settings.lead_in_seconds = 0.0;
+  settings.seconds = 0.7;
+  settings.edge_samples = 0;
+  return settings;
+}
+
+inline benchmark::WorkObserver silent() {
+  return {[](const std::string&) {}, [](int, int) {}};
+}
+
+}  // namespace cartvo::test

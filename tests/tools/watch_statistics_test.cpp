@@ -1,5 +1,7 @@
 // What `cartvo watch` counts: losses, restarts, latency, the path within an epoch.
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tools/watch/odometry_statistics.hpp"
@@ -42,6 +44,17 @@ TEST(WatchStatistics, SumUpRateLatencyAndPath) {
   EXPECT_NEAR(summary.path_length, 2.0, 1e-9);
   EXPECT_EQ(statistics.trajectory().size(), 21u);
   EXPECT_EQ(statistics.trajectory().back().time_ns, 20 * kPeriod_us * 1'000);
+}
+
+TEST(WatchStatistics, GiveNoLatencyOfARecordingThatIsReplayed) {
+  OdometryStatistics statistics;
+  odometry_t replayed = message(1, 0.0);
+  replayed.publication_utime += 3'600'000'000;
+  add(statistics, replayed);
+  EXPECT_TRUE(std::isnan(statistics.summarise().latency_p50_ms));
+  EXPECT_NE(summaryText(statistics.summarise()).find("a recording was replayed"), std::string::npos);
+  EXPECT_NE(liveLine(replayed, 20.0).find("of a recording"), std::string::npos);
+  EXPECT_NE(liveLine(message(1, 0.0), 20.0).find("latency   8.0 ms"), std::string::npos);
 }
 
 TEST(WatchStatistics, TellLossesFromRestartsAndResets) {

@@ -10,6 +10,7 @@ namespace cartvo {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr double kLongestLatency_ms = 60'000.0;  // no pair waits so long in a pipeline that drops what is old
 
 /// Nearest rank; NaN of nothing.
 double percentile(std::vector<double> values, double fraction) {
@@ -30,6 +31,11 @@ StampedPose pose(const odometry_t& message) {
 }
 
 }  // namespace
+
+std::optional<double> latencyMs(const odometry_t& message) {
+  const double latency = static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3;
+  return std::abs(latency) < kLongestLatency_ms ? std::optional(latency) : std::nullopt;
+}
 
 void OdometryStatistics::count(const odometry_t& message) {
   ++counts_.messages;
@@ -53,8 +59,10 @@ void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_n
     return;
   }
   receptions_ns_.push_back(reception_ns);
-  latencies_ms_.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
-  ages_ms_.push_back(static_cast<double>(reception_ns - message.utime * 1000) * 1e-6);
+  if (const auto latency = latencyMs(message)) {
+    latencies_ms_.push_back(*latency);
+    ages_ms_.push_back(static_cast<double>(reception_ns - message.utime * 1000) * 1e-6);
+  }
   offsets_ms_.push_back(static_cast<double>(message.offset_us) * 1e-3);
   if (!last_was_valid_) return;
   ++counts_.valid;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <cartvo/odometry_t.hpp>
@@ -9,7 +10,10 @@
 
 namespace cartvo {
 
-/// What was heard on CARTVO_ODOMETRY.
+/// From the last packet to publication, ms; none for a recording that is replayed: its packets came long ago.
+std::optional<double> latencyMs(const odometry_t& message);
+
+/// What was heard on CARTVO_ODOMETRY. Latency and age are NaN if all of it was a recording.
 struct OdometrySummary {
   std::int64_t messages = 0;
   std::int64_t lost = 0;     ///< gaps in the sequence

@@ -3,6 +3,7 @@
 #include "tools/watch/watch.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
@@ -95,6 +96,14 @@ class Listener {
                   kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
 }
 
+std::string delayText(const OdometrySummary& summary) {
+  if (std::isnan(summary.latency_p50_ms)) return "latency           none: a recording was replayed\n";
+  return fmt::format(
+      "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n"
+      "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n",
+      summary.latency_p50_ms, summary.latency_p99_ms, summary.age_p50_ms, summary.age_p99_ms);
+}
+
 }  // namespace
 
 OdometryStatistics watchOdometry(const WatchSettings& settings) {
@@ -129,15 +138,16 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
 }
 
 std::string liveLine(const odometry_t& message, double frame_rate) {
-  const double latency_ms = static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3;
   if (message.status != odometry_t::VALID) {
     return fmt::format("{:5.1f} fps  INVALID: {}", frame_rate, reasonNames(message.reasons));
   }
+  const std::optional<double> latency = latencyMs(message);
   return fmt::format(
-      "{:5.1f} fps  latency {:5.1f} ms  speed {:6.2f} m/s  yaw {:+6.1f} deg/s  features {:5d}  offset "
+      "{:5.1f} fps  {}  speed {:6.2f} m/s  yaw {:+6.1f} deg/s  features {:5d}  offset "
       "{:+5.1f} ms  valid",
-      frame_rate, latency_ms, message.velocity_body[0], message.angular_velocity_body[2] * kDegreesPerRadian,
-      message.features, static_cast<double>(message.offset_us) * 1e-3);
+      frame_rate, latency ? fmt::format("latency {:5.1f} ms", *latency) : "of a recording",
+      message.velocity_body[0], message.angular_velocity_body[2] * kDegreesPerRadian, message.features,
+      static_cast<double>(message.offset_us) * 1e-3);
 }
 
 std::string summaryText(const OdometrySummary& summary) {
@@ -149,14 +159,12 @@ std::string summaryText(const OdometrySummary& summary) {
   return text + fmt::format(
                     "valid             {} ({:.1f} % of the pairs)\n"
                     "frame rate        {:.2f} pairs/s over {:.1f} s\n"
-                    "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n"
-                    "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n"
+                    "{}"
                     "offset            median {:+.2f} ms (right minus left)\n"
                     "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
                     summary.valid, 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs),
-                    summary.frame_rate, summary.seconds, summary.latency_p50_ms, summary.latency_p99_ms,
-                    summary.age_p50_ms, summary.age_p99_ms, summary.offset_median_ms, summary.path_length,
-                    summary.resets, summary.restarts);
+                    summary.frame_rate, summary.seconds, delayText(summary), summary.offset_median_ms,
+                    summary.path_length, summary.resets, summary.restarts);
 }
 
 void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary) {

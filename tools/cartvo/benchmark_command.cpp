@@ -13,6 +13,7 @@
 #include "tools/benchmark/thesis_report.hpp"
 #include "tools/cartvo/benchmark_offset.hpp"
 #include "tools/cartvo/benchmark_options.hpp"
+#include "tools/cartvo/benchmark_speed.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream_cache.hpp"
@@ -200,6 +201,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   command->footer("'cartvo benchmark accuracy --help' explains each.");
   addAccuracy(*command);
   addOffsetBenchmark(*command);
+  addSpeedBenchmark(*command);
   addThesis(*command);
 }
 

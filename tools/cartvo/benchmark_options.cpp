@@ -57,6 +57,10 @@ void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options) {
                   "Folder with real sequences, each an image folder with its poses.txt, or 'none'\n"
                   "(default: $CARTVO_DATA, else ../shared/data)")
       ->type_name("DIR");
+  addReportOptions(command, options);
+}
+
+void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
   command.add_option("--threads", options.threads, "Threads for rendering and image operations")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -26,7 +26,10 @@ struct BenchmarkOptions {
   benchmark::ReportFormat reportFormat() const;
 };
 
-/// `options` must live as long as the command.
+/// Adds --threads, --format and --output. `options` must live as long as the command.
+void addReportOptions(CLI::App& command, BenchmarkOptions& options);
+
+/// The same and --data.
 void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
 
 /// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it is there; empty: none.

@@ -23,7 +23,7 @@ Finished runBenchmark(const std::string& arguments) {
 }
 
 TEST(BenchmarkCommand, ExplainsItself) {
-  for (const char* benchmark : {"accuracy", "offset", "thesis"}) {
+  for (const char* benchmark : {"accuracy", "offset", "speed", "thesis"}) {
     const Finished run = runBenchmark(std::string(benchmark) + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.said, HasSubstr("Examples:"));
@@ -32,7 +32,7 @@ TEST(BenchmarkCommand, ExplainsItself) {
 }
 
 TEST(BenchmarkCommand, RefusesWrongArguments) {
-  const std::array<std::pair<const char*, const char*>, 10> wrong{{
+  const std::array<std::pair<const char*, const char*>, 13> wrong{{
       {"", "subcommand"},
       {"accuracy --scenarios nowhere", "nowhere"},
       {"accuracy --estimators guess", "guess"},
@@ -43,6 +43,9 @@ TEST(BenchmarkCommand, RefusesWrongArguments) {
       {"offset --models guess", "guess"},
       {"offset --sweeps wide", "wide"},
       {"offset --offsets-ms soon", "soon"},
+      {"speed --sizes 680", "expected WIDTHxHEIGHT"},
+      {"speed --sizes 680x42", "expected WIDTHxHEIGHT"},
+      {"speed --pairs 5", "--pairs"},
   }};
   for (const auto& [arguments, named] : wrong) {
     const Finished run = runBenchmark(arguments);

@@ -1,0 +1,148 @@
+// The inner loops alone (Google Benchmark): what one patch, one image or one match takes. Run it as
+// `cartvo_kernels --benchmark_repetitions=9 --benchmark_report_aggregates_only`.
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <opencv2/imgproc.hpp>
+
+#include "calib/rectification_tables.hpp"
+#include "calib/rectifier.hpp"
+#include "vo_core/adaptive_detector.hpp"
+#include "vo_core/affine_alignment.hpp"
+#include "vo_core/image_pyramid.hpp"
+#include "vo_core/klt.hpp"
+#include "vo_core/stereo_matcher.hpp"
+
+namespace {
+
+using ::benchmark::State;
+using namespace cartvo;  // NOLINT(google-build-using-namespace): a program of its own
+
+constexpr int kWidth = 1241, kHeight = 376;  // px, KITTI's
+constexpr int kGreyLevels = 4;
+constexpr double kDisparity = 12.3, kFlow = 3.7;  // px
+
+/// Smooth noise: texture everywhere, at several scales.
+cv::Mat texture() {
+  cv::RNG random(1);
+  cv::Mat sum = cv::Mat::zeros(kHeight, kWidth, CV_32F);
+  for (const int coarseness : {2, 5, 11}) {
+    cv::Mat noise(kHeight / coarseness + 2, kWidth / coarseness + 2, CV_32F), grown;
+    random.fill(noise, cv::RNG::UNIFORM, 0.0, 80.0);
+    cv::resize(noise, grown, sum.size(), 0, 0, cv::INTER_CUBIC);
+    sum += grown;
+  }
+  cv::Mat bytes;
+  sum.convertTo(bytes, CV_8U);
+  return bytes;
+}
+
+cv::Mat shifted(const cv::Mat& image, double columns) {
+  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, columns, 0, 1, 0);
+  cv::Mat moved;
+  cv::warpAffine(image, moved, shift, image.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT_101);
+  return moved;
+}
+
+const cv::Mat kImage = texture();
+
+struct Pyramids {
+  ImagePyramid image = buildPyramid(kImage, kGreyLevels);
+  ImagePyramid right = buildPyramid(shifted(kImage, -kDisparity), kGreyLevels);
+  ImagePyramid next = buildPyramid(shifted(kImage, kFlow), kGreyLevels);
+};
+const Pyramids& pyramids() {
+  static const Pyramids built;
+  return built;
+}
+
+/// Places far enough from the edges, one after the other: each patch comes from memory as in a real image.
+class Places {
+ public:
+  Eigen::Vector2d next() {
+    index_ = (index_ + 1) % kCount;
+    return {100.0 + (index_ * 37) % (kWidth - 200), 40.0 + (index_ * 13) % (kHeight - 80)};
+  }
+
+ private:
+  static constexpr int kCount = 1000;
+  int index_ = 0;
+};
+
+void pyramid(State& state) {
+  for (auto _ : state)
+    ::benchmark::DoNotOptimize(buildPyramid(kImage, kGreyLevels));
+}
+BENCHMARK(pyramid)->Unit(::benchmark::kMicrosecond);
+
+void detect(State& state) {
+  const cv::Size size = kImage.size();
+  AdaptiveDetector detector(DetectionSettings{}, 1000, size);
+  for (auto _ : state) {
+    SpacingGrid spacing(size.width, size.height, TrackingSettings{}.minimum_distance);
+    ::benchmark::DoNotOptimize(detector.detect(kImage, {}, spacing));
+  }
+}
+BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);
+
+void followShift(State& state) {
+  Places places;
+  for (auto _ : state) {
+    const Eigen::Vector2d from = places.next();
+    ::benchmark::DoNotOptimize(trackShift(pyramids().image, pyramids().next, from, from, {0, 1}, 0.5));
+  }
+}
+BENCHMARK(followShift)->Unit(::benchmark::kNanosecond);
+
+void align(State& state, WarpModel model, bool stereo) {
+  const TrackingSettings settings;
+  Places places;
+  for (auto _ : state) {
+    const Eigen::Vector2d from = places.next();
+    AffineAlignment start;
+    start.position = from + Eigen::Vector2d((stereo ? -kDisparity : kFlow) + 0.3, 0.0);
+    const ImagePyramid& after = stereo ? pyramids().right : pyramids().next;
+    ::benchmark::DoNotOptimize(alignAffine(pyramids().image.grey.front(), after.grey.front(), from, start,
+                                           model, settings.iterations, settings.convergence));
+  }
+}
+BENCHMARK_CAPTURE(align, affine, WarpModel::affine, false)->Unit(::benchmark::kNanosecond);
+BENCHMARK_CAPTURE(align, stereo, WarpModel::stereo, true)->Unit(::benchmark::kNanosecond);
+
+void searchStereo(State& state) {
+  Places places;
+  for (auto _ : state)
+    ::benchmark::DoNotOptimize(
+        matchStereo(pyramids().image, pyramids().right, places.next(), StereoSettings{}));
+}
+BENCHMARK(searchStereo)->Unit(::benchmark::kNanosecond);
+
+void rectify(State& state) {
+  Rig rig;
+  rig.left.size = kImage.size();
+  rig.left.fx = rig.left.fy = 720.0;
+  rig.left.cx = 0.5 * (kWidth - 1);
+  rig.left.cy = 0.5 * (kHeight - 1);
+  rig.left.distortion = {-0.2, 0.05};
+  rig.right = rig.left;
+  rig.T_right_left.translation().x() = -0.5;
+  const RectificationSettings settings;
+  const Rectifier rectifier(rig, settings, buildTables(rig, settings));
+  cv::Mat rectified;
+  for (auto _ : state) {
+    rectifier.rectifyLeft(kImage, rectified);
+    ::benchmark::DoNotOptimize(rectified.data);
+  }
+}
+BENCHMARK(rectify)->Unit(::benchmark::kMicrosecond);
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  ::benchmark::Initialize(&argc, argv);
+  if (::benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  ::benchmark::RunSpecifiedBenchmarks();
+  ::benchmark::Shutdown();
+  return 0;
+}

@@ -1,0 +1,125 @@
+// `cartvo benchmark speed`: how long a pair takes.
+#include "tools/cartvo/benchmark_speed.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/benchmark/speed_benchmark.hpp"
+#include "tools/benchmark/speed_report.hpp"
+#include "tools/cartvo/benchmark_options.hpp"
+#include "tools/replay/setting_names.hpp"
+#include "tools/simulate/stream_cache.hpp"
+
+namespace cartvo {
+namespace {
+
+using namespace benchmark;  // NOLINT(google-build-using-namespace): this file is that namespace's command
+                            // line
+
+struct SpeedOptions {
+  BenchmarkOptions common;
+  std::vector<std::string> sizes{"680x420", "1241x376", "1280x720", "1920x1080"};
+  std::vector<int> features{500, 1000, 2000, 9600};
+  std::vector<int> thread_counts{1, 2};
+  std::string estimator = estimatorName(OdometrySettings{}.estimator);
+  int pairs = SpeedSettings{}.pairs;
+  int repeats = SpeedSettings{}.repeats;
+  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
+};
+
+/// WIDTHxHEIGHT; empty if it is not that.
+cv::Size sizeFrom(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  cv::Size size;
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return {};
+  const auto height = std::from_chars(width.ptr + 1, end, size.height);
+  return height.ec == std::errc() && height.ptr == end ? size : cv::Size();
+}
+
+std::string checkSize(const std::string& text) {
+  constexpr int kLeast = 160, kMost = 8192;  // px
+  const cv::Size size = sizeFrom(text);
+  const bool fits = std::min(size.width, size.height) >= kLeast && std::max(size.width, size.height) <= kMost;
+  return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420";
+}
+
+void run(const SpeedOptions& options) {
+  checkOutput(options.common.output);
+  SpeedSettings settings;
+  for (const std::string& size : options.sizes)
+    settings.sizes.push_back(sizeFrom(size));
+  settings.features = options.features;
+  settings.threads = options.thread_counts;
+  settings.odometry.estimator = estimatorNamed(options.estimator);
+  settings.rendering_threads = options.common.threads;
+  settings.pairs = options.pairs;
+  settings.repeats = options.repeats;
+  settings.cache = options.cache;
+  WorkDisplay display;
+  const std::vector<SpeedResult> results = runSpeedBenchmark(settings, display.observer());
+  if (options.common.reportFormat() == ReportFormat::json) {
+    nlohmann::ordered_json json = reportHead("speed", options.common.threads);
+    json.update(speedJson(results));
+    handReport(options.common, json.dump(2) + "\n");
+  } else {
+    handReport(options.common, speedTables(results, options.common.reportFormat()));
+  }
+}
+
+void addChoices(CLI::App& command, SpeedOptions& options) {
+  command.add_option("--sizes", options.sizes, "Of the images")
+      ->delimiter(',')
+      ->check(CLI::Validator(checkSize, "WIDTHxHEIGHT"))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--features", options.features, "Features aimed at in each left image")
+      ->delimiter(',')
+      ->check(CLI::Range(50, 20000))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--thread-counts", options.thread_counts, "Threads that the odometry may use")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 64))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--estimator", options.estimator, "Which to time")
+      ->check(CLI::IsMember(estimatorNames()))
+      ->capture_default_str();
+  command.add_option("--pairs", options.pairs, "Of each drive; the first four do not count")
+      ->check(CLI::Range(kWarmUp + 2, 10000))
+      ->capture_default_str();
+  command.add_option("--repeats", options.repeats, "Of each drive")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--cache", options.cache, "Keeps rendered worlds")
+      ->type_name("DIR")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addSpeedBenchmark(CLI::App& benchmark) {
+  CLI::App* command = benchmark.add_subcommand("speed", "Time per pair and stage, beside OpenCV's");
+  const auto options = std::make_shared<SpeedOptions>();
+  addReportOptions(*command, options->common);
+  addChoices(*command, *options);
+  command->footer(
+      "A drive over the campus is rendered in each size (some minutes, once), read into memory and run "
+      "through the\n"
+      "daemon's stages from the raw images to the pose. OpenCV's remap, pyramids and KLT are timed in "
+      "between on the same\n"
+      "images, so that ratios hold on a machine that is busy with other things. "
+      "build/release/tools/benchmark/cartvo_kernels\n"
+      "times the inner loops alone.\n"
+      "Examples:\n"
+      "  cartvo benchmark speed --sizes 680x420 --features 1000\n"
+      "  cartvo benchmark speed --format markdown --output speed.md");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "support/patience.hpp"
 #include "support/pattern_content.hpp"
 #include "tools/simulate/encode_content.hpp"
 
@@ -57,15 +58,14 @@ RtspCameraSettings settingsFor(std::uint16_t port) {
   RtspCameraSettings settings;
   settings.url = "rtsp://127.0.0.1:" + std::to_string(port) + "/Streaming/Channels/101";
   settings.credentials = {"admin", kLivePassword};
-  settings.connect_timeout = milliseconds(3000);
+  settings.connect_timeout = milliseconds(10000);
   settings.first_retry = milliseconds(50);
   settings.longest_retry = milliseconds(200);
   return settings;
 }
 
-bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done,
-               milliseconds limit) {
-  const std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() + limit;
+bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done) {
+  const std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() + kPatience;
   Frame frame;
   while (std::chrono::steady_clock::now() < deadline) {
     const ReadOutcome outcome = camera.read(frame, milliseconds(100));
@@ -75,10 +75,9 @@ bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const F
 }
 
 bool readFrames(RtspCamera& camera, int count) {
-  return readUntil(
-      camera,
-      [&](ReadOutcome outcome, const Frame&) { return outcome == ReadOutcome::frame && --count == 0; },
-      milliseconds(8000));
+  return readUntil(camera, [&](ReadOutcome outcome, const Frame&) {
+    return outcome == ReadOutcome::frame && --count == 0;
+  });
 }
 
 }  // namespace cartvo::test

@@ -27,9 +27,8 @@ std::unique_ptr<simulate::SimulatedCamera> switchOn(std::shared_ptr<const simula
 /// What connects to it, quick to try again.
 RtspCameraSettings settingsFor(std::uint16_t port);
 
-/// Reads until `done` says so; false if that takes longer than `limit`.
-bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done,
-               std::chrono::milliseconds limit);
+/// Reads until `done` says so; false if that takes longer than kPatience.
+bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done);
 
 bool readFrames(RtspCamera& camera, int count);
 

@@ -18,6 +18,7 @@
 #include "calib/rig_file.hpp"
 #include "daemon/daemon.hpp"
 #include "daemon/lcm_connection.hpp"
+#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
 #include "synthetic_cameras.hpp"
 #include "tools/simulate/encode_content.hpp"
@@ -27,7 +28,6 @@ namespace cartvo {
 namespace {
 
 using simulate::SimulatedCamera;
-using std::chrono::milliseconds;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -58,9 +58,9 @@ class Subscriber {
     lcm_.subscribe(kHealthChannel, &Subscriber::onHealth, this);
   }
 
-  /// Listens for the time given, or until the condition holds.
-  bool listen(milliseconds time, const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + time;
+  /// Listens until the condition holds; false if that takes longer than kPatience.
+  bool listen(const std::function<bool()>& condition) {
+    const auto end = std::chrono::steady_clock::now() + test::kPatience;
     while (!condition() && std::chrono::steady_clock::now() < end)
       lcm_.handleTimeout(50);
     return condition();
@@ -128,7 +128,7 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
 
   // Blind at first, and says so at the full rate.
-  EXPECT_TRUE(subscriber.listen(milliseconds(5000), [&] { return subscriber.odometry.size() > 3; }));
+  EXPECT_TRUE(subscriber.listen([&] { return subscriber.odometry.size() > 3; }));
   EXPECT_TRUE(hasNoPair(subscriber.odometry.front()));
 
   startContent();
@@ -136,8 +136,7 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
     return std::count_if(subscriber.odometry.begin(), subscriber.odometry.end(),
                          [](const odometry_t& m) { return isValid(m) && m.velocity_body[1] < -0.3; });
   };
-  ASSERT_TRUE(subscriber.listen(milliseconds(15000), [&] { return valid() >= 20; }))
-      << valid() << " valid messages";
+  ASSERT_TRUE(subscriber.listen([&] { return valid() >= 20; })) << valid() << " valid messages";
   const odometry_t moving = *std::find_if(subscriber.odometry.rbegin(), subscriber.odometry.rend(), isValid);
   EXPECT_NEAR(moving.velocity_body[1], -2.0 * 4.0 / 240.0 * kFrameRate, 0.1);
   EXPECT_GT(moving.arrival_utime, 0);
@@ -154,8 +153,7 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
     return std::count_if(subscriber.odometry.rbegin(), subscriber.odometry.rend(), hasNoPair);
   };
   const auto before = blind();
-  EXPECT_TRUE(subscriber.listen(milliseconds(8000), [&] { return blind() - before > 30; }))
-      << "a message per period";
+  EXPECT_TRUE(subscriber.listen([&] { return blind() - before > 30; })) << "a message per period";
   EXPECT_TRUE(std::isnan(subscriber.odometry.back().velocity_body[0]));
   EXPECT_EQ(subscriber.odometry.back().position_world_body[1] < 0.0, true) << "the pose stays";
 
@@ -172,7 +170,7 @@ TEST_F(LiveStream, OfAnotherSizeThanTheRigsIsRefusedInHealthAndKeepsTheDaemonRun
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
   startContent();
-  EXPECT_TRUE(subscriber.listen(milliseconds(10000), [&] {
+  EXPECT_TRUE(subscriber.listen([&] {
     return !subscriber.health.empty() && subscriber.health.back().refused_size > 0 &&
            !subscriber.odometry.empty() &&
            (subscriber.odometry.back().reasons & odometry_t::REASON_WRONG_SIZE) != 0;
@@ -190,7 +188,7 @@ TEST_F(LiveStream, IsProcessedWhenItsRecordingCannotStartAndHealthSaysWhy) {
   Daemon daemon(configuration);
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
   startContent();
-  EXPECT_TRUE(subscriber.listen(milliseconds(15000), [&] {
+  EXPECT_TRUE(subscriber.listen([&] {
     return !subscriber.health.empty() && !subscriber.health.back().problem.empty() &&
            std::any_of(subscriber.odometry.begin(), subscriber.odometry.end(), isValid);
   }));
@@ -236,7 +234,7 @@ TEST_F(LiveStream, OfACameraThatIsNotThereIsLoggedOnceNotEachSecond) {
     return std::count_if(subscriber.health.begin(), subscriber.health.end(),
                          [](const health_t& health) { return !health.right.last_error.empty(); });
   };
-  EXPECT_TRUE(subscriber.listen(milliseconds(10000), [&] { return said() >= 3; }));
+  EXPECT_TRUE(subscriber.listen([&] { return said() >= 3; }));
   daemon.stop();
   run.wait();
   ASSERT_FALSE(subscriber.health.empty());

@@ -7,6 +7,8 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include "support/patience.hpp"
+
 namespace cartvo::test {
 namespace {
 
@@ -34,7 +36,7 @@ std::int64_t instantOf(const AVPacket& packet) {
 
 ReceivedStream receive(std::uint16_t port, const std::string& user_and_password, int packets) {
   ReceivedStream received;
-  Deadline deadline{Clock::now() + std::chrono::seconds(5)};
+  Deadline deadline{Clock::now() + kPatience};
   AVFormatContext* context = avformat_alloc_context();
   context->interrupt_callback = {.callback = isPast, .opaque = &deadline};
   AVDictionary* options = nullptr;
@@ -47,7 +49,7 @@ ReceivedStream receive(std::uint16_t port, const std::string& user_and_password,
 
   AVPacket* packet = av_packet_alloc();
   while (static_cast<int>(received.packets.size()) < packets) {
-    deadline.at = Clock::now() + std::chrono::seconds(5);
+    deadline.at = Clock::now() + kPatience;
     const int result = av_read_frame(context, packet);
     if (result < 0) {
       received.ended = result == AVERROR_EOF;

@@ -33,6 +33,7 @@ void validate(const TrackingSettings& settings) {
   requireRange("tracking.iterations", settings.iterations, 1, 100);
   requireRange("tracking.convergence", settings.convergence, 1e-4, 1.0);
   requireRange("tracking.minimum_correlation", settings.minimum_correlation, -1.0, 1.0);
+  requireRange("tracking.maximum_return", settings.maximum_return, 0.0, 100.0);
   requireRange("tracking.minimum_score", settings.minimum_score, 0.0, 4080.0);
   requireRange("tracking.minimum_distance", settings.minimum_distance, 1.0, 100.0);
   requireRange("tracking.search_again", settings.search_again, 0, kMaximumSearchAgain);

@@ -32,6 +32,7 @@ struct TrackingSettings {
   int iterations = 6;                ///< at most, of the last, affine step
   double convergence = 0.03;         ///< px; the track is done when a step is shorter
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
+  double maximum_return = 0.5;       ///< px by which an alignment backwards may miss its start; 0: not tried
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
   double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
   int search_again =
@@ -58,9 +59,9 @@ struct MotionSettings {
   double near_noise = 0.01;      ///< added to both for each px of disparity: near patches deform more
 };
 
-/// What a feature's motion over t-2, t-1, t says of it.
+/// What a feature's motion over t-2, t-1, t says of it; of a landmark, how it fitted pair by pair.
 struct HistorySettings {
-  double deviation = 2.0;       ///< standard deviations of motion at which a feature tends to half its weight
+  double deviation = 2.0;       ///< standard deviations of that at which a feature tends to half its weight
   double minimum_weight = 0.2;  ///< below, a feature is removed
 };
 

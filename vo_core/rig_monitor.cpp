@@ -14,12 +14,16 @@ constexpr double kPriorBend = 3e-3;  // normalised
 // Errors of neighbouring pairs hang together, for landmarks last: a pair counts for a tenth of a pair.
 constexpr double kShare = 0.1;
 // Below this, an estimate is as likely the estimator's own bias (some hundredths of a pixel) as the rig's.
-constexpr double kDeadYaw = 2e-5, kDeadBend = 2e-5;
+constexpr double kDeadYaw = 3e-5, kDeadBend = 3e-5;
 // No more is corrected than a rig may have come to by heat and shaking; what is worse wants a calibration.
 constexpr double kMostYaw = 2e-3, kMostBend = 3e-3;
 
+/// Nothing in the dead zone, nearly all of what is far beyond it, no jump between: the non-negative garrote
+/// (H. Gao, "Wavelet shrinkage denoising using the non-negative garrote", 1998).
 double bounded(double value, double dead, double most) {
-  return std::copysign(std::clamp(std::abs(value) - dead, 0.0, most), value);
+  const double size = std::abs(value);
+  if (size <= dead) return 0.0;
+  return std::copysign(std::min(size - dead * dead / size, most), value);
 }
 
 }  // namespace

@@ -15,9 +15,8 @@ constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocular
 constexpr double kUnknownSpeed = 3.0;                   // m/s that the cart may have at the first pair
 constexpr double kNoiseMemory = 0.9;                    // of the noise's running estimate, from pair to pair
 constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
-constexpr double kLeastTrust = 0.15;                    // below, a landmark is removed
-constexpr double kDoubtful = 2.0;                       // standard deviations at which trust tends to a half
 constexpr double kTellingWay = 0.5;                     // m driven within the window, for the rig to show
+constexpr double kNoticeable = 0.02;  // px that a change of the rig's correction moves points
 // Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
 // on rendered worlds (docs/accuracy.md).
 constexpr double kSharedError = 8.0;
@@ -55,8 +54,8 @@ Matrix6d poseCovarianceOf(const WindowFrame& frame) {
   return frame.pose_covariance + frame.offset_error * frame.offset_error.transpose();
 }
 
-void dropDistrusted(std::vector<Landmark>& landmarks) {
-  std::erase_if(landmarks, [](const Landmark& landmark) { return landmark.trust < kLeastTrust; });
+void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
+  std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
 /// First depth of a landmark whose only sighting is in stereo: the inverse depth at which the right camera,
@@ -209,7 +208,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   draft.window.back().T_world_camera = found->T_world_camera;
   for (std::size_t i = 0; i < chosen.size(); ++i)
     if (!found->inlier[i]) draft.landmarks[chosen[i]].trust *= 0.5;
-  dropDistrusted(draft.landmarks);
+  dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
   return true;
 }
 
@@ -278,13 +277,14 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   }
 }
 
-BundleProblem VisualTrack::bundleProblem(const Draft& draft, std::vector<std::size_t>& chosen) const {
+BundleProblem VisualTrack::bundleProblem(const Draft& draft, const RigCorrection& rig,
+                                         std::vector<std::size_t>& chosen) const {
+  chosen.clear();
   BundleProblem problem;
   problem.camera = camera_;
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
   problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
-  const RigCorrection rig = rigCorrection();
   for (std::size_t i = 0; i < draft.landmarks.size(); ++i) {
     const Landmark& landmark = draft.landmarks[i];
     if (landmark.sightings.size() < 2) continue;
@@ -313,8 +313,20 @@ BundleProblem VisualTrack::bundleProblem(const Draft& draft, std::vector<std::si
 /// The least squares over the window; if its result is believed, the draft becomes what is known.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   std::vector<std::size_t> chosen;
-  BundleProblem problem = bundleProblem(draft, chosen);
-  const BundleResult result = adjustBundle(problem, settings_.bundle);
+  RigCorrection rig = rigCorrection();
+  BundleProblem problem = bundleProblem(draft, rig, chosen);
+  BundleResult result = adjustBundle(problem, settings_.bundle);
+  // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
+  // corrected before the first pose is settled, not after.
+  if (result.converged && settings_.rig_refinement == RigRefinement::correct) {
+    const RigCorrection better = rigAfter(result, draft, rig).correction();
+    if (kNoticeable <
+        camera_.focal_length * (std::abs(better.yaw - rig.yaw) + std::abs(better.bend - rig.bend))) {
+      rig = better;
+      problem = bundleProblem(draft, rig, chosen);
+      result = adjustBundle(problem, settings_.bundle);
+    }
+  }
   if (!result.converged) {
     motion.reasons = OdometryReason::degenerate_geometry;
     return;
@@ -329,7 +341,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid()) return;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  learn(result, draft);
+  learn(result, draft, rig);
   accept(pair, draft);
 }
 
@@ -339,14 +351,14 @@ void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::siz
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Landmark& landmark = draft.landmarks[chosen[i]];
     const BundleLandmark& adjusted = problem.landmarks[i];
-    const double ratio = adjusted.error / kDoubtful;
+    const double ratio = adjusted.error / settings_.history.deviation;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + std::pow(ratio, 4)));
     if (!landmark.hasDepth() && adjusted.information < 4.0 * kMonocularInformation) continue;
     landmark.inverse_depth = adjusted.inverse_depth;
     landmark.information = adjusted.information;
     landmark.by_late_right = adjusted.by_late_right;
   }
-  dropDistrusted(draft.landmarks);
+  dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
 }
 
 void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
@@ -409,18 +421,26 @@ OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
   return OdometryReason::none;
 }
 
+/// What is known of the rig once a pair's residuals, with `applied` corrected, are taken in.
+RigMonitor VisualTrack::rigAfter(const BundleResult& result, const Draft& draft,
+                                 const RigCorrection& applied) const {
+  RigMonitor rig = rig_;
+  // Standing teaches nothing of the rig: what is measured is then its noise.
+  const Eigen::Isometry3d way =
+      draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
+  if (settings_.rig_refinement != RigRefinement::off && way.translation().norm() > kTellingWay)
+    rig.add(result.rig_information, result.rig_gradient, applied);
+  return rig;
+}
+
 /// What the residuals tell of the images' noise and of the rig.
-void VisualTrack::learn(const BundleResult& result, const Draft& draft) {
+void VisualTrack::learn(const BundleResult& result, const Draft& draft, const RigCorrection& applied) {
   const auto adapt = [](double noise, double scale) {
     return std::clamp(noise * (kNoiseMemory + (1.0 - kNoiseMemory) * scale), kLeastNoise, kMostNoise);
   };
   noise_.pixel = adapt(noise_.pixel, result.pixel_scale);
   noise_.disparity = adapt(noise_.disparity, result.disparity_scale);
-  // Standing teaches nothing of the rig: what is measured is then its noise.
-  const Eigen::Isometry3d way =
-      draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
-  if (settings_.rig_refinement != RigRefinement::off && way.translation().norm() > kTellingWay)
-    rig_.add(result.rig_information, result.rig_gradient, rigCorrection());
+  rig_ = rigAfter(result, draft, applied);
 }
 
 }  // namespace cartvo

@@ -69,7 +69,8 @@ class VisualTrack {
                           std::vector<std::size_t>& chosen) const;
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    std::vector<Landmark>& landmarks) const;
-  BundleProblem bundleProblem(const Draft& draft, std::vector<std::size_t>& chosen) const;
+  BundleProblem bundleProblem(const Draft& draft, const RigCorrection& rig,
+                              std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
   void takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
@@ -77,7 +78,8 @@ class VisualTrack {
   void takeOffsetErrors(const BundleProblem& problem, double offset_deviation, Draft& draft,
                         TrackedMotion& motion) const;
   OdometryReason judge(const TrackedMotion& motion) const;
-  void learn(const BundleResult& result, const Draft& draft);
+  RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied) const;
+  void learn(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);

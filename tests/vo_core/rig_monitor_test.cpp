@@ -65,9 +65,13 @@ TEST(RigMonitor, CorrectsNoneOfWhatAnyCalibrationLeavesOver) {
 TEST(RigMonitor, CorrectsWhatIsBeyondWithItsSign) {
   for (const double sign : {-1.0, 1.0}) {
     const RigCorrection correction = told({sign * 4e-4, -sign * 7e-4}, 3000).correction();
-    EXPECT_NEAR(correction.yaw, sign * 3.8e-4, 2e-6);
-    EXPECT_NEAR(correction.bend, -sign * 6.8e-4, 2e-6);
+    EXPECT_NEAR(correction.yaw, sign * 4e-4, 4e-6);
+    EXPECT_NEAR(correction.bend, -sign * 7e-4, 4e-6);
   }
+}
+
+TEST(RigMonitor, CorrectsLittleOfWhatIsHardlyBeyond) {
+  EXPECT_LT(told({3.2e-5, 0.0}, 3000).correction().yaw, 5e-6);
 }
 
 TEST(RigMonitor, DoesNotCorrectMoreThanARigMayHaveComeTo) {

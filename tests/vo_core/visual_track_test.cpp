@@ -1,0 +1,203 @@
+// One track by itself: what it takes in, what it refuses, how it stands, what it hands on.
+#include "vo_core/visual_track.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "vo_core/corridor_world.hpp"
+
+namespace cartvo {
+namespace {
+
+const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+constexpr std::int64_t kPeriod = 50'000'000;  // ns
+constexpr double kStep = 0.15;                // m from pair to pair
+
+Eigen::Isometry3d drive(double frame) {
+  Vector6d vector = Vector6d::Zero();
+  vector[2] = kStep * frame;
+  vector[4] = 0.006 * frame;
+  return motionFromVector(vector);
+}
+
+/// The first pairs of the drive, rendered once.
+const StereoImages& drivePair(int frame) {
+  static const std::vector<StereoImages> pairs = [] {
+    std::vector<StereoImages> rendered;
+    const test::CorridorWorld world(3);
+    for (int i = 0; i < 7; ++i)
+      rendered.push_back(world.render(kCamera, drive(i), 0));
+    return rendered;
+  }();
+  return pairs[frame];
+}
+
+PreparedPair prepared(const StereoImages& images, int index) {
+  PreparedPair pair;
+  pair.index = index;
+  pair.left_exposure_ns = pair.right_exposure_ns = index * kPeriod;
+  pair.left_image = images.left;
+  pair.left = buildPyramid(images.left, OdometrySettings{}.tracking.levels);
+  pair.right = buildPyramid(images.right, 1);
+  return pair;
+}
+
+/// A wall before a third of the picture, half a metre away.
+StereoImages partlyHidden(const StereoImages& images) {
+  StereoImages hidden{images.left.clone(), images.right.clone(), 0, 0};
+  hidden.left(cv::Rect(288, 0, 128, 224)) = 90;
+  hidden.right(cv::Rect(188, 0, 128, 224)) = 90;
+  return hidden;
+}
+
+OdometrySettings smallSettings() {
+  OdometrySettings settings;
+  settings.features = 400;
+  return settings;
+}
+
+class VisualTrackTest : public testing::Test {
+ protected:
+  VisualTrack begin(const OdometrySettings& settings = smallSettings()) {
+    return VisualTrack(kCamera, settings, prepared(drivePair(0), 0), RigMonitor(), observer_);
+  }
+  TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
+    return track.process(prepared(images, index), observer_);
+  }
+  /// Stands at the drive's first pair until the track says so; the next index.
+  int stop(VisualTrack& track) {
+    int index = 1;
+    while (index < 20 && show(track, drivePair(0), index).reasons != OdometryReason::zero_velocity)
+      ++index;
+    return index + 1;
+  }
+
+  NullStageObserver observer_;
+};
+
+TEST_F(VisualTrackTest, BeginsAtTheOriginKnownExactly) {
+  const VisualTrack track = begin();
+  EXPECT_EQ(track.pose().matrix(), Eigen::Matrix4d::Identity());
+  EXPECT_EQ(track.poseCovariance(), Matrix6d::Zero());
+  EXPECT_EQ(track.lastExposure(), 0);
+  EXPECT_GT(track.landmarkCount(), 100);
+}
+
+TEST_F(VisualTrackTest, ErrsByWhatItsCovariancesOwnUpTo) {
+  VisualTrack track = begin();
+  constexpr double kFarOut = 30.0;  // chi-square of six degrees of freedom: beyond it once in 25,000 cases
+  double pose_variance = 0.0;
+  for (int i = 1; i < 7; ++i) {
+    const TrackedMotion motion = show(track, drivePair(i), i);
+    ASSERT_TRUE(motion.valid()) << i;
+    const Eigen::Isometry3d truth = drive(i - 1).inverse() * drive(i);
+    const Vector6d error = vectorFromMotion(motion.T_previous_current.inverse() * truth);
+    EXPECT_LT(error.dot(motion.motion_covariance.ldlt().solve(error)), kFarOut) << i;
+    EXPECT_LT(error.head<3>().norm(), 0.05 * kStep) << i;
+    const Vector6d pose_error = vectorFromMotion(motion.T_world_camera.inverse() * drive(i));
+    EXPECT_LT(pose_error.dot(motion.pose_covariance.ldlt().solve(pose_error)), kFarOut) << i;
+    EXPECT_GT(motion.pose_covariance.trace(), pose_variance);
+    pose_variance = motion.pose_covariance.trace();
+  }
+}
+
+TEST_F(VisualTrackTest, APairThatCannotBeExplainedLeavesItAsItWas) {
+  VisualTrack track = begin();
+  show(track, drivePair(1), 1);
+  const Eigen::Isometry3d pose = track.pose();
+  const int landmarks = track.landmarkCount();
+  const cv::Mat grey(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
+  const TrackedMotion blind = show(track, {grey, grey, 0, 0}, 2);
+  EXPECT_FALSE(blind.valid());
+  EXPECT_EQ(blind.reasons, OdometryReason::too_few_matches);
+  EXPECT_EQ(track.pose().matrix(), pose.matrix());
+  EXPECT_EQ(track.landmarkCount(), landmarks);
+  EXPECT_EQ(track.lastExposure(), kPeriod);
+  const TrackedMotion after = show(track, drivePair(3), 3);
+  ASSERT_TRUE(after.valid());
+  EXPECT_NEAR(after.time_step, 0.1, 1e-9);
+  EXPECT_NEAR(after.T_previous_current.translation().norm(), 2.0 * kStep, 0.02 * kStep);
+}
+
+TEST_F(VisualTrackTest, NamesWhyItDoesNotBelieveAMotion) {
+  OdometrySettings slow = smallSettings();
+  slow.validity.maximum_speed = 0.5 * kStep / 0.05;
+  OdometrySettings strict = smallSettings();
+  strict.validity.maximum_deviation = 1e-4;  // m: no pair is so good here
+  for (const auto& [settings, reason] : {std::pair(slow, OdometryReason::implausible_motion),
+                                         std::pair(strict, OdometryReason::degenerate_geometry)}) {
+    VisualTrack track = begin(settings);
+    const TrackedMotion motion = show(track, drivePair(1), 1);
+    EXPECT_EQ(motion.reasons, reason);
+    EXPECT_EQ(track.pose().matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_EQ(track.lastExposure(), 0);
+  }
+}
+
+TEST_F(VisualTrackTest, AStandingCartsPoseIsHeldToTheBit) {
+  VisualTrack track = begin();
+  const int index = stop(track);
+  EXPECT_LE(index, 8);  // 0.25 s and a pair
+  const Eigen::Isometry3d pose = track.pose();
+  const Matrix6d covariance = track.poseCovariance();
+  for (int i = index; i < index + 10; ++i) {
+    const TrackedMotion motion = show(track, drivePair(0), i);
+    ASSERT_EQ(motion.reasons, OdometryReason::zero_velocity);
+    EXPECT_EQ(motion.T_previous_current.matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_GT(motion.motion_covariance.diagonal().minCoeff(), 0.0) << "to stand is not known exactly";
+    EXPECT_NEAR(motion.time_step, 0.05, 1e-9);
+  }
+  EXPECT_EQ(track.pose().matrix(), pose.matrix());
+  EXPECT_EQ(track.poseCovariance(), covariance);
+}
+
+TEST_F(VisualTrackTest, AStandEndsWithTheFirstPairThatMoves) {
+  VisualTrack track = begin();
+  int index = stop(track);
+  const test::CorridorWorld world(3);
+  double before = 0.0;
+  for (const double place : {0.1, 0.3, 0.6}) {  // gently: 6 m/s^2
+    const TrackedMotion motion = show(track, world.render(kCamera, drive(place), 0), index++);
+    ASSERT_EQ(motion.reasons, OdometryReason::none) << place;
+    EXPECT_NEAR(motion.T_previous_current.translation().z(), (place - before) * kStep, 0.001) << place;
+    before = place;
+  }
+}
+
+TEST_F(VisualTrackTest, WhatPassesAStandingCartHidesLandmarksButDoesNotLoseThem) {
+  VisualTrack track = begin();
+  int index = stop(track);
+  const int matched = show(track, drivePair(0), index++).counts.matched;
+  const StereoImages hidden = partlyHidden(drivePair(0));
+  for (int i = 0; i < 5; ++i) {
+    const TrackedMotion motion = show(track, hidden, index++);
+    EXPECT_EQ(motion.reasons, OdometryReason::zero_velocity);
+    EXPECT_LT(motion.counts.matched, 0.8 * matched);
+  }
+  EXPECT_EQ(show(track, drivePair(0), index).counts.matched, matched);
+}
+
+TEST_F(VisualTrackTest, HandsOnWhatItKnowsOfTheRig) {
+  RigMonitor known;
+  known.add(1e9 * RigCorrection::Matrix::Identity(), RigCorrection::Vector(1e6, 0.0), {});
+  OdometrySettings settings = smallSettings();
+  VisualTrack track(kCamera, settings, prepared(drivePair(0), 0), known, observer_);
+  EXPECT_EQ(track.rig().estimate(), known.estimate());
+  show(track, drivePair(1), 1);
+  EXPECT_EQ(track.rig().estimate(), known.estimate()) << "15 cm tell nothing of it";
+  for (int i = 2; i < 7; ++i)
+    show(track, drivePair(i), i);
+  EXPECT_NE(track.rig().estimate(), known.estimate());
+
+  settings.rig_refinement = RigRefinement::off;
+  VisualTrack another(kCamera, settings, prepared(drivePair(0), 0), known, observer_);
+  for (int i = 1; i < 7; ++i)
+    show(another, drivePair(i), i);
+  EXPECT_EQ(another.rig().estimate(), known.estimate());
+}
+
+}  // namespace
+}  // namespace cartvo

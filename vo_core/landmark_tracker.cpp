@@ -50,21 +50,35 @@ EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T
   return line;
 }
 
+/// How the landmark's ray y = R b + rho t in the new host changes with what late right cameras did to both
+/// poses.
+Eigen::Vector3d rayByLateRight(const WindowFrame& old_host, const WindowFrame& new_host,
+                               const Eigen::Isometry3d& T_new_old, double rho, const Eigen::Vector3d& bearing,
+                               const Eigen::Vector3d& ray) {
+  const Vector6d& old_error = old_host.by_late_right;
+  const Vector6d& new_error = new_host.by_late_right;
+  return T_new_old.linear() * (old_error.tail<3>().cross(bearing) + rho * old_error.head<3>()) -
+         (new_error.tail<3>().cross(ray) + rho * new_error.head<3>());
+}
+
 /// The last sighting becomes the host: the landmark's depth, seen from there, goes on as a prior.
 void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window) {
   const WindowFrame* old_host = findFrame(window, landmark.host().frame);
   const WindowFrame* new_host = findFrame(window, landmark.last().frame);
   if (old_host != nullptr && new_host != nullptr && landmark.hasDepth()) {
     const Eigen::Isometry3d T_new_old = new_host->T_world_camera.inverse() * old_host->T_world_camera;
-    const Projection seen =
-        projectLandmark(camera, T_new_old, bearingOf(camera, landmark.host().left), landmark.inverse_depth);
+    const Eigen::Vector3d bearing = bearingOf(camera, landmark.host().left);
+    const Projection seen = projectLandmark(camera, T_new_old, bearing, landmark.inverse_depth);
     if (seen.valid) {
       // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
       const double z = seen.ray.z();
       const double slope = (z - landmark.inverse_depth * T_new_old.translation().z()) / (z * z);
+      const double z_by_late_right =
+          rayByLateRight(*old_host, *new_host, T_new_old, landmark.inverse_depth, bearing, seen.ray).z();
+      landmark.by_late_right =
+          slope * landmark.by_late_right - landmark.inverse_depth / (z * z) * z_by_late_right;
       landmark.inverse_depth /= z;
       landmark.information /= std::max(slope * slope, 1e-6);
-      landmark.by_late_right *= slope;
     }
   }
   // What the new host sees in stereo has its share in what is known already.

@@ -39,14 +39,14 @@ cv::Mat image(Drive drive, double frame, bool is_right) {
 }
 
 /// `late`: s by which the right camera is exposed later than its stamps say.
-std::vector<OdometryEstimate> drivenWith(Drive drive, double late, double deviation) {
+std::vector<OdometryEstimate> drivenWith(Drive drive, double late, double deviation, int pairs = kPairs) {
   OdometrySettings settings;
   settings.features = 400;
   settings.rig_refinement = RigRefinement::off;
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
   std::vector<OdometryEstimate> estimates;
-  for (int i = 0; i < kPairs; ++i) {
+  for (int i = 0; i < pairs; ++i) {
     const double right = drive == Drive::stand ? 0.0 : i + late * 1e9 / kPeriod;
     const StereoImages pair{image(drive, drive == Drive::stand ? 0.0 : i, false), image(drive, right, true),
                             i * kPeriod, i * kPeriod, deviation};
@@ -102,6 +102,14 @@ TEST(OffsetUncertainty, AddsUpOverPosesWithItsSign) {
   const double said = std::sqrt(direction.dot(added.topLeftCorner<3, 3>() * direction));
   EXPECT_GT(said, 0.8 * moved.norm());
   EXPECT_LT(said, 1.5 * moved.norm());
+}
+
+TEST(OffsetUncertainty, SettlesOnALongDrive) {
+  // What an offset does to one motion comes to rest, however often landmarks hand their depths on.
+  const std::vector<OdometryEstimate> estimates = drivenWith(Drive::straight, 0.0, kDeviation, 60);
+  const double half_way = estimates[30].motion_offset_error.norm();
+  EXPECT_LT(estimates.back().motion_offset_error.norm(), 2.0 * half_way);
+  EXPECT_LT(estimates.back().motion_offset_error.head<3>().norm(), 0.05 * 0.15);
 }
 
 TEST(OffsetUncertainty, BeyondItsLimitIsNoEstimate) {

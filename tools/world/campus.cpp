@@ -19,6 +19,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNear = 28.0;  // m from the road: trees beyond show no single leaves
+constexpr double kOpen = 45.0;  // m from the cart's line: nothing nearer where the land is open
 
 std::vector<Vector2d> loopPolygon(Scenario scenario) {
   if (scenario == Scenario::turns) {
@@ -29,8 +30,16 @@ std::vector<Vector2d> loopPolygon(Scenario scenario) {
   if (scenario == Scenario::loop) {
     return {{0, 0}, {45, 0}, {62, -21}, {62, -59}, {38, -80}, {-13, -80}, {-38, -57}, {-38, -19}};
   }
+  if (scenario == Scenario::motorway) {
+    return {{0, 0}, {250, -40}, {420, -220}, {420, -480}, {250, -650}, {0, -690}, {-180, -520}, {-180, -170}};
+  }
   return {{0, 0},    {70, 0},   {92, -27},  {138, -27}, {138, -95},
           {52, -95}, {34, -72}, {-20, -72}, {-45, -52}, {-45, 0}};
+}
+
+double cornerRadius(Scenario scenario) {  // m
+  if (scenario == Scenario::turns) return 7.5;
+  return scenario == Scenario::motorway ? 200.0 : 11.5;
 }
 
 /// Fills a campus step by step, remembering what is taken.
@@ -40,7 +49,8 @@ class Layout {
       : path_(path),
         campus_(campus),
         random_(hashOf({static_cast<std::uint32_t>(settings.seed), 101U})),
-        sparse_(settings.scenario == Scenario::low_texture) {
+        sparse_(settings.scenario == Scenario::low_texture || settings.scenario == Scenario::motorway),
+        open_(settings.scenario == Scenario::motorway) {
     for (const double s : stepsBelow(path.length(), 0.0, 2.0))
       samples_.push_back(path.at(s));
   }
@@ -61,6 +71,7 @@ class Layout {
 
   /// Whether a disc lies outside road and pavements.
   bool clearOfRoad(const Vector2d& place, double radius) const {
+    if (open_ && distanceToPath(place) < kOpen + radius) return false;
     for (const PathPoint& p : samples_) {
       const Vector2d offset = place - p.position;
       if (offset.squaredNorm() > 900.0) continue;
@@ -91,7 +102,8 @@ class Layout {
   const Path& path_;
   Campus& campus_;
   Random random_;
-  bool sparse_;
+  bool sparse_;  ///< few things
+  bool open_;    ///< and none near the road
   std::vector<PathPoint> samples_;
   std::vector<Building> buildings_;
 };
@@ -247,7 +259,9 @@ void Layout::addTrees() {
   for (int i = 0; i < 240; ++i) {  // a belt of wood all around
     const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random_.uniform(170.0, 230.0);
-    plant_tree(Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)), 1.0, 1.9);
+    plant_tree(
+        open_ ? anywhere(120.0) : Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)),
+        1.0, 1.9);
   }
 }
 
@@ -319,12 +333,13 @@ Path campusPath(const WorldSettings& settings) {
   const double reach = settings.scenario == Scenario::turns ? 1.0 : 4.0;
   for (Vector2d& corner : polygon)
     corner += Vector2d(random.uniform(-reach, reach), random.uniform(-reach, reach));
-  return Path(polygon, settings.scenario == Scenario::turns ? 7.5 : 11.5);
+  return Path(polygon, cornerRadius(settings.scenario));
 }
 
 Campus buildCampus(const Path& path, const WorldSettings& settings) {
   Campus campus;
   if (settings.scenario == Scenario::turns) campus.road.left_kerb = 2.6;
+  if (settings.scenario == Scenario::motorway) campus.road = {-7.0, 16.0, 2.0};
   campus.meshes.emplace_back();
   campus.instances.emplace_back();
   addRoad(campus.meshes.front(), path, campus.road);

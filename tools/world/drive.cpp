@@ -37,6 +37,7 @@ double roughness(double distance, double lateral, double amplitude, std::uint32_
 
 double roughnessAmplitude(Scenario scenario) {
   if (scenario == Scenario::bumpy) return 0.032;
+  if (scenario == Scenario::motorway) return 0.001;
   return scenario == Scenario::low_texture ? 0.003 : 0.006;
 }
 

@@ -57,8 +57,8 @@ std::size_t sideIndex(CameraSide side) {
 }
 
 TextureStyle styleOf(const WorldSettings& settings) {
-  return {settings.scenario == Scenario::low_texture ? 0.3F : 1.0F,
-          static_cast<std::uint32_t>(settings.seed) * 7919U};
+  const bool smooth = settings.scenario == Scenario::low_texture || settings.scenario == Scenario::motorway;
+  return {smooth ? 0.3F : 1.0F, static_cast<std::uint32_t>(settings.seed) * 7919U};
 }
 
 /// Rounded to a hundredth of a millimetre and a microradian: a camera that stands still keeps its rays, so

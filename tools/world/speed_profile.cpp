@@ -11,6 +11,7 @@ constexpr double kBraking = 1.6;              // m/s^2
 constexpr double kLateralAcceleration = 2.1;  // m/s^2
 constexpr double kYawRate = 0.47;             // rad/s: 27 deg/s
 constexpr double kTopSpeed = 6.0;             // m/s
+constexpr double kMotorwaySpeed = 20.0;       // m/s, from the first instant
 constexpr double kGrid = 0.5;                 // m along the path
 
 /// The speed each kGrid of the path that its bends allow, slowing down early enough for them.
@@ -63,8 +64,9 @@ void smoothCausally(std::vector<double>& values, int count) {
 }  // namespace
 
 std::vector<double> speedProfile(const Path& path, const WorldSettings& settings) {
-  const std::vector<double> limits = bendLimits(path);
   const int steps = static_cast<int>(std::ceil((settings.seconds + 2.0) / kSpeedStep));
+  if (settings.scenario == Scenario::motorway) return std::vector<double>(steps, kMotorwaySpeed);
+  const std::vector<double> limits = bendLimits(path);
   std::vector<double> speeds(steps, 0.0);
   double speed = 0.0;
   double distance = 0.0;

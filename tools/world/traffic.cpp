@@ -32,6 +32,7 @@ Eigen::Affine3f asAffine(const Eigen::Isometry3d& pose) {
 
 Traffic::Traffic(const Path& path, const Drive& drive, const WorldSettings& settings, Campus& campus)
     : path_(path), drive_(drive) {
+  if (settings.scenario == Scenario::motorway) return;
   if (settings.scenario != Scenario::turns) addVehicles(settings, campus);
   addPedestrians(settings, campus);
 }

@@ -7,7 +7,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr std::array<std::pair<Scenario, std::string_view>, 13> kNames{{
+constexpr std::array<std::pair<Scenario, std::string_view>, 14> kNames{{
     {Scenario::campus, "campus"},
     {Scenario::loop, "loop"},
     {Scenario::turns, "turns"},
@@ -21,6 +21,7 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 13> kNames{{
     {Scenario::low_texture, "low_texture"},
     {Scenario::bumpy, "bumpy"},
     {Scenario::reversing, "reversing"},
+    {Scenario::motorway, "motorway"},
 }};
 
 }  // namespace

@@ -24,6 +24,7 @@ enum class Scenario : std::uint8_t {
   low_texture,  ///< fresh smooth asphalt, plain plaster, few things to see
   bumpy,        ///< a road in bad repair: strong pitch, roll and heave
   reversing,    ///< forward, a stand, backward, again and again
+  motorway,     ///< fast in a wide bend, on smooth asphalt, all else far away: hardly a near point
 };
 
 /// Every scenario in the order of the enumeration.

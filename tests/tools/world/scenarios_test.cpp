@@ -82,6 +82,12 @@ TEST(RenderedWorldScenarios, ReversingDrivesBackward) {
   EXPECT_LT(least_step, -0.5);
 }
 
+TEST(RenderedWorldScenarios, MotorwayIsFastFromTheFirstInstant) {
+  const RenderedWorld world(smallDrive(Scenario::motorway));
+  EXPECT_NEAR(speedAt(world, 0.0), 20.0, 0.1);
+  EXPECT_NEAR(speedAt(world, 9.0), 20.0, 0.1);
+}
+
 TEST(RenderedWorldScenarios, StopAndGoStopsAgainAndAgain) {
   const RenderedWorld world(smallDrive(Scenario::stop_and_go, 26.0));
   int stops = 0;

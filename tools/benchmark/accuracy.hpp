@@ -42,7 +42,7 @@ struct SequenceAccuracy {
   std::string sequence;
   SequenceKind kind = SequenceKind::real;
   double bitrate_mbps = 0.0;  ///< of each camera's H.264; 0: the pictures as they are
-  std::string estimator;
+  std::string estimator;      ///< or the variant of it
 
   std::size_t pairs = 0;                 ///< processed
   std::size_t lost = 0;                  ///< of the sequence, but never became a pair

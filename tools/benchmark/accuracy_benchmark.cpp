@@ -1,4 +1,4 @@
-// All sequences, all estimators, all bit rates.
+// All sequences, all variants of the odometry, all bit rates.
 #include "tools/benchmark/accuracy_benchmark.hpp"
 
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "tools/benchmark/encoded_source.hpp"
-#include "tools/replay/setting_names.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/simulate/truth.hpp"
@@ -26,17 +25,17 @@ std::string withBitrate(const std::string& name, double bitrate_mbps) {
   return name + text;
 }
 
-/// Runs the estimators over one sequence after the other and keeps what they made of it.
+/// Runs the variants over one sequence after the other and keeps what they made of it.
 class AccuracyRun {
  public:
   AccuracyRun(const AccuracySettings& settings, const WorkObserver& observer)
       : settings_(settings), observer_(observer), streams_(settings.cache, kMostStreamBytes) {}
 
   void measure(const Sequence& sequence) {
-    for (const Estimator estimator : settings_.estimators) {
+    for (const OdometryVariant& variant : settings_.variants) {
       StereoSource source = openSource(sequence.folder);
       const FoundRig rig = findRig(source, sequence.folder, {});
-      measure(sequence, estimator, 0.0, source, rig);
+      measure(sequence, variant, 0.0, source, rig);
     }
     for (const double bitrate : settings_.bitrates_mbps)
       measureEncoded(sequence, bitrate);
@@ -45,14 +44,12 @@ class AccuracyRun {
   std::vector<SequenceAccuracy> take() { return std::move(results_); }
 
  private:
-  void measure(const Sequence& sequence, Estimator estimator, double bitrate_mbps, StereoSource& source,
-               const FoundRig& rig) {
+  void measure(const Sequence& sequence, const OdometryVariant& variant, double bitrate_mbps,
+               StereoSource& source, const FoundRig& rig) {
     const std::string name = withBitrate(sequence.name, bitrate_mbps);
-    observer_.begin(name + ": " + estimatorName(estimator));
-    OdometrySettings odometry = settings_.odometry;
-    odometry.estimator = estimator;
+    observer_.begin(name + ": " + variant.name);
     const Replay replay =
-        replayPairs(source, rig, odometry, [&](const PairResult& result, std::size_t expected) {
+        replayPairs(source, rig, variant.odometry, [&](const PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         });
     if (replay.pairs.empty())
@@ -61,7 +58,7 @@ class AccuracyRun {
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
     accuracy.bitrate_mbps = bitrate_mbps;
-    accuracy.estimator = estimatorName(estimator);
+    accuracy.estimator = variant.name;
     results_.push_back(std::move(accuracy));
   }
 
@@ -72,9 +69,9 @@ class AccuracyRun {
     Sequence from_zero = sequence;
     from_zero.truth.left_camera =
         simulate::shifted(sequence.truth.left_camera, -sequence.truth.left_camera.front().time_ns);
-    for (const Estimator estimator : settings_.estimators) {
+    for (const OdometryVariant& variant : settings_.variants) {
       StereoSource source = openEncoded(streams);
-      measure(from_zero, estimator, bitrate_mbps, source, {content.rig(), sequence.folder.string()});
+      measure(from_zero, variant, bitrate_mbps, source, {content.rig(), sequence.folder.string()});
     }
   }
 

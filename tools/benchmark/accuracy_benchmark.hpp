@@ -11,12 +11,17 @@
 
 namespace cartvo::benchmark {
 
+/// A way to set the odometry, and what tables call it.
+struct OdometryVariant {
+  std::string name;
+  OdometrySettings odometry;
+};
+
 /// What is measured with what.
 struct AccuracySettings {
   std::filesystem::path data;  ///< real sequences, see realSequences; empty: none
   std::vector<world::WorldSettings> worlds;
-  std::vector<Estimator> estimators;
-  OdometrySettings odometry;          ///< but for the estimator
+  std::vector<OdometryVariant> variants;
   std::vector<double> bitrates_mbps;  ///< further runs over H.264 of these rates, each camera's
   std::filesystem::path cache;        ///< for rendered worlds and encoded streams
 };
@@ -27,7 +32,7 @@ struct WorkObserver {
   simulate::Progress progress;
 };
 
-/// Runs each estimator over each sequence through the daemon's pipeline, as `cartvo replay` does: sequence by
+/// Runs each variant over each sequence through the daemon's pipeline, as `cartvo replay` does: sequence by
 /// sequence, of each first its pictures as they are, then encoded at each bit rate. Throws what sequences and
 /// settings are refused for.
 std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& settings,

@@ -11,6 +11,7 @@
 #include "tools/benchmark/accuracy_report.hpp"
 #include "tools/benchmark/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis_report.hpp"
+#include "tools/cartvo/benchmark_ablation.hpp"
 #include "tools/cartvo/benchmark_offset.hpp"
 #include "tools/cartvo/benchmark_options.hpp"
 #include "tools/cartvo/benchmark_speed.hpp"
@@ -67,9 +68,11 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
   AccuracySettings settings;
   settings.data = dataFolder(options.common);
   settings.worlds = worldsOf(options);
-  for (const std::string& name : options.estimators)
-    settings.estimators.push_back(estimatorNamed(name));
-  settings.odometry.features = options.features;
+  for (const std::string& name : options.estimators) {
+    settings.variants.push_back({name, {}});
+    settings.variants.back().odometry.estimator = estimatorNamed(name);
+    settings.variants.back().odometry.features = options.features;
+  }
   settings.bitrates_mbps = options.bitrates;
   settings.cache = options.cache;
   if (settings.data.empty() && settings.worlds.empty())
@@ -200,6 +203,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   command->require_subcommand(1);
   command->footer("'cartvo benchmark accuracy --help' explains each.");
   addAccuracy(*command);
+  addAblationBenchmark(*command);
   addOffsetBenchmark(*command);
   addSpeedBenchmark(*command);
   addThesis(*command);

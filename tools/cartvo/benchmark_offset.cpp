@@ -14,7 +14,6 @@
 #include "tools/benchmark/offset_plot.hpp"
 #include "tools/benchmark/offset_report.hpp"
 #include "tools/cartvo/benchmark_options.hpp"
-#include "tools/simulate/stream_cache.hpp"
 
 namespace cartvo {
 namespace {
@@ -24,32 +23,12 @@ using namespace benchmark;  // NOLINT(google-build-using-namespace): this file i
 
 struct OffsetOptions {
   BenchmarkOptions common;
-  std::vector<std::string> scenarios{"campus", "turns", "bumpy", "traffic"};
-  std::vector<std::uint64_t> seeds{1};
-  double seconds = 20.0;
+  DriveOptions drives{.scenarios = {"campus", "turns", "bumpy", "traffic"}};
   std::vector<double> offsets_ms{0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0};
   std::vector<std::string> sweeps{"slow", "fast"};
   std::vector<std::string> models = offsetModelNames();
-  int features = OdometrySettings{}.features;
-  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
   std::filesystem::path plot;
 };
-
-std::vector<world::WorldSettings> worldsOf(const OffsetOptions& options) {
-  std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
-    for (const std::uint64_t seed : options.seeds) {
-      world::WorldSettings world;
-      world.scenario = scenario;
-      world.seed = seed;
-      world.seconds = options.seconds;
-      world.lead_in_seconds = 0.5;  // a cart that stands does not tell an offset
-      world.threads = options.common.threads;
-      worlds.push_back(world);
-    }
-  }
-  return worlds;
-}
 
 /// Zero first: what is compared with, and its left images serve the others.
 std::vector<RightClock> clocksOf(const OffsetOptions& options, const world::WorldSettings& world) {
@@ -66,7 +45,7 @@ std::vector<RightClock> clocksOf(const OffsetOptions& options, const world::Worl
 OffsetSettings settingsOf(const OffsetOptions& options) {
   OffsetSettings settings;
   settings.data = dataFolder(options.common);
-  settings.worlds = worldsOf(options);
+  settings.worlds = drivesOf(options.drives, options.common.threads);
   if (settings.data.empty() && settings.worlds.empty())
     throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
   if (settings.worlds.empty() && !options.plot.empty())
@@ -74,8 +53,8 @@ OffsetSettings settingsOf(const OffsetOptions& options) {
   if (!settings.worlds.empty()) settings.clocks = clocksOf(options, settings.worlds.front());
   for (const std::string& name : options.models)
     settings.models.push_back(offsetModelNamed(name));
-  settings.odometry.features = options.features;
-  settings.cache = options.cache;
+  settings.odometry.features = options.drives.features;
+  settings.cache = options.drives.cache;
   return settings;
 }
 
@@ -89,8 +68,8 @@ void run(const OffsetOptions& options) {
   if (!options.plot.empty()) writeFileAtomically(options.plot, offsetPlot(accuracies));
   if (options.common.reportFormat() == ReportFormat::json) {
     nlohmann::ordered_json json = reportHead("offset", options.common.threads);
-    json["features"] = options.features;
-    json["seconds"] = options.seconds;
+    json["features"] = options.drives.features;
+    json["seconds"] = options.drives.seconds;
     json.update(offsetJson(accuracies));
     handReport(options.common, json.dump(2) + "\n");
   } else {
@@ -98,11 +77,7 @@ void run(const OffsetOptions& options) {
   }
 }
 
-void addDriveOptions(CLI::App& command, OffsetOptions& options) {
-  addWorldChoice(command, options.scenarios, options.seeds);
-  command.add_option("--seconds", options.seconds, "Length of each drive")
-      ->check(CLI::Range(6.0, 3600.0))
-      ->capture_default_str();
+void addClockOptions(CLI::App& command, OffsetOptions& options) {
   command
       .add_option("--offsets-ms", options.offsets_ms,
                   "How much later the right camera is exposed; 0 is measured in any case")
@@ -119,9 +94,6 @@ void addDriveOptions(CLI::App& command, OffsetOptions& options) {
       ->check(CLI::IsMember({"slow", "fast", "none"}))
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--cache", options.cache, "Keeps rendered worlds (0.4 GB a minute)")
-      ->type_name("DIR")
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -131,7 +103,8 @@ void addOffsetBenchmark(CLI::App& benchmark) {
       benchmark.add_subcommand("offset", "Errors over the time between the cameras' exposures");
   const auto options = std::make_shared<OffsetOptions>();
   addBenchmarkOptions(*command, options->common);
-  addDriveOptions(*command, *options);
+  addDriveOptions(*command, options->drives);
+  addClockOptions(*command, *options);
   command
       ->add_option(
           "--models", options->models,
@@ -140,9 +113,6 @@ void addOffsetBenchmark(CLI::App& benchmark) {
       ->delimiter(',')
       ->check(CLI::IsMember(offsetModelNames()))
       ->type_name("LIST")
-      ->capture_default_str();
-  command->add_option("--features", options->features, "Features aimed at in each left image")
-      ->check(CLI::Range(50, 20000))
       ->capture_default_str();
   command->add_option("--plot", options->plot, "Draw errors over offsets into this SVG")->type_name("FILE");
   command->footer(

@@ -129,6 +129,35 @@ std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& name
   return scenarios;
 }
 
+void addDriveOptions(CLI::App& command, DriveOptions& options) {
+  addWorldChoice(command, options.scenarios, options.seeds);
+  command.add_option("--seconds", options.seconds, "Length of each drive")
+      ->check(CLI::Range(6.0, 3600.0))
+      ->capture_default_str();
+  command.add_option("--features", options.features, "Features aimed at in each left image")
+      ->check(CLI::Range(50, 20000))
+      ->capture_default_str();
+  command.add_option("--cache", options.cache, "Keeps rendered worlds (0.4 GB a minute)")
+      ->type_name("DIR")
+      ->capture_default_str();
+}
+
+std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads) {
+  std::vector<world::WorldSettings> worlds;
+  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
+    for (const std::uint64_t seed : options.seeds) {
+      world::WorldSettings world;
+      world.scenario = scenario;
+      world.seed = seed;
+      world.seconds = options.seconds;
+      world.lead_in_seconds = 0.5;
+      world.threads = threads;
+      worlds.push_back(world);
+    }
+  }
+  return worlds;
+}
+
 benchmark::WorkObserver WorkDisplay::observer() {
   return {[this](const std::string& what) {
             bar_.reset();

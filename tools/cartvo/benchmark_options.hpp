@@ -12,7 +12,9 @@
 #include "tools/benchmark/accuracy_benchmark.hpp"
 #include "tools/benchmark/table.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/simulate/stream_cache.hpp"
 #include "tools/world/world_settings.hpp"
+#include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {
 
@@ -56,6 +58,21 @@ CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenari
 
 /// `names` must be what --scenarios takes: names of scenarios, "all", "none".
 std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names);
+
+/// Rendered drives that start half a second after the first pair: a cart that stands tells little.
+struct DriveOptions {
+  std::vector<std::string> scenarios;
+  std::vector<std::uint64_t> seeds{1};
+  double seconds = 20.0;
+  int features = OdometrySettings{}.features;
+  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
+};
+
+/// `options`, whose values are the defaults, must live as long as the command.
+void addDriveOptions(CLI::App& command, DriveOptions& options);
+
+/// Each scenario with each seed, cameras exposed at once.
+std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads);
 
 /// A line on the error output for each piece of work, and a bar below it while it goes on.
 class WorkDisplay {

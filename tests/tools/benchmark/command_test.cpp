@@ -23,7 +23,7 @@ Finished runBenchmark(const std::string& arguments) {
 }
 
 TEST(BenchmarkCommand, ExplainsItself) {
-  for (const char* benchmark : {"accuracy", "offset", "speed", "thesis"}) {
+  for (const char* benchmark : {"accuracy", "ablation", "offset", "speed", "thesis"}) {
     const Finished run = runBenchmark(std::string(benchmark) + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.said, HasSubstr("Examples:"));
@@ -32,7 +32,7 @@ TEST(BenchmarkCommand, ExplainsItself) {
 }
 
 TEST(BenchmarkCommand, RefusesWrongArguments) {
-  const std::array<std::pair<const char*, const char*>, 13> wrong{{
+  const std::array<std::pair<const char*, const char*>, 14> wrong{{
       {"", "subcommand"},
       {"accuracy --scenarios nowhere", "nowhere"},
       {"accuracy --estimators guess", "guess"},
@@ -40,6 +40,7 @@ TEST(BenchmarkCommand, RefusesWrongArguments) {
       {"accuracy --bitrates 0", "--bitrates"},
       {"accuracy --features 3", "--features"},
       {"accuracy --quick --seconds 5", "--quick"},
+      {"ablation --variants guess", "guess"},
       {"offset --models guess", "guess"},
       {"offset --sweeps wide", "wide"},
       {"offset --offsets-ms soon", "soon"},
@@ -60,6 +61,7 @@ TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
         std::pair("accuracy --data none --scenarios none", "nothing to measure"),
         std::pair("accuracy --data none --output /no/such/folder/report",
                   "there is no folder /no/such/folder"),
+        std::pair("ablation --data none --scenarios none", "nothing to measure"),
         std::pair("offset --data none --scenarios none", "nothing to measure"),
         std::pair("offset --data none --plot /no/such/folder/plot", "there is no folder /no/such/folder"),
         std::pair("offset --scenarios none --data . --plot plot", "--plot draws rendered worlds"),

@@ -119,11 +119,13 @@ TEST_F(BenchmarkOfATinyWorld, RendersOnlyTheRightImagesWhereOnlyTheRightCameraIs
   std::filesystem::remove_all(later.folder);
 }
 
-TEST_F(BenchmarkOfATinyWorld, MeasuresEachEstimatorLosslessAndEncoded) {
+TEST_F(BenchmarkOfATinyWorld, MeasuresEachVariantLosslessAndEncoded) {
   AccuracySettings settings;
   settings.worlds = {tinyWorld()};
-  settings.estimators = {Estimator::thesis};
-  settings.odometry.features = 400;
+  OdometrySettings odometry;
+  odometry.estimator = Estimator::thesis;
+  odometry.features = 400;
+  settings.variants = {{"thesis", odometry}};
   settings.bitrates_mbps = {8.0};
   settings.cache = cache_->path();
   const std::vector<SequenceAccuracy> accuracies = runAccuracyBenchmark(settings, silent());

@@ -45,16 +45,16 @@ ReferenceWork::ReferenceWork(cv::Mat before, cv::Mat after)
   cv::goodFeaturesToTrack(before_, points_, kPoints, kQuality, kDistance);
   if (points_.size() < kPoints)
     throw std::invalid_argument("the reference's image has fewer corners than the reference follows");
-  map_x_.create(before_.size(), CV_32FC1);
-  map_y_.create(before_.size(), CV_32FC1);
+  cv::Mat map_x(before_.size(), CV_32FC1), map_y(before_.size(), CV_32FC1);
   for (int y = 0; y < before_.rows; ++y) {
     for (int x = 0; x < before_.cols; ++x) {
       const double across = static_cast<double>(x) / before_.cols,
                    down = static_cast<double>(y) / before_.rows;
-      map_x_.at<float>(y, x) = static_cast<float>(x + kBend * (down - 0.5));
-      map_y_.at<float>(y, x) = static_cast<float>(y + kBend * (across - 0.5));
+      map_x.at<float>(y, x) = static_cast<float>(x + kBend * (down - 0.5));
+      map_y.at<float>(y, x) = static_cast<float>(y + kBend * (across - 0.5));
     }
   }
+  cv::convertMaps(map_x, map_y, map_, map_fraction_, CV_16SC2);
 }
 
 ReferenceTimes ReferenceWork::run() const {
@@ -64,7 +64,7 @@ ReferenceTimes ReferenceWork::run() const {
   cv::Mat rectified;
   times.remap = millisecondsOf([&] {
     for (const cv::Mat& image : {before_, after_})
-      cv::remap(image, rectified, map_x_, map_y_, cv::INTER_LINEAR);
+      cv::remap(image, rectified, map_, map_fraction_, cv::INTER_LINEAR);
   });
   std::vector<cv::Mat> pyramid;
   times.pyramids = millisecondsOf([&] {

@@ -9,7 +9,7 @@ namespace cartvo::benchmark {
 
 /// What OpenCV takes for a pair on one thread, ms.
 struct ReferenceTimes {
-  double remap = 0.0;     ///< both images through floating-point maps, bilinear
+  double remap = 0.0;     ///< both images through fixed-point maps (CV_16SC2), bilinear
   double pyramids = 0.0;  ///< cv::buildOpticalFlowPyramid of both, four levels
   double klt = 0.0;  ///< cv::calcOpticalFlowPyrLK, 1,000 points, 21x21, four levels, 30 iterations or 0.01 px
 
@@ -29,7 +29,7 @@ class ReferenceWork {
 
  private:
   cv::Mat before_, after_;
-  cv::Mat map_x_, map_y_;
+  cv::Mat map_, map_fraction_;
   std::vector<cv::Point2f> points_;
 };
 

@@ -53,7 +53,6 @@ LiveRun runUntil(const Enough& enough, TickingCamera::Deliver left_delivers,
     if (!std::exchange(ended, true)) has_enough.set_value();
   };
   const auto end_if_enough = [&] {
-    if (ended) return;
     run.counts = pipeline.counts();
     run.problem = pipeline.problem();
     if (enough(run)) end();
@@ -63,12 +62,15 @@ LiveRun runUntil(const Enough& enough, TickingCamera::Deliver left_delivers,
     pipeline.stop();
   });
   try {
+    // What comes between the end and the stop is not part of the run.
     pipeline.runLive({[&](const PairResult& result) {
+                        if (ended) return;
                         run.pairs.push_back(result);
                         on_pair();
                         end_if_enough();
                       },
                       [&](const NoPair& no_pair) {
+                        if (ended) return;
                         run.no_pairs.push_back(no_pair);
                         end_if_enough();
                       }});

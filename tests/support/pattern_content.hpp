@@ -25,7 +25,7 @@ struct PatternSettings {
 /// Small content with exactly known motion, for tests: two distortion-free cameras face a wall at a constant
 /// depth and move along it to their right (the body's -y) at a constant speed, each seeing it at its own
 /// instant. The wall is a smooth sum of waves, evaluated exactly for each pixel.
-class PatternContent final : public simulate::Content {
+class PatternContent : public simulate::Content {
  public:
   explicit PatternContent(const PatternSettings& settings) : settings_(settings) {}
 

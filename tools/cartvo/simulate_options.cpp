@@ -85,7 +85,9 @@ void addCameraOptions(CLI::App& command, SimulateOptions& options) {
   group->add_option("--slices", options.encoder.slices, "H.264 slices per picture")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
-  group->add_option("--lead-in", options.lead_in, "Seconds for which the first picture stands still")
+  group
+      ->add_option("--lead-in", options.lead_in,
+                   "Seconds for which the first picture stands still (a sequence: blank)")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   group->add_option("--latency-ms", options.latency_ms, "From a picture's exposure to its sending")

@@ -26,6 +26,10 @@ class Content {
   /// use all cores. Deterministic.
   virtual void images(int index, cv::Mat& left, cv::Mat& right) const = 0;
 
+  /// Whether the cameras may have stood before the first picture for any time. Else they see nothing until it
+  /// comes: who showed it as standing would let them jump to a speed.
+  virtual bool beginsStanding() const { return true; }
+
   /// T_world_body at the left instants, exact or as recorded; empty if unknown. World: the body axes at the
   /// start.
   virtual Trajectory truth() const = 0;

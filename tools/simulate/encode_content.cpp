@@ -20,14 +20,18 @@ AccessUnit append(EncodedStream& stream, const EncodedPicture& picture, std::int
 /// One camera's stream in the making.
 class StreamWriter {
  public:
-  StreamWriter(const EncoderSettings& settings, cv::Size size, double frame_rate)
-      : settings_(settings), encoder_(settings, size, frame_rate) {
+  StreamWriter(const EncoderSettings& settings, cv::Size size, const Content& content)
+      : settings_(settings),
+        begins_standing_(content.beginsStanding()),
+        encoder_(settings, size, content.frameRate()) {
     stream_.size = size;
-    stream_.frame_rate = frame_rate;
+    stream_.frame_rate = content.frameRate();
   }
 
   void add(const cv::Mat& image, std::int64_t instant_ns) {
-    if (stream_.units.empty()) addLeadIn(image);
+    constexpr double kGrey = 128;
+    if (stream_.units.empty())
+      addLeadIn(begins_standing_ ? image : cv::Mat(image.size(), CV_8UC1, cv::Scalar(kGrey)));
     stream_.units.push_back(append(stream_, encoder_.encode(image), instant_ns));
   }
 
@@ -46,6 +50,7 @@ class StreamWriter {
   }
 
   EncoderSettings settings_;
+  bool begins_standing_;
   StreamEncoder encoder_;
   EncodedStream stream_;
 };
@@ -56,8 +61,8 @@ EncodedPair encodeContent(const Content& content, const EncoderSettings& setting
   const int count = content.pairCount();
   if (count < 1) throw std::invalid_argument("there is no image pair to encode");
   const Rig rig = content.rig();
-  StreamWriter left_writer(settings, rig.left.size, content.frameRate());
-  StreamWriter right_writer(settings, rig.right.size, content.frameRate());
+  StreamWriter left_writer(settings, rig.left.size, content);
+  StreamWriter right_writer(settings, rig.right.size, content);
 
   cv::Mat left;
   cv::Mat right;

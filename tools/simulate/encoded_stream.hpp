@@ -23,7 +23,7 @@ struct AccessUnit {
 struct EncodedStream {
   cv::Size size;            ///< of the pictures, px
   double frame_rate = 0.0;  ///< nominal, Hz
-  /// The first picture standing still, one key-frame interval long; repeated until the content begins.
+  /// What is shown until the content begins, one key-frame interval long, again and again.
   /// Instants: from 0, a frame period apart.
   std::vector<AccessUnit> lead_in;
   std::vector<AccessUnit> units;  ///< the content; the first is a key frame

@@ -111,7 +111,7 @@ void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
 }
 
 std::string SequenceContent::cacheKey() const {
-  std::string key = "sequence " + fs::canonical(folder_.folder).string() + "\n";
+  std::string key = "sequence behind a blank " + fs::canonical(folder_.folder).string() + "\n";
   for (int index = 0; index < pairCount(); ++index) {
     const auto at = static_cast<std::size_t>(index);
     key += fileStamp(folder_.left.images[at]) + " " + std::to_string(leftInstant(index)) + " " +

@@ -28,6 +28,8 @@ class SequenceContent final : public Content {
   std::int64_t leftInstant(int index) const override;
   std::int64_t rightInstant(int index) const override;
   void images(int index, cv::Mat& left, cv::Mat& right) const override;
+  /// Most are cut out of a drive.
+  bool beginsStanding() const override { return false; }
   Trajectory truth() const override { return truth_; }
   std::string cacheKey() const override;
 

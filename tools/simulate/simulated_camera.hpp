@@ -22,7 +22,7 @@ struct SimulatedCameraSettings {
 
 /// An IP camera as the real ones behave: an RTSP server (GStreamer's) with Digest authentication that sends
 /// H.264 in real time over TCP or UDP, and RTCP sender reports that relate its RTP clock to the instants of
-/// exposure. Sends its first picture, standing still, until `startContent`. Any number of clients; each
+/// exposure. Sends its lead-in until `startContent`. Any number of clients; each
 /// begins at a key frame, may leave and may return.
 class SimulatedCamera {
  public:

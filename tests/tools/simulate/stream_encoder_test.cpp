@@ -25,7 +25,7 @@ struct DecodedPicture {
 };
 
 // Decodes what comes out, without delay: a stream with B-frames would need one.
-std::vector<DecodedPicture> decode(const EncodedStream& stream) {
+std::vector<DecodedPicture> decode(const EncodedStream& stream, const std::vector<AccessUnit>& units) {
   AVCodecContext* context = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_H264));
   context->thread_count = 1;
   avcodec_open2(context, nullptr, nullptr);
@@ -39,7 +39,7 @@ std::vector<DecodedPicture> decode(const EncodedStream& stream) {
       pictures.push_back({luma.clone(), av_get_picture_type_char(frame->pict_type), frame->color_range});
     }
   };
-  for (const AccessUnit& unit : stream.units) {
+  for (const AccessUnit& unit : units) {
     const auto bytes = stream.data(unit);
     av_new_packet(packet, static_cast<int>(bytes.size()));
     std::copy(bytes.begin(), bytes.end(), packet->data);
@@ -53,6 +53,10 @@ std::vector<DecodedPicture> decode(const EncodedStream& stream) {
   av_packet_free(&packet);
   avcodec_free_context(&context);
   return pictures;
+}
+
+std::vector<DecodedPicture> decode(const EncodedStream& stream) {
+  return decode(stream, stream.units);
 }
 
 double peakSignalToNoise(const cv::Mat& a, const cv::Mat& b) {
@@ -75,6 +79,28 @@ TEST(StreamEncoder, decodesToTheSamePicturesWithoutBFramesAndAKeyFrameEachInterv
     EXPECT_EQ(pair.left.units[index].key_frame, index % 20 == 0) << "picture " << index;
     EXPECT_EQ(decoded[index].range, AVCOL_RANGE_JPEG);
   }
+}
+
+class MovingFromTheStart : public test::PatternContent {
+ public:
+  using PatternContent::PatternContent;
+  bool beginsStanding() const override { return false; }
+};
+
+TEST(StreamEncoder, showsTheFirstPictureBeforeTheContentOnlyIfTheCamerasStandThere) {
+  const test::PatternSettings settings{.pairs = 2};
+  const EncodedPair standing = encodeContent(test::PatternContent(settings), {}, {});
+  const EncodedPair moving = encodeContent(MovingFromTheStart(settings), {}, {});
+  const cv::Mat first = decode(standing.left).front().luma;
+  for (const DecodedPicture& picture : decode(standing.left, standing.left.lead_in))
+    EXPECT_GT(peakSignalToNoise(picture.luma, first), 38.0);
+  for (const DecodedPicture& picture : decode(moving.left, moving.left.lead_in)) {
+    double least = 0.0, most = 0.0;
+    cv::minMaxLoc(picture.luma, &least, &most);
+    EXPECT_LT(most - least, 3.0) << "nothing to see";
+  }
+  EXPECT_EQ(moving.left.lead_in.size(), standing.left.lead_in.size());
+  EXPECT_GT(peakSignalToNoise(decode(moving.left).front().luma, first), 38.0);
 }
 
 TEST(StreamEncoder, keepsItsBitRate) {

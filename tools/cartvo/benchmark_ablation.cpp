@@ -37,8 +37,7 @@ AccuracySettings settingsOf(const AblationOptions& options) {
   full.features = options.drives.features;
   settings.variants = ablatedVariants(full, options.variants);
   settings.cache = options.drives.cache;
-  if (settings.data.empty() && settings.worlds.empty())
-    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
+  requireSequences(settings.data, settings.worlds);
   return settings;
 }
 
@@ -48,14 +47,13 @@ void run(const AblationOptions& options) {
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const std::vector<SequenceAccuracy> accuracies = runAccuracyBenchmark(settings, display.observer());
-  if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = reportHead("ablation", options.common.threads);
-    json["features"] = options.drives.features;
-    json.update(ablationJson(accuracies));
-    handReport(options.common, json.dump(2) + "\n");
-  } else {
-    handReport(options.common, ablationTable(accuracies, options.common.reportFormat()));
-  }
+  const auto json = [&] {
+    nlohmann::ordered_json report{{"features", options.drives.features}};
+    report.update(ablationJson(accuracies));
+    return report;
+  };
+  handReport(options.common, "ablation", json,
+             [&](ReportFormat format) { return ablationTable(accuracies, format); });
 }
 
 std::string variantList() {

@@ -49,17 +49,11 @@ double secondsOf(world::Scenario scenario) {
 }
 
 std::vector<world::WorldSettings> worldsOf(const AccuracyOptions& options) {
-  std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
-    for (const std::uint64_t seed : options.seeds) {
-      world::WorldSettings settings;
-      settings.scenario = scenario;
-      settings.seed = seed;
-      settings.seconds = options.seconds > 0.0 ? options.seconds : secondsOf(scenario);
-      settings.offset_s = 1e-3 * options.offset_ms;
-      settings.threads = options.common.threads;
-      worlds.push_back(settings);
-    }
+  std::vector<world::WorldSettings> worlds =
+      chosenWorlds(options.scenarios, options.seeds, options.common.threads);
+  for (world::WorldSettings& world : worlds) {
+    world.seconds = options.seconds > 0.0 ? options.seconds : secondsOf(world.scenario);
+    world.offset_s = 1e-3 * options.offset_ms;
   }
   return worlds;
 }
@@ -75,8 +69,7 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
   }
   settings.bitrates_mbps = options.bitrates;
   settings.cache = options.cache;
-  if (settings.data.empty() && settings.worlds.empty())
-    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
+  requireSequences(settings.data, settings.worlds);
   return settings;
 }
 
@@ -86,14 +79,13 @@ void runAccuracy(const AccuracyOptions& options) {
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const std::vector<SequenceAccuracy> accuracies = runAccuracyBenchmark(settings, display.observer());
-  if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = reportHead("accuracy", options.common.threads);
-    json["features"] = options.features;
-    json.update(accuracyJson(accuracies));
-    handReport(options.common, json.dump(2) + "\n");
-  } else {
-    handReport(options.common, accuracyTable(accuracies, options.common.reportFormat()));
-  }
+  const auto json = [&] {
+    nlohmann::ordered_json report{{"features", options.features}};
+    report.update(accuracyJson(accuracies));
+    return report;
+  };
+  handReport(options.common, "accuracy", json,
+             [&](ReportFormat format) { return accuracyTable(accuracies, format); });
 }
 
 void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
@@ -168,13 +160,9 @@ void runThesis(const ThesisOptions& options) {
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const ThesisResults results = runThesisBenchmark(settings, display.observer());
-  if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = reportHead("thesis", options.common.threads);
-    json.update(thesisJson(results));
-    handReport(options.common, json.dump(2) + "\n");
-  } else {
-    handReport(options.common, thesisTables(results, options.common.reportFormat()));
-  }
+  handReport(
+      options.common, "thesis", [&] { return thesisJson(results); },
+      [&](ReportFormat format) { return thesisTables(results, format); });
 }
 
 void addThesis(CLI::App& benchmark) {

@@ -46,8 +46,7 @@ OffsetSettings settingsOf(const OffsetOptions& options) {
   OffsetSettings settings;
   settings.data = dataFolder(options.common);
   settings.worlds = drivesOf(options.drives, options.common.threads);
-  if (settings.data.empty() && settings.worlds.empty())
-    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
+  requireSequences(settings.data, settings.worlds);
   if (settings.worlds.empty() && !options.plot.empty())
     throw std::runtime_error("--plot draws rendered worlds, and there is none");
   if (!settings.worlds.empty()) settings.clocks = clocksOf(options, settings.worlds.front());
@@ -66,15 +65,13 @@ void run(const OffsetOptions& options) {
   WorkDisplay display;
   const std::vector<OffsetAccuracy> accuracies = runOffsetBenchmark(settings, display.observer());
   if (!options.plot.empty()) writeFileAtomically(options.plot, offsetPlot(accuracies));
-  if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = reportHead("offset", options.common.threads);
-    json["features"] = options.drives.features;
-    json["seconds"] = options.drives.seconds;
-    json.update(offsetJson(accuracies));
-    handReport(options.common, json.dump(2) + "\n");
-  } else {
-    handReport(options.common, offsetTable(accuracies, options.common.reportFormat()));
-  }
+  const auto json = [&] {
+    nlohmann::ordered_json report{{"features", options.drives.features}, {"seconds", options.drives.seconds}};
+    report.update(offsetJson(accuracies));
+    return report;
+  };
+  handReport(options.common, "offset", json,
+             [&](ReportFormat format) { return offsetTable(accuracies, format); });
 }
 
 void addClockOptions(CLI::App& command, OffsetOptions& options) {

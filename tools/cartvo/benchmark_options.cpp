@@ -43,6 +43,19 @@ std::string scenarioList() {
   return list;
 }
 
+std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names) {
+  std::vector<world::Scenario> scenarios;
+  for (const std::string& name : names) {
+    if (name == kNoScenario) continue;
+    if (name == kAllScenarios) {
+      scenarios.insert(scenarios.end(), world::allScenarios().begin(), world::allScenarios().end());
+    } else {
+      scenarios.push_back(world::scenarioFromName(name));
+    }
+  }
+  return scenarios;
+}
+
 }  // namespace
 
 benchmark::ReportFormat BenchmarkOptions::reportFormat() const {
@@ -89,7 +102,19 @@ void checkOutput(const fs::path& file) {
     throw std::runtime_error(file.string() + ": cannot be written: there is no folder " + folder.string());
 }
 
-void handReport(const BenchmarkOptions& options, const std::string& report) {
+void handReport(const BenchmarkOptions& options, const char* benchmark,
+                const std::function<nlohmann::ordered_json()>& json,
+                const std::function<std::string(benchmark::ReportFormat)>& text) {
+  std::string report;
+  if (options.reportFormat() == benchmark::ReportFormat::json) {
+    nlohmann::ordered_json all = {{"benchmark", benchmark},
+                                  {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
+                                  {"threads", options.threads}};
+    all.update(json());
+    report = all.dump(2) + "\n";
+  } else {
+    report = text(options.reportFormat());
+  }
   if (options.output.empty()) {
     std::fputs(report.c_str(), stdout);
   } else {
@@ -97,10 +122,9 @@ void handReport(const BenchmarkOptions& options, const std::string& report) {
   }
 }
 
-nlohmann::ordered_json reportHead(const char* benchmark, int threads) {
-  return {{"benchmark", benchmark},
-          {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
-          {"threads", threads}};
+void requireSequences(const fs::path& data, const std::vector<world::WorldSettings>& worlds) {
+  if (data.empty() && worlds.empty())
+    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
 }
 
 CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
@@ -116,17 +140,18 @@ CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenari
       ->capture_default_str();
 }
 
-std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names) {
-  std::vector<world::Scenario> scenarios;
-  for (const std::string& name : names) {
-    if (name == kNoScenario) continue;
-    if (name == kAllScenarios) {
-      scenarios.insert(scenarios.end(), world::allScenarios().begin(), world::allScenarios().end());
-    } else {
-      scenarios.push_back(world::scenarioFromName(name));
+std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
+                                               const std::vector<std::uint64_t>& seeds, int threads) {
+  std::vector<world::WorldSettings> worlds;
+  for (const world::Scenario scenario : scenariosNamed(scenarios)) {
+    for (const std::uint64_t seed : seeds) {
+      world::WorldSettings& world = worlds.emplace_back();
+      world.scenario = scenario;
+      world.seed = seed;
+      world.threads = threads;
     }
   }
-  return scenarios;
+  return worlds;
 }
 
 void addDriveOptions(CLI::App& command, DriveOptions& options) {
@@ -143,17 +168,10 @@ void addDriveOptions(CLI::App& command, DriveOptions& options) {
 }
 
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads) {
-  std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenariosNamed(options.scenarios)) {
-    for (const std::uint64_t seed : options.seeds) {
-      world::WorldSettings world;
-      world.scenario = scenario;
-      world.seed = seed;
-      world.seconds = options.seconds;
-      world.lead_in_seconds = 0.5;
-      world.threads = threads;
-      worlds.push_back(world);
-    }
+  std::vector<world::WorldSettings> worlds = chosenWorlds(options.scenarios, options.seeds, threads);
+  for (world::WorldSettings& world : worlds) {
+    world.seconds = options.seconds;
+    world.lead_in_seconds = 0.5;
   }
   return worlds;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,11 +43,14 @@ std::filesystem::path dataFolder(const BenchmarkOptions& options);
 /// empty name is fine.
 void checkOutput(const std::filesystem::path& file);
 
-/// To the terminal or into the file that was asked for.
-void handReport(const BenchmarkOptions& options, const std::string& report);
+/// Writes the report as it was asked for, to the terminal or into the file: `json`, behind the benchmark's
+/// name, versions and threads, or `text` in that format. Only the one wanted is called.
+void handReport(const BenchmarkOptions& options, const char* benchmark,
+                const std::function<nlohmann::ordered_json()>& json,
+                const std::function<std::string(benchmark::ReportFormat)>& text);
 
-/// What stands first in each report in JSON.
-nlohmann::ordered_json reportHead(const char* benchmark, int threads);
+/// Throws std::runtime_error if there are neither real sequences nor worlds.
+void requireSequences(const std::filesystem::path& data, const std::vector<world::WorldSettings>& worlds);
 
 inline constexpr const char* kAllScenarios = "all";
 inline constexpr const char* kNoScenario = "none";
@@ -56,8 +60,10 @@ inline constexpr const char* kNoScenario = "none";
 CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
                             std::vector<std::uint64_t>& seeds);
 
-/// `names` must be what --scenarios takes: names of scenarios, "all", "none".
-std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names);
+/// Each scenario with each seed, else as WorldSettings are. `scenarios` must be what --scenarios takes: names
+/// of scenarios, "all", "none".
+std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
+                                               const std::vector<std::uint64_t>& seeds, int threads);
 
 /// Rendered drives that start half a second after the first pair: a cart that stands tells little.
 struct DriveOptions {

@@ -62,13 +62,9 @@ void run(const SpeedOptions& options) {
   settings.cache = options.cache;
   WorkDisplay display;
   const std::vector<SpeedResult> results = runSpeedBenchmark(settings, display.observer());
-  if (options.common.reportFormat() == ReportFormat::json) {
-    nlohmann::ordered_json json = reportHead("speed", options.common.threads);
-    json.update(speedJson(results));
-    handReport(options.common, json.dump(2) + "\n");
-  } else {
-    handReport(options.common, speedTables(results, options.common.reportFormat()));
-  }
+  handReport(
+      options.common, "speed", [&] { return speedJson(results); },
+      [&](ReportFormat format) { return speedTables(results, format); });
 }
 
 void addChoices(CLI::App& command, SpeedOptions& options) {

@@ -5,23 +5,17 @@
 #include <cmath>
 
 #include "vo_core/plausible_motion.hpp"
+#include "vo_core/window_problems.hpp"
+#include "vo_core/window_uncertainty.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kMonocularInverseDepth = 0.03;  // 1/m, what is expected of a landmark without a stereo match
-constexpr double kMonocularDeviation = 0.1;      // 1/m
-constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocularDeviation);
 constexpr double kUnknownSpeed = 3.0;                   // m/s that the cart may have at the first pair
 constexpr double kNoiseMemory = 0.9;                    // of the noise's running estimate, from pair to pair
 constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
 constexpr double kTellingWay = 0.5;                     // m driven within the window, for the rig to show
 constexpr double kNoticeable = 0.02;  // px that a change of the rig's correction moves points
-// Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
-// on rendered worlds (docs/accuracy.md).
-constexpr double kSharedError = 8.0;
-// For the same reason a motion errs less than the sum of its two poses' errors.
-constexpr double kMotionShare = 0.85;
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
@@ -39,19 +33,6 @@ WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
   if (model == OffsetModel::image_velocity) frame.image_offset = offset;
   frame.left.grey = pair.left.grey;
   return frame;
-}
-
-std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
-  std::vector<TimedPose> poses;
-  for (const WindowFrame& frame : window)
-    poses.push_back({seconds(frame.exposure_ns - window.front().exposure_ns), frame.offset,
-                     frame.T_world_camera, frame.by_late_right});
-  return poses;
-}
-
-/// With what the offset's error has added up to.
-Matrix6d poseCovarianceOf(const WindowFrame& frame) {
-  return frame.pose_covariance + frame.offset_error * frame.offset_error.transpose();
 }
 
 void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
@@ -228,19 +209,7 @@ PoseProblem VisualTrack::poseProblem(const std::vector<Landmark>& landmarks, con
         Eigen::Vector3d::Constant(limits.maximum_turn * square + kSlackRotation);
     problem.admissible_change = change;
   }
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const Landmark& landmark = landmarks[i];
-    if (!landmark.hasDepth()) continue;
-    PosePoint point;
-    point.host = placeOf(window_, landmark.host().frame);
-    point.bearing = bearingOf(camera_, landmark.host().left);
-    point.inverse_depth = landmark.inverse_depth;
-    point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
-    point.left = landmark.last().left;
-    point.weight = landmark.trust;
-    problem.points.push_back(point);
-    chosen.push_back(i);
-  }
+  problem.points = posePoints(landmarks, window_, camera_, chosen);
   return problem;
 }
 
@@ -279,34 +248,12 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
 
 BundleProblem VisualTrack::bundleProblem(const Draft& draft, const RigCorrection& rig,
                                          std::vector<std::size_t>& chosen) const {
-  chosen.clear();
   BundleProblem problem;
   problem.camera = camera_;
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
   problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
-  for (std::size_t i = 0; i < draft.landmarks.size(); ++i) {
-    const Landmark& landmark = draft.landmarks[i];
-    if (landmark.sightings.size() < 2) continue;
-    BundleLandmark item;
-    item.bearing = bearingOf(camera_, landmark.host().left);
-    item.weight = landmark.trust;
-    item.inverse_depth = landmark.inverse_depth;
-    item.prior_inverse_depth = landmark.prior_inverse_depth;
-    item.prior_information = landmark.prior_information;
-    item.prior_by_late_right = landmark.prior_by_late_right;
-    if (!landmark.hasDepth()) {
-      item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
-      item.prior_information = kMonocularInformation;
-      item.prior_by_late_right = 0.0;
-    }
-    for (const Sighting& sighting : landmark.sightings)
-      if (const int pose = placeOf(draft.window, sighting.frame); pose >= 0)
-        item.sightings.push_back({pose, sighting.left, sighting.stereo,
-                                  correctedRight(camera_, rig, sighting.left - sighting.parallax)});
-    problem.landmarks.push_back(std::move(item));
-    chosen.push_back(i);
-  }
+  problem.landmarks = bundleLandmarks(draft.landmarks, draft.window, camera_, rig, chosen);
   return problem;
 }
 
@@ -334,9 +281,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = problem.poses[i].T_world_camera;
   weigh(problem, chosen, draft);
-  takeCovariances(problem, result, draft, motion);
-  takeOffsetErrors(problem, pair.offset_deviation, draft, motion);
+  const MotionUncertainty uncertainty =
+      takeUncertainties(problem, result, pair.offset_deviation, draft.window);
+  motion.motion_covariance = uncertainty.covariance;
+  motion.motion_offset_error = uncertainty.offset_error;
   motion.pose_covariance = poseCovarianceOf(draft.window.back());
+  motion.T_world_camera = draft.window.back().T_world_camera;
+  motion.T_previous_current =
+      draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
   motion.reasons = judge(motion);
   if (!motion.valid()) return;
 
@@ -353,63 +305,12 @@ void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::siz
     const BundleLandmark& adjusted = problem.landmarks[i];
     const double ratio = adjusted.error / settings_.history.deviation;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + std::pow(ratio, 4)));
-    if (!landmark.hasDepth() && adjusted.information < 4.0 * kMonocularInformation) continue;
+    if (!landmark.hasDepth() && !tellsDepth(adjusted)) continue;
     landmark.inverse_depth = adjusted.inverse_depth;
     landmark.information = adjusted.information;
     landmark.by_late_right = adjusted.by_late_right;
   }
   dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
-}
-
-void VisualTrack::takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
-                                  TrackedMotion& motion) const {
-  const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
-    if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
-    const auto at = [&](std::size_t i) { return 6 * (static_cast<Eigen::Index>(i) - problem.fixed); };
-    return result.covariance.block<6, 6>(at(a), at(b));
-  };
-  std::vector<WindowFrame>& window = draft.window;
-  const std::size_t last = window.size() - 1;
-  const WindowFrame& anchor = window[static_cast<std::size_t>(problem.fixed) - 1];
-  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i <= last; ++i) {
-    window[i].local_covariance = block(i, i);
-    window[i].pose_covariance =
-        composedCovariance(anchor.pose_covariance, anchor.T_world_camera.inverse() * window[i].T_world_camera,
-                           kSharedError * block(i, i));
-  }
-  motion.T_world_camera = window[last].T_world_camera;
-  motion.T_previous_current = window[last - 1].T_world_camera.inverse() * motion.T_world_camera;
-  // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
-  const Matrix6d carried = adjoint(motion.T_previous_current.inverse());
-  motion.motion_covariance =
-      kMotionShare *
-      (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
-       carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
-}
-
-/// What the uncertainty of the offset makes of motion and poses. It is one and the same error for as long as
-/// the cameras' clocks keep it: in a pose it adds up with its sign. Nobody knows for how long that is; the
-/// same errors, drawn anew for each pair, are counted as well, so that turning left and right does not make
-/// them vanish.
-void VisualTrack::takeOffsetErrors(const BundleProblem& problem, double offset_deviation, Draft& draft,
-                                   TrackedMotion& motion) const {
-  std::vector<WindowFrame>& window = draft.window;
-  const std::size_t anchor = static_cast<std::size_t>(problem.fixed) - 1;
-  const std::size_t last = window.size() - 1;
-  const auto error_of_way = [&](std::size_t from, std::size_t to) -> Vector6d {
-    const Eigen::Isometry3d way = window[from].T_world_camera.inverse() * window[to].T_world_camera;
-    return offset_deviation *
-           (window[to].by_late_right - adjoint(way.inverse()) * window[from].by_late_right);
-  };
-  for (std::size_t i = anchor + 1; i <= last; ++i) {
-    window[i].by_late_right = problem.poses[i].by_late_right;
-    const Eigen::Isometry3d way = window[anchor].T_world_camera.inverse() * window[i].T_world_camera;
-    const Vector6d error = error_of_way(anchor, i);
-    window[i].offset_error = adjoint(way.inverse()) * window[anchor].offset_error + error;
-    window[i].pose_covariance += error * error.transpose();
-  }
-  motion.motion_offset_error = error_of_way(last - 1, last);
-  motion.motion_covariance += motion.motion_offset_error * motion.motion_offset_error.transpose();
 }
 
 OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {

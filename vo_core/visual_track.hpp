@@ -73,10 +73,6 @@ class VisualTrack {
                               std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
-  void takeCovariances(const BundleProblem& problem, const BundleResult& result, Draft& draft,
-                       TrackedMotion& motion) const;
-  void takeOffsetErrors(const BundleProblem& problem, double offset_deviation, Draft& draft,
-                        TrackedMotion& motion) const;
   OdometryReason judge(const TrackedMotion& motion) const;
   RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied) const;
   void learn(const BundleResult& result, const Draft& draft, const RigCorrection& applied);

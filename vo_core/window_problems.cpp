@@ -1,0 +1,80 @@
+// Landmarks and poses in the terms of pose search and bundle adjustment.
+#include "vo_core/window_problems.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace cartvo {
+namespace {
+
+constexpr double kMonocularInverseDepth = 0.03;  // 1/m, what is expected of a landmark without a stereo match
+constexpr double kMonocularDeviation = 0.1;      // 1/m
+constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocularDeviation);
+
+}  // namespace
+
+std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
+  std::vector<TimedPose> poses;
+  for (const WindowFrame& frame : window)
+    poses.push_back({1e-9 * static_cast<double>(frame.exposure_ns - window.front().exposure_ns), frame.offset,
+                     frame.T_world_camera, frame.by_late_right});
+  return poses;
+}
+
+std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
+                                  const std::vector<WindowFrame>& window, const StereoCamera& camera,
+                                  std::vector<std::size_t>& chosen) {
+  std::vector<PosePoint> points;
+  chosen.clear();
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    if (!landmark.hasDepth()) continue;
+    PosePoint point;
+    point.host = placeOf(window, landmark.host().frame);
+    point.bearing = bearingOf(camera, landmark.host().left);
+    point.inverse_depth = landmark.inverse_depth;
+    point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
+    point.left = landmark.last().left;
+    point.weight = landmark.trust;
+    points.push_back(point);
+    chosen.push_back(i);
+  }
+  return points;
+}
+
+std::vector<BundleLandmark> bundleLandmarks(const std::vector<Landmark>& landmarks,
+                                            const std::vector<WindowFrame>& window,
+                                            const StereoCamera& camera, const RigCorrection& rig,
+                                            std::vector<std::size_t>& chosen) {
+  std::vector<BundleLandmark> items;
+  chosen.clear();
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    if (landmark.sightings.size() < 2) continue;
+    BundleLandmark item;
+    item.bearing = bearingOf(camera, landmark.host().left);
+    item.weight = landmark.trust;
+    item.inverse_depth = landmark.inverse_depth;
+    item.prior_inverse_depth = landmark.prior_inverse_depth;
+    item.prior_information = landmark.prior_information;
+    item.prior_by_late_right = landmark.prior_by_late_right;
+    if (!landmark.hasDepth()) {
+      item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
+      item.prior_information = kMonocularInformation;
+      item.prior_by_late_right = 0.0;
+    }
+    for (const Sighting& sighting : landmark.sightings)
+      if (const int pose = placeOf(window, sighting.frame); pose >= 0)
+        item.sightings.push_back({pose, sighting.left, sighting.stereo,
+                                  correctedRight(camera, rig, sighting.left - sighting.parallax)});
+    items.push_back(std::move(item));
+    chosen.push_back(i);
+  }
+  return items;
+}
+
+bool tellsDepth(const BundleLandmark& adjusted) {
+  return adjusted.information >= 4.0 * kMonocularInformation;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/landmark_tracker.hpp"
+#include "vo_core/pose_search.hpp"
+
+// A window of pairs and its landmarks, as the estimators are asked about them.
+
+namespace cartvo {
+
+/// Times in s since the oldest.
+std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window);
+
+/// The landmarks whose depth is known and whose last sighting is of the current pair; `window` ends before
+/// that one. `chosen`: which landmarks they are.
+std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
+                                  const std::vector<WindowFrame>& window, const StereoCamera& camera,
+                                  std::vector<std::size_t>& chosen);
+
+/// The landmarks seen by more than one pair, their right pixels corrected by `rig`; `window` ends with the
+/// current pair. `chosen`: which landmarks they are.
+std::vector<BundleLandmark> bundleLandmarks(const std::vector<Landmark>& landmarks,
+                                            const std::vector<WindowFrame>& window,
+                                            const StereoCamera& camera, const RigCorrection& rig,
+                                            std::vector<std::size_t>& chosen);
+
+/// Whether an adjusted landmark's depth has come from what was seen, rather than from what is expected of any
+/// landmark.
+bool tellsDepth(const BundleLandmark& adjusted);
+
+}  // namespace cartvo

@@ -1,0 +1,75 @@
+// What adjusted poses err by: each for itself, and all of them by one wrong offset.
+#include "vo_core/window_uncertainty.hpp"
+
+namespace cartvo {
+namespace {
+
+// Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
+// on rendered worlds (docs/accuracy.md).
+constexpr double kSharedError = 8.0;
+// For the same reason a motion errs less than the sum of its two poses' errors.
+constexpr double kMotionShare = 0.85;
+
+/// Returns the motion's covariance.
+Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result,
+                         std::vector<WindowFrame>& window) {
+  const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
+    if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
+    const auto at = [&](std::size_t i) { return 6 * (static_cast<Eigen::Index>(i) - problem.fixed); };
+    return result.covariance.block<6, 6>(at(a), at(b));
+  };
+  const std::size_t last = window.size() - 1;
+  const WindowFrame& anchor = window[static_cast<std::size_t>(problem.fixed) - 1];
+  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i <= last; ++i) {
+    window[i].local_covariance = block(i, i);
+    window[i].pose_covariance =
+        composedCovariance(anchor.pose_covariance, anchor.T_world_camera.inverse() * window[i].T_world_camera,
+                           kSharedError * block(i, i));
+  }
+  // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
+  const Eigen::Isometry3d motion = window[last - 1].T_world_camera.inverse() * window[last].T_world_camera;
+  const Matrix6d carried = adjoint(motion.inverse());
+  return kMotionShare *
+         (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
+          carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
+}
+
+/// What the uncertainty of the offset makes of the poses; returns what it makes of the motion. It is one and
+/// the same error for as long as the cameras' clocks keep it: in a pose it adds up with its sign. Nobody
+/// knows for how long that is; the same errors, drawn anew for each pair, are counted as well, so that
+/// turning left and right does not make them vanish.
+Vector6d takeOffsetErrors(const BundleProblem& problem, double offset_deviation,
+                          std::vector<WindowFrame>& window) {
+  const std::size_t anchor = static_cast<std::size_t>(problem.fixed) - 1;
+  const std::size_t last = window.size() - 1;
+  const auto error_of_way = [&](std::size_t from, std::size_t to) -> Vector6d {
+    const Eigen::Isometry3d way = window[from].T_world_camera.inverse() * window[to].T_world_camera;
+    return offset_deviation *
+           (window[to].by_late_right - adjoint(way.inverse()) * window[from].by_late_right);
+  };
+  for (std::size_t i = anchor + 1; i <= last; ++i) {
+    window[i].by_late_right = problem.poses[i].by_late_right;
+    const Eigen::Isometry3d way = window[anchor].T_world_camera.inverse() * window[i].T_world_camera;
+    const Vector6d error = error_of_way(anchor, i);
+    window[i].offset_error = adjoint(way.inverse()) * window[anchor].offset_error + error;
+    window[i].pose_covariance += error * error.transpose();
+  }
+  return error_of_way(last - 1, last);
+}
+
+}  // namespace
+
+MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result,
+                                    double offset_deviation, std::vector<WindowFrame>& window) {
+  MotionUncertainty motion;
+  motion.covariance = takeCovariances(problem, result, window);
+  motion.offset_error = takeOffsetErrors(problem, offset_deviation, window);
+  motion.covariance += motion.offset_error * motion.offset_error.transpose();
+  return motion;
+}
+
+Matrix6d poseCovarianceOf(const WindowFrame& frame) {
+  return frame.pose_covariance + frame.offset_error * frame.offset_error.transpose();
+}
+
+}  // namespace cartvo

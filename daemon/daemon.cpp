@@ -209,6 +209,12 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   for (const std::string& problem : {snapshot.problem, health_.clockProblem(), snapshot.recording}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
+  if (health_.selfCheck().takeChange()) {
+    if (message.self_check.empty())
+      spdlog::info("self-check: the cameras agree with the rig file and their clocks again");
+    else
+      spdlog::warn("self-check: {}", message.self_check);
+  }
   if (publisher_.failures() > reported_failures_) {
     warnings_.warn(
         "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
@@ -233,6 +239,7 @@ void Daemon::Implementation::logCamera(const char* side, const CameraHealth& hea
 
 std::string Daemon::Implementation::statusLine(const health_t& health) const {
   if (!health.problem.empty()) return health.problem;
+  if (!health.self_check.empty()) return health.self_check;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
                      validity_.valid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);

@@ -3,6 +3,7 @@
 #include "daemon/health_monitor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -99,6 +100,21 @@ void setCounts(health_t& message, const PipelineCounts& counts) {
   message.pairs_skipped = static_cast<std::int64_t>(counts.skipped);
 }
 
+void setSelfCheck(health_t& message, const SelfCheck& check) {
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr Checked kNothing{kUnknown, kUnknown};
+  const RigCheck rig = check.rig().value_or(RigCheck{kNothing, kNothing, kNothing, kNothing});
+  message.right_late_ms = static_cast<float>(1e3 * rig.delay.value);
+  message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.deviation);
+  const std::array<Checked, 3> angles{rig.pitch, rig.yaw, rig.roll};
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    message.right_rotation_deg[i] = static_cast<float>(kDegrees * angles[i].value);
+    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegrees * angles[i].deviation);
+  }
+  message.self_check = shortened(check.sentence());
+}
+
 double decodeMilliseconds(const FrameInstants& frame) {
   return static_cast<double>(frame.decoded_ns - frame.arrival_ns) * 1e-6;
 }
@@ -118,6 +134,7 @@ HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(sta
 
 void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
+  self_check_.note(result.estimate.rig);
   if (window_.latency.size() >= kLargestWindow) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
   window_.process.push_back(result.times.total * 1e3);
@@ -169,6 +186,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
   message.memory_mb = megabytesResident();
+  setSelfCheck(message, self_check_);
   clock_problem_ = findClockProblem(now, snapshot);
   message.problem = shortened(clock_problem_.empty() ? firstProblem(snapshot) : clock_problem_);
 

@@ -11,6 +11,7 @@
 
 #include "capture/camera_source.hpp"
 #include "daemon/pipeline.hpp"
+#include "daemon/self_check.hpp"
 
 namespace cartvo {
 
@@ -42,6 +43,8 @@ class HealthMonitor {
   /// so that nothing pairs; else empty.
   const std::string& clockProblem() const { return clock_problem_; }
 
+  SelfCheck& selfCheck() { return self_check_; }
+
  private:
   std::string findClockProblem(Clock::time_point now, const HealthSnapshot& snapshot);
 
@@ -58,6 +61,7 @@ class HealthMonitor {
   std::uint64_t last_left_frames_ = 0;
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
+  SelfCheck self_check_;
   std::optional<Clock::time_point> clocks_differ_since_;
   std::string clock_problem_;
 };

@@ -131,6 +131,7 @@ OdometryEstimate ReprojectionOdometry::estimateOf(const PreparedPair& pair,
   if (track_) {
     estimate.T_world_camera = track_->pose();
     estimate.pose_covariance = track_->poseCovariance();
+    estimate.rig = track_->rigCheck();
   }
   if (!estimate.valid) return estimate;
   estimate.time_step = motion.time_step;

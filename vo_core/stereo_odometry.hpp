@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <opencv2/core/mat.hpp>
 
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/rig_check.hpp"
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/stereo_camera.hpp"
@@ -74,6 +76,7 @@ struct OdometryEstimate {
       Eigen::Isometry3d::Identity();  ///< pose; world: the camera where the epoch began
   Matrix6d pose_covariance = Matrix6d::Zero();
   FeatureCounts counts;
+  std::optional<RigCheck> rig;  ///< nothing where it is not watched
 };
 
 class OdometryMethod;

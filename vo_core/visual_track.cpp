@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/pitch_search.hpp"
 #include "vo_core/plausible_motion.hpp"
 #include "vo_core/window_problems.hpp"
 #include "vo_core/window_uncertainty.hpp"
@@ -14,8 +15,8 @@ namespace {
 constexpr double kUnknownSpeed = 3.0;                   // m/s that the cart may have at the first pair
 constexpr double kNoiseMemory = 0.9;                    // of the noise's running estimate, from pair to pair
 constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
-constexpr double kTellingWay = 0.5;                     // m driven within the window, for the rig to show
-constexpr double kNoticeable = 0.02;  // px that a change of the rig's correction moves points
+constexpr double kNoticeable = 0.02;         // px that a change of the rig's correction moves points
+constexpr int kPairsBetweenSuspicions = 20;  // that the right camera was bumped
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
@@ -33,6 +34,12 @@ WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
   if (model == OffsetModel::image_velocity) frame.image_offset = offset;
   frame.left.grey = pair.left.grey;
   return frame;
+}
+
+/// How far two corrections are apart, in units of normalised coordinates.
+double differenceOf(const RigCorrection& a, const RigCorrection& b) {
+  return std::abs(a.yaw - b.yaw) + std::abs(a.bend - b.bend) + std::abs(a.pitch - b.pitch) +
+         std::abs(a.roll - b.roll);
 }
 
 void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
@@ -88,6 +95,11 @@ Matrix6d VisualTrack::poseCovariance() const {
 
 RigCorrection VisualTrack::rigCorrection() const {
   return settings_.rig_refinement == RigRefinement::correct ? rig_.correction() : RigCorrection{};
+}
+
+std::optional<RigCheck> VisualTrack::rigCheck() const {
+  if (settings_.rig_refinement == RigRefinement::off) return std::nullopt;
+  return rig_.check(rigCorrection());
 }
 
 double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
@@ -230,12 +242,17 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
 }
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
-                              std::vector<Landmark>& landmarks) const {
+                              std::vector<Landmark>& landmarks) {
   const std::vector<TimedPose> poses = timedPoses(window);
   const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, camera_.baseline);
   const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
   const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * T_world_camera;
-  tracker_.matchStereo(landmarks, window, pair.left, pair.right, T_right_left, T_world_camera);
+  const auto match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
+    const Eigen::Isometry3d turned(rig.expectedRotation().transpose());
+    tracker_.matchStereo(wanted, window, pair.left, pair.right, turned * T_right_left, T_world_camera);
+  };
+  match(landmarks, rig_);
+  if (suspectPitch(landmarks, match)) match(landmarks, rig_);
 
   const RigCorrection rig = rigCorrection();
   for (Landmark& landmark : landmarks) {
@@ -244,6 +261,26 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     giveDepth(landmark, camera_, T_right_left, correctedRight(camera_, rig, host.left - host.parallax),
               noise_);
   }
+}
+
+/// Where hardly a match is found, looks whether the right camera has been bumped. If so, what is known of the
+/// rig says so, and the matches, which are by chance, are undone.
+bool VisualTrack::suspectPitch(std::vector<Landmark>& landmarks, const MatchBy& match) {
+  if (pairs_until_suspicion_ > 0) --pairs_until_suspicion_;
+  if (settings_.rig_refinement == RigRefinement::off || pairs_until_suspicion_ > 0 ||
+      !hardlyMatched(landmarks))
+    return false;
+  pairs_until_suspicion_ = kPairsBetweenSuspicions;
+  const auto pitch = findPitch(landmarks, camera_.focal_length, [&](std::vector<Landmark>& tried, double by) {
+    RigMonitor bumped = rig_;
+    bumped.suspectPitch(by);
+    match(tried, bumped);
+  });
+  if (!pitch) return false;
+  rig_.suspectPitch(*pitch);
+  for (Landmark& landmark : landmarks)
+    landmark.sightings.back().stereo = false;
+  return true;
 }
 
 BundleProblem VisualTrack::bundleProblem(const Draft& draft, const RigCorrection& rig,
@@ -266,9 +303,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
   if (result.converged && settings_.rig_refinement == RigRefinement::correct) {
-    const RigCorrection better = rigAfter(result, draft, rig).correction();
-    if (kNoticeable <
-        camera_.focal_length * (std::abs(better.yaw - rig.yaw) + std::abs(better.bend - rig.bend))) {
+    const RigCorrection better = rigAfter(problem, result, draft, rig).correction();
+    if (kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
       rig = better;
       problem = bundleProblem(draft, rig, chosen);
       result = adjustBundle(problem, settings_.bundle);
@@ -293,7 +329,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid()) return;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  learn(result, draft, rig);
+  learn(problem, result, draft, rig);
   accept(pair, draft);
 }
 
@@ -323,25 +359,26 @@ OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
 }
 
 /// What is known of the rig once a pair's residuals, with `applied` corrected, are taken in.
-RigMonitor VisualTrack::rigAfter(const BundleResult& result, const Draft& draft,
-                                 const RigCorrection& applied) const {
+RigMonitor VisualTrack::rigAfter(const BundleProblem& adjusted, const BundleResult& result,
+                                 const Draft& draft, const RigCorrection& applied) const {
   RigMonitor rig = rig_;
-  // Standing teaches nothing of the rig: what is measured is then its noise.
+  if (settings_.rig_refinement == RigRefinement::off) return rig;
   const Eigen::Isometry3d way =
       draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
-  if (settings_.rig_refinement != RigRefinement::off && way.translation().norm() > kTellingWay)
-    rig.add(result.rig_information, result.rig_gradient, applied);
+  const double time_step = seconds(draft.window.back().exposure_ns - window_.back().exposure_ns);
+  rig.add(adjusted, result, applied, way.translation().norm(), time_step);
   return rig;
 }
 
 /// What the residuals tell of the images' noise and of the rig.
-void VisualTrack::learn(const BundleResult& result, const Draft& draft, const RigCorrection& applied) {
+void VisualTrack::learn(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
+                        const RigCorrection& applied) {
   const auto adapt = [](double noise, double scale) {
     return std::clamp(noise * (kNoiseMemory + (1.0 - kNoiseMemory) * scale), kLeastNoise, kMostNoise);
   };
   noise_.pixel = adapt(noise_.pixel, result.pixel_scale);
   noise_.disparity = adapt(noise_.disparity, result.disparity_scale);
-  rig_ = rigAfter(result, draft, applied);
+  rig_ = rigAfter(adjusted, result, draft, applied);
 }
 
 }  // namespace cartvo

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -53,6 +54,7 @@ class VisualTrack {
   std::int64_t lastExposure() const { return last_exposure_ns_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   const RigMonitor& rig() const { return rig_; }
+  std::optional<RigCheck> rigCheck() const;  ///< nothing where the rig is not watched
 
  private:
   /// What a pair would become in the window, before it is accepted.
@@ -61,6 +63,9 @@ class VisualTrack {
     std::vector<WindowFrame> window;  ///< the pair is the last
   };
 
+  /// Matches landmarks with a right camera that is turned as a monitor says.
+  using MatchBy = std::function<void(std::vector<Landmark>& landmarks, const RigMonitor& rig)>;
+
   RigCorrection rigCorrection() const;
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
@@ -68,14 +73,17 @@ class VisualTrack {
   PoseProblem poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
                           std::vector<std::size_t>& chosen) const;
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
-                   std::vector<Landmark>& landmarks) const;
+                   std::vector<Landmark>& landmarks);
+  bool suspectPitch(std::vector<Landmark>& landmarks, const MatchBy& match);
   BundleProblem bundleProblem(const Draft& draft, const RigCorrection& rig,
                               std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
   OdometryReason judge(const TrackedMotion& motion) const;
-  RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied) const;
-  void learn(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
+  RigMonitor rigAfter(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
+                      const RigCorrection& applied) const;
+  void learn(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
+             const RigCorrection& applied);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);
@@ -86,6 +94,7 @@ class VisualTrack {
   SubsetRandom random_;
   BundleNoise noise_;
   RigMonitor rig_;
+  int pairs_until_suspicion_ = 0;
   StandstillDetector standstill_;
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand

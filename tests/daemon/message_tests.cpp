@@ -223,13 +223,31 @@ TEST(HealthMessage, SaysThatNothingPairsWhereOnlyOneCameraSendsSenderReports) {
   EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(12), one_sided).problem, "") << "counted anew";
 }
 
+TEST(HealthMessage, SaysWhatDrivingHasShownOfTheCameras) {
+  HealthMonitor monitor{{}};
+  EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).right_late_ms)) << "not known yet";
+  PairResult result = validResult();
+  result.estimate.rig = RigCheck{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
+  monitor.add(result, odometryMessage(result));
+  const health_t health = monitor.summarise({}, snapshot(1));
+  EXPECT_FLOAT_EQ(health.right_late_ms, 3.0F);
+  EXPECT_FLOAT_EQ(health.right_late_deviation_ms, 0.1F);
+  EXPECT_NEAR(health.right_rotation_deg[2], 0.573, 0.001);
+  EXPECT_FLOAT_EQ(health.right_rotation_deg[0], 0.0F);
+  EXPECT_THAT(health.self_check, testing::HasSubstr("3.0 ± 0.1 ms later"));
+}
+
 TEST(HealthMessage, FitsIntoOneEthernetFrameWithTheLongestTexts) {
   HealthMonitor monitor{{}};
   HealthSnapshot long_texts = snapshot(1);
   long_texts.left.last_error = long_texts.right.last_error = long_texts.problem =
       std::string(199, 'x') + "\u00e4\u00f6";
+  PairResult all_wrong = validResult();
+  all_wrong.estimate.rig = RigCheck{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
+  monitor.add(all_wrong, odometryMessage(all_wrong));
   const health_t health = monitor.summarise({}, long_texts);
   EXPECT_EQ(health.problem, std::string(199, 'x')) << "no half of a character";
+  EXPECT_GE(health.self_check.size(), 199U);
   EXPECT_LE(health.getEncodedSize(), kEthernetFrame);
 }
 

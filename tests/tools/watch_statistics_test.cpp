@@ -84,5 +84,14 @@ TEST(WatchStatistics, LeaveOutInvalidMessages) {
   EXPECT_NE(summaryText(statistics.summarise()).find("no pair of frames came"), std::string::npos);
 }
 
+TEST(Watch, SaysWhatToMend) {
+  health_t health{};
+  EXPECT_EQ(adviceText(health), "");
+  health.self_check = "calibrate anew";
+  EXPECT_EQ(adviceText(health), "self-check: calibrate anew");
+  health.problem = "left camera: refused";
+  EXPECT_EQ(adviceText(health), "problem: left camera: refused\nself-check: calibrate anew");
+}
+
 }  // namespace
 }  // namespace cartvo

@@ -37,6 +37,14 @@ inline bool inView(const Eigen::Vector2d& pixel) {
          pixel.y() < kRigCamera.height;
 }
 
+/// Where a right camera that is off its calibration sees what one that is not would see at `pixel`.
+inline Eigen::Vector2d asSeenBy(const RigCorrection& rig, const Eigen::Vector2d& pixel) {
+  Eigen::Vector2d seen = pixel;
+  for (int i = 0; i < 5; ++i)  // the inverse of the correction, by iteration
+    seen += pixel - correctedRight(kRigCamera, rig, seen);
+  return seen;
+}
+
 /// What a window of pairs sees of a static world.
 struct LandmarkScene {
   int frames = 7;
@@ -46,11 +54,13 @@ struct LandmarkScene {
   double noise = 0.0;              ///< in units of what the problem assumes
   double wrong_disparities = 0.0;  ///< share of the stereo matches that are somewhere else
   RigCorrection rig{};             ///< what the calibration is off by
+  double delay = 0.0;              ///< s, by which right cameras are exposed later than `offset` says
 };
 
 /// A problem whose start is the truth.
 inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
   Noise random(seed);
+  Noise random_rows(seed + 1'000'000);
   BundleProblem problem;
   problem.camera = kRigCamera;
   problem.fixed = scene.frames - scene.free_frames;
@@ -61,11 +71,12 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
     const bool is_host = landmark.sightings.empty();
     const TimedPose& pose = problem.poses[frame];
     const Eigen::Vector3d in_left = pose.T_world_camera.inverse() * world;
-    const Eigen::Vector3d in_right = rightOf(steadyDrive(pose.time + pose.offset)).inverse() * world;
+    const Eigen::Vector3d in_right =
+        rightOf(steadyDrive(pose.time + pose.offset + scene.delay)).inverse() * world;
     if (in_left.z() < 0.5 || in_right.z() < 0.5 || !inView(project(kRigCamera, in_left))) return;
     const Eigen::Vector2d left = project(kRigCamera, in_left);
-    const RigCorrection wrong{-scene.rig.yaw, -scene.rig.bend};
-    const double disparity = left.x() - correctedRight(kRigCamera, wrong, project(kRigCamera, in_right)).x();
+    const Eigen::Vector2d right = asSeenBy(scene.rig, project(kRigCamera, in_right));
+    const double disparity = left.x() - right.x();
     const double deviation = problem.noise.disparity + problem.noise.stretch * std::abs(disparity);
 
     BundleSighting sighting;
@@ -77,7 +88,8 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
     double measured = disparity + scene.noise * deviation * random.gaussian();
     if (random.uniform() < scene.wrong_disparities) measured += 5.0 + 30.0 * random.uniform();
     sighting.stereo = true;
-    sighting.right = sighting.left - Eigen::Vector2d(measured, 0.0);
+    const double rows = left.y() - right.y() + scene.noise * problem.noise.pixel * random_rows.gaussian();
+    sighting.right = sighting.left - Eigen::Vector2d(measured, rows);
     landmark.sightings.push_back(sighting);
   };
 

@@ -182,21 +182,25 @@ TEST_F(VisualTrackTest, WhatPassesAStandingCartHidesLandmarksButDoesNotLoseThem)
 
 TEST_F(VisualTrackTest, HandsOnWhatItKnowsOfTheRig) {
   RigMonitor known;
-  known.add(1e9 * RigCorrection::Matrix::Identity(), RigCorrection::Vector(1e6, 0.0), {});
-  OdometrySettings settings = smallSettings();
-  VisualTrack track(kCamera, settings, prepared(drivePair(0), 0), known, observer_);
-  EXPECT_EQ(track.rig().estimate(), known.estimate());
-  show(track, drivePair(1), 1);
-  EXPECT_EQ(track.rig().estimate(), known.estimate()) << "15 cm tell nothing of it";
-  for (int i = 2; i < 7; ++i)
-    show(track, drivePair(i), i);
-  EXPECT_NE(track.rig().estimate(), known.estimate());
-
-  settings.rig_refinement = RigRefinement::off;
-  VisualTrack another(kCamera, settings, prepared(drivePair(0), 0), known, observer_);
+  known.suspectPitch(1e-3);
+  const auto pitch_of = [](const VisualTrack& track) { return track.rigCheck().value().pitch.value; };
+  const VisualTrack track(kCamera, smallSettings(), prepared(drivePair(0), 0), known, observer_);
+  EXPECT_EQ(pitch_of(track), 1e-3);
+  VisualTrack driven = begin();
   for (int i = 1; i < 7; ++i)
-    show(another, drivePair(i), i);
-  EXPECT_EQ(another.rig().estimate(), known.estimate());
+    show(driven, drivePair(i), i);
+  const VisualTrack successor(kCamera, smallSettings(), prepared(drivePair(6), 6), driven.rig(), observer_);
+  EXPECT_NE(pitch_of(driven), 0.0);
+  EXPECT_EQ(pitch_of(successor), pitch_of(driven));
+}
+
+TEST_F(VisualTrackTest, TellsNothingOfARigThatIsNotWatched) {
+  OdometrySettings settings = smallSettings();
+  settings.rig_refinement = RigRefinement::off;
+  VisualTrack track = begin(settings);
+  for (int i = 1; i < 7; ++i)
+    show(track, drivePair(i), i);
+  EXPECT_FALSE(track.rigCheck().has_value());
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ ReplayedPair kept(const PairResult& result, const LeftCameraView& left, Unbroken
   pair.T_previous_current = left.of(estimate.T_previous_current);
   pair.motion_covariance = left.of(estimate.motion_covariance);
   pair.times = result.times;
+  pair.rig = estimate.rig;
   return pair;
 }
 

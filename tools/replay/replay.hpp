@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct ReplayedPair {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
   StageTimes times;
+  std::optional<RigCheck> rig;
 };
 
 /// A source as the pipeline saw it. Where the pose began anew after a loss, the new epoch goes on from the

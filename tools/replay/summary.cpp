@@ -108,6 +108,22 @@ Json timesJson(const Replay& replay) {
   return json;
 }
 
+/// As of the last pair that tells of it; null if none does.
+Json selfCheckJson(const Replay& replay) {
+  const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
+                                 [](const ReplayedPair& pair) { return pair.rig.has_value(); });
+  if (last == replay.pairs.rend()) return nullptr;
+  const RigCheck& rig = *last->rig;
+  const auto scaled = [](const Checked& checked, double unit) -> Json {
+    return {{"value", checked.value * unit}, {"deviation", checked.deviation * unit}};
+  };
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  return {{"right_late_ms", scaled(rig.delay, 1e3)},
+          {"right_pitch_deg", scaled(rig.pitch, kDegrees)},
+          {"right_yaw_deg", scaled(rig.yaw, kDegrees)},
+          {"right_roll_deg", scaled(rig.roll, kDegrees)}};
+}
+
 }  // namespace
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
@@ -120,6 +136,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
                  {"image_size", {rig.left.size.width, rig.left.size.height}},
                  {"baseline_m", rig.baseline()}};
   json["estimator"] = estimatorName(settings.odometry.estimator);
+  json["online_rig_refinement"] = rigRefinementName(settings.odometry.rig_refinement);
   json["features"] = settings.odometry.features;
   json["seed"] = settings.odometry.seed;
   json.update(pairsJson(replay));
@@ -128,6 +145,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["duration_s"] =
       1e-9 * static_cast<double>(replay.pairs.back().exposure_ns - replay.pairs.front().exposure_ns);
   json["path_length_m"] = distancesAlong(leftCameraTrajectory(replay)).back();
+  json["self_check"] = selfCheckJson(replay);
   json["time_ms"] = timesJson(replay);
   json["versions"] = {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}};
   return json;

@@ -50,7 +50,17 @@ class LiveLine {
     std::fflush(stdout);
   }
 
+  /// A line of its own, where it is another than the last one.
+  void say(const std::string& text) {
+    if (text == said_) return;
+    said_ = text;
+    if (over_itself_ && drawn_) std::puts("");
+    std::printf("%s\n", text.empty() ? "nothing to mend any more" : text.c_str());
+    std::fflush(stdout);
+  }
+
  private:
+  std::string said_;
   bool over_itself_;
   bool drawn_ = false;
   Clock::time_point last_;
@@ -61,6 +71,7 @@ class Listener {
  public:
   explicit Listener(lcm::LCM& lcm) : lcm_(lcm) {
     lcm.subscribe(kOdometryChannel, &Listener::onMessage, this)->setQueueCapacity(kQueue);
+    lcm.subscribe(kHealthChannel, &Listener::onHealth, this)->setQueueCapacity(kQueue);
   }
 
   /// Waits up to 50 ms; true if a message came.
@@ -70,6 +81,8 @@ class Listener {
     return received_;
   }
   const odometry_t& last() const { return last_; }
+  /// What the daemon says should be mended; empty if all is well.
+  const std::string& advice() const { return advice_; }
 
  private:
   void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
@@ -78,7 +91,13 @@ class Listener {
     received_ = true;
   }
 
+  void onHealth(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
+                const health_t* message) {
+    advice_ = adviceText(*message);
+  }
+
   lcm::LCM& lcm_;
+  std::string advice_;
   odometry_t last_{};
   bool received_ = false;
 };
@@ -127,6 +146,7 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
       line.draw(message, statistics);
     }
+    line.say(listener.advice());
     if (!heard && secondsSince(first) > settings.first_message) failUnheard(settings);
     if (heard && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;
     if (statistics.hasPairs() && settings.until_silent > 0.0 &&
@@ -135,6 +155,13 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
   }
   if (!heard) failUnheard(settings);
   return statistics;
+}
+
+std::string adviceText(const health_t& message) {
+  std::string text;
+  if (!message.problem.empty()) text = "problem: " + message.problem;
+  if (!message.self_check.empty()) text += (text.empty() ? "" : "\n") + ("self-check: " + message.self_check);
+  return text;
 }
 
 std::string liveLine(const odometry_t& message, double frame_rate) {

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include <cartvo/health_t.hpp>
+
 #include "tools/watch/odometry_statistics.hpp"
 
 namespace cartvo {
@@ -22,6 +24,9 @@ OdometryStatistics watchOdometry(const WatchSettings& settings);
 /// The live line: "18.0 fps  latency 7.9 ms  speed 3.21 m/s  yaw -2.1 deg/s  features 987  offset +0.4 ms
 /// valid".
 std::string liveLine(const odometry_t& message, double frame_rate);
+
+/// What the daemon says should be mended, a line for each; empty if all is well.
+std::string adviceText(const health_t& message);
 
 /// The summary for people, some lines.
 std::string summaryText(const OdometrySummary& summary);

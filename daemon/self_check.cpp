@@ -1,0 +1,67 @@
+// Alarms that a user can act on.
+
+#include "daemon/self_check.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace cartvo {
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
+constexpr double kTellingDelay = 1e-3;                     // s
+constexpr double kTellingAngle = 0.1 / kDegreesPerRadian;  // rad
+constexpr double kBeyondDoubt = 3.0;                       // standard deviations
+constexpr double kStillWrong = 0.7;                        // of what is telling, once it was told
+
+/// In the order in which they are told: the delay, then the angles.
+std::array<Checked, 4> listOf(const RigCheck& rig) {
+  return {rig.delay, rig.pitch, rig.yaw, rig.roll};
+}
+constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
+
+std::string delaySentence(const Checked& delay) {
+  return fmt::format(
+      "the right camera is exposed {:.1f} ± {:.1f} ms {} than its stamps say: check both cameras' clocks",
+      1e3 * std::abs(delay.value), 1e3 * delay.deviation, delay.value > 0.0 ? "later" : "earlier");
+}
+
+}  // namespace
+
+void SelfCheck::note(const std::optional<RigCheck>& rig) {
+  if (!rig) return;
+  rig_ = rig;
+  const auto list = listOf(*rig);
+  for (std::size_t i = 0; i < kTold; ++i) {
+    const double size = std::abs(list[i].value);
+    const double telling = i == 0 ? kTellingDelay : kTellingAngle;
+    const bool appears = size > telling && size > kBeyondDoubt * list[i].deviation;
+    const bool is_wrong = wrong_[i] ? size > kStillWrong * telling : appears;
+    changed_ = changed_ || is_wrong != wrong_[i];
+    wrong_[i] = is_wrong;
+  }
+}
+
+std::string SelfCheck::sentence() const {
+  if (!rig_) return {};
+  const auto list = listOf(*rig_);
+  std::string text = wrong_[0] ? delaySentence(list[0]) : std::string();
+  std::string angles;
+  for (std::size_t i = 1; i < kTold; ++i)
+    if (wrong_[i])
+      angles +=
+          fmt::format("{}{:+.2f} ± {:.2f} deg in {}", angles.empty() ? "" : ", ",
+                      kDegreesPerRadian * list[i].value, kDegreesPerRadian * list[i].deviation, kNames[i]);
+  if (angles.empty()) return text;
+  if (!text.empty()) text += "; ";
+  return text + "the right camera is turned by " + angles + " against the rig file: calibrate anew";
+}
+
+bool SelfCheck::takeChange() {
+  const bool changed = changed_;
+  changed_ = false;
+  return changed;
+}
+
+}  // namespace cartvo

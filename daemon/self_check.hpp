@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "vo_core/rig_check.hpp"
+
+namespace cartvo {
+
+/// Says in a plain sentence what driving has shown to be wrong between the two cameras: once it is beyond
+/// doubt and large enough to matter, and until it is clearly less. One thread.
+class SelfCheck {
+ public:
+  /// What the last pair told; nothing leaves it as it was.
+  void note(const std::optional<RigCheck>& rig);
+
+  /// What to mend, for each thing that is wrong; empty if all is well. With the numbers of now.
+  std::string sentence() const;
+
+  /// True once for each change of what is wrong.
+  bool takeChange();
+
+  const std::optional<RigCheck>& rig() const { return rig_; }
+
+ private:
+  static constexpr std::size_t kTold = 4;  ///< delay, pitch, yaw, roll
+
+  std::optional<RigCheck> rig_;
+  std::array<bool, kTold> wrong_{};
+  bool changed_ = false;
+};
+
+}  // namespace cartvo

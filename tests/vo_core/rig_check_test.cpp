@@ -1,0 +1,113 @@
+// What driving tells of a right camera that is turned or late: images in, errors out.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/corridor_world.hpp"
+#include "vo_core/rig_correction.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+namespace {
+
+const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+constexpr double kPeriod = 0.05;  // s
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kTolerance = 0.03 * kDegree;
+constexpr int kPairs = 16;
+
+/// 3 m/s, swinging from side to side and nodding.
+Eigen::Isometry3d drive(double time) {
+  Vector6d vector;
+  vector << 0.0, 0.02 * std::sin(6.0 * time), 3.0 * time, 0.02 * std::sin(8.0 * time),
+      0.1 * std::sin(3.0 * time), 0.0;
+  return motionFromVector(vector);
+}
+
+/// What the left camera sees, rendered once.
+const cv::Mat& leftImage(const test::CorridorWorld& world, int i) {
+  static const std::vector<cv::Mat> images = [&world] {
+    std::vector<cv::Mat> rendered;
+    for (int frame = 0; frame < kPairs; ++frame)
+      rendered.push_back(world.view(kCamera, drive(frame * kPeriod)));
+    return rendered;
+  }();
+  return images[i];
+}
+
+struct Driven {
+  RigCheck check;
+  double path = 0.0;  ///< m, of what was estimated
+};
+
+/// With a right camera that is turned by `turned` and exposed `late` s later than it says.
+Driven driven(const RigCorrection& turned, double late, RigRefinement refinement) {
+  const test::CorridorWorld world(1);
+  OdometrySettings settings;
+  settings.features = 400;
+  settings.rig_refinement = refinement;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  Driven result;
+  for (int i = 0; i < kPairs; ++i) {
+    const double time = i * kPeriod;
+    Eigen::Isometry3d right = drive(time + late) * Eigen::Translation3d(kCamera.baseline, 0.0, 0.0);
+    right.rotate(turned.rotation());
+    const std::int64_t stamp = std::llround(1e9 * time);
+    const OdometryEstimate estimate =
+        odometry.process({leftImage(world, i), world.view(kCamera, right), stamp, stamp}, observer);
+    EXPECT_TRUE(estimate.rig.has_value());
+    result.check = estimate.rig.value_or(RigCheck{});
+    result.path += estimate.T_previous_current.translation().norm();
+  }
+  return result;
+}
+
+constexpr double kTruePath = 3.0 * kPeriod * (kPairs - 1);  // m, without the swing
+
+TEST(RigCheck, FindsAndCorrectsARightCameraThatIsTurned) {
+  const RigCorrection turned{.pitch = 0.3 * kDegree, .roll = -0.3 * kDegree};
+  const Driven result = driven(turned, 0.0, RigRefinement::correct);
+  EXPECT_NEAR(result.check.pitch.value, turned.pitch, kTolerance);
+  EXPECT_NEAR(result.check.roll.value, turned.roll, kTolerance);
+  EXPECT_NEAR(result.check.yaw.value, 0.0, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
+}
+
+TEST(RigCheck, FindsAPitchThatHidesNearlyAllMatches) {
+  // 0.5 degrees: 2.3 px, farther than rows are searched.
+  const Driven result = driven({.pitch = -0.5 * kDegree}, 0.0, RigRefinement::correct);
+  EXPECT_NEAR(result.check.pitch.value, -0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
+}
+
+TEST(RigCheck, FindsMostOfAYawWithinThreeMetres) {
+  const double yaw = -0.3 * kDegree;
+  const RigCheck check = driven({.yaw = yaw}, 0.0, RigRefinement::correct).check;
+  EXPECT_LT(check.yaw.value, 0.6 * yaw);
+  EXPECT_GT(check.yaw.value, 1.1 * yaw);
+}
+
+TEST(RigCheck, FindsARollWhereItOnlyWatches) {
+  const RigCheck check = driven({.roll = 0.3 * kDegree}, 0.0, RigRefinement::monitor).check;
+  EXPECT_NEAR(check.roll.value, 0.3 * kDegree, kTolerance);
+}
+
+TEST(RigCheck, FindsARightCameraThatIsLateOrEarly) {
+  for (const double late : {-0.003, 0.003}) {
+    const RigCheck check = driven({}, late, RigRefinement::correct).check;
+    EXPECT_NEAR(check.delay.value, late, 0.001);
+    EXPECT_LT(check.delay.deviation, 0.001);
+  }
+}
+
+TEST(RigCheck, FindsNothingWrongWithARigInOrder) {
+  const RigCheck check = driven({}, 0.0, RigRefinement::correct).check;
+  for (const Checked& angle : {check.pitch, check.yaw, check.roll})
+    EXPECT_LT(std::abs(angle.value), kTolerance);
+  EXPECT_LT(std::abs(check.delay.value), 0.5e-3);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "vo_core/rig_correction.hpp"
+#include "vo_core/row_evidence.hpp"
+
+namespace cartvo {
+
+/// Gathers, pair by pair, what the rows tell of the right camera, and forgets within some seconds: a bumped
+/// camera is seen while it matters.
+class RowMonitor {
+ public:
+  RowMonitor();
+
+  /// `evidence`: of one pair, whose right pixels had been corrected by `applied`. `time_step`: s since the
+  /// pair before.
+  void add(const RowEvidence& evidence, const RigCorrection& applied, double time_step);
+
+  /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
+  void suspectPitch(double pitch);
+
+  const RowErrors::Vector& estimate() const { return estimate_; }
+  /// Standard deviation, by the matches' noise and by what a calibration leaves over in the rows.
+  RowErrors::Vector deviation() const;
+
+  /// Pitch and roll, where they are beyond doubt and more than any calibration leaves over, within bounds.
+  RigCorrection correction() const;
+
+  /// Pitch and roll, beyond doubt or not: where matches are looked for.
+  RigCorrection expected() const;
+
+ private:
+  RigCorrection beyond(const RowErrors::Vector& dead) const;
+
+  RowErrors::Vector estimate_ = RowErrors::Vector::Zero();
+  RowErrors::Matrix information_;
+  RowErrors::Matrix leverage_ = RowErrors::Matrix::Zero();  ///< sum over pairs, as RowEvidence's
+  double pairs_ = 0.0;                                      ///< in that sum
+};
+
+}  // namespace cartvo

@@ -25,9 +25,9 @@ constexpr double kShare = 0.1;
 // not average out, however many pairs there are. KITTI's rows would not have a delay of 0.4 ms without it.
 constexpr double kUnmodelled = 0.03;
 // What is less is not corrected: as likely the lens's as the rotation's, and of no consequence.
-constexpr double kDead = 5e-4;        // rad
-constexpr double kBeyondDoubt = 3.0;  // standard deviations
-constexpr double kMost = 1e-2;        // rad; what is worse wants a calibration
+constexpr double kDead = 5e-4;                       // rad
+constexpr double kLikely = 2.0, kBeyondDoubt = 3.0;  // standard deviations
+constexpr double kMost = 1e-2;                       // rad; what is worse wants a calibration
 
 Matrix informationOf(const Vector& deviations) {
   return deviations.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -59,9 +59,12 @@ void RowMonitor::suspectPitch(double pitch) {
 }
 
 Vector RowMonitor::deviation() const {
-  const Matrix mean = leverage_ / std::max(pairs_, 1.0);
-  const Matrix systematic = (mean / (kUnmodelled * kUnmodelled) + informationOf(kPrior)).inverse();
-  return (information_.inverse() + systematic).diagonal().cwiseSqrt();
+  Matrix covariance = information_.inverse();
+  if (pairs_ > 0.0) {
+    const Matrix mean = leverage_ / pairs_;
+    covariance += (mean / (kUnmodelled * kUnmodelled) + informationOf(kPrior)).inverse();
+  }
+  return covariance.diagonal().cwiseSqrt();
 }
 
 RigCorrection RowMonitor::beyond(const Vector& dead) const {
@@ -72,7 +75,7 @@ RigCorrection RowMonitor::beyond(const Vector& dead) const {
 }
 
 RigCorrection RowMonitor::expected() const {
-  return beyond(Vector::Constant(kDead));
+  return beyond((kLikely * deviation()).cwiseMax(kDead));
 }
 
 RigCorrection RowMonitor::correction() const {

@@ -25,7 +25,7 @@ class RowMonitor {
   /// Pitch and roll, where they are beyond doubt and more than any calibration leaves over, within bounds.
   RigCorrection correction() const;
 
-  /// Pitch and roll, beyond doubt or not: where matches are looked for.
+  /// The same where they are likely but not beyond doubt: where matches are looked for.
   RigCorrection expected() const;
 
  private:

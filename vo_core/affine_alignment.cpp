@@ -42,6 +42,14 @@ struct Ramp {
 };
 constexpr Ramp kRamp;
 constexpr Patch<kSide, 1> kMask = Values::mask();
+struct Inner {
+  Patch<kSide, 1> one{};
+  constexpr Inner() {
+    for (int x = 1; x < kSide - 1; ++x)
+      one.value[x] = 1.0F;
+  }
+};
+constexpr Inner kInner;
 
 /// The patch before, its gradients, and what the normal equations need of them. A derivative by a parameter
 /// is a gradient times 1 or the pixel's offset; from all, the mean is removed: brightness does not matter.
@@ -53,6 +61,15 @@ struct Template {
   Parameters slope_sums;   // of the derivatives
   Parameters slope_greys;  // of the derivatives times grey
   ParameterMatrix inverse;
+};
+
+/// The patch after under a warp, and how it compares with the template.
+struct Comparison {
+  Values now;  // less the template's mean, zero in the padding
+  double mean = 0.0;
+  double gain = 1.0;
+  double correlation = 0.0;
+  Parameters right_side;  // of the normal equations
 };
 
 /// Sums over the patch of a b (1, x, y, x^2, x y, y^2), x and y being the scaled offsets.
@@ -213,30 +230,67 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
   }
 }
 
-/// Samples the warped patch, gives the right side of the normal equations and the correlation. The patch's
-/// gain is taken out, else a darker image would shorten each step.
-void compare(const Template& before, const PyramidLevel& after, AffineAlignment& alignment,
-             Parameters& right_side) {
-  Values now;
-  sampleWarped(after, alignment, now);
+/// The patch's gain is taken out, else a darker image would shorten each step.
+void compare(const Template& before, const PyramidLevel& after, const AffineAlignment& alignment,
+             Comparison& out) {
+  sampleWarped(after, alignment, out.now);
   Lanes sums{}, squares{}, products{};
   for (int y = 0; y < kSide; ++y) {
     for (int block = 0; block < kBlocks; ++block) {
-      Lanes& value = now.lanes(y, block);
+      Lanes& value = out.now.lanes(y, block);
       value = (value - before.mean) * kMask.lanes(0, block);  // small numbers, so that little is rounded
       sums += value;
       squares += value * value;
       products += value * before.grey.lanes(y, block);
     }
   }
-  const double mean = sumOf(sums) / Values::kSize;
-  const double variance = sumOf(squares) - Values::kSize * mean * mean;
+  out.mean = sumOf(sums) / Values::kSize;
+  const double variance = sumOf(squares) - Values::kSize * out.mean * out.mean;
   const double product = sumOf(products);
-  alignment.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
-  const double gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
+  out.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
+  out.gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
   Parameters slopes;
-  slopeSums(before, now, slopes);
-  right_side = (slopes - mean * before.slope_sums) / gain - before.slope_greys;
+  slopeSums(before, out.now, slopes);
+  out.right_side = (slopes - out.mean * before.slope_sums) / out.gain - before.slope_greys;
+}
+
+/// px between the shift that the template's gradients ask for and that by the gradients of the patch after:
+/// backwards, from the patch after to the template, one would miss the start by so much.
+double returnMissOf(const Template& before, const Comparison& at) {
+  Lanes xx{}, xy{}, yy{}, x{}, y{}, forward_xx{}, forward_xy{}, forward_yy{}, forward_x{}, forward_y{};
+  const float gain = static_cast<float>(at.gain), mean = static_cast<float>(at.mean);
+  for (int row = 1; row < kSide - 1; ++row) {
+    for (int block = 0; block < kBlocks; ++block) {
+      const float* const here = at.now.row(row) + kLanes * block;
+      Lanes left, right;
+      std::memcpy(&left, here - 1, sizeof left);
+      std::memcpy(&right, here + 1, sizeof right);
+      const Lanes& mask = kInner.one.lanes(0, block);
+      const Lanes slope_x = mask * (right - left);
+      const Lanes slope_y = mask * (at.now.lanes(row + 1, block) - at.now.lanes(row - 1, block));
+      const Lanes error = at.now.lanes(row, block) - mean - gain * before.grey.lanes(row, block);
+      xx += slope_x * slope_x;
+      xy += slope_x * slope_y;
+      yy += slope_y * slope_y;
+      x += slope_x * error;
+      y += slope_y * error;
+      const Lanes before_x = mask * before.gradient_x.lanes(row, block);
+      const Lanes before_y = mask * before.gradient_y.lanes(row, block);
+      forward_xx += before_x * before_x;
+      forward_xy += before_x * before_y;
+      forward_yy += before_y * before_y;
+      forward_x += before_x * error;
+      forward_y += before_y * error;
+    }
+  }
+  Eigen::Matrix2d backward_structure, forward_structure;
+  backward_structure << sumOf(xx), sumOf(xy), sumOf(xy), sumOf(yy);
+  forward_structure << sumOf(forward_xx), sumOf(forward_xy), sumOf(forward_xy), sumOf(forward_yy);
+  const Eigen::Vector2d backward = 2.0 * backward_structure.inverse() * Eigen::Vector2d(sumOf(x), sumOf(y));
+  const Eigen::Vector2d forward =
+      forward_structure.inverse() * Eigen::Vector2d(sumOf(forward_x), sumOf(forward_y)) / at.gain;
+  const double miss = (backward - forward).norm();
+  return miss < kMaximumMove ? miss : kMaximumMove;
 }
 
 bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, const PyramidLevel& after) {
@@ -256,22 +310,23 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
   Template patch;
   if (!makeTemplate(before, from, model, patch)) return std::nullopt;
 
+  Comparison at;
   AffineAlignment alignment = start;
-  Parameters right_side;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    compare(patch, after, alignment, right_side);
-    if (iteration >= kPatience && alignment.correlation < kHopeless) return std::nullopt;
-    const Parameters step = patch.inverse * right_side;
+    compare(patch, after, alignment, at);
+    if (iteration >= kPatience && at.correlation < kHopeless) return std::nullopt;
+    const Parameters step = patch.inverse * at.right_side;
     Eigen::Matrix2d stretch;
     stretch << step[2], step[3], step[4], step[5];
     const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + stretch / (0.5 * kSide)).inverse();
     alignment.warp = alignment.warp * change;
     alignment.position -= alignment.warp * step.head<2>();
     if (!plausible(alignment, start.position, after)) return std::nullopt;
-    // A step so short does not change the correlation that was found before it.
-    if (step.squaredNorm() < convergence * convergence) return alignment;
+    // A step so short hardly changes the correlation that was found before it.
+    if (step.squaredNorm() < convergence * convergence) break;
   }
-  compare(patch, after, alignment, right_side);
+  alignment.correlation = at.correlation;
+  alignment.return_miss = returnMissOf(patch, at);
   return alignment;
 }
 

@@ -24,16 +24,9 @@ bool stretched(const Eigen::Matrix2d& warp) {
   return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kLargestStretch;
 }
 
-/// Whether what was found in `after`, aligned backwards, leads to where it came from.
-bool returns(const PyramidLevel& before, const PyramidLevel& after, const Eigen::Vector2d& from,
-             const AffineAlignment& found, WarpModel model, const TrackingSettings& tracking) {
-  if (tracking.maximum_return == 0.0) return true;
-  AffineAlignment start;
-  start.position = from;
-  start.warp = found.warp.inverse();
-  const auto back =
-      alignAffine(after, before, found.position, start, model, tracking.iterations, tracking.convergence);
-  return back && (back->position - from).norm() <= tracking.maximum_return;
+/// Whether what was found, aligned backwards, leads to where it came from.
+bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
+  return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
 }
 
 /// To first order in the inverse depth.
@@ -136,9 +129,7 @@ std::optional<AffineAlignment> LandmarkTracker::alignFrom(const Landmark& landma
   start.warp = landmark.warp;
   auto aligned = alignAffine(host.left.grey.front(), left.grey.front(), landmark.host().left, start,
                              WarpModel::affine, tracking.iterations, tracking.convergence);
-  if (aligned && (aligned->correlation < tracking.minimum_correlation ||
-                  !returns(host.left.grey.front(), left.grey.front(), landmark.host().left, *aligned,
-                           WarpModel::affine, tracking)))
+  if (aligned && (aligned->correlation < tracking.minimum_correlation || !returns(*aligned, tracking)))
     aligned.reset();
   return aligned;
 }
@@ -244,9 +235,7 @@ void LandmarkTracker::matchOne(Landmark& landmark, const ImagePyramid& left, con
       alignAffine(left.grey.front(), right.grey.front(), sighting.left, start, WarpModel::stereo,
                   settings_.tracking.iterations, settings_.tracking.convergence);
   if (!aligned || aligned->correlation < settings_.stereo.minimum_correlation ||
-      std::abs(aligned->position.y() - expected_row) > kLargestRow ||
-      !returns(left.grey.front(), right.grey.front(), sighting.left, *aligned, WarpModel::stereo,
-               settings_.tracking))
+      std::abs(aligned->position.y() - expected_row) > kLargestRow || !returns(*aligned, settings_.tracking))
     return;
   landmark.stereo_warp = aligned->warp;
   sighting.stereo = true;

@@ -30,7 +30,7 @@ struct DetectionSettings {
 struct TrackingSettings {
   int levels = 4;                    ///< of the pyramid, the full image among them
   int iterations = 6;                ///< at most, of the last, affine step
-  double convergence = 0.03;         ///< px; the track is done when a step is shorter
+  double convergence = 0.1;          ///< px; the track is done when a step is shorter
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
   double maximum_return = 0.5;       ///< px by which an alignment backwards may miss its start; 0: not tried
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking

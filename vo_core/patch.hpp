@@ -26,7 +26,8 @@ constexpr int kLanes = 8;
 using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
-using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes), may_alias));
+using WideBytes = std::uint8_t __attribute__((vector_size(2 * kLanes), may_alias));
+using WideShorts = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
 
 inline double sumOf(const Lanes& lanes) {
   return static_cast<double>(((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
@@ -60,10 +61,15 @@ struct Patch {
   }
 };
 
-inline void loadBytes(const std::uint8_t* from, Lanes& to) {
-  ByteLanes bytes;
+/// Sixteen bytes, as GCC takes eight to pieces one by one.
+inline void loadBytes(const std::uint8_t* from, Lanes& first, Lanes& second) {
+  WideBytes bytes;
   std::memcpy(&bytes, from, sizeof bytes);
-  to = __builtin_convertvector(__builtin_convertvector(bytes, IntLanes), Lanes);
+  const WideShorts shorts = __builtin_convertvector(bytes, WideShorts);
+  const ShortLanes low = __builtin_shufflevector(shorts, shorts, 0, 1, 2, 3, 4, 5, 6, 7);
+  const ShortLanes high = __builtin_shufflevector(shorts, shorts, 8, 9, 10, 11, 12, 13, 14, 15);
+  first = __builtin_convertvector(__builtin_convertvector(low, IntLanes), Lanes);
+  second = __builtin_convertvector(__builtin_convertvector(high, IntLanes), Lanes);
 }
 
 /// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation. Columns and
@@ -80,23 +86,30 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
       level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - Rows / 2);
   const std::ptrdiff_t stride = level.stride();
 
-  const auto interpolate_row = [fx](const std::uint8_t* from, int block, Lanes& out) {
-    Lanes next;
-    loadBytes(from + kLanes * block, out);
-    loadBytes(from + kLanes * block + 1, next);
-    out += fx * (next - out);
+  // What is read beyond the padding lies in the border, or in that of the next row.
+  constexpr int kPairs = (P::kBlocks + 1) / 2;
+  const auto interpolate_row = [fx](const std::uint8_t* from, Lanes* out) {
+#pragma GCC unroll 4
+    for (int pair = 0; pair < kPairs; ++pair) {
+      Lanes next, after_next;
+      loadBytes(from + 2 * kLanes * pair, out[2 * pair], out[2 * pair + 1]);
+      loadBytes(from + 2 * kLanes * pair + 1, next, after_next);
+      out[2 * pair] += fx * (next - out[2 * pair]);
+      out[2 * pair + 1] += fx * (after_next - out[2 * pair + 1]);
+    }
   };
-  Lanes upper[P::kBlocks];
-  for (int block = 0; block < P::kBlocks; ++block)
-    interpolate_row(source, block, upper[block]);
+  Lanes upper[2 * kPairs];
+  interpolate_row(source, upper);
   for (int y = 0; y < Rows; ++y) {
     source += stride;
-    for (int block = 0; block < P::kBlocks; ++block) {
-      Lanes lower;
-      interpolate_row(source, block, lower);
-      patch.lanes(y, block) = upper[block] + fy * (lower - upper[block]);
-      upper[block] = lower;
-    }
+    Lanes lower[2 * kPairs];
+    interpolate_row(source, lower);
+#pragma GCC unroll 4
+    for (int block = 0; block < P::kBlocks; ++block)
+      patch.lanes(y, block) = upper[block] + fy * (lower[block] - upper[block]);
+#pragma GCC unroll 4
+    for (int block = 0; block < 2 * kPairs; ++block)
+      upper[block] = lower[block];
   }
 }
 

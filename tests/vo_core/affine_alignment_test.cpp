@@ -126,6 +126,29 @@ TEST(AffineAlignment, InStereoRowsStayStraight) {
   EXPECT_LT(aligned->warp(0, 1), -0.02);
 }
 
+/// Mean return_miss of patches astride a vertical edge on whose right the texture moves by another `step` px.
+double missAtAnEdge(double step) {
+  const test::WaveTexture texture(23);
+  const auto changed = [&](double x, double y) { return texture(x > 0.5 * kWidth ? x - step : x, y); };
+  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
+  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
+  const TrackingSettings settings;
+  test::Statistics miss;
+  for (int y = 40; y < kHeight - 40; y += 3) {
+    AffineAlignment start;
+    start.position = {0.5 * kWidth, y};
+    const auto aligned = alignAffine(before.grey.front(), after.grey.front(), start.position, start,
+                                     WarpModel::affine, settings.iterations, settings.convergence);
+    if (aligned) miss.add(aligned->return_miss);
+  }
+  return miss.mean();
+}
+
+TEST(AffineAlignment, DoesNotReturnFromWhatTwoSurfacesMake) {
+  EXPECT_LT(missAtAnEdge(0.0), 0.02);
+  EXPECT_GT(missAtAnEdge(4.0), 0.05);
+}
+
 TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {
   const ImagePyramid grey = buildPyramid(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(128)), 1);
   const ImagePyramid stripes = buildPyramid(

@@ -42,12 +42,16 @@ class PointModel {
         projectionJacobians(problem_.camera, T, point.bearing, point.inverse_depth, seen);
     result.valid = true;
     // Whitened by the Cholesky factor of the covariance, that of the depth included.
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity() * problem_.pixel_noise * problem_.pixel_noise;
+    const double noise = problem_.pixel_noise * problem_.pixel_noise;
     const Eigen::Vector2d by_depth = by.by_inverse_depth * point.inverse_depth_deviation;
-    covariance += by_depth * by_depth.transpose();
-    const Eigen::LLT<Eigen::Matrix2d> factor(covariance);
-    result.residual = factor.matrixL().solve(point.left - seen.pixel);
-    result.by_pose = factor.matrixL().solve(by.by_camera);
+    const double first = std::sqrt(noise + by_depth.x() * by_depth.x());
+    const double both = by_depth.x() * by_depth.y() / first;
+    const double second = std::sqrt(noise + by_depth.y() * by_depth.y() - both * both);
+    const Eigen::Vector2d error = point.left - seen.pixel;
+    result.residual.x() = error.x() / first;
+    result.residual.y() = (error.y() - both * result.residual.x()) / second;
+    result.by_pose.row(0) = by.by_camera.row(0) / first;
+    result.by_pose.row(1) = (by.by_camera.row(1) - both * result.by_pose.row(0)) / second;
     return result;
   }
 

@@ -16,8 +16,13 @@ class PyramidLevel {
   static constexpr int kBorder = 24;  ///< px
 
   PyramidLevel() = default;
-  /// `image`: CV_8UC1, at least 2x2.
-  explicit PyramidLevel(const cv::Mat& image);
+  /// The image is to be written, then the border.
+  explicit PyramidLevel(const cv::Size& size);
+
+  cv::Mat image() const { return padded_({kBorder, kBorder, width(), height()}); }
+  void writeBorder();
+  /// Whether another copy of this level has the same pixels.
+  bool shared() const { return padded_.u != nullptr && padded_.u->refcount > 1; }
 
   int width() const { return padded_.cols - 2 * kBorder; }
   int height() const { return padded_.rows - 2 * kBorder; }
@@ -37,13 +42,28 @@ class PyramidLevel {
 /// What one image of a pair is turned into, once, for all stages.
 struct ImagePyramid {
   std::vector<PyramidLevel> grey;  ///< Gaussian pyramid, for the KLT and the NCC
-  std::vector<PyramidLevel> dog;   ///< difference of Gaussians around 128, kDogLevels, for the SAD
+  /// Difference of Gaussians around 128 for the SAD, of the levels from kFinestDog on, kDogLevels of them.
+  std::vector<PyramidLevel> dog;
 };
 
-constexpr int kDogLevels = 4;
+constexpr int kFinestDog = 1;
+constexpr int kDogLevels = 3;
 
 /// `image`: CV_8UC1. `grey_levels` >= 1 levels of grey (fewer if the image is too small to be halved
 /// further).
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
+
+/// Builds pyramids of images of one size in memory that it keeps: what is built is valid for as long as
+/// somebody has a copy, and then overwritten.
+class PyramidPool {
+ public:
+  explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
+  ImagePyramid build(const cv::Mat& image);
+
+ private:
+  int grey_levels_;
+  std::vector<ImagePyramid> pyramids_;
+  cv::Mat scratch_;
+};
 
 }  // namespace cartvo

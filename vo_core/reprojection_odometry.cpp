@@ -12,7 +12,7 @@ namespace {
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-      : camera_(camera), settings_(settings) {}
+      : camera_(camera), settings_(settings), left_pyramids_(settings.tracking.levels) {}
 
   OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
 
@@ -27,6 +27,8 @@ class ReprojectionOdometry final : public OdometryMethod {
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  PyramidPool left_pyramids_;
+  PyramidPool right_pyramids_{1};
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
@@ -43,8 +45,8 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.right_exposure_ns = images.right_exposure_ns;
   pair.offset_deviation = images.offset_deviation;
   pair.left_image = images.left;
-  pair.left = buildPyramid(images.left, settings_.tracking.levels);
-  pair.right = buildPyramid(images.right, 1);
+  pair.left = left_pyramids_.build(images.left);
+  pair.right = right_pyramids_.build(images.right);
   return pair;
 }
 

@@ -188,8 +188,8 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
       best.correlation = peak.height;
       best.row_offset = row;
       const double columns = sample - (kNccRadius + 1) + peak.offset;
-      best.right = centre + Eigen::Vector2d(columns, row);
       best.disparity = disparity - columns * per_column;  // to the right is less disparity
+      best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, row);
     }
   }
   return best;
@@ -202,20 +202,22 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
                                        const Eigen::Vector2d& left, const StereoSettings& settings,
                                        const EpipolarLine& line) {
   if (!left_image.grey.front().contains(left)) return std::nullopt;
-  const int coarsest = static_cast<int>(left_image.dog.size()) - 1;
-  const PyramidLevel& coarse = left_image.dog[coarsest];
+  if (left_image.dog.empty()) return std::nullopt;
+  const int coarsest = kFinestDog + static_cast<int>(left_image.dog.size()) - 1;
+  const PyramidLevel& coarse = left_image.dog.back();
   const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
   Candidates candidates =
-      searchCoarsest(coarse, right_image.dog[coarsest], coarse_pixel, LevelLine(coarse_pixel, line, coarsest),
+      searchCoarsest(coarse, right_image.dog.back(), coarse_pixel, LevelLine(coarse_pixel, line, coarsest),
                      (settings.maximum_disparity >> coarsest) + 1);
   if (candidates.count == 0) return std::nullopt;
   std::array<int, kCandidates> difference{};
-  for (int level = coarsest - 1; level >= 0; --level) {
-    const LevelPixel pixel = pixelAt(left_image.dog[level], left, level);
+  for (int level = coarsest - 1; level >= kFinestDog; --level) {
+    const PyramidLevel& left_level = left_image.dog[level - kFinestDog];
+    const LevelPixel pixel = pixelAt(left_level, left, level);
     const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
-      candidates.disparity[i] = searchAround(left_image.dog[level], right_image.dog[level], pixel, level_line,
-                                             2 * candidates.disparity[i], difference[i]);
+      candidates.disparity[i] = searchAround(left_level, right_image.dog[level - kFinestDog], pixel,
+                                             level_line, 2 * candidates.disparity[i], difference[i]);
   }
   const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 
@@ -226,8 +228,8 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
     if (difference[i] / kNoRival > least) continue;
-    const StereoMatch match =
-        correlateAround(patch, right_image.grey.front(), left, line, candidates.disparity[i], settings.rows);
+    const StereoMatch match = correlateAround(patch, right_image.grey.front(), left, line,
+                                              candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;
     const bool elsewhere = std::abs(match.disparity - best.disparity) > kDistinct;
     if (match.correlation > best.correlation) {

@@ -50,6 +50,12 @@ void ColumnMonitor::add(const Matrix& information, const Vector& gradient, const
   }
 }
 
+void ColumnMonitor::turn(double yaw) {
+  estimate_[0] += yaw;
+  gathered_about_ = estimate_;
+  information_ = priorInformation();
+}
+
 Vector ColumnMonitor::deviation() const {
   return information_.inverse().diagonal().cwiseSqrt();
 }

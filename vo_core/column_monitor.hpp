@@ -14,6 +14,9 @@ class ColumnMonitor {
   void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
            const RigCorrection& applied, double time_step);
 
+  /// The right camera was seen, by other means, to turn by so much yaw, rad: what was gathered is of before.
+  void turn(double yaw);
+
   /// What the calibration is off by, and how well that is known from what has been gathered: the same error
   /// corrected, not as it stands.
   const RigCorrection::Vector& estimate() const { return estimate_; }

@@ -19,6 +19,7 @@ void RigMonitor::add(const BundleProblem& adjusted, const BundleResult& result, 
                      double way, double time_step) {
   if (way > kTellingWay) columns_.add(result.rig_information, result.rig_gradient, applied, time_step);
   rows_.add(rowEvidence(adjusted), applied, time_step);
+  if (const double turn = rows_.takeTurn(); turn != 0.0) columns_.turn(turn);
 }
 
 RigCorrection RigMonitor::correction() const {

@@ -27,7 +27,12 @@ constexpr double kUnmodelled = 0.03;
 // What is less is not corrected: as likely the lens's as the rotation's, and of no consequence.
 constexpr double kDead = 5e-4;                       // rad
 constexpr double kLikely = 2.0, kBeyondDoubt = 3.0;  // standard deviations
-constexpr double kMost = 1e-2;                       // rad; what is worse wants a calibration
+// A keystone that changes by so much (rad, and standard deviations by the matches' noise) against that of the
+// last minute (s) is a yaw.
+constexpr double kTurn = 1e-3, kTurnBeyondDoubt = 5.0;
+constexpr double kUsual = 60.0;
+constexpr double kPairsToSettle = 30.0;
+constexpr double kMost = 1e-2;  // rad; what is worse wants a calibration
 
 Matrix informationOf(const Vector& deviations) {
   return deviations.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -49,6 +54,21 @@ void RowMonitor::add(const RowEvidence& evidence, const RigCorrection& applied, 
   estimate_ += change;
   leverage_ = kept * leverage_ + evidence.leverage;
   pairs_ = kept * pairs_ + 1.0;
+  const double keystone = estimate_[RowErrors::kKeystone];
+  if (usual_keystone_)
+    *usual_keystone_ += (1.0 - std::exp(-time_step / kUsual)) * (keystone - *usual_keystone_);
+  else if (pairs_ > kPairsToSettle)
+    usual_keystone_ = keystone;
+}
+
+double RowMonitor::takeTurn() {
+  if (!usual_keystone_) return 0.0;
+  const double turn = estimate_[RowErrors::kKeystone] - *usual_keystone_;
+  const double noise = std::sqrt(information_.inverse()(RowErrors::kKeystone, RowErrors::kKeystone));
+  if (std::abs(turn) < std::max(kTurn, kTurnBeyondDoubt * noise)) return 0.0;
+  *usual_keystone_ += turn;
+  information_ = informationOf(kPrior);  // of before
+  return turn;
 }
 
 void RowMonitor::suspectPitch(double pitch) {

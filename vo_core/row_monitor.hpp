@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "vo_core/rig_correction.hpp"
 #include "vo_core/row_evidence.hpp"
 
@@ -18,6 +20,10 @@ class RowMonitor {
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch);
 
+  /// By how much yaw (rad) the right camera has turned lately; zero if it has not. What a keystone is by is
+  /// not known, but lenses do not change from one minute to the next. Told once.
+  double takeTurn();
+
   const RowErrors::Vector& estimate() const { return estimate_; }
   /// Standard deviation, by the matches' noise and by what a calibration leaves over in the rows.
   RowErrors::Vector deviation() const;
@@ -35,6 +41,7 @@ class RowMonitor {
   RowErrors::Matrix information_;
   RowErrors::Matrix leverage_ = RowErrors::Matrix::Zero();  ///< sum over pairs, as RowEvidence's
   double pairs_ = 0.0;                                      ///< in that sum
+  std::optional<double> usual_keystone_;                    ///< nothing until there is one
 };
 
 }  // namespace cartvo

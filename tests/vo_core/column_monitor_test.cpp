@@ -107,6 +107,13 @@ TEST(ColumnMonitor, ABumpIsFoundAfterALongDriveToo) {
   EXPECT_NEAR(monitor.estimate()[0], bumped[0], 1e-4);
 }
 
+TEST(ColumnMonitor, AfterATurnItLearnsAnew) {
+  ColumnMonitor monitor = told({4e-4, 0.0}, 3000);
+  monitor.turn(2e-3);
+  EXPECT_NEAR(monitor.estimate()[0], 2.4e-3, 1e-5);
+  EXPECT_EQ(monitor.deviation(), ColumnMonitor().deviation());
+}
+
 /// A drive with a rig that is off its calibration, each pair corrected by what the monitor has found so far.
 ColumnMonitor driven(const RigCorrection& rig, double offset, int pairs) {
   ColumnMonitor monitor;

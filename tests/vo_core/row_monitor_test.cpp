@@ -74,6 +74,25 @@ TEST(RowMonitor, FindsABumpWithinAMinuteAfterALongDrive) {
   EXPECT_NEAR(monitor.estimate()[RowErrors::kDelay], bumped[3], 1e-3);
 }
 
+TEST(RowMonitor, AKeystoneThatChangesIsATurn) {
+  RowMonitor monitor = told(Vector(0.0, 0.0, -8e-3, 0.0), kMinute);
+  EXPECT_EQ(monitor.takeTurn(), 0.0) << "the lens's";
+  double turned = 0.0;
+  for (int i = 0; i < kMinute; ++i) {
+    tell(monitor, Vector(0.0, 0.0, -3e-3, 0.0), 1);
+    turned += monitor.takeTurn();
+  }
+  EXPECT_NEAR(turned, 5e-3, 1.1e-3);
+}
+
+TEST(RowMonitor, AKeystoneThatDriftsIsNoTurn) {
+  RowMonitor monitor;
+  for (int i = 0; i < 20 * kMinute; ++i) {
+    tell(monitor, Vector(0.0, 0.0, 3e-7 * i, 0.0), 1);
+    EXPECT_EQ(monitor.takeTurn(), 0.0);
+  }
+}
+
 TEST(RowMonitor, LooksForMatchesWhereASuspicionPuts) {
   RowMonitor monitor;
   monitor.suspectPitch(-5e-3);

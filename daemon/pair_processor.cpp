@@ -10,6 +10,10 @@
 namespace cartvo {
 namespace {
 
+// Landmarks last, so that neighbouring motions err less against each other than if their poses' errors were
+// independent. Found on rendered worlds (docs/accuracy.md).
+constexpr double kVelocityNoiseShare = 0.71;
+
 StereoCamera stereoCamera(const Rectification& rectification) {
   StereoCamera camera;
   camera.focal_length = rectification.focal_length;
@@ -91,7 +95,7 @@ class PairProcessor::Implementation {
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
   StereoOdometry odometry_;
-  VelocityAtExposure velocity_;
+  VelocityAtExposure velocity_{kVelocityNoiseShare};
   StageClock clock_;
   std::uint64_t next_sequence_ = 0;
 };

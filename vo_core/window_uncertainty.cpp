@@ -6,9 +6,9 @@ namespace {
 
 // Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
 // on rendered worlds (docs/accuracy.md).
-constexpr double kSharedError = 8.0;
+constexpr double kSharedError = 9.0;
 // For the same reason a motion errs less than the sum of its two poses' errors.
-constexpr double kMotionShare = 0.85;
+constexpr double kMotionShare = 0.92;
 
 /// Returns the motion's covariance.
 Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result,

@@ -12,7 +12,7 @@ struct AffineAlignment {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< px, of the patch's centre in the level after
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< from offsets before to offsets after
   double correlation = 0.0;                            ///< normalised, of the patches under the warp
-  double return_miss = 0.0;  ///< px by which the same alignment backwards misses the start
+  double return_miss = 0.0;  ///< px by which a step backwards, the patch after linearised, misses the start
 };
 
 /// What the patch may do between two images.

@@ -22,7 +22,7 @@ const std::vector<Ablation>& ablations() {
        [](OdometrySettings& s) { s.rig_refinement = RigRefinement::off; }},
       {"no-stand", "a standing cart is not noticed",
        [](OdometrySettings& s) { s.standstill.least_time = 3600.0; }},
-      {"one-way", "no alignment is repeated backwards to see whether it returns",
+      {"one-way", "no alignment takes a step backwards to see whether it returns",
        [](OdometrySettings& s) { s.tracking.maximum_return = 0.0; }},
       {"fixed-threshold", "one FAST threshold for all windows",
        [](OdometrySettings& s) {

@@ -93,13 +93,13 @@ Matrix6d VisualTrack::poseCovariance() const {
   return poseCovarianceOf(window_.back());
 }
 
-RigCorrection VisualTrack::rigCorrection() const {
-  return settings_.rig_refinement == RigRefinement::correct ? rig_.correction() : RigCorrection{};
+RigCorrection VisualTrack::correctionBy(const RigMonitor& rig) const {
+  return settings_.rig_refinement == RigRefinement::correct ? rig.correction() : RigCorrection{};
 }
 
 std::optional<RigCheck> VisualTrack::rigCheck() const {
   if (settings_.rig_refinement == RigRefinement::off) return std::nullopt;
-  return rig_.check(rigCorrection());
+  return rig_.check(correctionBy(rig_));
 }
 
 double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
@@ -254,7 +254,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   match(landmarks, rig_);
   if (suspectPitch(landmarks, match)) match(landmarks, rig_);
 
-  const RigCorrection rig = rigCorrection();
+  const RigCorrection rig = correctionBy(rig_);
   for (Landmark& landmark : landmarks) {
     const Sighting& host = landmark.host();
     if (landmark.hasDepth() || landmark.sightings.size() > 1 || !host.stereo) continue;
@@ -297,18 +297,18 @@ BundleProblem VisualTrack::bundleProblem(const Draft& draft, const RigCorrection
 /// The least squares over the window; if its result is believed, the draft becomes what is known.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   std::vector<std::size_t> chosen;
-  RigCorrection rig = rigCorrection();
+  RigCorrection rig = correctionBy(rig_);
   BundleProblem problem = bundleProblem(draft, rig, chosen);
   BundleResult result = adjustBundle(problem, settings_.bundle);
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
-  if (result.converged && settings_.rig_refinement == RigRefinement::correct) {
-    const RigCorrection better = rigAfter(problem, result, draft, rig).correction();
-    if (kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
-      rig = better;
-      problem = bundleProblem(draft, rig, chosen);
-      result = adjustBundle(problem, settings_.bundle);
-    }
+  RigMonitor learned = rigAfter(problem, result, draft, rig);
+  if (const RigCorrection better = correctionBy(learned);
+      kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
+    rig = better;
+    problem = bundleProblem(draft, rig, chosen);
+    result = adjustBundle(problem, settings_.bundle);
+    learned = rigAfter(problem, result, draft, rig);
   }
   if (!result.converged) {
     motion.reasons = OdometryReason::degenerate_geometry;
@@ -329,7 +329,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid()) return;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  learn(problem, result, draft, rig);
+  adaptNoise(result);
+  rig_ = learned;
   accept(pair, draft);
 }
 
@@ -358,27 +359,25 @@ OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
   return OdometryReason::none;
 }
 
-/// What is known of the rig once a pair's residuals, with `applied` corrected, are taken in.
+/// What is known of the rig once an adjusted pair's residuals, with `applied` corrected, are taken in.
 RigMonitor VisualTrack::rigAfter(const BundleProblem& adjusted, const BundleResult& result,
                                  const Draft& draft, const RigCorrection& applied) const {
   RigMonitor rig = rig_;
-  if (settings_.rig_refinement == RigRefinement::off) return rig;
+  if (!result.converged || settings_.rig_refinement == RigRefinement::off) return rig;
   const Eigen::Isometry3d way =
-      draft.window.front().T_world_camera.inverse() * draft.window.back().T_world_camera;
+      adjusted.poses.front().T_world_camera.inverse() * adjusted.poses.back().T_world_camera;
   const double time_step = seconds(draft.window.back().exposure_ns - window_.back().exposure_ns);
   rig.add(adjusted, result, applied, way.translation().norm(), time_step);
   return rig;
 }
 
-/// What the residuals tell of the images' noise and of the rig.
-void VisualTrack::learn(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
-                        const RigCorrection& applied) {
+/// What the residuals tell of the images' noise.
+void VisualTrack::adaptNoise(const BundleResult& result) {
   const auto adapt = [](double noise, double scale) {
     return std::clamp(noise * (kNoiseMemory + (1.0 - kNoiseMemory) * scale), kLeastNoise, kMostNoise);
   };
   noise_.pixel = adapt(noise_.pixel, result.pixel_scale);
   noise_.disparity = adapt(noise_.disparity, result.disparity_scale);
-  rig_ = rigAfter(adjusted, result, draft, applied);
 }
 
 }  // namespace cartvo

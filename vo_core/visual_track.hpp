@@ -66,7 +66,7 @@ class VisualTrack {
   /// Matches landmarks with a right camera that is turned as a monitor says.
   using MatchBy = std::function<void(std::vector<Landmark>& landmarks, const RigMonitor& rig)>;
 
-  RigCorrection rigCorrection() const;
+  RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
@@ -82,8 +82,7 @@ class VisualTrack {
   OdometryReason judge(const TrackedMotion& motion) const;
   RigMonitor rigAfter(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
                       const RigCorrection& applied) const;
-  void learn(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
-             const RigCorrection& applied);
+  void adaptNoise(const BundleResult& result);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);

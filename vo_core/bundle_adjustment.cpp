@@ -11,9 +11,8 @@
 namespace cartvo {
 namespace {
 
-constexpr double kSettled = 1e-6;           // m and rad: the step that ends the iterations
-constexpr double kMedianOfNormal = 0.6745;  // of |e| for a standard normal e
-constexpr double kNotSeen = 1e3;            // error of a landmark behind a camera
+constexpr double kSettled = 1e-6;  // m and rad: the step that ends the iterations
+constexpr double kNotSeen = 1e3;   // error of a landmark behind a camera
 
 void applyStep(const Eigen::VectorXd& step, const std::vector<DepthEquation>& depths,
                BundleProblem& problem) {
@@ -63,7 +62,7 @@ class ResidualSizes {
 
  private:
   static double scaleOf(std::vector<double>& absolute) {
-    return absolute.empty() ? 1.0 : median(absolute) / kMedianOfNormal;
+    return absolute.empty() ? 1.0 : deviationOf(absolute);
   }
   std::vector<double> pixels_, disparities_;
 };

@@ -17,9 +17,8 @@ using Matrix = RowErrors::Matrix;
 
 constexpr std::size_t kFewestMatches = 30;
 constexpr int kIterations = 4;  // of weights and noise; each takes half of what is left of the first guess's
-constexpr double kMedianOfNormal = 0.6745;  // of |e| for a standard normal e
-constexpr double kLeastNoise = 0.02;        // px, of a row
-constexpr double kRobustWidth = 2.0;        // standard deviations at which a row has half its weight
+constexpr double kLeastNoise = 0.02;  // px, of a row
+constexpr double kRobustWidth = 2.0;  // standard deviations at which a row has half its weight
 // Standard deviations that keep what a pair does not tell near zero: rad, rad, rad, s.
 const Vector kConceivable(1e-2, 1e-2, 1e-2, 1e-1);
 // rad/s: how well the rates between two pairs' exposures are known. Between left and right exposure the rig
@@ -69,7 +68,7 @@ double noiseOf(const std::vector<RowDifference>& differences, const Vector& erro
   absolute.reserve(differences.size());
   for (const RowDifference& difference : differences)
     absolute.push_back(std::abs(difference.residual - difference.by_errors.dot(errors)));
-  return std::max(median(absolute) / kMedianOfNormal, kLeastNoise);
+  return std::max(deviationOf(absolute), kLeastNoise);
 }
 
 }  // namespace

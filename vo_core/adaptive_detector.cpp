@@ -12,7 +12,10 @@ namespace {
 constexpr double kCornersPerFeature = 2.0;  // a window's corners aimed at, for each feature aimed at
 constexpr double kAdaptation = 0.2;         // power of the ratio of counts by which a threshold moves
 constexpr double kMostAtOnce = 1.5;         // a threshold changes by this factor an image, at most
-constexpr int kFirstLooks = 6;              // at the first image, before its corners are taken
+constexpr double kDoubt = 4.0;  // corners that a window is taken to have tried already, half of them in vain
+constexpr double kLeastWorth = 0.05;       // of a window in which nothing lasts, so that it is tried again
+constexpr double kTriesRemembered = 60.0;  // of a window
+constexpr int kFirstLooks = 6;             // at the first image, before its corners are taken
 
 bool stronger(const Corner& a, const Corner& b) {
   if (a.score != b.score) return a.score > b.score;
@@ -24,7 +27,7 @@ bool stronger(const Corner& a, const Corner& b) {
 AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int features,
                                    const cv::Size& image_size)
     : settings_(settings),
-      features_(features),
+      features_(0),
       corner_target_(0.0),
       image_size_(image_size),
       first_looks_(kFirstLooks) {
@@ -37,10 +40,17 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
       windows_.emplace_back(from, to);
     }
   }
-  corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
+  aimAt(features);
   thresholds_.assign(windows_.size(), settings.initial_threshold);
   corner_counts_.assign(windows_.size(), 0);
+  tried_.assign(windows_.size(), kDoubt);
+  followed_.assign(windows_.size(), 0.5 * kDoubt);
   scores_ = cv::Mat::zeros(image_size, CV_16UC1);
+}
+
+void AdaptiveDetector::aimAt(int features) {
+  features_ = features;
+  corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
 }
 
 int AdaptiveDetector::threshold(int index) const {
@@ -64,18 +74,40 @@ int AdaptiveDetector::windowAt(double x, double y) const {
   return row * settings_.window_columns + column;
 }
 
-std::vector<std::vector<Corner>> AdaptiveDetector::strongestCorners(const cv::Mat& image) {
-  std::vector<std::vector<Corner>> found(windows_.size());
+void AdaptiveDetector::learn(const Eigen::Vector2d& pixel, bool followed) {
+  const int index = windowAt(pixel.x(), pixel.y());
+  const double kept = 1.0 - 1.0 / kTriesRemembered;
+  tried_[index] = kept * tried_[index] + 1.0;
+  followed_[index] = kept * followed_[index] + (followed ? 1.0 : 0.0);
+}
+
+std::vector<int> AdaptiveDetector::shares() const {
+  std::vector<double> worth(windows_.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < worth.size(); ++i)
+    sum += worth[i] = std::max(followed_[i] / tried_[i], kLeastWorth);
+  std::vector<int> share(windows_.size());
+  double before = 0.0;  // so that they add up to features_ exactly
+  for (std::size_t i = 0; i < worth.size(); ++i) {
+    const double after = before + features_ * worth[i] / sum;
+    share[i] = static_cast<int>(std::lround(after) - std::lround(before));
+    before = after;
+  }
+  return share;
+}
+
+std::vector<std::vector<Corner>> AdaptiveDetector::strongestCorners(const cv::Mat& image,
+                                                                    const std::vector<int>& wanted) {
+  std::vector<std::vector<Corner>> found(windows_.size()), corners(windows_.size());
   forEachIndex(windows_.size(), [&](std::size_t i) {
-    found[i] = findCorners(image, windows_[i], threshold(static_cast<int>(i)), scores_);
+    if (wanted[i] > 0) found[i] = findCorners(image, windows_[i], threshold(static_cast<int>(i)), scores_);
   });
-  std::vector<std::vector<Corner>> corners(windows_.size());
   forEachIndex(windows_.size(), [&](std::size_t i) {
     corners[i] = localMaxima(scores_, found[i]);
     std::sort(corners[i].begin(), corners[i].end(), stronger);
   });
   for (int i = 0; i < windowCount(); ++i) {
-    adaptThreshold(i, static_cast<int>(corners[i].size()));
+    if (wanted[i] > 0) adaptThreshold(i, static_cast<int>(corners[i].size()));
     for (const Corner& corner : found[i])
       scores_.at<std::uint16_t>(corner.y, corner.x) = 0;
   }
@@ -84,16 +116,13 @@ std::vector<std::vector<Corner>> AdaptiveDetector::strongestCorners(const cv::Ma
 
 std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
                                              SpacingGrid& spacing) {
-  for (; first_looks_ > 0; --first_looks_)
-    strongestCorners(image);
-  const std::vector<std::vector<Corner>> corners = strongestCorners(image);
   const int count = windowCount();
-  std::vector<int> wanted(windows_.size());
-  for (int i = 0; i < count; ++i) {
-    wanted[i] = (i + 1) * features_ / count - i * features_ / count;  // sums up to features_ exactly
-  }
+  std::vector<int> wanted = shares();
   for (const Eigen::Vector2d& pixel : alive)
     --wanted[windowAt(pixel.x(), pixel.y())];
+  for (; first_looks_ > 0; --first_looks_)
+    strongestCorners(image, wanted);
+  const std::vector<std::vector<Corner>> corners = strongestCorners(image, wanted);
 
   int room = std::max(features_ - static_cast<int>(alive.size()), 0);
   std::vector<Corner> chosen;

@@ -10,7 +10,8 @@ namespace cartvo {
 
 /// FAST in windows, each with its own threshold, which is adapted from image to image so that dark and
 /// bright, rough and smooth parts of the image all give features: too few corners lower a window's threshold,
-/// too many raise it. (The thesis' prose swaps the directions.)
+/// too many raise it. (The thesis' prose swaps the directions.) All windows have the same share of the
+/// features, but for what `learn` says of them; a window that has its share is not searched.
 class AdaptiveDetector {
  public:
   /// `features` are aimed at in the whole image.
@@ -22,6 +23,14 @@ class AdaptiveDetector {
   std::vector<Corner> detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
                              SpacingGrid& spacing);
 
+  /// From the next image on, so many features are aimed at.
+  void aimAt(int features);
+
+  /// What became of one of the new corners, which lay at `pixel`: whether it could be followed. A window
+  /// whose corners last gets more of the features, one whose corners leave the image or look like nothing
+  /// gets less.
+  void learn(const Eigen::Vector2d& pixel, bool followed);
+
   int windowCount() const { return static_cast<int>(windows_.size()); }
   const cv::Rect& window(int index) const { return windows_[index]; }
   int threshold(int index) const;
@@ -31,8 +40,10 @@ class AdaptiveDetector {
   double cornerTarget() const { return corner_target_; }
 
  private:
-  /// Of each window, strongest first; adapts the thresholds.
-  std::vector<std::vector<Corner>> strongestCorners(const cv::Mat& image);
+  /// How many of the features are each window's share.
+  std::vector<int> shares() const;
+  /// Of each window that wants some, strongest first; adapts the thresholds.
+  std::vector<std::vector<Corner>> strongestCorners(const cv::Mat& image, const std::vector<int>& wanted);
   void adaptThreshold(int index, int corners);
   int windowAt(double x, double y) const;
 
@@ -44,7 +55,8 @@ class AdaptiveDetector {
   std::vector<cv::Rect> windows_;
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;
-  cv::Mat scores_;  ///< of the image's corners while they are looked for, else zero
+  std::vector<double> tried_, followed_;  ///< new corners of late, and those of them that could be followed
+  cv::Mat scores_;                        ///< of the image's corners while they are looked for, else zero
 };
 
 }  // namespace cartvo

@@ -13,6 +13,9 @@ namespace {
 
 constexpr int kSide = 15;  // px
 constexpr int kHalf = kSide / 2;
+/// Of the patch each other row is compared, which halves the work: neighbouring rows tell much the same.
+constexpr int kRowStep = 2;
+constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
 constexpr int kParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;
@@ -21,7 +24,7 @@ constexpr double kMaximumMove = 3.0;     // px from the start
 constexpr int kPatience = 2;             // iterations after which a patch that is still hopeless is given up
 constexpr double kHopeless = 0.5;        // correlation
 constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
-using Values = Patch<kSide, kSide>;
+using Values = Patch<kSide, kRows>;
 constexpr int kBlocks = Values::kBlocks;
 
 /// The warp's parameters: shift x, y, then the warp's elements xx, xy, yx, yy, scaled by the patch's half
@@ -32,6 +35,10 @@ using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
 /// A pixel's offset from the centre, scaled.
 constexpr float scaledOffset(int pixel) {
   return static_cast<float>((pixel - kHalf) / (0.5 * kSide));
+}
+/// The same of a row that is compared.
+constexpr float scaledRowOffset(int row) {
+  return scaledOffset(kRowStep * row);
 }
 struct Ramp {
   Patch<kSide, 1> offset{};
@@ -78,8 +85,8 @@ struct Moments {
 };
 void momentsOf(const Values& a, const Values& b, Moments& moments) {
   Lanes one{}, x{}, y{}, xx{}, xy{}, yy{};
-  for (int row = 0; row < kSide; ++row) {
-    const float offset_y = scaledOffset(row);
+  for (int row = 0; row < kRows; ++row) {
+    const float offset_y = scaledRowOffset(row);
     for (int block = 0; block < kBlocks; ++block) {
       const Lanes& offset_x = kRamp.offset.lanes(0, block);
       const Lanes product = a.lanes(row, block) * b.lanes(row, block);
@@ -98,8 +105,8 @@ void momentsOf(const Values& a, const Values& b, Moments& moments) {
 /// Sums of the six derivatives times some values.
 void slopeSums(const Template& patch, const Values& values, Parameters& sums) {
   Lanes x{}, x_by_x{}, x_by_y{}, y{}, y_by_x{}, y_by_y{};
-  for (int row = 0; row < kSide; ++row) {
-    const float offset_y = scaledOffset(row);
+  for (int row = 0; row < kRows; ++row) {
+    const float offset_y = scaledRowOffset(row);
     for (int block = 0; block < kBlocks; ++block) {
       const Lanes& offset_x = kRamp.offset.lanes(0, block);
       const Lanes along_x = patch.gradient_x.lanes(row, block) * values.lanes(row, block);
@@ -117,12 +124,13 @@ void slopeSums(const Template& patch, const Values& values, Parameters& sums) {
 
 /// Grey values and gradients, zero in the padding.
 void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
-  sampleGradients(level, centre, out.grey, out.gradient_x, out.gradient_y);
+  sampleGradients<kRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
   out.mean = removeMean(out.grey);
   out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
 }
 
-/// Inverts the upper left corner. False if it is nearly singular.
+/// Inverts the upper left corner, column by column: Eigen solves for a whole matrix by a routine for large
+/// ones. False if it is nearly singular.
 template <int Size>
 bool invert(const ParameterMatrix& matrix, ParameterMatrix& inverse) {
   using Corner = Eigen::Matrix<double, Size, Size>;
@@ -130,7 +138,10 @@ bool invert(const ParameterMatrix& matrix, ParameterMatrix& inverse) {
   if (factor.info() != Eigen::Success) return false;
   const auto pivots = factor.matrixLLT().diagonal().array().square();
   if (!(pivots.minCoeff() > kMinimumPivot * pivots.maxCoeff())) return false;
-  inverse.topLeftCorner<Size, Size>() = factor.solve(Corner::Identity());
+  for (int column = 0; column < Size; ++column) {
+    const Eigen::Matrix<double, Size, 1> unit = Eigen::Matrix<double, Size, 1>::Unit(column);
+    inverse.col(column).head<Size>() = factor.solve(unit);
+  }
   return true;
 }
 
@@ -159,7 +170,7 @@ bool invertHessian(WarpModel model, Template& out) {
 bool makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, WarpModel model, Template& out) {
   sampleTemplate(level, centre, out);
   Values ones;
-  for (int y = 0; y < kSide; ++y)
+  for (int y = 0; y < kRows; ++y)
     for (int block = 0; block < kBlocks; ++block)
       ones.lanes(y, block) = kMask.lanes(0, block);
   slopeSums(out, ones, out.slope_sums);
@@ -182,11 +193,12 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
   const std::uint8_t* const corner = level.at(centre_x, centre_y) - kBias * stride - kBias;
   const float row_step = static_cast<float>(stride);
 
-  constexpr int kPadded = kSide * Values::kStride;
+  constexpr int kPadded = kRows * Values::kStride;
   alignas(64) std::int32_t offset[kPadded];
   alignas(64) float fraction_x[kPadded], fraction_y[kPadded];
-  for (int y = 0; y < kSide; ++y) {
-    const Eigen::Vector2f start = fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(y - kHalf));
+  for (int y = 0; y < kRows; ++y) {
+    const Eigen::Vector2f start =
+        fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(kRowStep * y - kHalf));
     for (int block = 0; block < kBlocks; ++block) {
       const Lanes x = Lanes{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<float>(kLanes * block);
       const Lanes at_x = start.x() + warp(0, 0) * x;
@@ -203,7 +215,7 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
 
   // Two neighbours each. What is read for the padding would lie beyond the border.
   alignas(64) std::uint16_t upper[kPadded], lower[kPadded];
-  for (int y = 0; y < kSide; ++y) {
+  for (int y = 0; y < kRows; ++y) {
     std::uint16_t* const above = upper + y * Values::kStride;
     std::uint16_t* const below = lower + y * Values::kStride;
     for (int x = 0; x < kSide; ++x) {
@@ -235,7 +247,7 @@ void compare(const Template& before, const PyramidLevel& after, const AffineAlig
              Comparison& out) {
   sampleWarped(after, alignment, out.now);
   Lanes sums{}, squares{}, products{};
-  for (int y = 0; y < kSide; ++y) {
+  for (int y = 0; y < kRows; ++y) {
     for (int block = 0; block < kBlocks; ++block) {
       Lanes& value = out.now.lanes(y, block);
       value = (value - before.mean) * kMask.lanes(0, block);  // small numbers, so that little is rounded
@@ -259,7 +271,7 @@ void compare(const Template& before, const PyramidLevel& after, const AffineAlig
 double returnMissOf(const Template& before, const Comparison& at) {
   Lanes xx{}, xy{}, yy{}, x{}, y{}, forward_xx{}, forward_xy{}, forward_yy{}, forward_x{}, forward_y{};
   const float gain = static_cast<float>(at.gain), mean = static_cast<float>(at.mean);
-  for (int row = 1; row < kSide - 1; ++row) {
+  for (int row = 1; row < kRows - 1; ++row) {
     for (int block = 0; block < kBlocks; ++block) {
       const float* const here = at.now.row(row) + kLanes * block;
       Lanes left, right;
@@ -267,7 +279,8 @@ double returnMissOf(const Template& before, const Comparison& at) {
       std::memcpy(&right, here + 1, sizeof right);
       const Lanes& mask = kInner.one.lanes(0, block);
       const Lanes slope_x = mask * (right - left);
-      const Lanes slope_y = mask * (at.now.lanes(row + 1, block) - at.now.lanes(row - 1, block));
+      const Lanes slope_y =
+          mask / (1.0F * kRowStep) * (at.now.lanes(row + 1, block) - at.now.lanes(row - 1, block));
       const Lanes error = at.now.lanes(row, block) - mean - gain * before.grey.lanes(row, block);
       xx += slope_x * slope_x;
       xy += slope_x * slope_y;
@@ -275,7 +288,8 @@ double returnMissOf(const Template& before, const Comparison& at) {
       x += slope_x * error;
       y += slope_y * error;
       const Lanes before_x = mask * before.gradient_x.lanes(row, block);
-      const Lanes before_y = mask * before.gradient_y.lanes(row, block);
+      const Lanes before_y =
+          mask * (0.5F / kRowStep) * (before.grey.lanes(row + 1, block) - before.grey.lanes(row - 1, block));
       forward_xx += before_x * before_x;
       forward_xy += before_x * before_y;
       forward_yy += before_y * before_y;

@@ -11,7 +11,7 @@
 namespace cartvo {
 namespace {
 
-constexpr double kSettled = 1e-6;  // m and rad: the step that ends the iterations
+constexpr double kSettled = 1e-5;  // m and rad: the step that ends the iterations
 constexpr double kNotSeen = 1e3;   // error of a landmark behind a camera
 
 void applyStep(const Eigen::VectorXd& step, const std::vector<DepthEquation>& depths,

@@ -21,6 +21,9 @@ class FeatureSet {
 
   void clear() { features_.clear(); }
 
+  /// From the next pair on, so many features are aimed at.
+  void aimAt(int features) { detector_.aimAt(features); }
+
   /// Follows each feature from the frame that saw it last, be it the one before or, for lost ones, up to
   /// `tracking.search_again` earlier (thesis 4.10-4.13). Where it should be is predicted from
   /// `T_world_camera`, the pose expected of the current pair, if there is one. What is not found for too

@@ -29,6 +29,11 @@ bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
   return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
 }
 
+/// Whether the landmark was a new corner until it was looked for and `found` or not.
+bool wasNew(const Landmark& landmark, bool found) {
+  return landmark.age == (found ? 2 : 1);
+}
+
 /// To first order in the inverse depth.
 EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                           const Eigen::Vector2d& pixel) {
@@ -116,6 +121,11 @@ LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySetti
       settings_(settings),
       detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
 
+void LandmarkTracker::aimAt(int features) {
+  settings_.features = features;
+  detector_.aimAt(features);
+}
+
 /// A shift from the last image, then the alignment with the host's patch.
 std::optional<AffineAlignment> LandmarkTracker::alignFrom(const Landmark& landmark, const WindowFrame& host,
                                                           const WindowFrame& last, const ImagePyramid& left,
@@ -174,13 +184,14 @@ bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFram
 
 void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                              const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
-                             const std::optional<Eigen::Isometry3d>& T_world_camera) const {
+                             const std::optional<Eigen::Isometry3d>& T_world_camera) {
   std::vector<unsigned char> found(landmarks.size(), 0);
   forEachIndex(landmarks.size(), [&](std::size_t i) {
     found[i] = followOne(landmarks[i], window, left, frame, oldest_host, T_world_camera) ? 1 : 0;
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (wasNew(landmarks[i], found[i] != 0)) detector_.learn(landmarks[i].host().left, found[i] != 0);
     if (found[i] == 0) continue;
     if (kept != i) landmarks[kept] = std::move(landmarks[i]);
     ++kept;
@@ -195,6 +206,8 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& lef
     return a.trust * std::min(a.age, 10) > b.trust * std::min(b.age, 10);
   });
   std::erase_if(landmarks, [&](const Landmark& landmark) { return !spacing.insert(landmark.last().left); });
+  if (const auto most = static_cast<std::size_t>(settings_.features); landmarks.size() > most)
+    landmarks.resize(most);
 
   std::vector<Eigen::Vector2d> alive;
   for (const Landmark& landmark : landmarks)

@@ -36,16 +36,19 @@ class LandmarkTracker {
  public:
   LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings);
 
+  /// From the next pair on, so many landmarks are aimed at.
+  void aimAt(int features);
+
   /// Looks for each landmark in the left image of pair `frame`, first where the last pair's patch has gone,
   /// then by the host's patch. Appends a sighting to those that are found and drops the others.
   /// `T_world_camera`: the expected pose of that pair, if there is one. A landmark whose host's patch no
   /// longer fits, or whose host is older than `oldest_host`, gets the last pair as its new host.
   void follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
               const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
-              const std::optional<Eigen::Isometry3d>& T_world_camera) const;
+              const std::optional<Eigen::Isometry3d>& T_world_camera);
 
-  /// Of landmarks closer to each other than the minimum distance the more trusted and older stays; then fills
-  /// up with new corners.
+  /// Of landmarks closer to each other than the minimum distance, and of more than are aimed at, the more
+  /// trusted and older stay; then fills up with new corners.
   void renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame);
 
   /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_right_left`: the

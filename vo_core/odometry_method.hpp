@@ -9,6 +9,7 @@ class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;
   virtual OdometryEstimate process(const StereoImages& images, StageObserver& observer) = 0;
+  virtual void aimAt(int features) = 0;
 };
 
 }  // namespace cartvo

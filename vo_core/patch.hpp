@@ -61,26 +61,31 @@ struct Patch {
   }
 };
 
-/// Sixteen bytes, as GCC takes eight to pieces one by one.
-inline void loadBytes(const std::uint8_t* from, Lanes& first, Lanes& second) {
-  WideBytes bytes;
-  std::memcpy(&bytes, from, sizeof bytes);
-  const WideShorts shorts = __builtin_convertvector(bytes, WideShorts);
-  const ShortLanes low = __builtin_shufflevector(shorts, shorts, 0, 1, 2, 3, 4, 5, 6, 7);
-  const ShortLanes high = __builtin_shufflevector(shorts, shorts, 8, 9, 10, 11, 12, 13, 14, 15);
+/// Between each of sixteen bytes and its neighbour to the right, by `fraction` / 256, times 256: exact, and
+/// twice as many at once as in floating point.
+inline void interpolateBytes(const std::uint8_t* from, std::uint16_t fraction, Lanes& first, Lanes& second) {
+  WideBytes here, next;
+  std::memcpy(&here, from, sizeof here);
+  std::memcpy(&next, from + 1, sizeof next);
+  const WideShorts left = __builtin_convertvector(here, WideShorts);
+  const WideShorts right = __builtin_convertvector(next, WideShorts);
+  const WideShorts between = (left << 8) + fraction * (right - left);  // modulo 2^16; the sum is less
+  const ShortLanes low = __builtin_shufflevector(between, between, 0, 1, 2, 3, 4, 5, 6, 7);
+  const ShortLanes high = __builtin_shufflevector(between, between, 8, 9, 10, 11, 12, 13, 14, 15);
   first = __builtin_convertvector(__builtin_convertvector(low, IntLanes), Lanes);
   second = __builtin_convertvector(__builtin_convertvector(high, IntLanes), Lanes);
 }
 
-/// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation. Columns and
-/// rows must be odd.
+/// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation, its x
+/// rounded to 1/256 px. Columns and rows must be odd.
 template <int Columns, int Rows>
 void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Columns, Rows>& patch) {
   using P = Patch<Columns, Rows>;
   static_assert(P::kStride - Columns / 2 < PyramidLevel::kBorder && Rows / 2 + 1 < PyramidLevel::kBorder);
   const double floor_x = std::floor(centre.x());
   const double floor_y = std::floor(centre.y());
-  const float fx = static_cast<float>(centre.x() - floor_x);
+  constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
+  const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - floor_x) + kHalfAStep);
   const float fy = static_cast<float>(centre.y() - floor_y);
   const std::uint8_t* source =
       level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - Rows / 2);
@@ -90,14 +95,10 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   constexpr int kPairs = (P::kBlocks + 1) / 2;
   const auto interpolate_row = [fx](const std::uint8_t* from, Lanes* out) {
 #pragma GCC unroll 4
-    for (int pair = 0; pair < kPairs; ++pair) {
-      Lanes next, after_next;
-      loadBytes(from + 2 * kLanes * pair, out[2 * pair], out[2 * pair + 1]);
-      loadBytes(from + 2 * kLanes * pair + 1, next, after_next);
-      out[2 * pair] += fx * (next - out[2 * pair]);
-      out[2 * pair + 1] += fx * (after_next - out[2 * pair + 1]);
-    }
+    for (int pair = 0; pair < kPairs; ++pair)
+      interpolateBytes(from + 2 * kLanes * pair, fx, out[2 * pair], out[2 * pair + 1]);
   };
+  const float upper_share = (1.0F - fy) / 256.0F, lower_share = fy / 256.0F;
   Lanes upper[2 * kPairs];
   interpolate_row(source, upper);
   for (int y = 0; y < Rows; ++y) {
@@ -106,7 +107,7 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
     interpolate_row(source, lower);
 #pragma GCC unroll 4
     for (int block = 0; block < P::kBlocks; ++block)
-      patch.lanes(y, block) = upper[block] + fy * (lower[block] - upper[block]);
+      patch.lanes(y, block) = upper_share * upper[block] + lower_share * lower[block];
 #pragma GCC unroll 4
     for (int block = 0; block < 2 * kPairs; ++block)
       upper[block] = lower[block];
@@ -140,15 +141,18 @@ double sumOfProducts(const Patch<Columns, Rows>& a, const Patch<Columns, Rows>& 
   return sumOf(sum);
 }
 
-/// Grey values and their gradients, by central differences, around `centre`; all zero in the padding.
-template <int Side>
-void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Side>& grey,
-                     Patch<Side, Side>& gradient_x, Patch<Side, Side>& gradient_y) {
-  static constexpr Patch<Side, 1> kMask = Patch<Side, Side>::mask();
+/// Grey values and their gradients, by central differences, around `centre`; all zero in the padding. Of the
+/// window's Side rows the first and each RowStep-th after it are kept, which are Rows.
+template <int RowStep = 1, int Side, int Rows>
+void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Rows>& grey,
+                     Patch<Side, Rows>& gradient_x, Patch<Side, Rows>& gradient_y) {
+  static_assert(Rows == (Side + RowStep - 1) / RowStep);
+  static constexpr Patch<Side, 1> kMask = Patch<Side, Rows>::mask();
   Patch<Side + 2, Side + 2> wide;
   samplePatch(level, centre, wide);
-  for (int y = 0; y < Side; ++y) {
-    for (int block = 0; block < Patch<Side, Side>::kBlocks; ++block) {
+  for (int kept = 0; kept < Rows; ++kept) {
+    const int y = RowStep * kept;
+    for (int block = 0; block < Patch<Side, Rows>::kBlocks; ++block) {
       const Lanes& mask = kMask.lanes(0, block);
       const int at = kLanes * block;
       Lanes left, middle, right, above, below;
@@ -157,9 +161,9 @@ void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, P
       std::memcpy(&right, wide.row(y + 1) + at + 2, sizeof right);
       std::memcpy(&above, wide.row(y) + at + 1, sizeof above);
       std::memcpy(&below, wide.row(y + 2) + at + 1, sizeof below);
-      grey.lanes(y, block) = mask * middle;
-      gradient_x.lanes(y, block) = 0.5F * mask * (right - left);
-      gradient_y.lanes(y, block) = 0.5F * mask * (below - above);
+      grey.lanes(kept, block) = mask * middle;
+      gradient_x.lanes(kept, block) = 0.5F * mask * (right - left);
+      gradient_y.lanes(kept, block) = 0.5F * mask * (below - above);
     }
   }
 }

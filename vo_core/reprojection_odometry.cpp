@@ -15,6 +15,7 @@ class ReprojectionOdometry final : public OdometryMethod {
       : camera_(camera), settings_(settings), left_pyramids_(settings.tracking.levels) {}
 
   OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
+  void aimAt(int features) override;
 
  private:
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
@@ -36,6 +37,12 @@ class ReprojectionOdometry final : public OdometryMethod {
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
 };
+
+void ReprojectionOdometry::aimAt(int features) {
+  settings_.features = features;
+  for (std::optional<VisualTrack>* track : {&track_, &successor_})
+    if (*track) (*track)->aimAt(features);
+}
 
 PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObserver& observer) {
   const StageScope stage(observer, Stage::pyramid);

@@ -26,7 +26,7 @@ std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const Odo
 }  // namespace
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-    : camera_(camera) {
+    : camera_(camera), settings_(settings) {
   validate(camera);
   validate(settings);
   method_ = makeMethod(camera, settings);
@@ -35,6 +35,12 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySetting
 StereoOdometry::~StereoOdometry() = default;
 StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
+
+void StereoOdometry::aimAt(int features) {
+  settings_.features = features;
+  validate(settings_);
+  method_->aimAt(features);
+}
 
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");

@@ -96,8 +96,13 @@ class StereoOdometry {
   /// the images.
   OdometryEstimate process(const StereoImages& images, StageObserver& observer);
 
+  /// From the next pair on, aims at so many features in each left image (OdometrySettings::features), so that
+  /// a caller who is short of time can have fewer. Throws std::invalid_argument if out of its range.
+  void aimAt(int features);
+
  private:
   StereoCamera camera_;
+  OdometrySettings settings_;
   std::unique_ptr<OdometryMethod> method_;
 };
 

@@ -22,6 +22,7 @@ class ThesisOdometry final : public OdometryMethod {
         meter_(camera, settings) {}
 
   OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
+  void aimAt(int features) override { features_.aimAt(features); }
 
  private:
   void takeTime(std::int64_t exposure_ns);

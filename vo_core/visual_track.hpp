@@ -48,6 +48,7 @@ class VisualTrack {
               const RigMonitor& rig, StageObserver& observer);
 
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
+  void aimAt(int features) { tracker_.aimAt(features); }
 
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;

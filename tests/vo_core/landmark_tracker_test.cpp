@@ -86,10 +86,12 @@ TEST_F(LandmarkTrackerTest, FollowsWithoutKnowingTheMotion) {
     follow(index, 0, std::nullopt);
   EXPECT_GT(landmarks_.size(), 0.8 * static_cast<double>(before));  // the rest has left the picture
   EXPECT_LT(medianError(), 0.03);
+  std::size_t of_the_first_host = 0;  // a patch that no longer looks like its host gets another one
   for (const Landmark& landmark : landmarks_) {
-    EXPECT_EQ(landmark.sightings.size(), 4U);
+    if (landmark.sightings.size() == 4U) ++of_the_first_host;
     EXPECT_EQ(landmark.age, 4);
   }
+  EXPECT_GT(of_the_first_host, 0.95 * static_cast<double>(landmarks_.size()));
 }
 
 TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {

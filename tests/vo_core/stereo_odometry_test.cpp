@@ -226,6 +226,26 @@ TEST_P(EachEstimator, NamesEachStageOnceAPair) {
   EXPECT_EQ(std::set<Stage>(recorder.begun.begin(), recorder.begun.end()).size(), recorder.begun.size());
 }
 
+TEST_P(EachEstimator, GoesOnWithFewerFeaturesAndWithMoreAgain) {
+  StereoOdometry odometry(kCamera, smallSettings());
+  NullStageObserver observer;
+  const std::vector<StereoImages>& pairs = drivePairs();
+  ASSERT_GE(pairs.size(), 7U);
+  const int all = odometry.process(pairs[0], observer).counts.detected;
+  odometry.aimAt(60);
+  for (std::size_t i = 1; i < 4; ++i)
+    EXPECT_TRUE(odometry.process(pairs[i], observer).valid);
+  const int few = odometry.process(pairs[4], observer).counts.detected;
+  EXPECT_LT(few, all);
+  if (GetParam() == Estimator::reprojection) {
+    EXPECT_LE(few, 60) << "the thesis' features stay until they are lost";
+  }
+  odometry.aimAt(smallSettings().features);
+  EXPECT_GT(odometry.process(pairs[5], observer).counts.detected, few);
+  EXPECT_TRUE(odometry.process(pairs[6], observer).valid);
+  EXPECT_THROW(odometry.aimAt(0), std::invalid_argument);
+}
+
 TEST_P(EachEstimator, RefusesImagesOfAnotherKind) {
   StereoOdometry odometry(kCamera, smallSettings());
   NullStageObserver observer;

@@ -6,13 +6,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/places.hpp"
+
 namespace cartvo::test {
 
 /// Where the real sequences lie: $CARTVO_DATA, or ../shared/data beside the checkout.
 inline std::filesystem::path dataFolder() {
   const char* configured = std::getenv("CARTVO_DATA");
-  return configured != nullptr ? std::filesystem::path(configured)
-                               : std::filesystem::path(CARTVO_SOURCE_DIR) / "../shared/data";
+  return configured != nullptr ? std::filesystem::path(configured) : sourceFolder() / "../shared/data";
 }
 
 /// Whether a missing file is a failure (CI) or a reason to skip (a user's machine).

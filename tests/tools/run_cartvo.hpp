@@ -6,6 +6,8 @@
 
 #include <sys/wait.h>
 
+#include "support/places.hpp"
+
 namespace cartvo::test {
 
 struct Finished {
@@ -15,7 +17,7 @@ struct Finished {
 
 /// Runs the built `cartvo` as people do, through the shell.
 inline Finished runCartvo(const std::string& arguments) {
-  const std::string command = std::string(CARTVO_PROGRAM) + " " + arguments + " 2>&1";
+  const std::string command = cartvoProgram().string() + " " + arguments + " 2>&1";
   Finished run;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return run;

@@ -1,13 +1,9 @@
 #pragma once
 
+#include "calib/normalised_point.hpp"
 #include "calib/rig.hpp"
 
 namespace cartvo {
-
-/// A point of the image plane at distance 1 from the camera: (x/z, y/z).
-struct NormalisedPoint {
-  double x = 0.0, y = 0.0;
-};
 
 /// Brown's distortion (thesis 4.5-4.7 with L(r) = 1 + k1 r^2 + k2 r^4, extended by k3, OpenCV's rational
 /// denominator k4 k5 k6 and the tangential p1 p2), limited to the part of the plane where it can be undone: a

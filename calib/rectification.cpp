@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "calib/brown_distortion.hpp"
+#include "calib/lens.hpp"
 #include "calib/rig_file.hpp"
 
 namespace cartvo {
@@ -22,12 +22,9 @@ struct Rectangle {
 
 bool isRectified(const Rig& rig) {
   const CameraModel &left = rig.left, &right = rig.right;
-  const auto has_no_distortion = [](const CameraModel& camera) {
-    return std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0.0; });
-  };
   const Eigen::Vector3d t = rig.T_right_left.translation();
   return left.fx == left.fy && left.fx == right.fx && right.fx == right.fy && left.cx == right.cx &&
-         left.cy == right.cy && has_no_distortion(left) && has_no_distortion(right) &&
+         left.cy == right.cy && isPinhole(left) && isPinhole(right) &&
          rig.T_right_left.linear() == Eigen::Matrix3d::Identity() && t.y() == 0.0 && t.z() == 0.0;
 }
 
@@ -64,6 +61,16 @@ Eigen::Matrix3d leastRotationToX(const Eigen::Vector3d& direction) {
   return Eigen::Matrix3d::Identity() + K + K * K / (1.0 + direction.x());
 }
 
+/// The farthest from the rectified axis that a wide lens' image is kept: the tangent of 70 degrees.
+constexpr double kWidestRadius = 2.747477419454622;
+
+/// Where a ray meets the rectified plane; one that lies beyond the radius, or behind, is taken back to it.
+NormalisedPoint withinWidest(const Eigen::Vector3d& ray) {
+  const double sideways = std::sqrt(ray.x() * ray.x() + ray.y() * ray.y());
+  const double depth = std::max(ray.z(), sideways / kWidestRadius);
+  return {ray.x() / depth, ray.y() / depth};
+}
+
 /// What the outline of the raw image becomes on the rectified plane: the largest upright rectangle within and
 /// the smallest around.
 struct Outline {
@@ -71,17 +78,19 @@ struct Outline {
 };
 
 Outline rectifiedOutline(const CameraModel& camera, const Eigen::Matrix3d& R_rectified_camera) {
-  const BrownDistortion lens(camera);
+  const Lens lens(camera);
   const double right = camera.size.width - 1.0, bottom = camera.size.height - 1.0;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Outline outline{{-kInfinity, -kInfinity, kInfinity, kInfinity},
                   {kInfinity, kInfinity, -kInfinity, -kInfinity}};
   const auto rectified = [&](double column, double row) {
-    const NormalisedPoint ideal =
-        lens.undistort({(column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy});
-    const Eigen::Vector3d ray = R_rectified_camera * Eigen::Vector3d(ideal.x, ideal.y, 1.0);
-    if (!(ray.z() > 0.0)) throw std::invalid_argument("the cameras are turned too far apart to be rectified");
-    const NormalisedPoint point{ray.x() / ray.z(), ray.y() / ray.z()};
+    const Eigen::Vector3d ray = R_rectified_camera * lens.undistort({(column - camera.cx) / camera.fx,
+                                                                     (row - camera.cy) / camera.fy});
+    const bool is_wide = camera.lens == LensModel::wide;
+    if (!is_wide && !(ray.z() > 0.0))
+      throw std::invalid_argument("the cameras are turned too far apart to be rectified");
+    const NormalisedPoint point =
+        is_wide ? withinWidest(ray) : NormalisedPoint{ray.x() / ray.z(), ray.y() / ray.z()};
     outline.outer.left = std::min(outline.outer.left, point.x);
     outline.outer.right = std::max(outline.outer.right, point.x);
     outline.outer.top = std::min(outline.outer.top, point.y);
@@ -131,6 +140,16 @@ void chooseCamera(const Rig& rig, const RectificationSettings& settings, Rectifi
 
 }  // namespace
 
+RectifyingRotations rectifyingRotations(const Rig& rig) {
+  checkBaseline(rig);
+  // Turned by half of the relative rotation each, the cameras are parallel; then the baseline is laid along
+  // x.
+  const Eigen::Quaterniond half = halfRotation(rig.T_right_left.linear());
+  const Eigen::Vector3d right_in_left = rig.T_right_left.inverse().translation();
+  const Eigen::Matrix3d to_baseline = leastRotationToX((half * right_in_left).normalized());
+  return {to_baseline * half.toRotationMatrix(), to_baseline * half.conjugate().toRotationMatrix()};
+}
+
 Rectification computeRectification(const Rig& rig, const RectificationSettings& settings) {
   validateRig(rig);
   if (!(settings.free_scaling >= 0.0 && settings.free_scaling <= 1.0)) {
@@ -147,13 +166,9 @@ Rectification computeRectification(const Rig& rig, const RectificationSettings& 
     rectification.is_identity = true;
     return rectification;
   }
-  // Turned by half of the relative rotation each, the cameras are parallel; then the baseline is laid along
-  // x.
-  const Eigen::Quaterniond half = halfRotation(rig.T_right_left.linear());
-  const Eigen::Vector3d right_in_left = rig.T_right_left.inverse().translation();
-  const Eigen::Matrix3d to_baseline = leastRotationToX((half * right_in_left).normalized());
-  rectification.R_rectified_left = to_baseline * half.toRotationMatrix();
-  rectification.R_rectified_right = to_baseline * half.conjugate().toRotationMatrix();
+  const RectifyingRotations rotations = rectifyingRotations(rig);
+  rectification.R_rectified_left = rotations.left;
+  rectification.R_rectified_right = rotations.right;
   chooseCamera(rig, settings, rectification);
   return rectification;
 }

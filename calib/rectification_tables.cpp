@@ -7,7 +7,7 @@
 
 #include <xxhash.h>
 
-#include "calib/brown_distortion.hpp"
+#include "calib/lens.hpp"
 
 namespace cartvo {
 namespace {
@@ -26,7 +26,7 @@ std::uint32_t fixedPoint(double coordinate, int size) {
 
 PixelSources buildSources(const CameraModel& camera, const Eigen::Matrix3d& R_rectified_camera,
                           const Rectification& rectification) {
-  const BrownDistortion lens(camera);
+  const Lens lens(camera);
   const Eigen::Matrix3d R_camera_rectified = R_rectified_camera.transpose();
   const auto R = [&](int row, int column) { return R_camera_rectified(row, column); };
   const std::size_t pixels = static_cast<std::size_t>(rectification.size.area());
@@ -41,9 +41,9 @@ PixelSources buildSources(const CameraModel& camera, const Eigen::Matrix3d& R_re
     for (int u = 0; u < rectification.size.width; ++u) {
       const double x = (u - rectification.cx) / rectification.focal_length;
       // Written out, not as a product of Eigen's, whose order of summation may depend on the processor.
-      const double depth = std::max(R(2, 0) * x + R(2, 1) * y + R(2, 2), 1e-6);
-      const NormalisedPoint raw = lens.distort(
-          {(R(0, 0) * x + R(0, 1) * y + R(0, 2)) / depth, (R(1, 0) * x + R(1, 1) * y + R(1, 2)) / depth});
+      const NormalisedPoint raw =
+          lens.distort({R(0, 0) * x + R(0, 1) * y + R(0, 2), R(1, 0) * x + R(1, 1) * y + R(1, 2),
+                        R(2, 0) * x + R(2, 1) * y + R(2, 2)});
       const std::uint32_t column = fixedPoint(camera.fx * raw.x + camera.cx, camera.size.width);
       const std::uint32_t row = fixedPoint(camera.fy * raw.y + camera.cy, camera.size.height);
       sources.column.push_back(static_cast<std::uint16_t>(column >> kFractionBits));
@@ -67,6 +67,8 @@ std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& set
       add(value);
     for (const double coefficient : camera->distortion)
       add(coefficient);
+    // Brown's lenses were there first; without a word for them, the tables people have stay valid.
+    if (camera->lens == LensModel::wide) add(static_cast<double>(camera->lens));
   }
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column)

@@ -1,6 +1,17 @@
 #include "calib/rig.hpp"
 
+#include <algorithm>
+
 namespace cartvo {
+
+std::size_t distortionCount(LensModel lens) {
+  return lens == LensModel::wide ? 4 : 8;
+}
+
+bool isPinhole(const CameraModel& camera) {
+  return camera.lens == LensModel::brown &&
+         std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0.0; });
+}
 
 Eigen::Isometry3d forwardLookingMount() {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();

@@ -1,13 +1,15 @@
 #include "calib/rig_file.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "calib/atomic_file.hpp"
-#include "calib/rig_import.hpp"
+#include "calib/exact_text.hpp"
+#include "calib/kalibr_rig.hpp"
+#include "calib/matlab_rig.hpp"
+#include "calib/opencv_rig.hpp"
 #include "calib/rotation.hpp"
 #include "calib/strict_yaml.hpp"
 
@@ -18,15 +20,23 @@ constexpr int kFormatVersion = 1;
 constexpr int kLargestSide = 8192;
 constexpr double kShortestBaseline = 0.005, kLongestBaseline = 10.0;
 
+LensModel readLens(const StrictYaml& yaml) {
+  const std::string name = yaml.text();
+  if (name == "wide") return LensModel::wide;
+  if (name != "brown") yaml.failExpecting("brown or wide");
+  return LensModel::brown;
+}
+
 CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
-  yaml.allowOnly({"fx", "fy", "cx", "cy", "distortion"});
+  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion"});
   CameraModel camera;
   camera.size = size;
   camera.fx = yaml["fx"].number(1.0, 1e5);
   camera.fy = yaml["fy"].number(1.0, 1e5);
   camera.cx = yaml["cx"].number(-size.width, 2.0 * size.width);
   camera.cy = yaml["cy"].number(-size.height, 2.0 * size.height);
-  const std::vector<double> distortion = yaml["distortion"].numbers(camera.distortion.size());
+  if (yaml.has("lens")) camera.lens = readLens(yaml["lens"]);
+  const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
   return camera;
 }
@@ -46,7 +56,8 @@ Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
 }
 
 Rig readOwnRig(const StrictYaml& yaml) {
-  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera"});
+  yaml.allowOnly(
+      {"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera", "free_scaling"});
   yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
   const std::vector<double> size = yaml["image_size"].numbers(2);
   for (const double side : size) {
@@ -65,33 +76,21 @@ Rig readOwnRig(const StrictYaml& yaml) {
   }
   rig.T_body_camera =
       yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
+  if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
   return rig;
 }
 
 Rig rigFrom(const StrictYaml& yaml, const std::filesystem::path& name) {
   if (yaml.has("cartvo_rig")) return readOwnRig(yaml);
   if (yaml.has("K1")) return openCvRig(yaml, name);
+  if (yaml.has("cam0")) return kalibrRig(yaml, name);
+  if (yaml.has("CameraParameters1")) return matlabRig(yaml, name);
   throw std::runtime_error(
       name.string() +
-      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 "
-      "K2 D2 R T image_size");
-}
-
-/// With as few digits as give the same double back.
-std::string exact(double value) {
-  char text[32];
-  for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::stod(text) == value) break;
-  }
-  return text;
-}
-
-std::string list(const std::vector<double>& values) {
-  std::string text = "[";
-  for (const double value : values)
-    text += (text.size() > 1 ? ", " : "") + exact(value);
-  return text + "]";
+      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 K2 D2 R T "
+      "image_size, a Kalibr camchain (cam0) or MATLAB's stereoParameters as JSON (CameraParameters1); files "
+      "of "
+      "other tools are read by 'cartvo calibrate convert'");
 }
 
 std::string quoted(const std::string& text) {
@@ -104,19 +103,23 @@ std::string quoted(const std::string& text) {
 }
 
 std::string cameraText(const CameraModel& camera) {
-  return "  fx: " + exact(camera.fx) + "\n  fy: " + exact(camera.fy) + "\n  cx: " + exact(camera.cx) +
-         "\n  cy: " + exact(camera.cy) +
-         "\n  distortion: " + list({camera.distortion.begin(), camera.distortion.end()}) + "\n";
+  const std::string lens = camera.lens == LensModel::wide ? "\n  lens: wide" : "";
+  const auto coefficients = camera.distortion.begin();
+  const auto count = static_cast<std::ptrdiff_t>(distortionCount(camera.lens));
+  return "  fx: " + exactText(camera.fx) + "\n  fy: " + exactText(camera.fy) +
+         "\n  cx: " + exactText(camera.cx) + "\n  cy: " + exactText(camera.cy) + lens +
+         "\n  distortion: " + exactText(std::vector<double>{coefficients, coefficients + count}) + "\n";
 }
 
 std::string transformText(const Eigen::Isometry3d& transform) {
   std::string text = "  rotation:\n";
   for (int row = 0; row < 3; ++row) {
     const Eigen::Vector3d values = transform.linear().row(row);
-    text += "    - " + list({values.x(), values.y(), values.z()}) + "\n";
+    text += "    - " + exactText(std::vector<double>{values.x(), values.y(), values.z()}) + "\n";
   }
   const Eigen::Vector3d translation = transform.translation();
-  return text + "  translation: " + list({translation.x(), translation.y(), translation.z()}) + "\n";
+  return text + "  translation: " +
+         exactText(std::vector<double>{translation.x(), translation.y(), translation.z()}) + "\n";
 }
 
 void validateCamera(const CameraModel& camera, const std::string& side) {
@@ -129,8 +132,10 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
   check(std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0,
         "focal lengths must be above 0 px");
   check(std::isfinite(camera.cx) && std::isfinite(camera.cy), "principal point must be finite");
-  for (const double coefficient : camera.distortion) {
-    check(std::isfinite(coefficient), "distortion must be finite");
+  for (std::size_t i = 0; i < camera.distortion.size(); ++i) {
+    check(std::isfinite(camera.distortion[i]), "distortion must be finite");
+    check(i < distortionCount(camera.lens) || camera.distortion[i] == 0.0,
+          "distortion has more coefficients than its lens model");
   }
 }
 
@@ -157,9 +162,9 @@ std::string rigText(const Rig& rig) {
          "image_size: [" +
          std::to_string(rig.left.size.width) + ", " + std::to_string(rig.left.size.height) +
          "]\n"
-         "# Pinhole with Brown's distortion: focal lengths and principal point in px, pixel centres at "
-         "integers;\n"
-         "# distortion k1 k2 p1 p2 k3 k4 k5 k6 as in OpenCV.\n"
+         "# Focal lengths and principal point in px, pixel centres at integers; distortion k1 k2 p1 p2 k3 k4 "
+         "k5 k6 of\n"
+         "# Brown's model or, with 'lens: wide', k1 k2 k3 k4 of Kannala and Brandt's, both as in OpenCV.\n"
          "left:\n" +
          cameraText(rig.left) + "right:\n" + cameraText(rig.right) +
          "# Takes a point from the left camera's axes to the right's (x right, y down, z forward; m), row by "
@@ -173,7 +178,12 @@ std::string rigText(const Rig& rig) {
          "the\n"
          "# translation is where the left camera sits.\n"
          "T_body_camera:\n" +
-         transformText(rig.T_body_camera);
+         transformText(rig.T_body_camera) +
+         "# How much of the raw images the rectified ones keep: 0 crops until each pixel has a source, 1 "
+         "keeps "
+         "all.\n"
+         "free_scaling: " +
+         exactText(rig.rectification.free_scaling) + "\n";
 }
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {
@@ -190,6 +200,9 @@ void validateRig(const Rig& rig) {
   for (const Eigen::Isometry3d& transform : {rig.T_right_left, rig.T_body_camera}) {
     if (!isRotation(transform.linear())) throw std::invalid_argument("rig: a rotation is not orthonormal");
     if (!transform.translation().allFinite()) throw std::invalid_argument("rig: a translation is not finite");
+  }
+  if (!(rig.rectification.free_scaling >= 0.0 && rig.rectification.free_scaling <= 1.0)) {
+    throw std::invalid_argument("rig: free_scaling must lie in 0 to 1");
   }
   if (!(rig.baseline() >= kShortestBaseline && rig.baseline() <= kLongestBaseline)) {
     throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +

@@ -7,10 +7,10 @@
 
 namespace cartvo {
 
-/// Reads a rig: our own YAML format (see config/ and `rigText`) or an OpenCV FileStorage (readOpenCvRig),
-/// told apart by their contents. Our own is read strictly: an unknown, missing or repeated key, a wrong type
-/// or a value out of range throws std::runtime_error naming file, line, key, what was expected and what was
-/// found.
+/// Reads a rig: our own YAML format (see config/ and `rigText`), an OpenCV FileStorage, a Kalibr camchain or
+/// MATLAB's stereoParameters as JSON, told apart by their contents. Our own is read strictly: an unknown,
+/// missing or repeated key, a wrong type or a value out of range throws std::runtime_error naming file, line,
+/// key, what was expected and what was found.
 Rig readRig(const std::filesystem::path& file);
 
 /// As `readRig`, of a text that lies elsewhere (in a recording); `name` stands for the file in errors.

@@ -24,6 +24,7 @@ void expectEqual(const CameraModel& a, const CameraModel& b) {
   EXPECT_EQ(a.fy, b.fy);
   EXPECT_EQ(a.cx, b.cx);
   EXPECT_EQ(a.cy, b.cy);
+  EXPECT_EQ(a.lens, b.lens);
   EXPECT_EQ(a.distortion, b.distortion);
 }
 
@@ -39,6 +40,25 @@ TEST(RigFile, GivesBackWhatWasWrittenToTheLastBit) {
   expectEqual(read.right, rig.right);
   EXPECT_EQ(read.T_right_left.matrix(), rig.T_right_left.matrix());
   EXPECT_EQ(read.T_body_camera.matrix(), rig.T_body_camera.matrix());
+}
+
+TEST(RigFile, GivesBackAWideLensAndTheScaling) {
+  const test::TemporaryFolder folder;
+  Rig rig = test::wideRig();
+  rig.rectification.free_scaling = 0.25;
+  writeRig(folder / "rig.yaml", rig);
+  const Rig read = readRig(folder / "rig.yaml");
+  expectEqual(read.left, rig.left);
+  expectEqual(read.right, rig.right);
+  EXPECT_EQ(read.rectification.free_scaling, 0.25);
+}
+
+TEST(RigFile, WithoutALensModelOrScalingIsBrownsAndCropped) {
+  const std::string text = rigText(test::cartRig());
+  ASSERT_THAT(text, ::testing::Not(HasSubstr("\n  lens:")));
+  const Rig read = parseRig(text.substr(0, text.find("free_scaling:")), "rig.yaml");
+  EXPECT_EQ(read.left.lens, LensModel::brown);
+  EXPECT_EQ(read.rectification.free_scaling, 0.0);
 }
 
 TEST(RigFile, WithoutAPlaceOnTheCartLooksForward) {
@@ -89,9 +109,17 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Fault{"UnknownKey", "name:", "nmae: x\nname:",
               "3: nmae: expected one of the keys cartvo_rig, name, image_size, left, right, T_right_left, "
-              "T_body_camera, found 'nmae'"},
+              "T_body_camera, free_scaling, found 'nmae'"},
         Fault{"UnknownKeyInside", "  fx: 500.5", "  fx: 500.5\n  skew: 0",
-              "10: left.skew: expected one of the keys fx, fy, cx, cy, distortion, found 'skew'"},
+              "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, found 'skew'"},
+        Fault{"UnknownLens", "  fx: 500.5", "  lens: narrow\n  fx: 500.5",
+              "9: left.lens: expected brown or wide, found 'narrow'"},
+        Fault{"WideWithBrownsCoefficients", "  fx: 500.5", "  lens: wide\n  fx: 500.5",
+              "14: left.distortion: expected a sequence of 4 numbers, found a sequence of 8 [0, 0, 0, 0, 0, "
+              "0, 0, "
+              "0]"},
+        Fault{"ScalingBeyondOne", "free_scaling: 0", "free_scaling: 1.5",
+              "38: free_scaling: expected a number from 0 to 1, found '1.5'"},
         Fault{"RepeatedKey", "name:", "name: x\nname:", "4: name: expected each key once, found 'name'"},
         Fault{"MissingKey", "  cx: 320.25\n", "",
               "9: left.cx: expected this key, which is missing, found a map"},

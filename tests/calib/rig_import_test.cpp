@@ -1,10 +1,12 @@
-#include "calib/rig_import.hpp"
-
+// Rigs from files as other tools write them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 #include "calib/atomic_file.hpp"
+#include "calib/euroc_rig.hpp"
+#include "calib/kitti_rig.hpp"
+#include "calib/opencv_rig.hpp"
 #include "calib/rectification.hpp"
 #include "calib/rig_file.hpp"
 #include "calib/rigs.hpp"

@@ -41,4 +41,18 @@ inline Rig rectifiedRig() {
   return rig;
 }
 
+/// A pair of fisheye lenses that see more than 150 degrees across, turned against each other by a degree.
+inline Rig wideRig() {
+  Rig rig = cartRig();
+  rig.name = "wide";
+  rig.left.fx = 250.5;
+  rig.left.fy = 251.0;
+  rig.right.fx = 249.0;
+  rig.right.fy = 249.5;
+  rig.left.lens = rig.right.lens = LensModel::wide;
+  rig.left.distortion = {-0.012, 0.006, -0.003, 0.0004};
+  rig.right.distortion = {-0.011, 0.004, -0.002, 0.0003};
+  return rig;
+}
+
 }  // namespace cartvo::test

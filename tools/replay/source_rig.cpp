@@ -4,8 +4,9 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "calib/euroc_rig.hpp"
+#include "calib/kitti_rig.hpp"
 #include "calib/rig_file.hpp"
-#include "calib/rig_import.hpp"
 #include "capture/image_folder.hpp"
 
 namespace cartvo {

@@ -1,7 +1,6 @@
 // A content's images, instants, rig and truth as files.
 #include "tools/simulate/content_files.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/atomic_file.hpp"
+#include "calib/kitti_rig.hpp"
 #include "calib/rig_file.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -25,29 +25,6 @@ std::string decimalSeconds(std::int64_t time_ns) {
                 static_cast<long long>(magnitude / 1'000'000'000),
                 static_cast<long long>(magnitude % 1'000'000'000));
   return text;
-}
-
-// KITTI's calib.txt can only say what is rectified: no distortion, axes in parallel, one focal length.
-bool isRectified(const Rig& rig) {
-  const auto undistorted = [](const CameraModel& camera) {
-    return camera.fx == camera.fy && std::all_of(camera.distortion.begin(), camera.distortion.end(),
-                                                 [](double coefficient) { return coefficient == 0.0; });
-  };
-  const Eigen::Vector3d t = rig.T_right_left.translation();
-  return undistorted(rig.left) && undistorted(rig.right) && rig.left.fx == rig.right.fx &&
-         rig.T_right_left.linear().isIdentity(1e-12) && t.y() == 0.0 && t.z() == 0.0;
-}
-
-std::string projectionRow(const char* name, const CameraModel& camera, double tx) {
-  char row[240];
-  std::snprintf(row, sizeof row, "%s %.12e 0 %.12e %.12e 0 %.12e %.12e 0 0 0 1 0\n", name, camera.fx,
-                camera.cx, tx, camera.fy, camera.cy);
-  return row;
-}
-
-std::string calibText(const Rig& rig) {
-  return projectionRow("P0:", rig.left, 0.0) +
-         projectionRow("P1:", rig.right, rig.right.fx * rig.T_right_left.translation().x());
 }
 
 void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
@@ -101,7 +78,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   }
   writeDescription(partial, content);
   writeTruth(partial, content, 0);
-  if (isRectified(content.rig())) writeFileAtomically(partial / "calib.txt", calibText(content.rig()));
+  if (isKittiRig(content.rig())) writeFileAtomically(partial / "calib.txt", kittiText(content.rig()));
   fs::rename(partial, folder);
 }
 

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "calib/euroc_rig.hpp"
+#include "calib/kitti_rig.hpp"
 #include "calib/rig_file.hpp"
-#include "calib/rig_import.hpp"
 #include "tools/simulate/truth.hpp"
 
 namespace cartvo::simulate {

@@ -1,0 +1,20 @@
+#include "calib/board_detection.hpp"
+
+#include "calib/chessboard_detection.hpp"
+#include "calib/marker_detection.hpp"
+
+namespace cartvo {
+
+std::vector<SeenCorner> detectBoard(const cv::Mat& grey, const BoardSpec& board) {
+  if (const auto* const chessboard = std::get_if<Chessboard>(&board))
+    return detectChessboard(grey, *chessboard);
+  if (const auto* const charuco = std::get_if<Charuco>(&board)) return detectCharuco(grey, *charuco);
+  return detectAprilGrid(grey, std::get<AprilGrid>(board));
+}
+
+std::string otherBoardSeen(const cv::Mat& grey, const BoardSpec& board) {
+  if (std::holds_alternative<Chessboard>(board)) return chessboardSeen(grey);
+  return markerBeyondSeen(grey, board);
+}
+
+}  // namespace cartvo

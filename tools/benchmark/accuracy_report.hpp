@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/benchmark/accuracy.hpp"
-#include "tools/benchmark/table.hpp"
+#include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {
 

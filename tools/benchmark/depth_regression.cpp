@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "calib/brown_distortion.hpp"
+#include "calib/lens.hpp"
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
 #include "tools/world/rendered_world.hpp"
@@ -23,14 +23,14 @@ constexpr double kWrong = 2.0;  // px of disparity
 class TrueDepth {
  public:
   TrueDepth(const CameraModel& camera, const Rectification& rectification, const cv::Mat& raw_depth)
-      : camera_(camera), distortion_(camera), rectification_(rectification), depth_(raw_depth) {}
+      : camera_(camera), lens_(camera), rectification_(rectification), depth_(raw_depth) {}
 
   /// Along the rectified camera's axis, m; nothing where it is not clear.
   std::optional<double> at(int x, int y) const {
     const Eigen::Vector3d rectified((x - rectification_.cx) / rectification_.focal_length,
                                     (y - rectification_.cy) / rectification_.focal_length, 1.0);
     const Eigen::Vector3d ray = rectification_.R_rectified_left.transpose() * rectified;
-    const NormalisedPoint raw = distortion_.distort({ray.x() / ray.z(), ray.y() / ray.z()});
+    const NormalisedPoint raw = lens_.distort(ray);
     const std::optional<double> depth =
         rawDepth(camera_.fx * raw.x + camera_.cx, camera_.fy * raw.y + camera_.cy);
     if (!depth) return std::nullopt;
@@ -73,7 +73,7 @@ class TrueDepth {
   }
 
   CameraModel camera_;
-  BrownDistortion distortion_;
+  Lens lens_;
   Rectification rectification_;
   cv::Mat depth_;
 };

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/benchmark/offset_benchmark.hpp"
-#include "tools/benchmark/table.hpp"
+#include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {
 

@@ -61,7 +61,9 @@ class ThesisRun {
  private:
   Replay replayed(const Sequence& sequence, int features) {
     observer_.begin(sequence.name + ": " + std::to_string(features) + " features");
-    ReplaySettings replay{sequence.folder, {}, settings_.odometry};
+    ReplaySettings replay;
+    replay.source = sequence.folder;
+    replay.odometry = settings_.odometry;
     replay.odometry.features = features;
     return replaySource(replay, [&](const PairResult& result, std::size_t expected) {
       observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/benchmark/table.hpp"
 #include "tools/benchmark/thesis_benchmark.hpp"
+#include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {
 

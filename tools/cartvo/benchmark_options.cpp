@@ -58,8 +58,7 @@ std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& name
 
 }  // namespace
 
-benchmark::ReportFormat BenchmarkOptions::reportFormat() const {
-  using benchmark::ReportFormat;
+ReportFormat BenchmarkOptions::reportFormat() const {
   if (format == "json") return ReportFormat::json;
   return format == "markdown" ? ReportFormat::markdown : ReportFormat::text;
 }
@@ -104,9 +103,9 @@ void checkOutput(const fs::path& file) {
 
 void handReport(const BenchmarkOptions& options, const char* benchmark,
                 const std::function<nlohmann::ordered_json()>& json,
-                const std::function<std::string(benchmark::ReportFormat)>& text) {
+                const std::function<std::string(ReportFormat)>& text) {
   std::string report;
-  if (options.reportFormat() == benchmark::ReportFormat::json) {
+  if (options.reportFormat() == ReportFormat::json) {
     nlohmann::ordered_json all = {{"benchmark", benchmark},
                                   {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
                                   {"threads", options.threads}};

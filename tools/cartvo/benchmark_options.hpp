@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/benchmark/accuracy_benchmark.hpp"
-#include "tools/benchmark/table.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/report/table.hpp"
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -26,7 +26,7 @@ struct BenchmarkOptions {
   std::string format = "text";
   std::filesystem::path output;
 
-  benchmark::ReportFormat reportFormat() const;
+  ReportFormat reportFormat() const;
 };
 
 /// Adds --threads, --format and --output. `options` must live as long as the command.
@@ -47,7 +47,7 @@ void checkOutput(const std::filesystem::path& file);
 /// name, versions and threads, or `text` in that format. Only the one wanted is called.
 void handReport(const BenchmarkOptions& options, const char* benchmark,
                 const std::function<nlohmann::ordered_json()>& json,
-                const std::function<std::string(benchmark::ReportFormat)>& text);
+                const std::function<std::string(ReportFormat)>& text);
 
 /// Throws std::runtime_error if there are neither real sequences nor worlds.
 void requireSequences(const std::filesystem::path& data, const std::vector<world::WorldSettings>& worlds);

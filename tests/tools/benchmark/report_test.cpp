@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/benchmark/accuracy_report.hpp"
-#include "tools/benchmark/table.hpp"
 #include "tools/benchmark/thesis_report.hpp"
+#include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {
 namespace {

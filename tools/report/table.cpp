@@ -1,12 +1,12 @@
 // Tables for terminals and documents.
-#include "tools/benchmark/table.hpp"
+#include "tools/report/table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
-namespace cartvo::benchmark {
+namespace cartvo {
 namespace {
 
 /// Characters, not bytes: continuation bytes of UTF-8 take no place.
@@ -86,4 +86,4 @@ std::string significant(double value) {
   return fixed(value, std::clamp(3 - before_point, 0, 9));
 }
 
-}  // namespace cartvo::benchmark
+}  // namespace cartvo

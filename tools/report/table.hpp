@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace cartvo::benchmark {
+namespace cartvo {
 
 enum class ReportFormat : std::uint8_t { text, markdown, json };
 
@@ -41,4 +41,4 @@ std::string fixed(double value, int decimals);
 /// Three significant digits, without an exponent where that is not needed: 0.0123, 1.23, 123.
 std::string significant(double value);
 
-}  // namespace cartvo::benchmark
+}  // namespace cartvo

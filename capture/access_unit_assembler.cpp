@@ -25,7 +25,7 @@ void AccessUnitAssembler::add(const StreamFragment& fragment) {
   seems_complete_ = rule_applies && (!fragment_may_go_on_ || fragment_length_ != full_fragment_);
   if (seems_complete_ && completesEarly()) {
     AssembledUnit unit = std::move(*current_);
-    current_ = AssembledUnit{{}, unit.pts, 0, std::nullopt, false};
+    current_ = AssembledUnit{{}, unit.pts, 0, 0, std::nullopt, false};
     handed_out_ = true;
     complete_.push_back(std::move(unit));
   }
@@ -41,11 +41,12 @@ std::optional<AssembledUnit> AccessUnitAssembler::take() {
 void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {
   const bool lost = current_ && current_->data_lost;
   if (current_ && !handed_out_) {
+    if (fragment.data_lost) current_->data_lost = true;  // what is missing may have been its end
     complete_.push_back(std::move(*current_));
   }
   // A picture that was handed out too early shows in the next one's status.
   const bool carried = handed_out_ && lost;
-  current_ = AssembledUnit{{}, fragment.pts, fragment.arrival_ns, std::nullopt, carried};
+  current_ = AssembledUnit{{}, fragment.pts, fragment.arrival_ns, fragment.arrival_ns, std::nullopt, carried};
   handed_out_ = false;
   slices_ = 0;
   key_ = false;

@@ -26,7 +26,8 @@ struct StreamFragment {
 struct AssembledUnit {
   std::vector<std::uint8_t> data;
   std::int64_t pts = 0;
-  std::int64_t arrival_ns = 0;  ///< of its last fragment
+  std::int64_t first_arrival_ns = 0;  ///< of its first fragment
+  std::int64_t arrival_ns = 0;        ///< of its last fragment
   std::optional<std::int64_t> reference_us;
   bool data_lost = false;
 };

@@ -16,7 +16,14 @@ enum class ReadOutcome : std::uint8_t {
 };
 
 /// What a camera is doing, for health reports.
-enum class CameraState : std::uint8_t { connecting, streaming, stalled, refused, ended };
+enum class CameraState : std::uint8_t {
+  connecting,
+  streaming,
+  stalled,
+  refused,
+  ended,
+  frozen,  ///< packets flow, but the picture never changes
+};
 
 /// A snapshot of one camera's condition. Holds no credentials.
 struct CameraHealth {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,16 @@ struct EncodedUnit {
   std::vector<std::uint8_t> data;  ///< an access unit in Annex B form (with start codes)
   std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s, from the connection's first
   std::int64_t exposure_ns = 0;    ///< as Frame's
-  std::int64_t exposure_deviation_ns = 0;  ///< as Frame's
-  std::int64_t arrival_ns = 0;             ///< as Frame's
-  std::uint64_t sequence = 0;              ///< as Frame's
+  std::int64_t exposure_deviation_ns = 0;    ///< as Frame's
+  std::int64_t undelayed_arrival_ns = 0;     ///< as Frame's
+  std::int64_t first_arrival_ns = 0;         ///< its first packet was received (host's clock)
+  std::int64_t arrival_ns = 0;               ///< as Frame's
+  std::optional<std::int64_t> reference_us;  ///< as StampedPacket's
+  std::uint64_t sequence = 0;                ///< as Frame's
+  std::uint64_t order = 0;                   ///< as Frame's
   InstantSource instant_source = InstantSource::arrival;
   FrameStatus status = FrameStatus::good;  ///< damaged: data were lost since the last key frame
+  bool data_lost = false;                  ///< something is missing before or in it
   bool key = false;                        ///< decodable without those before it
 };
 

@@ -1,7 +1,10 @@
 #include "capture/ffmpeg_log.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdarg>
+#include <cstring>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -23,8 +26,32 @@ SharedSink& sharedSink() {
   return shared;
 }
 
+constexpr char kMissedPackets[] = "RTP: missed %d packets\n";  // libavformat/rtpdec.c
+
+struct SharedCounts {
+  std::mutex mutex;
+  std::map<const void*, int> missed;  ///< of the demuxers that are watched
+};
+
+SharedCounts& sharedCounts() {
+  static SharedCounts shared;
+  return shared;
+}
+
+void count(const void* context, const char* format, va_list arguments) {
+  if (std::strcmp(format, kMissedPackets) != 0) return;
+  va_list copy;
+  va_copy(copy, arguments);
+  const int missed = va_arg(copy, int);
+  va_end(copy);
+  const std::lock_guard lock(sharedCounts().mutex);
+  const auto watched = sharedCounts().missed.find(context);
+  if (watched != sharedCounts().missed.end()) watched->second += std::max(missed, 1);
+}
+
 void forward(void* context, int level, const char* format, va_list arguments) {
   if (level > AV_LOG_WARNING) return;
+  count(context, format, arguments);
   const std::lock_guard lock(sharedSink().mutex);
   if (!sharedSink().sink) return;
   std::array<char, 1024> line{};
@@ -47,6 +74,22 @@ void setFfmpegLogSink(FfmpegLogSink sink) {
 void keepFfmpegQuiet() {
   static std::once_flag once;
   std::call_once(once, [] { av_log_set_callback(forward); });
+}
+
+MissedPackets::MissedPackets(const void* demuxer) : demuxer_(demuxer) {
+  keepFfmpegQuiet();
+  const std::lock_guard lock(sharedCounts().mutex);
+  sharedCounts().missed[demuxer_] = 0;
+}
+
+MissedPackets::~MissedPackets() {
+  const std::lock_guard lock(sharedCounts().mutex);
+  sharedCounts().missed.erase(demuxer_);
+}
+
+int MissedPackets::take() {
+  const std::lock_guard lock(sharedCounts().mutex);
+  return std::exchange(sharedCounts().missed[demuxer_], 0);
 }
 
 std::string withoutCredentials(const std::string& text) {

@@ -16,6 +16,23 @@ void setFfmpegLogSink(FfmpegLogSink sink);
 /// use.
 void keepFfmpegQuiet();
 
+/// Learns of RTP packets that a demuxer has missed: FFmpeg puts the pictures' pieces together around the gap
+/// and says so in its log only. Between two calls of av_read_frame, in one thread.
+class MissedPackets {
+ public:
+  /// `demuxer`: the AVFormatContext, which is only compared.
+  explicit MissedPackets(const void* demuxer);
+  ~MissedPackets();
+  MissedPackets(const MissedPackets&) = delete;
+  MissedPackets& operator=(const MissedPackets&) = delete;
+
+  /// How many were missed since the last call.
+  int take();
+
+ private:
+  const void* demuxer_;
+};
+
 /// Replaces the user and password of each URL in a text by "***".
 std::string withoutCredentials(const std::string& text);
 

@@ -61,13 +61,6 @@ std::optional<FramePair> PairSynchroniser::pop() {
   while (!left.waiting.empty() && !right.waiting.empty()) {
     const std::int64_t offset = right.waiting.front().exposure_ns - left.waiting.front().exposure_ns;
     Side& older = offset >= 0 ? left : right;
-    const InstantSource left_clock = left.waiting.front().instant_source;
-    const InstantSource right_clock = right.waiting.front().instant_source;
-    if (left_clock != right_clock) {
-      // Before its first report a camera's instants rest on arrival: those go, the camera's own clock stays.
-      drop(left_clock == InstantSource::arrival ? left : right, &PairingCounts::clock_mismatch);
-      continue;
-    }
     if (std::abs(offset) <= period / 2) {
       FramePair pair{std::move(left.waiting.front()), std::move(right.waiting.front()), time_restarted_};
       left.waiting.pop_front();

@@ -7,12 +7,11 @@
 #include <deque>
 #include <optional>
 
+#include "capture/camera_side.hpp"
 #include "capture/frame.hpp"
 #include "capture/frame_period.hpp"
 
 namespace cartvo {
-
-enum class CameraSide : std::uint8_t { left, right };
 
 /// A left and a right frame that belong together.
 struct FramePair {
@@ -52,7 +51,6 @@ struct PairingCounts {
   std::uint64_t damaged = 0;          ///< its picture cannot be trusted
   std::uint64_t out_of_order = 0;     ///< its instant is not after the one before
   std::uint64_t overflow = 0;         ///< waited too long for the other camera
-  std::uint64_t clock_mismatch = 0;   ///< one camera's instants are from sender reports, the other's are not
   std::uint64_t clock_restarted = 0;  ///< waited when a camera's clock was set back
 };
 
@@ -63,8 +61,7 @@ struct PairingCounts {
 /// The oldest left and right frames make a pair as soon as both are there and at most half a period apart. If
 /// they are further apart, the older one can have no partner any more, because later frames of the other
 /// camera lie further off still: it is dropped. Each frame is used at most once, pairs come in the order of
-/// time, and damaged frames never make one. Instants that rest on different clocks (sender reports on one
-/// side, arrival on the other) are never compared.
+/// time, and damaged frames never make one.
 class PairSynchroniser {
  public:
   /// Throws std::invalid_argument if a setting is negative or a queue could hold nothing.

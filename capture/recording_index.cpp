@@ -2,41 +2,81 @@
 
 #include <array>
 #include <charconv>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "capture/picture_checksum.hpp"
+
 namespace cartvo {
 namespace {
 
 constexpr std::string_view kHeader =
-    "number,time_ms,sequence,pts,exposure_ns,arrival_ns,instant_source,size,key,status";
-constexpr std::array<std::string_view, 3> kInstantSources = {"file", "sender_report", "arrival"};
+    "number,time_ms,order,connection,sequence,rtp,reference_us,first_arrival_ns,arrival_ns,"
+    "undelayed_arrival_ns,exposure_ns,deviation_ns,instant_source,size,crc32,key,data_lost,status,line_crc32";
+constexpr std::size_t kFields = 19;
+constexpr std::array<std::string_view, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
+                                                             "kernel"};
 constexpr std::array<std::string_view, 2> kStatuses = {"good", "damaged"};
 
-std::vector<std::string> splitFields(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream input(line);
-  for (std::string field; std::getline(input, field, ',');)
-    fields.push_back(field);
-  return fields;
+// A segment lasts a minute; a camera that sends no key picture can stretch it, but not to hours.
+constexpr std::uintmax_t kLargestFile = 256U << 20;
+constexpr std::size_t kLongestLine = 1024;
+
+std::vector<std::string_view> splitFields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos || fields.size() > kFields) return fields;
+    line.remove_prefix(comma + 1);
+  }
 }
 
 template <typename Number>
-bool parse(const std::string& text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+bool parse(std::string_view text, Number& value, int base = 10) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
   return error == std::errc() && end == text.data() + text.size();
 }
 
+bool parseOptional(std::string_view text, std::optional<std::int64_t>& value) {
+  if (text.empty()) return true;
+  return parse(text, value.emplace());
+}
+
+bool parseFlag(std::string_view text, bool& value) {
+  value = text == "1";
+  return value || text == "0";
+}
+
 template <typename Enumeration, std::size_t size>
-bool parseName(const std::string& text, const std::array<std::string_view, size>& names, Enumeration& value) {
+bool parseName(std::string_view text, const std::array<std::string_view, size>& names, Enumeration& value) {
   for (std::size_t i = 0; i < size; ++i) {
     if (text != names[i]) continue;
     value = static_cast<Enumeration>(i);
     return true;
   }
   return false;
+}
+
+/// Instants up to the year 2116 and 99 years of RTP time: what is computed with them stays far from overflow.
+bool isPossible(const IndexRow& row) {
+  constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
+  constexpr std::int64_t kMostTicks = std::int64_t{1} << 48;
+  const auto instant = [](std::int64_t ns) { return ns >= -kLatest_ns && ns <= kLatest_ns; };
+  const std::int64_t reference_us = row.reference_us.value_or(0);
+  return row.time_ms >= 0 && row.time_ms <= kLatest_ns / 1'000'000 && row.pts >= -kMostTicks &&
+         row.pts <= kMostTicks && reference_us >= 0 && reference_us <= kLatest_ns / 1000 &&
+         instant(row.first_arrival_ns) && instant(row.arrival_ns) && instant(row.undelayed_arrival_ns) &&
+         instant(row.exposure_ns) && instant(row.exposure_deviation_ns);
+}
+
+std::string hexadecimal(std::uint32_t value) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", value);
+  return text.data();
 }
 
 }  // namespace
@@ -47,43 +87,77 @@ std::string indexHeader() {
 
 std::string toText(const IndexRow& row) {
   std::ostringstream text;
-  text << row.number << ',' << row.time_ms << ',' << row.sequence << ',' << row.pts << ',' << row.exposure_ns
-       << ',' << row.arrival_ns << ',' << kInstantSources[static_cast<std::size_t>(row.instant_source)] << ','
-       << row.size << ',' << (row.key ? 1 : 0) << ',' << kStatuses[static_cast<std::size_t>(row.status)];
-  return text.str();
+  text << row.number << ',' << row.time_ms << ',' << row.order << ',' << row.connection << ',' << row.sequence
+       << ',' << row.pts << ',';
+  if (row.reference_us) text << *row.reference_us;
+  text << ',' << row.first_arrival_ns << ',' << row.arrival_ns << ',' << row.undelayed_arrival_ns << ','
+       << row.exposure_ns << ',' << row.exposure_deviation_ns << ','
+       << kInstantSources[static_cast<std::size_t>(row.instant_source)] << ',' << row.size << ','
+       << hexadecimal(row.checksum) << ',' << (row.key ? 1 : 0) << ',' << (row.data_lost ? 1 : 0) << ','
+       << kStatuses[static_cast<std::size_t>(row.status)];
+  return withLineChecksum(text.str() + ',');
+}
+
+std::string withLineChecksum(const std::string& line) {
+  const std::string checked = line.substr(0, line.rfind(','));
+  return checked + ',' + hexadecimal(textChecksum(checked));
 }
 
 std::optional<IndexRow> parseIndexRow(const std::string& line) {
-  const std::vector<std::string> fields = splitFields(line);
-  if (fields.size() != 10) return std::nullopt;
+  if (line.size() > kLongestLine) return std::nullopt;
+  const std::vector<std::string_view> fields = splitFields(line);
+  if (fields.size() != kFields) return std::nullopt;
+  const std::string_view checked(line.data(), line.size() - fields.back().size() - 1);
+  if (fields.back() != hexadecimal(textChecksum(checked))) return std::nullopt;
   IndexRow row;
-  int key = 0;
   const bool good =
-      parse(fields[0], row.number) && parse(fields[1], row.time_ms) && parse(fields[2], row.sequence) &&
-      parse(fields[3], row.pts) && parse(fields[4], row.exposure_ns) && parse(fields[5], row.arrival_ns) &&
-      parseName(fields[6], kInstantSources, row.instant_source) && parse(fields[7], row.size) &&
-      parse(fields[8], key) && (key == 0 || key == 1) && parseName(fields[9], kStatuses, row.status);
-  if (!good) return std::nullopt;
-  row.key = key == 1;
+      parse(fields[0], row.number) && parse(fields[1], row.time_ms) && parse(fields[2], row.order) &&
+      parse(fields[3], row.connection) && parse(fields[4], row.sequence) && parse(fields[5], row.pts) &&
+      parseOptional(fields[6], row.reference_us) && parse(fields[7], row.first_arrival_ns) &&
+      parse(fields[8], row.arrival_ns) && parse(fields[9], row.undelayed_arrival_ns) &&
+      parse(fields[10], row.exposure_ns) && parse(fields[11], row.exposure_deviation_ns) &&
+      parseName(fields[12], kInstantSources, row.instant_source) && parse(fields[13], row.size) &&
+      parse(fields[14], row.checksum, 16) && parseFlag(fields[15], row.key) &&
+      parseFlag(fields[16], row.data_lost) && parseName(fields[17], kStatuses, row.status);
+  if (!good || !isPossible(row)) return std::nullopt;
   return row;
 }
 
 Index readIndex(const std::filesystem::path& file) {
-  std::ifstream input(file);
-  std::string line;
-  if (!input) throw std::runtime_error("cannot read the recording's index " + file.string());
-  if (!std::getline(input, line) || line != kHeader) {
-    throw std::runtime_error(file.string() + ", line 1: expected the header '" + std::string(kHeader) + "'");
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream input(file, std::ios::binary);
+  if (error || !input) throw std::runtime_error("cannot read the recording's index " + file.string());
+  if (size > kLargestFile) {
+    throw std::runtime_error(file.string() + " is too large for a recording's index (" +
+                             std::to_string(size) + " bytes)");
   }
+  return readIndex(input, file);
+}
+
+Index readIndex(std::istream& input, const std::filesystem::path& name) {
   Index index;
+  const auto note = [&](int number) {
+    if (index.damaged_lines++ == 0)
+      index.damage = name.string() + ", line " + std::to_string(number) + " is damaged or cut short";
+  };
+  std::string line;
+  if (!std::getline(input, line) || line != kHeader) {
+    // A header of another format is another format; one that was overwritten is damage like any other.
+    if (line.starts_with("number,"))
+      throw std::runtime_error(name.string() + ", line 1: expected the header '" + indexHeader() + "'");
+    note(1);
+  }
   for (int number = 2; std::getline(input, line); ++number) {
     // The last line may have been cut, even to one that reads well: it counts only with its end.
     const std::optional<IndexRow> row = input.eof() ? std::nullopt : parseIndexRow(line);
-    if (!row || row->number != index.rows.size()) {
-      index.damage = file.string() + ", line " + std::to_string(number) + " is damaged or cut short";
-      break;
+    const bool in_order = row && (index.rows.empty() || (row->number > index.rows.back().number &&
+                                                         row->time_ms > index.rows.back().time_ms));
+    if (in_order) {
+      index.rows.push_back(*row);
+    } else {
+      note(number);
     }
-    index.rows.push_back(*row);
   }
   return index;
 }

@@ -2,33 +2,25 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
 
+#include "capture/camera_side.hpp"
 #include "capture/camera_source.hpp"
+#include "capture/recording_reader.hpp"
 
 namespace cartvo {
 
-/// What recording.json says.
-struct RecordingInfo {
-  int format_version = 0;
-  std::string software_version;
-  std::string configuration;
-  std::string rig;
-};
-
-/// Whether the folder holds a recording made by StreamRecorder.
-bool isRecording(const std::filesystem::path& folder);
-
-/// Throws std::runtime_error if recording.json is missing, damaged or of a later format.
-RecordingInfo readRecordingInfo(const std::filesystem::path& folder);
+class RecordingClock;
 
 /// Replays one camera of a recording through the decoder that live streams go through: the same frames with
-/// the same instants, sequence numbers and status come out. Never waits. Where the file is cut short or
-/// damaged the frames end, and `health().last_error` says so.
+/// the same instants (or a RecordingClock's), sequence numbers and status come out, with a new decoder where
+/// a new connection began. Never waits. Where files are cut short or damaged it goes on behind, and at the
+/// end `health().last_error` says what was lost.
 class RecordingSource : public CameraSource {
  public:
-  /// `stream` is "left" or "right". Throws std::runtime_error if the stream or its index cannot be opened.
-  RecordingSource(const std::filesystem::path& folder, const std::string& stream);
+  /// Throws std::runtime_error if the recording holds no picture of that camera.
+  RecordingSource(const std::filesystem::path& folder, CameraSide side);
+  RecordingSource(const std::filesystem::path& folder, CameraSide side,
+                  std::shared_ptr<RecordingClock> clock);
   ~RecordingSource() override;
   RecordingSource(const RecordingSource&) = delete;
   RecordingSource& operator=(const RecordingSource&) = delete;
@@ -36,6 +28,9 @@ class RecordingSource : public CameraSource {
   ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override;
   CameraHealth health() const override;
   void interrupt() noexcept override;
+
+  /// Of what was read so far. Only from the thread that reads.
+  const RecordingDamage& damage() const;
 
  private:
   struct Implementation;

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "capture/access_unit_assembler.hpp"
-#include "capture/exposure_clock.hpp"
 #include "capture/frame_period.hpp"
+#include "capture/frozen_picture.hpp"
 #include "capture/loss_detector.hpp"
 #include "capture/nal_units.hpp"
 #include "capture/rtsp_session.hpp"
@@ -27,7 +27,8 @@ using std::chrono::milliseconds;
 void check(const RtspCameraSettings& settings) {
   checkRtspUrl(settings.url);
   const bool times_make_sense =
-      settings.connect_timeout.count() > 0 && settings.stall_timeout.count() > 0 &&
+      settings.answer_timeout.count() > 0 && settings.connect_timeout.count() > 0 &&
+      settings.stall_timeout.count() > 0 && settings.frozen_after.count() > 0 &&
       settings.first_retry.count() > 0 && settings.longest_retry >= settings.first_retry &&
       settings.refused_retry.count() > 0 && settings.longest_refused_retry >= settings.refused_retry;
   if (!times_make_sense) {
@@ -41,18 +42,23 @@ void check(const RtspCameraSettings& settings) {
 /// "30 s", "0.3 s": to one decimal where it is needed.
 std::string inSeconds(milliseconds duration) {
   const auto tenths = (duration.count() + 99) / 100;
-  return std::to_string(tenths / 10) + (tenths % 10 != 0 ? "." + std::to_string(tenths % 10) : "") + " s";
+  std::string text = std::to_string(tenths / 10);
+  if (tenths % 10 != 0) text.append(1, '.').append(std::to_string(tenths % 10));
+  return text.append(" s");
 }
 
 /// Turns the packets of one connection into numbered, stamped units and these into frames.
 class PictureStream {
  public:
-  PictureStream(const StreamFormat& format, const RtspCameraSettings& settings)
+  PictureStream(const StreamFormat& format, int decoder_threads, PairClock& clock, CameraSide side)
       : codec_(format.codec),
-        instants_(settings.instants),
         assembler_(format.codec),
         losses_(format),
-        decoder_(format, settings.decoder_threads) {}
+        clock_(clock),
+        side_(side),
+        decoder_(format, decoder_threads) {
+    clock_.connect(side_);
+  }
 
   void add(const StreamFragment& fragment) { assembler_.add(fragment); }
 
@@ -69,11 +75,15 @@ class PictureStream {
       unit.sequence = next_sequence++;
       unit.data = std::move(assembled->data);
       unit.pts = assembled->pts;
+      unit.data_lost = assembled->data_lost;
+      unit.reference_us = assembled->reference_us;
+      unit.first_arrival_ns = assembled->first_arrival_ns;
       unit.arrival_ns = assembled->arrival_ns;
-      const auto reference = instants_ == RtspInstants::arrival ? std::nullopt : assembled->reference_us;
-      const ExposureClock::Instant instant = clock_.stamp(unit.pts, reference, unit.arrival_ns);
+      const StampedInstant instant =
+          clock_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
       unit.exposure_ns = instant.exposure_ns;
       unit.exposure_deviation_ns = instant.deviation_ns;
+      unit.undelayed_arrival_ns = instant.undelayed_arrival_ns;
       unit.instant_source = instant.source;
       return unit;
     }
@@ -101,10 +111,10 @@ class PictureStream {
   }
 
   VideoCodec codec_;
-  RtspInstants instants_;
   AccessUnitAssembler assembler_;
   LossDetector losses_;
-  ExposureClock clock_;
+  PairClock& clock_;
+  CameraSide side_;
   FramePeriod period_;  ///< here of RTP time stamps, not ns
   std::optional<std::int64_t> last_pts_;
   bool started_ = false;
@@ -118,10 +128,17 @@ class RtspCamera::Receiver {
  public:
   explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
     check(settings_);
+    frozen_text_.append("the camera at ").append(rtspHost(settings_.url));
+    frozen_text_.append(" has sent one and the same picture for more than ");
+    frozen_text_.append(inSeconds(settings_.frozen_after)).append("; switch it off and on");
     health_.instant_source = InstantSource::arrival;
   }
 
   void observe(StreamObserver& observer) { observer_ = &observer; }
+  void share(PairClock& clock, CameraSide side) {
+    clock_ = &clock;
+    side_ = side;
+  }
 
   ReadOutcome read(Frame& frame, milliseconds timeout) {
     const Clock::time_point deadline = Clock::now() + timeout;
@@ -162,7 +179,7 @@ class RtspCamera::Receiver {
   void connect() {
     try {
       session_.emplace(settings_, interrupted_);
-      stream_.emplace(session_->format(), settings_);
+      stream_.emplace(session_->format(), settings_.decoder_threads, *clock_, side_);
     } catch (const RtspError& error) {
       drop();
       if (error.kind() == RtspError::Kind::interrupted) return;
@@ -221,8 +238,10 @@ class RtspCamera::Receiver {
     if (frames_.empty()) return false;
     frame = std::move(frames_.front());
     frames_.pop_front();
+    const bool frozen = frozen_picture_.add(frame.image, Clock::now()) >= settings_.frozen_after;
     const std::lock_guard lock(mutex_);
-    health_.state = CameraState::streaming;
+    health_.state = frozen ? CameraState::frozen : CameraState::streaming;
+    if (frozen) health_.last_error = frozen_text_;
     health_.instant_source = frame.instant_source;
     ++health_.frames;
     if (frame.status == FrameStatus::damaged) ++health_.damaged;
@@ -269,12 +288,17 @@ class RtspCamera::Receiver {
 
   const RtspCameraSettings settings_;
   StreamObserver* observer_ = nullptr;
+  PairClock own_clock_{ClockChoice::ntp};
+  PairClock* clock_ = &own_clock_;
+  CameraSide side_ = CameraSide::left;
 
   // The reading thread's own.
   std::optional<RtspSession> session_;
   std::optional<PictureStream> stream_;
   StreamFragment fragment_;
   std::deque<Frame> frames_;
+  FrozenPicture frozen_picture_;
+  std::string frozen_text_;
   bool streaming_ = false;  ///< this connection has delivered a frame
   Clock::time_point silent_after_;
   Clock::time_point next_attempt_;
@@ -294,6 +318,9 @@ RtspCamera::~RtspCamera() = default;
 
 void RtspCamera::observe(StreamObserver& observer) {
   receiver_->observe(observer);
+}
+void RtspCamera::share(PairClock& clock, CameraSide side) {
+  receiver_->share(clock, side);
 }
 ReadOutcome RtspCamera::read(Frame& frame, milliseconds timeout) {
   return receiver_->read(frame, timeout);

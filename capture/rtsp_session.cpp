@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cctype>
+#include <optional>
 
 #include "capture/ffmpeg.hpp"
 #include "capture/ffmpeg_log.hpp"
+#include "capture/tcp_probe.hpp"
 
 namespace cartvo {
 namespace {
@@ -92,6 +94,7 @@ struct RtspSession::Connection {
   StreamFormat format;
   int stream_index = -1;
   std::string reason;
+  std::optional<MissedPackets> missed_packets;
   ffmpeg::Input input;  // last, so that it is closed while `deadline` still stands
 
   static int mustStop(void* self) {
@@ -123,6 +126,10 @@ const std::string& RtspSession::reason() const {
 }
 
 void RtspSession::Connection::open() {
+  if (const auto why = whyUnreachable(rtspHost(settings.url), settings.answer_timeout, interrupted))
+    throw RtspError(RtspError::Kind::unreachable,
+                    "cannot open the camera at " + rtspHost(settings.url) + ": " + *why);
+  deadline = Clock::now() + settings.connect_timeout;
   AVFormatContext* context = avformat_alloc_context();
   if (context == nullptr) throw std::bad_alloc();
   context->interrupt_callback = {mustStop, this};
@@ -145,6 +152,7 @@ void RtspSession::Connection::open() {
                     openingError(error, settings));
   }
   input.reset(context);
+  missed_packets.emplace(context);
 }
 
 void RtspSession::Connection::chooseStream() {
@@ -183,7 +191,7 @@ RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_
                             .count();
   fragment.data = {packet.data, static_cast<std::size_t>(packet.size)};
   if (packet.pts != AV_NOPTS_VALUE) fragment.pts = packet.pts;  // else it belongs to the packet before
-  fragment.data_lost = (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
+  fragment.data_lost = self.missed_packets->take() > 0 || (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
   fragment.reference_us.reset();
   std::size_t size = 0;
   const std::uint8_t* side_data = av_packet_get_side_data(&packet, AV_PKT_DATA_PRFT, &size);

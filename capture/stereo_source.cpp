@@ -5,17 +5,20 @@
 #include <stdexcept>
 #include <utility>
 
+#include "capture/recording_folder.hpp"
 #include "capture/recording_source.hpp"
 
 namespace cartvo {
 namespace {
 
-StereoSource openRecording(const std::filesystem::path& path) {
+StereoSource openRecording(const std::filesystem::path& path, const SourceSettings& settings) {
   RecordingInfo info = readRecordingInfo(path);
   StereoSource source;
   source.kind = SourceKind::recording;
-  source.left = std::make_unique<RecordingSource>(path, "left");
-  source.right = std::make_unique<RecordingSource>(path, "right");
+  source.period_ns = settings.recording_period_ns;
+  if (settings.clock) source.clock = std::make_shared<RecordingClock>(path, *settings.clock);
+  source.left = std::make_unique<RecordingSource>(path, CameraSide::left, source.clock);
+  source.right = std::make_unique<RecordingSource>(path, CameraSide::right, source.clock);
   source.rig_text = std::move(info.rig);
   source.configuration_text = std::move(info.configuration);
   return source;
@@ -40,21 +43,21 @@ StereoSource openImageFolder(const std::filesystem::path& path, double offset_de
 }  // namespace
 
 StereoSource openSource(const std::filesystem::path& path) {
-  return openSource(path, 0.0);
+  return openSource(path, SourceSettings{});
 }
 
-StereoSource openSource(const std::filesystem::path& path, double folder_offset_deviation_ns) {
+StereoSource openSource(const std::filesystem::path& path, const SourceSettings& settings) {
   if (!std::filesystem::exists(path))
     throw std::runtime_error(path.string() + " does not exist; expected a folder with a recording or images");
   if (!std::filesystem::is_directory(path))
     throw std::runtime_error(path.string() +
-                             " is not a folder; expected a folder with a recording or images");
-  if (isRecording(path)) return openRecording(path);
-  if (detectImageFolder(path)) return openImageFolder(path, folder_offset_deviation_ns);
+                             " is not a folder; expected a folder with a recording or images, or two videos");
+  if (isRecording(path)) return openRecording(path, settings);
+  if (detectImageFolder(path)) return openImageFolder(path, settings.folder_offset_deviation_ns);
   throw std::runtime_error(
       path.string() +
-      " is nothing that can be replayed. Looked for: a recording (recording.json, left.mkv, "
-      "right.mkv), KITTI's layout (image_0, image_1, times.txt), EuRoC's layout (cam0 and cam1, "
+      " is nothing that can be replayed. Looked for: a recording (recording.json and "
+      "000000/left.mkv), KITTI's layout (image_0, image_1, times.txt), EuRoC's layout (cam0 and cam1, "
       "in it or in mav0)");
 }
 

@@ -1,36 +1,46 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "capture/encoded_unit.hpp"
+#include "capture/recording_quota.hpp"
 
 namespace cartvo {
 
-/// What is written beside the streams so that a replay can do what the pipeline did.
+/// What is written beside the streams so that a replay can do what the pipeline did, and how.
 struct RecordingSettings {
   std::filesystem::path folder;  ///< created if it is not there; must not hold a recording yet
   std::string configuration;     ///< the configuration in effect, without credentials
   std::string rig;               ///< the rig file's text
+  RecordingQuota quota{};
+  std::chrono::milliseconds segment_length{60'000};
+  std::size_t queue_bytes = 32U << 20;  ///< that may wait for a slow disk; half a minute at 2 x 4 Mbit/s
 };
 
 struct RecorderHealth {
-  std::uint64_t units = 0;  ///< pictures written, of both cameras
-  std::uint64_t bytes = 0;
-  std::string error;  ///< why recording stopped; empty while it goes on
+  std::uint64_t units = 0;          ///< pictures written, of both cameras
+  std::uint64_t bytes = 0;          ///< of these
+  std::uint64_t left_out = 0;       ///< pictures that the disk was too slow for
+  std::uint64_t deleted_bytes = 0;  ///< of old segments, for the quota
+  std::string error;                ///< why recording stopped; empty while it goes on
 };
 
-/// Writes both cameras' streams as received, without re-encoding: left.mkv and right.mkv, which players open,
-/// with left.csv and right.csv, the instants of each picture, and recording.json. What is older than a second
-/// survives a crash. A full disk or a failing one stops the recording, never the capture.
+/// Writes both cameras' streams as received, without re-encoding, in segments (recording_folder.hpp). A
+/// thread of its own writes, so that a slow disk holds no camera up: what it has no room for is left out, up
+/// to the next key picture, and counted. What is older than a second survives a power cut. A full disk or a
+/// failing one stops the recording, never the capture.
 ///
 /// Each side may be fed by a thread of its own; `health` may be called from any.
 class StreamRecorder {
  public:
   /// Throws std::runtime_error if the folder cannot be written or holds a recording already.
   explicit StreamRecorder(const RecordingSettings& settings);
+  /// As `finish`.
   ~StreamRecorder();
   StreamRecorder(const StreamRecorder&) = delete;
   StreamRecorder& operator=(const StreamRecorder&) = delete;
@@ -38,6 +48,9 @@ class StreamRecorder {
   StreamObserver& left();
   StreamObserver& right();
   RecorderHealth health() const;
+
+  /// Writes what waits and ends the files properly; what comes later is ignored.
+  void finish();
 
  private:
   struct Implementation;

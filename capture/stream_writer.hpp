@@ -1,52 +1,58 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <optional>
-#include <string>
+#include <memory>
+#include <vector>
 
+#include "capture/camera_side.hpp"
 #include "capture/encoded_unit.hpp"
 #include "capture/ffmpeg.hpp"
+#include "capture/recording_folder.hpp"
 
 namespace cartvo {
 
-/// Writes one camera's stream as received into a Matroska file, with its index beside it. Not for use outside
-/// capture; StreamRecorder shields the capture from its errors.
+/// Writes one camera's stream as received into one segment: a Matroska file and its index. Not for use
+/// outside capture; StreamRecorder shields the capture from its errors. All members throw std::runtime_error
+/// naming the file when it cannot be written.
 class StreamWriter {
  public:
-  /// Writes STREAM.mkv and STREAM.csv; the video file begins with the first key picture.
-  StreamWriter(const std::filesystem::path& folder, const std::string& stream);
+  /// The files begin with `first`, a key picture; file times count from `epoch_ns` by the host's clock, the
+  /// segment's beginning.
+  StreamWriter(const RecordingSegment& segment, CameraSide side, const StreamFormat& format,
+               const EncodedUnit& first, std::int64_t epoch_ns);
+  /// Ends the files properly.
   ~StreamWriter();
   StreamWriter(const StreamWriter&) = delete;
   StreamWriter& operator=(const StreamWriter&) = delete;
 
-  /// Units of this format follow. Throws std::runtime_error if the codec changes in mid-file.
-  void begin(const StreamFormat& format);
+  /// `connection`: counts the camera's connections; with a new one, `format` may have other parameter sets.
+  void write(const EncodedUnit& unit, const StreamFormat& format, std::uint64_t connection);
 
-  /// Returns whether the unit was written: what comes before the first key picture is not. Throws
-  /// std::runtime_error naming the file when it cannot be written.
-  bool write(const EncodedUnit& unit);
+  /// What was written survives a power cut once this returns.
+  void sync();
+
+  VideoCodec codec() const { return codec_; }
 
  private:
-  void open(const EncodedUnit& first);
+  void open(const StreamFormat& format, const EncodedUnit& first);
+  void writeVideo(const std::vector<std::uint8_t>& data, std::int64_t time_ms, bool key);
   std::int64_t fileTime(const EncodedUnit& unit);
-  void flush();
   void check(int result) const;
 
   std::filesystem::path video_file_;
   std::filesystem::path index_file_;
-  std::optional<StreamFormat> format_;
-  bool connection_began_ = false;  ///< no unit since `begin`
+  VideoCodec codec_;
+  std::int64_t epoch_ns_;
   std::unique_ptr<AVFormatContext, void (*)(AVFormatContext*)> output_;
   ffmpeg::Packet packet_ = ffmpeg::makePacket();
   std::ofstream index_;
   std::uint64_t units_ = 0;
-  std::int64_t last_time_ms_ = -1;
+  std::uint64_t last_connection_ = 0;
+  std::int64_t last_time_ms_ = 0;
   std::int64_t last_exposure_ns_ = 0;
   std::int64_t last_arrival_ns_ = 0;
-  std::chrono::steady_clock::time_point last_flush_;
 };
 
 }  // namespace cartvo

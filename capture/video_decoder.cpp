@@ -5,10 +5,7 @@
 
 #include "capture/ffmpeg.hpp"
 #include "capture/ffmpeg_log.hpp"
-
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
+#include "capture/luma_plane.hpp"
 
 namespace cartvo {
 namespace {
@@ -28,23 +25,16 @@ std::shared_ptr<AVFrame> makeFrame() {
   return frame;
 }
 
-/// Whether the first plane holds 8-bit luma, one byte a pixel.
-bool hasLumaPlane(const AVFrame& frame) {
-  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-  if (format == nullptr || (format->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_HWACCEL)) != 0)
-    return false;
-  const AVComponentDescriptor& luma = format->comp[0];
-  return luma.plane == 0 && luma.step == 1 && luma.offset == 0 && luma.depth == 8;
-}
-
 }  // namespace
 
 /// What belongs to a unit and comes out with its picture.
 struct VideoDecoder::Pending {
   std::int64_t exposure_ns = 0;
   std::int64_t exposure_deviation_ns = 0;
+  std::int64_t undelayed_arrival_ns = 0;
   std::int64_t arrival_ns = 0;
   std::uint64_t sequence = 0;
+  std::uint64_t order = 0;
   InstantSource instant_source = InstantSource::arrival;
   FrameStatus status = FrameStatus::good;
   bool key = false;
@@ -90,8 +80,9 @@ VideoDecoder::~VideoDecoder() = default;
 
 void VideoDecoder::send(const EncodedUnit& unit) {
   Implementation& self = *implementation_;
-  self.pending.push_back({unit.exposure_ns, unit.exposure_deviation_ns, unit.arrival_ns, unit.sequence,
-                          unit.instant_source, unit.status, unit.key});
+  self.pending.push_back({unit.exposure_ns, unit.exposure_deviation_ns, unit.undelayed_arrival_ns,
+                          unit.arrival_ns, unit.sequence, unit.order, unit.instant_source, unit.status,
+                          unit.key});
   if (self.pending.size() > kMostPending) self.pending.pop_front();
 
   // Not reference-counted, so FFmpeg copies it, with the padding it needs.
@@ -122,20 +113,21 @@ std::optional<Frame> VideoDecoder::receive() {
     const auto sequence = static_cast<std::uint64_t>(picture->pts);
     while (!self.pending.empty() && self.pending.front().sequence < sequence)
       self.pending.pop_front();
-    if (self.pending.empty() || self.pending.front().sequence != sequence || !hasLumaPlane(*picture))
-      continue;
+    const cv::Mat luma = lumaPlane(*picture);
+    if (self.pending.empty() || self.pending.front().sequence != sequence || luma.empty()) continue;
     const Pending pending = self.pending.front();
     self.pending.pop_front();
 
     const bool failed = (picture->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture->decode_error_flags != 0;
     Frame frame;
-    frame.image = cv::Mat(picture->height, picture->width, CV_8UC1, picture->data[0],
-                          static_cast<std::size_t>(picture->linesize[0]));
+    frame.image = luma;
     frame.exposure_ns = pending.exposure_ns;
     frame.exposure_deviation_ns = pending.exposure_deviation_ns;
+    frame.undelayed_arrival_ns = pending.undelayed_arrival_ns;
     frame.arrival_ns = pending.arrival_ns;
     frame.decoded_ns = nowNs();
     frame.sequence = pending.sequence;
+    frame.order = pending.order;
     frame.instant_source = pending.instant_source;
     frame.status = damagedSince(pending, failed) ? FrameStatus::damaged : FrameStatus::good;
     frame.storage = picture;

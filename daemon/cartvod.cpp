@@ -66,8 +66,10 @@ int run(const CommandLine& command_line) {
   try {
     configuration = cartvo::readConfiguration(command_line.configuration);
     if (!command_line.recording_directory.empty()) {
+      // Asked for by a person: nothing of it, nor of what else lies there, is deleted for want of room.
       configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
     } else if (!configuration.recording_directory.empty()) {
+      configuration.recording_quota.recordings = configuration.recording_directory;
       configuration.recording_directory = folderOfThisStart(configuration.recording_directory);
     }
     cartvo::checkConfiguration(configuration);

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "calib/strict_yaml.hpp"
 #include "daemon/lcm_connection.hpp"
 
@@ -17,13 +19,17 @@ namespace {
 
 using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
-constexpr Keys kCamerasKeys = {"left", "right", "transport", "instants", "frame_rate", "stall_timeout"};
-constexpr Keys kCameraKeys = {"url", "username", "password_file", "password_credential"};
+constexpr Keys kCamerasKeys = {"left", "right", "transport", "clock", "frame_rate", "stall_timeout"};
+constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
+                              "size", "format",   "exposure",      "gain"};
 constexpr Keys kOdometryKeys = {
     "estimator", "features", "seed", "threads", "online_rig_refinement", "maximum_offset_uncertainty"};
 constexpr Keys kLcmKeys = {"url", "time_to_live"};
-constexpr Keys kRecordingKeys = {"directory"};
+constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
 constexpr Keys kLoggingKeys = {"level"};
+
+constexpr double kGigabyte = 1e9;
+constexpr double kDay = 86400.0;
 
 using LogLevel = spdlog::level::level_enum;
 constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", LogLevel::debug},
@@ -32,8 +38,14 @@ constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", 
                                                                       {"error", LogLevel::err}}};
 constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
     {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
-constexpr std::array<std::pair<const char*, RtspInstants>, 2> kInstants{
-    {{"sender_reports", RtspInstants::sender_reports}, {"arrival", RtspInstants::arrival}}};
+constexpr std::array<std::pair<const char*, PixelFormat>, 4> kFormats{{{"grey", PixelFormat::grey},
+                                                                       {"nv12", PixelFormat::nv12},
+                                                                       {"yuyv", PixelFormat::yuyv},
+                                                                       {"mjpeg", PixelFormat::mjpeg}}};
+constexpr std::array<std::pair<const char*, ClockChoice>, 4> kClocks{{{"auto", ClockChoice::automatic},
+                                                                      {"ntp", ClockChoice::ntp},
+                                                                      {"arrival", ClockChoice::arrival},
+                                                                      {"visual", ClockChoice::visual}}};
 constexpr std::array<std::pair<const char*, RigRefinement>, 3> kRigRefinements{
     {{"off", RigRefinement::off}, {"monitor", RigRefinement::monitor}, {"correct", RigRefinement::correct}}};
 constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
@@ -69,8 +81,9 @@ std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& 
 }
 
 std::string streamUrl(const StrictYaml& yaml) {
-  static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?");
+  static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?"), kV4l2Url("v4l2:/.+");
   std::string url = yaml.text();
+  if (std::regex_match(url, kV4l2Url)) return url;
   if (url.find('@') != std::string::npos) {
     // The value is not repeated: it holds a password.
     yaml.fail(
@@ -78,9 +91,32 @@ std::string streamUrl(const StrictYaml& yaml) {
         "password_file or password_credential");
   }
   if (!std::regex_match(url, kRtspUrl)) {
-    yaml.failExpecting("a URL such as rtsp://192.168.1.64:554/Streaming/Channels/101");
+    yaml.failExpecting("a URL such as rtsp://192.168.1.64:554/Streaming/Channels/101 or v4l2:/dev/video0");
   }
   return url;
+}
+
+/// WIDTHxHEIGHT.
+cv::Size imageSize(const StrictYaml& yaml) {
+  static const std::regex kSize("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})");
+  std::smatch match;
+  const std::string text = yaml.text();
+  if (!std::regex_match(text, match, kSize)) yaml.failExpecting("a size in pixels such as 1280x720");
+  return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
+/// What only a camera of this computer has, and what it has not.
+void readV4l2Keys(const StrictYaml& yaml, CameraConfiguration& camera) {
+  const auto keys_of = [&](const Keys& keys, const char* kind) {
+    for (const char* key : keys)
+      if (yaml.has(key)) yaml[key].fail(std::string("only ") + kind + " has this key");
+  };
+  if (!camera.isV4l2()) return keys_of({"size", "format", "exposure", "gain"}, "a V4L2 camera");
+  keys_of({"username", "password_file", "password_credential"}, "an IP camera");
+  if (yaml.has("size")) camera.size = imageSize(yaml["size"]);
+  if (yaml.has("format")) camera.format = choice(yaml["format"], kFormats);
+  if (yaml.has("exposure")) camera.exposure = yaml["exposure"].number(1e-5, 1.0);
+  if (yaml.has("gain")) camera.gain = static_cast<int>(yaml["gain"].integer(0, 1'000'000));
 }
 
 CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::path& folder) {
@@ -96,6 +132,7 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
       name.failExpecting("the name of a systemd credential, without '/'");
     }
   }
+  readV4l2Keys(yaml, camera);
   const bool has_file = !camera.password_file.empty();
   const bool has_credential = !camera.password_credential.empty();
   if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
@@ -118,7 +155,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   if (yaml.has("transport")) {
     configuration.transport = choice(yaml["transport"], kTransports);
   }
-  if (yaml.has("instants")) configuration.instants = choice(yaml["instants"], kInstants);
+  if (yaml.has("clock")) configuration.clock = choice(yaml["clock"], kClocks);
   if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
   if (yaml.has("stall_timeout")) {
     configuration.stall_timeout = duration(yaml["stall_timeout"], 0.1, 60.0);
@@ -160,21 +197,43 @@ void readLcm(const StrictYaml& yaml, Configuration& configuration) {
   if (yaml.has("time_to_live")) configuration.time_to_live = duration(yaml["time_to_live"], 0.01, 10.0);
 }
 
+void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
+                   Configuration& configuration) {
+  yaml.allowOnly(kRecordingKeys);
+  if (yaml.has("directory")) configuration.recording_directory = path(yaml["directory"], folder);
+  RecordingQuota& quota = configuration.recording_quota;
+  const auto bytes = [](const StrictYaml& gigabytes, double least) {
+    return static_cast<std::uint64_t>(std::llround(gigabytes.number(least, 1e6) * kGigabyte));
+  };
+  if (yaml.has("maximum_size")) quota.maximum_bytes = bytes(yaml["maximum_size"], 1.0);
+  if (yaml.has("maximum_age")) {
+    quota.maximum_age = std::chrono::seconds(std::llround(yaml["maximum_age"].number(0.01, 1e4) * kDay));
+  }
+  if (yaml.has("keep_free")) quota.keep_free_bytes = bytes(yaml["keep_free"], 0.0);
+}
+
 void readLogging(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLoggingKeys);
   if (!yaml.has("level")) return;
   configuration.log_level = choice(yaml["level"], kLogLevels);
 }
 
+void emitRecording(YAML::Emitter& yaml, const Configuration& configuration) {
+  const RecordingQuota& quota = configuration.recording_quota;
+  yaml << YAML::Key << "recording" << YAML::BeginMap;
+  if (!configuration.recording_directory.empty())
+    yaml << YAML::Key << "directory" << configuration.recording_directory.string();
+  yaml << YAML::Key << "maximum_size" << static_cast<double>(quota.maximum_bytes) / kGigabyte;
+  if (quota.maximum_age.count() > 0)
+    yaml << YAML::Key << "maximum_age" << static_cast<double>(quota.maximum_age.count()) / kDay;
+  yaml << YAML::Key << "keep_free" << static_cast<double>(quota.keep_free_bytes) / kGigabyte << YAML::EndMap;
+}
+
 double seconds(std::chrono::milliseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-}  // namespace
-
-Configuration readConfiguration(const std::filesystem::path& file) {
-  const StrictYaml yaml = StrictYaml::readFile(file);
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+Configuration configurationOf(const StrictYaml& yaml, const std::filesystem::path& folder) {
   yaml.allowOnly(kRootKeys);
 
   Configuration configuration;
@@ -183,14 +242,19 @@ Configuration readConfiguration(const std::filesystem::path& file) {
   if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);
   if (yaml.has("odometry")) readOdometry(yaml["odometry"], configuration);
   if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
-  if (yaml.has("recording")) {
-    yaml["recording"].allowOnly(kRecordingKeys);
-    if (yaml["recording"].has("directory")) {
-      configuration.recording_directory = path(yaml["recording"]["directory"], folder);
-    }
-  }
+  if (yaml.has("recording")) readRecording(yaml["recording"], folder, configuration);
   if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
   return configuration;
+}
+
+}  // namespace
+
+Configuration readConfiguration(const std::filesystem::path& file) {
+  return configurationOf(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path());
+}
+
+Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name) {
+  return configurationOf(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path());
 }
 
 std::string effectiveConfiguration(const Configuration& configuration) {
@@ -202,13 +266,18 @@ std::string effectiveConfiguration(const Configuration& configuration) {
       yaml << YAML::Key << "password_file" << settings.password_file.string();
     if (!settings.password_credential.empty())
       yaml << YAML::Key << "password_credential" << settings.password_credential;
+    if (!settings.size.empty())
+      yaml << YAML::Key << "size" << fmt::format("{}x{}", settings.size.width, settings.size.height);
+    if (settings.format) yaml << YAML::Key << "format" << nameOf(*settings.format, kFormats);
+    if (settings.exposure) yaml << YAML::Key << "exposure" << *settings.exposure;
+    if (settings.gain) yaml << YAML::Key << "gain" << *settings.gain;
     yaml << YAML::EndMap;
   };
   yaml << YAML::BeginMap << YAML::Key << "cameras" << YAML::BeginMap;
   camera("left", configuration.left);
   camera("right", configuration.right);
   yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
-  yaml << YAML::Key << "instants" << nameOf(configuration.instants, kInstants);
+  yaml << YAML::Key << "clock" << nameOf(configuration.clock, kClocks);
   yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
   yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
   yaml << YAML::Key << "rig" << configuration.rig.string();
@@ -224,10 +293,7 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
   yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
   yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;
-  if (!configuration.recording_directory.empty()) {
-    yaml << YAML::Key << "recording" << YAML::BeginMap;
-    yaml << YAML::Key << "directory" << configuration.recording_directory.string() << YAML::EndMap;
-  }
+  emitRecording(yaml, configuration);
   yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
        << nameOf(configuration.log_level, kLogLevels);
   yaml << YAML::EndMap << YAML::EndMap;

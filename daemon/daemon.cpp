@@ -2,11 +2,13 @@
 
 #include "daemon/daemon.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,17 +19,18 @@
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
 #include "calib/rig_file.hpp"
-#include "capture/rtsp_camera.hpp"
 #include "capture/stream_recorder.hpp"
 #include "daemon/camera_password.hpp"
 #include "daemon/health_monitor.hpp"
 #include "daemon/lcm_connection.hpp"
+#include "daemon/live_camera.hpp"
 #include "daemon/log.hpp"
 #include "daemon/odometry_publisher.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/progress_watch.hpp"
 #include "daemon/service_manager.hpp"
 #include "daemon/validity_log.hpp"
+#include "daemon/visual_clock.hpp"
 
 namespace cartvo {
 namespace {
@@ -35,18 +38,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kHealthPeriod{1};
 
-RtspCameraSettings cameraSettings(const Configuration& configuration, const CameraConfiguration& camera) {
-  RtspCameraSettings settings;
-  settings.url = camera.url;
-  settings.credentials = {camera.username, readPassword(camera)};
-  settings.transport = configuration.transport;
-  settings.instants = configuration.instants;
-  settings.stall_timeout = configuration.stall_timeout;
-  return settings;
-}
-
 Rectifier loadRectifier(const Rig& rig, const std::filesystem::path& tables_file) {
-  const RectificationSettings settings;
+  const RectificationSettings& settings = rig.rectification;
   if (tables_file.empty()) return {rig, settings, buildTables(rig, settings)};
   LoadedTables loaded = loadOrBuildTables(rig, settings, tables_file);
   spdlog::info("rectification tables: {}", loaded.explanation);
@@ -74,6 +67,8 @@ const char* stateName(CameraState state) {
       return "refused";
     case CameraState::ended:
       return "ended";
+    case CameraState::frozen:
+      return "frozen";
   }
   return "unknown";
 }
@@ -88,7 +83,7 @@ class Daemon::Implementation {
 
  private:
   void startRecording();
-  std::string recordingProblem() const;
+  std::string recordingProblem();
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
   void turn();
@@ -101,10 +96,12 @@ class Daemon::Implementation {
   std::unique_ptr<lcm::LCM> lcm_;
   // The recorder outlives the cameras that feed it.
   std::unique_ptr<StreamRecorder> recorder_;
-  std::string recording_refused_;  ///< why it could not start
-  RtspCamera left_;
-  RtspCamera right_;
-  double longest_reader_turn_;
+  std::string recording_refused_;         ///< why it could not start
+  std::uint64_t recording_left_out_ = 0;  ///< pictures, as last told
+  PairClock clock_;                       ///< outlives the cameras, too
+  VisualClock visual_clock_;
+  LiveCamera left_;
+  LiveCamera right_;
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
@@ -122,11 +119,11 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
     : configuration_(configuration),
       rig_(readRig(configuration.rig)),
       lcm_(connectLcm(configuration.lcm_url)),
-      left_(cameraSettings(configuration, configuration.left)),
-      right_(cameraSettings(configuration, configuration.right)),
-      longest_reader_turn_(longestReaderTurn(cameraSettings(configuration, configuration.left))),
+      clock_(configuration.clock),
+      left_(configuration, CameraSide::left, rig_.left.size, clock_),
+      right_(configuration, CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
-      pipeline_(left_, right_, processor_, pipelineSettings(configuration, rig_)),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_)),
       publisher_(*lcm_, configuration.time_to_live),
       health_(Clock::now()),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -141,9 +138,14 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
 /// told.
 void Daemon::Implementation::startRecording() {
   try {
-    recorder_ = std::make_unique<StreamRecorder>(RecordingSettings{configuration_.recording_directory,
-                                                                   effectiveConfiguration(configuration_),
-                                                                   fileText(configuration_.rig)});
+    if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
+      throw std::runtime_error("only IP cameras are recorded, V4L2 cameras send nothing encoded");
+    RecordingSettings settings;
+    settings.folder = configuration_.recording_directory;
+    settings.configuration = effectiveConfiguration(configuration_);
+    settings.rig = fileText(configuration_.rig);
+    settings.quota = configuration_.recording_quota;
+    recorder_ = std::make_unique<StreamRecorder>(settings);
   } catch (const std::exception& error) {
     recording_refused_ = std::string("not recording: ") + error.what();
     spdlog::error(recording_refused_);
@@ -154,8 +156,13 @@ void Daemon::Implementation::startRecording() {
   spdlog::info("recording to {}", configuration_.recording_directory.string());
 }
 
-std::string Daemon::Implementation::recordingProblem() const {
-  return recorder_ ? recorder_->health().error : recording_refused_;
+/// Since it was last asked for.
+std::string Daemon::Implementation::recordingProblem() {
+  if (!recorder_) return recording_refused_;
+  const RecorderHealth health = recorder_->health();
+  if (!health.error.empty()) return health.error;
+  const bool leaves_out = health.left_out > std::exchange(recording_left_out_, health.left_out);
+  return leaves_out ? "the disk is too slow for the recording: pictures are left out of it" : "";
 }
 
 void Daemon::Implementation::run() {
@@ -173,6 +180,8 @@ void Daemon::Implementation::run() {
 void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
   health_.add(result, message);
+  clock_.setVisual(visual_clock_.add(result.estimate.rig, static_cast<double>(result.applied_ns()),
+                                     result.estimate.time_step));
   if (message.status == odometry_t::VALID) service_.ready();
   validity_.note(message);
   turn();
@@ -187,7 +196,9 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
 
 /// Once for each message; that is at the frame rate, whatever the cameras do.
 void Daemon::Implementation::turn() {
-  if (const std::string stuck = stuckReader(pipeline_.progress(), longest_reader_turn_); stuck.empty()) {
+  if (const std::string stuck =
+          stuckReader(pipeline_.progress(), std::max(left_.longestTurn(), right_.longestTurn()));
+      stuck.empty()) {
     service_.feedWatchdog();
   } else {
     warnings_.warn("the " + stuck + " makes no progress; systemd's watchdog is not fed");
@@ -199,14 +210,15 @@ void Daemon::Implementation::turn() {
 }
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
-  const HealthSnapshot snapshot{left_.health(), right_.health(), pipeline_.counts(), pipeline_.problem(),
-                                recordingProblem()};
+  const HealthSnapshot snapshot{
+      left_.source().health(), right_.source().health(),         pipeline_.counts(), clock_.status(),
+      pipeline_.problem(),     configuration_.odometry.features, recordingProblem()};
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.status(statusLine(message));
   logCamera("left", snapshot.left, left_state_);
   logCamera("right", snapshot.right, right_state_);
-  for (const std::string& problem : {snapshot.problem, health_.clockProblem(), snapshot.recording}) {
+  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().takeChange()) {
@@ -257,7 +269,7 @@ void Daemon::stop() noexcept {
 
 void checkConfiguration(const Configuration& configuration) {
   const Rig rig = readRig(configuration.rig);
-  computeRectification(rig, RectificationSettings{});
+  computeRectification(rig, rig.rectification);
   validate(configuration.odometry);
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
     const bool given_by_systemd =

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "daemon/host_clock.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t kLongestText = 200;  // bytes, so that the message fits into one Ethernet frame
 constexpr std::size_t kLargestWindow = 1024;
-constexpr std::chrono::seconds kFirstReportsAreDue{10};  // cameras send their reports each few seconds
 
 float megabytesResident() {
   std::ifstream statm("/proc/self/statm");
@@ -49,6 +49,8 @@ std::int8_t stateCode(CameraState state) {
       return camera_health_t::REFUSED;
     case CameraState::ended:
       return camera_health_t::ENDED;
+    case CameraState::frozen:
+      return camera_health_t::FROZEN;
   }
   return camera_health_t::CONNECTING;
 }
@@ -61,11 +63,21 @@ std::int8_t sourceCode(InstantSource source) {
       return camera_health_t::SENDER_REPORT;
     case InstantSource::arrival:
       return camera_health_t::ARRIVAL;
+    case InstantSource::pictures:
+      return camera_health_t::PICTURES;
+    case InstantSource::kernel:
+      return camera_health_t::KERNEL;
   }
   return camera_health_t::ARRIVAL;
 }
 
-camera_health_t cameraMessage(const CameraHealth& health, double frame_rate, double decode_ms) {
+/// NaN for what is not known.
+float milliseconds(const std::optional<double>& nanoseconds) {
+  return static_cast<float>(1e-6 * nanoseconds.value_or(std::numeric_limits<double>::quiet_NaN()));
+}
+
+camera_health_t cameraMessage(const CameraHealth& health, const ClockStatus::Camera& clock, double frame_rate,
+                              double decode_ms) {
   camera_health_t message{};
   message.state = stateCode(health.state);
   message.instant_source = sourceCode(health.instant_source);
@@ -74,8 +86,19 @@ camera_health_t cameraMessage(const CameraHealth& health, double frame_rate, dou
   message.reconnections = static_cast<std::int64_t>(health.reconnections);
   message.frame_rate = static_cast<float>(frame_rate);
   message.decode_ms = static_cast<float>(decode_ms);
+  message.latency_ms = milliseconds(clock.latency_ns);
+  message.skew_ppm = static_cast<float>(1e6 * clock.skew);
+  message.clock_steps = static_cast<std::int32_t>(clock.steps);
   message.last_error = shortened(health.last_error);
   return message;
+}
+
+std::string shedding(const health_t& message) {
+  if (message.features_least >= message.features_configured) return {};
+  return fmt::format(
+      "the computer is too slow: {} instead of {} features, so that each pair is done in time; free it of "
+      "other work, or set odometry.features to less",
+      message.features_least, message.features_configured);
 }
 
 std::string firstProblem(const HealthSnapshot& snapshot) {
@@ -86,7 +109,16 @@ std::string firstProblem(const HealthSnapshot& snapshot) {
   if (snapshot.right.state != CameraState::streaming && !snapshot.right.last_error.empty()) {
     return "right camera: " + snapshot.right.last_error;
   }
-  return snapshot.recording;
+  return snapshot.clock.problem.empty() ? snapshot.recording : snapshot.clock.problem;
+}
+
+void setClock(health_t& message, const ClockStatus& clock) {
+  const auto value = [](const std::optional<ClockWitness>& witness) {
+    return witness ? std::optional(witness->value_ns) : std::nullopt;
+  };
+  message.clock_deviation_ms = milliseconds(clock.offset.deviation_ns);
+  message.clock_by_reports_ms = milliseconds(value(clock.ntp));
+  message.clock_by_pictures_ms = milliseconds(value(clock.visual));
 }
 
 void setCounts(health_t& message, const PipelineCounts& counts) {
@@ -135,29 +167,13 @@ HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(sta
 void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
   self_check_.note(result.estimate.rig);
+  window_.features = std::min(window_.features, result.features);
   if (window_.latency.size() >= kLargestWindow) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
   window_.process.push_back(result.times.total * 1e3);
   window_.offset.push_back(static_cast<double>(result.offset_ns()) * 1e-6);
   window_.left_decode.push_back(decodeMilliseconds(result.left));
   window_.right_decode.push_back(decodeMilliseconds(result.right));
-}
-
-std::string HealthMonitor::findClockProblem(Clock::time_point now, const HealthSnapshot& snapshot) {
-  const bool differ = snapshot.left.state == CameraState::streaming &&
-                      snapshot.right.state == CameraState::streaming &&
-                      snapshot.left.instant_source != snapshot.right.instant_source;
-  if (!differ) {
-    clocks_differ_since_.reset();
-    return {};
-  }
-  if (!clocks_differ_since_) clocks_differ_since_ = now;
-  if (now - *clocks_differ_since_ < kFirstReportsAreDue) return {};
-  const bool left_is_without = snapshot.left.instant_source == InstantSource::arrival;
-  return std::string("no pairs: the ") + (left_is_without ? "left" : "right") +
-         " camera sends no RTCP sender reports, the other does; connect to the camera itself and let it keep "
-         "time "
-         "by NTP, or set cameras.instants: arrival";
 }
 
 void HealthMonitor::addNoPair() {
@@ -173,10 +189,12 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.utime = hostNow() / 1000;
   message.version = CARTVO_VERSION;
   message.uptime_us = std::chrono::duration_cast<std::chrono::microseconds>(now - start_).count();
-  message.left = cameraMessage(snapshot.left, rate(snapshot.left.frames, last_left_frames_),
-                               percentile(window_.left_decode, 0.5));
-  message.right = cameraMessage(snapshot.right, rate(snapshot.right.frames, last_right_frames_),
-                                percentile(window_.right_decode, 0.5));
+  message.left =
+      cameraMessage(snapshot.left, snapshot.clock.cameras[0], rate(snapshot.left.frames, last_left_frames_),
+                    percentile(window_.left_decode, 0.5));
+  message.right =
+      cameraMessage(snapshot.right, snapshot.clock.cameras[1],
+                    rate(snapshot.right.frames, last_right_frames_), percentile(window_.right_decode, 0.5));
   setCounts(message, snapshot.counts);
   message.estimates_valid = valid_;
   message.estimates_invalid = invalid_;
@@ -186,9 +204,12 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
   message.memory_mb = megabytesResident();
+  message.features_configured = snapshot.features;
+  message.features_least = std::min(window_.features, snapshot.features);
   setSelfCheck(message, self_check_);
-  clock_problem_ = findClockProblem(now, snapshot);
-  message.problem = shortened(clock_problem_.empty() ? firstProblem(snapshot) : clock_problem_);
+  setClock(message, snapshot.clock);
+  message.problem = shortened(firstProblem(snapshot));
+  if (message.problem.empty()) message.problem = shortened(shedding(message));
 
   last_ = now;
   last_left_frames_ = snapshot.left.frames;

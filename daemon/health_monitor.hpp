@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <cartvo/odometry_t.hpp>
 
 #include "capture/camera_source.hpp"
+#include "capture/pair_clock.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/self_check.hpp"
 
@@ -20,7 +22,9 @@ struct HealthSnapshot {
   CameraHealth left;
   CameraHealth right;
   PipelineCounts counts;
+  ClockStatus clock;
   std::string problem;    ///< what a person should mend first; empty: see the cameras' last errors
+  int features = 0;       ///< as configured
   std::string recording;  ///< why nothing is recorded that should be; the least of the problems
 };
 
@@ -39,17 +43,12 @@ class HealthMonitor {
   /// Makes the message for the time since the last one and begins anew.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
-  /// As of the last message: says so if the cameras' instants have rested on different clocks for too long,
-  /// so that nothing pairs; else empty.
-  const std::string& clockProblem() const { return clock_problem_; }
-
   SelfCheck& selfCheck() { return self_check_; }
 
  private:
-  std::string findClockProblem(Clock::time_point now, const HealthSnapshot& snapshot);
-
   /// Of the pairs since the last message, ms.
   struct Window {
+    int features = std::numeric_limits<int>::max();  // the least that were aimed at
     std::vector<double> latency, process, offset, left_decode, right_decode;
   };
 
@@ -62,8 +61,6 @@ class HealthMonitor {
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
   SelfCheck self_check_;
-  std::optional<Clock::time_point> clocks_differ_since_;
-  std::string clock_problem_;
 };
 
 /// The value below which `fraction` of the values lie (nearest rank); NaN if there are none.

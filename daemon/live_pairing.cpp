@@ -24,7 +24,6 @@ PairingTotals totals(const PairSynchroniser& synchroniser) {
   sum.frames.damaged = left.damaged + right.damaged;
   sum.frames.out_of_order = left.out_of_order + right.out_of_order;
   sum.frames.overflow = left.overflow + right.overflow;
-  sum.frames.clock_mismatch = left.clock_mismatch + right.clock_mismatch;
   sum.frames.clock_restarted = left.clock_restarted + right.clock_restarted;
   return sum;
 }

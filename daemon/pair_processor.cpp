@@ -32,7 +32,7 @@ Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
 }
 
 FrameInstants instants(const Frame& frame) {
-  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence};
+  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.undelayed_arrival_ns};
 }
 
 }  // namespace
@@ -43,7 +43,8 @@ class PairProcessor::Implementation {
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
-        odometry_(stereoCamera(rectifier_.rectification()), settings) {}
+        odometry_(stereoCamera(rectifier_.rectification()), settings),
+        features_(settings.features) {}
 
   PairResult process(const FramePair& pair) {
     PairResult result;
@@ -53,12 +54,20 @@ class PairProcessor::Implementation {
 
     clock_.startPair();
     const StereoImages images = rectify(pair);
+    result.features = features_;
     result.estimate = odometry_.process(images, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_);
     takeVelocityToExposure(result);
     result.times = clock_.endPair();
     return result;
   }
+
+  void aimAt(int features) {
+    if (features == features_) return;
+    odometry_.aimAt(features);
+    features_ = features;
+  }
+  int features() const { return features_; }
 
   const Rectifier& rectifier() const { return rectifier_; }
   const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
@@ -95,6 +104,7 @@ class PairProcessor::Implementation {
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
   StereoOdometry odometry_;
+  int features_;
   VelocityAtExposure velocity_{kVelocityNoiseShare};
   StageClock clock_;
   std::uint64_t next_sequence_ = 0;
@@ -108,6 +118,12 @@ PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;
 
 PairResult PairProcessor::process(const FramePair& pair) {
   return implementation_->process(pair);
+}
+void PairProcessor::aimAt(int features) {
+  implementation_->aimAt(features);
+}
+int PairProcessor::features() const {
+  return implementation_->features();
 }
 const Rectifier& PairProcessor::rectifier() const {
   return implementation_->rectifier();

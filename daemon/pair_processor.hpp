@@ -21,6 +21,7 @@ struct FrameInstants {
   std::int64_t arrival_ns = 0;
   std::int64_t decoded_ns = 0;
   std::uint64_t sequence = 0;
+  std::int64_t undelayed_arrival_ns = 0;
 };
 
 /// All that one pair of frames told.
@@ -29,11 +30,16 @@ struct PairResult {
   FrameInstants left;
   FrameInstants right;
   OdometryEstimate estimate;  ///< of the rectified left camera
+  int features = 0;           ///< that were aimed at
   BodyMotion motion;  ///< of the cart's body; its velocities are those at the exposure (VelocityAtExposure)
   StageTimes times;
 
   /// Right minus left exposure, ns.
   std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
+  /// By how much that is more than undelayed arrival says, ns; only of live cameras.
+  std::int64_t applied_ns() const {
+    return offset_ns() - (right.undelayed_arrival_ns - left.undelayed_arrival_ns);
+  }
   /// The last packet of the pair was received, ns since the Unix epoch.
   std::int64_t arrival_ns() const { return std::max(left.arrival_ns, right.arrival_ns); }
 };
@@ -49,6 +55,10 @@ class PairProcessor {
   PairProcessor& operator=(PairProcessor&&) noexcept;
 
   PairResult process(const FramePair& pair);
+
+  /// From the next pair on, aims at so many features (StereoOdometry::aimAt).
+  void aimAt(int features);
+  int features() const;
 
   const Rectifier& rectifier() const;
 

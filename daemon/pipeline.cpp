@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/feature_budget.hpp"
 #include "daemon/host_clock.hpp"
 #include "daemon/live_pairing.hpp"
 
@@ -53,7 +54,7 @@ void addPairing(const PairingTotals& totals, PipelineCounts& counts) {
   counts.dropped_damaged = totals.frames.damaged;
   counts.dropped_out_of_order = totals.frames.out_of_order;
   counts.dropped_overflow = totals.frames.overflow;
-  counts.dropped_clock = totals.frames.clock_mismatch + totals.frames.clock_restarted;
+  counts.dropped_clock = totals.frames.clock_restarted;
 }
 
 /// Why no pair came, from what was counted meanwhile.
@@ -62,6 +63,12 @@ NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& 
   if (now.pairing.frames.damaged > before.pairing.frames.damaged) return NoPairCause::damaged;
   if (now.pairing.frames.no_partner > before.pairing.frames.no_partner) return NoPairCause::no_partner;
   return NoPairCause::no_frames;
+}
+
+/// As they were recorded, whatever their clocks did; as they were exposed, where that is not known.
+bool comesFirst(const Frame& left, const Frame& right) {
+  if (left.order > 0 && right.order > 0) return left.order < right.order;
+  return left.exposure_ns <= right.exposure_ns;
 }
 
 /// Reads one source a frame ahead, so that two can be merged in the order of time.
@@ -109,7 +116,7 @@ class Pipeline::Implementation {
  private:
   void readCamera(CameraSource& source, CameraSide side, Heartbeat& heartbeat) noexcept;
   void processNewestPairs(const PipelineSink& sink);
-  void processPair(const FramePair& pair, const PipelineSink& sink);
+  PairResult processPair(const FramePair& pair, const PipelineSink& sink);
   void requireRigSize(CameraSide side, const Frame& frame) const;
 
   CameraSource& left_;
@@ -126,10 +133,11 @@ class Pipeline::Implementation {
   std::exception_ptr reader_failure_;      // guarded by mutex_
 };
 
-void Pipeline::Implementation::processPair(const FramePair& pair, const PipelineSink& sink) {
-  const PairResult result = processor_.process(pair);
+PairResult Pipeline::Implementation::processPair(const FramePair& pair, const PipelineSink& sink) {
+  PairResult result = processor_.process(pair);
   ++processed_;
   sink.pair(result);
+  return result;
 }
 
 void Pipeline::Implementation::replay(const PipelineSink& sink) {
@@ -141,7 +149,7 @@ void Pipeline::Implementation::replay(const PipelineSink& sink) {
     const Frame* next_right = right.peek();
     if (next_left == nullptr && next_right == nullptr) break;
     const bool take_left =
-        next_right == nullptr || (next_left != nullptr && next_left->exposure_ns <= next_right->exposure_ns);
+        next_right == nullptr || (next_left != nullptr && comesFirst(*next_left, *next_right));
     const CameraSide side = take_left ? CameraSide::left : CameraSide::right;
     Frame frame = take_left ? left.take() : right.take();
     requireRigSize(side, frame);
@@ -192,13 +200,14 @@ void Pipeline::Implementation::readCamera(CameraSource& source, CameraSide side,
 
 void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   const std::chrono::nanoseconds period(settings_.period_ns);
+  FeatureBudget budget(processor_.features(), std::chrono::duration<double>(period).count());
   // A pair that comes within a period after it was due is late, not missed.
   SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
     const std::optional<FramePair> pair = live_.take(missed);
     if (pair) {
-      processPair(*pair, sink);
+      processor_.aimAt(budget.next(processPair(*pair, sink).times.total));
       missed = SteadyClock::now() + 2 * period;
       before = live_.counts();
     } else if (!stopped_ && SteadyClock::now() >= missed) {

@@ -49,7 +49,7 @@ struct PipelineCounts {
   std::uint64_t dropped_damaged = 0;       ///< frames marked as damaged
   std::uint64_t dropped_out_of_order = 0;  ///< frames older than one before
   std::uint64_t dropped_overflow = 0;      ///< frames there was no room for
-  std::uint64_t dropped_clock = 0;  ///< frames whose instants cannot be compared with the other camera's
+  std::uint64_t dropped_clock = 0;         ///< frames that waited when the host's clock was set back
 };
 
 /// How long ago each camera's reader went round, in seconds; it does so with or without frames, at least
@@ -70,13 +70,15 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Replay: pulls both sources to their ends on this thread, the one whose next frame was exposed earlier
-  /// first, and processes every pair; the same sources give the same results. Throws what the sources and the
-  /// sink throw, and std::runtime_error if a frame's size is not the rig's.
+  /// Replay: pulls both sources to their ends on this thread, the one first whose next frame was recorded
+  /// first, or exposed first where that is not known, and processes every pair; the same sources give the
+  /// same results. Throws what the sources and the sink throw, and std::runtime_error if a frame's size is
+  /// not the rig's.
   void replay(const PipelineSink& sink);
 
   /// Live: a thread per camera reads and pairs; this thread processes the newest pair and skips older ones,
-  /// so that nothing ever waits in a queue. A pair is missed when a whole period has passed after it was due;
+  /// so that nothing ever waits in a queue. Where pairs take too long, fewer features are looked for
+  /// (FeatureBudget). A pair is missed when a whole period has passed after it was due;
   /// the sink then hears of it, and again each period until one comes. Returns after `stop`, or when both
   /// sources have ended. Throws what a source, the processor or the sink throws, after all threads have
   /// ended.

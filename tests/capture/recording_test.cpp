@@ -3,13 +3,14 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/recording_folder.hpp"
 #include "capture/recording_index.hpp"
+#include "capture/recording_reader.hpp"
 #include "capture/recording_source.hpp"
 #include "capture/stereo_source.hpp"
 #include "capture/stream_recorder.hpp"
@@ -50,15 +51,40 @@ std::vector<SeenFrame> replayed(CameraSource& source) {
   return frames;
 }
 
-void record(const fs::path& folder, const StreamFormat& format, const std::vector<EncodedUnit>& units) {
-  StreamRecorder recorder({folder, "camera: left\n", "rig: one\n"});
-  for (StreamObserver* side : {&recorder.left(), &recorder.right()}) {
-    side->onStream(format);
-    for (const EncodedUnit& unit : units)
-      side->onUnit(unit);
+RecordingSettings settingsFor(const fs::path& folder) {
+  RecordingSettings settings;
+  settings.folder = folder;
+  settings.configuration = "camera: left\n";
+  settings.rig = "rig: one\n";
+  return settings;
+}
+
+void record(const RecordingSettings& settings, const StreamFormat& format,
+            const std::vector<EncodedUnit>& units) {
+  StreamRecorder recorder(settings);
+  recorder.left().onStream(format);
+  recorder.right().onStream(format);
+  for (const EncodedUnit& unit : units) {
+    recorder.left().onUnit(unit);
+    recorder.right().onUnit(unit);
   }
+  recorder.finish();
   EXPECT_EQ(recorder.health().error, "");
   EXPECT_EQ(recorder.health().units, 2 * units.size());
+}
+
+void record(const fs::path& folder, const StreamFormat& format, const std::vector<EncodedUnit>& units) {
+  record(settingsFor(folder), format, units);
+}
+
+void overwrite(const fs::path& file, std::uintmax_t from, std::size_t count) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekp(static_cast<std::streamoff>(from));
+  stream << std::string(count, '\x55');
+}
+
+bool isGood(const SeenFrame& frame) {
+  return frame.status == FrameStatus::good;
 }
 
 std::vector<EncodedUnit> camera(VideoCodec codec = VideoCodec::h264) {
@@ -80,7 +106,7 @@ TEST(Recording, ReplaysTheSameFramesInstantsAndStatus) {
     const test::TemporaryFolder folder;
     const std::vector<EncodedUnit> units = camera(codec);
     record(folder / "drive", {codec, {}}, units);
-    RecordingSource source(folder / "drive", "right");
+    RecordingSource source(folder / "drive", CameraSide::right);
     EXPECT_EQ(replayed(source), decodedLive({codec, {}}, units));
     EXPECT_EQ(source.health().last_error, "");
     EXPECT_EQ(source.health().state, CameraState::ended);
@@ -114,7 +140,7 @@ TEST(Recording, ParameterSetsOnlyInTheSessionDescriptionAreKept) {
     unit.data.erase(unit.data.begin(), slice);
   }
   record(folder / "drive", format, units);
-  RecordingSource source(folder / "drive", "left");
+  RecordingSource source(folder / "drive", CameraSide::left);
   EXPECT_EQ(replayed(source), decodedLive(format, units));
 }
 
@@ -124,139 +150,282 @@ TEST(Recording, APlayerOpensIt) {
   const fs::path output = folder / "probe.txt";
   const std::string command =
       "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height -of csv=p=0 " +
-      (folder / "drive/left.mkv").string() + " > " + output.string() + " 2>&1";
+      (folder / "drive/000000/left.mkv").string() + " > " + output.string() + " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(contents(output), "320,200,45\n");
+}
+
+TEST(Recording, TellsOfEachPictureWhatTheCameraTold) {
+  const test::TemporaryFolder folder;
+  std::vector<EncodedUnit> units = camera();
+  units[3].reference_us = 1'700'000'000'123'456;
+  units[3].first_arrival_ns = units[3].arrival_ns - 2'000'000;
+  units[3].undelayed_arrival_ns = units[3].arrival_ns - 3'000'000;
+  units[3].exposure_deviation_ns = 1'234'567;
+  units[3].data_lost = true;
+  record(folder / "drive", {VideoCodec::h264, {}}, units);
+  RecordingReader reader(folder / "drive", CameraSide::right);
+  RecordedUnit read;
+  for (int i = 0; i <= 3; ++i)
+    ASSERT_TRUE(reader.next(read));
+  EXPECT_EQ(read.connection, 1U);
+  EXPECT_EQ(read.unit.order, 8U) << "one after the left camera's";
+  EXPECT_EQ(read.unit.pts, units[3].pts);
+  EXPECT_EQ(read.unit.reference_us, units[3].reference_us);
+  EXPECT_EQ(read.unit.first_arrival_ns, units[3].first_arrival_ns);
+  EXPECT_EQ(read.unit.arrival_ns, units[3].arrival_ns);
+  EXPECT_EQ(read.unit.undelayed_arrival_ns, units[3].undelayed_arrival_ns);
+  EXPECT_EQ(read.unit.exposure_ns, units[3].exposure_ns);
+  EXPECT_EQ(read.unit.exposure_deviation_ns, units[3].exposure_deviation_ns);
+  EXPECT_TRUE(read.unit.data_lost);
+  EXPECT_FALSE(read.unit.key);
+}
+
+TEST(Recording, OfSeveralSegmentsReplaysAsOne) {
+  const test::TemporaryFolder folder;
+  const std::vector<EncodedUnit> units = camera();  // 2.25 s, a key picture each 0.75 s
+  RecordingSettings settings = settingsFor(folder / "drive");
+  settings.segment_length = std::chrono::milliseconds(700);
+  record(settings, {VideoCodec::h264, {}}, units);
+  EXPECT_EQ(recordingSegments(folder / "drive").size(), 3U);
+  RecordingSource source(folder / "drive", CameraSide::left);
+  EXPECT_EQ(replayed(source), decodedLive({VideoCodec::h264, {}}, units));
+  EXPECT_EQ(source.health().last_error, "");
+}
+
+TEST(Recording, GoesOnWithoutTheSegmentsThatAreGone) {
+  const test::TemporaryFolder folder;
+  const std::vector<EncodedUnit> units = camera();
+  RecordingSettings settings = settingsFor(folder / "drive");
+  settings.segment_length = std::chrono::milliseconds(700);
+  record(settings, {VideoCodec::h264, {}}, units);
+  fs::remove_all(folder / "drive/000000");
+  RecordingSource source(folder / "drive", CameraSide::left);
+  const std::vector<SeenFrame> frames = replayed(source);
+  EXPECT_EQ(frames.size(), 30U);
+  EXPECT_EQ(frames.front().sequence, 15U);
+  EXPECT_EQ(source.health().last_error, "") << "the quota deletes whole segments";
+}
+
+TEST(Recording, AChangeOfCodecBeginsASegment) {
+  const test::TemporaryFolder folder;
+  std::vector<EncodedUnit> later = camera(VideoCodec::h265);
+  for (EncodedUnit& unit : later) {
+    unit.sequence += 45;
+    unit.arrival_ns += 3'000'000'000;
+    unit.exposure_ns += 3'000'000'000;
+  }
+  {
+    StreamRecorder recorder(settingsFor(folder / "drive"));
+    recorder.left().onStream({VideoCodec::h264, {}});
+    for (const EncodedUnit& unit : camera())
+      recorder.left().onUnit(unit);
+    recorder.left().onStream({VideoCodec::h265, {}});
+    for (const EncodedUnit& unit : later)
+      recorder.left().onUnit(unit);
+  }
+  RecordingSource source(folder / "drive", CameraSide::left);
+  std::vector<SeenFrame> expected = decodedLive({VideoCodec::h264, {}}, camera());
+  for (const SeenFrame& frame : decodedLive({VideoCodec::h265, {}}, later))
+    expected.push_back(frame);
+  EXPECT_EQ(replayed(source), expected);
 }
 
 TEST(Recording, WaitsForTheFirstKeyPicture) {
   const test::TemporaryFolder folder;
   std::vector<EncodedUnit> units = camera();
   {
-    StreamRecorder recorder({folder / "drive", "", ""});
+    StreamRecorder recorder(settingsFor(folder / "drive"));
     recorder.left().onStream({VideoCodec::h264, {}});
     for (std::size_t i = 10; i < units.size(); ++i)
       recorder.left().onUnit(units[i]);
+    recorder.finish();
     EXPECT_EQ(recorder.health().units, 30U);
   }
-  RecordingSource source(folder / "drive", "left");
+  RecordingSource source(folder / "drive", CameraSide::left);
   EXPECT_EQ(replayed(source).front().sequence, 15U);
 }
 
-TEST(Recording, ACutVideoReplaysUpToTheCutAndSaysSo) {
-  const test::TemporaryFolder folder;
-  const std::vector<EncodedUnit> units = camera();
-  record(folder / "drive", {VideoCodec::h264, {}}, units);
-  const fs::path video = folder / "drive/left.mkv";
-  fs::resize_file(video, fs::file_size(video) / 2);
-  RecordingSource source(folder / "drive", "left");
-  const std::vector<SeenFrame> frames = replayed(source);
-  const std::vector<SeenFrame> all = decodedLive({VideoCodec::h264, {}}, units);
-  EXPECT_GT(frames.size(), 5U);
-  ASSERT_LT(frames.size(), 40U);
-  EXPECT_TRUE(std::equal(frames.begin(), frames.end(), all.begin()));
-  EXPECT_THAT(source.health().last_error, HasSubstr("left.mkv is"));
-  EXPECT_THAT(source.health().last_error,
-              HasSubstr("replayed the " + std::to_string(frames.size()) + " pictures"));
+/// Three segments of 15 pictures, a key picture each 5.
+class DamagedRecording : public testing::Test {
+ protected:
+  void SetUp() override {
+    units_ = test::encodeSequence(VideoCodec::h264, kSize, 45, 5, "");
+    RecordingSettings settings = settingsFor(folder_ / "drive");
+    settings.segment_length = std::chrono::milliseconds(740);
+    record(settings, {VideoCodec::h264, {}}, units_);
+    ASSERT_EQ(recordingSegments(folder_ / "drive").size(), 3U);
+    whole_ = decodedLive({VideoCodec::h264, {}}, units_);
+  }
+
+  /// What is replayed of the left camera; each good frame must be as it was.
+  std::vector<SeenFrame> replay() {
+    RecordingSource source(folder_ / "drive", CameraSide::left);
+    std::vector<SeenFrame> frames = replayed(source);
+    for (const SeenFrame& frame : frames) {
+      EXPECT_TRUE(!isGood(frame) || frame == whole_.at(frame.sequence)) << frame.sequence;
+    }
+    error_ = source.health().last_error;
+    return frames;
+  }
+
+  static bool hasGood(const std::vector<SeenFrame>& frames, std::uint64_t sequence) {
+    return std::any_of(frames.begin(), frames.end(),
+                       [&](const SeenFrame& f) { return f.sequence == sequence && isGood(f); });
+  }
+
+  fs::path file(const std::string& name) const { return folder_ / "drive" / name; }
+
+  test::TemporaryFolder folder_;
+  std::vector<EncodedUnit> units_;
+  std::vector<SeenFrame> whole_;
+  std::string error_;
+};
+
+TEST_F(DamagedRecording, ReplaysUpToACutOfTheVideoAndAfterIt) {
+  fs::resize_file(file("000001/left.mkv"), fs::file_size(file("000001/left.mkv")) / 2);
+  const std::vector<SeenFrame> frames = replay();
+  EXPECT_TRUE(hasGood(frames, 14) && hasGood(frames, 16) && hasGood(frames, 30) && hasGood(frames, 44));
+  EXPECT_FALSE(hasGood(frames, 29));
+  EXPECT_THAT(error_, HasSubstr("000001/left.mkv is damaged or cut short"));
+  EXPECT_THAT(error_, HasSubstr("pictures cannot be read, the first at "));
 }
 
-TEST(Recording, ACutIndexReplaysUpToTheCutAndSaysSo) {
-  const test::TemporaryFolder folder;
-  record(folder / "drive", {VideoCodec::h264, {}}, camera());
-  const fs::path index = folder / "drive/left.csv";
+TEST_F(DamagedRecording, ReplaysAfterWhatWasOverwrittenInTheVideo) {
+  // All but the last cluster of the file's end is behind the damage.
+  overwrite(file("000001/left.mkv"), fs::file_size(file("000001/left.mkv")) / 3, 300);
+  const std::vector<SeenFrame> frames = replay();
+  EXPECT_TRUE(hasGood(frames, 14) && hasGood(frames, 15) && hasGood(frames, 30) && hasGood(frames, 44));
+  EXPECT_THAT(error_, HasSubstr("000001/left.mkv is damaged"));
+}
+
+TEST_F(DamagedRecording, KnowsAPictureThatIsNotAsItWasRecorded) {
+  const fs::path video = file("000001/left.mkv");
+  const std::string bytes = contents(video);
+  // The middle of picture 17's data, after its header.
+  const std::vector<std::uint8_t>& data = units_[17].data;
+  const std::string middle(data.begin() + 30, data.begin() + 60);
+  const std::size_t place = bytes.find(middle);
+  ASSERT_NE(place, std::string::npos);
+  overwrite(video, place, 8);
+  const std::vector<SeenFrame> frames = replay();
+  EXPECT_EQ(frames.size(), 45U);
+  EXPECT_TRUE(hasGood(frames, 16) && hasGood(frames, 20));
+  EXPECT_FALSE(hasGood(frames, 17) || hasGood(frames, 19)) << "up to the next key picture";
+  EXPECT_THAT(error_, HasSubstr("1 pictures are not as they were recorded, the first at "));
+}
+
+TEST_F(DamagedRecording, ReplaysUpToACutOfTheIndexAndAfterIt) {
+  const fs::path index = file("000001/left.csv");
   fs::resize_file(index, fs::file_size(index) - 3);
-  RecordingSource source(folder / "drive", "left");
-  EXPECT_EQ(replayed(source).size(), 44U);
-  EXPECT_THAT(source.health().last_error, HasSubstr("left.csv, line 46 is damaged or cut short"));
+  const std::vector<SeenFrame> frames = replay();
+  EXPECT_TRUE(hasGood(frames, 28) && hasGood(frames, 30));
+  EXPECT_FALSE(hasGood(frames, 29));
+  EXPECT_THAT(error_, HasSubstr("000001/left.csv, line 16 is damaged or cut short: 1 pictures have no line"));
 }
 
-TEST(Recording, OverwrittenVideoIsNoReasonToCrash) {
-  const test::TemporaryFolder folder;
-  record(folder / "drive", {VideoCodec::h264, {}}, camera());
-  const fs::path video = folder / "drive/left.mkv";
-  {
-    std::fstream file(video, std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(static_cast<std::streamoff>(fs::file_size(video) / 3));
-    file << std::string(4000, '\x55');
+TEST_F(DamagedRecording, ReplaysAfterWhatWasOverwrittenInTheIndex) {
+  overwrite(file("000001/left.csv"), 1100, 10);
+  const std::vector<SeenFrame> frames = replay();
+  EXPECT_TRUE(hasGood(frames, 15) && hasGood(frames, 29)) << error_;
+  EXPECT_GE(frames.size(), 43U);
+  EXPECT_THAT(error_, HasSubstr("left.csv, line "));
+}
+
+TEST_F(DamagedRecording, ReplaysTheOtherSegmentsWhereFilesOfOneAreGone) {
+  fs::remove(file("000001/left.csv"));
+  EXPECT_EQ(replay().size(), 30U);
+  EXPECT_THAT(error_, HasSubstr("cannot read the recording's index"));
+  fs::remove(file("000001/left.mkv"));
+  fs::remove(file("000000/left.mkv"));
+  EXPECT_EQ(replay().size(), 15U);
+  EXPECT_THAT(error_, HasSubstr("000000/left.mkv cannot be opened"));
+}
+
+TEST_F(DamagedRecording, CutAnywhereIsReplayedWithoutACrashAndEachGoodFrameIsAsItWas) {
+  for (const char* name : {"000002/left.mkv", "000002/left.csv"}) {
+    const std::uintmax_t size = fs::file_size(file(name));
+    for (int part = 19; part >= 0; --part) {
+      fs::resize_file(file(name), size * static_cast<std::uintmax_t>(part) / 20);
+      const std::vector<SeenFrame> frames = replay();
+      EXPECT_GE(frames.size(), 30U) << name << ", " << part;
+      EXPECT_NE(error_, "") << name << ", " << part;
+    }
+    fs::remove_all(folder_ / "drive");
+    SetUp();
   }
-  RecordingSource source(folder / "drive", "left");
-  const std::vector<SeenFrame> frames = replayed(source);
-  EXPECT_LE(frames.size(), 45U);
 }
 
-TEST(Recording, IsThereUpToTheLastSecondWithoutAProperEnd) {
-  const test::TemporaryFolder folder;
-  const std::vector<EncodedUnit> units = camera();
-  StreamRecorder recorder({folder / "drive", "", ""});
-  recorder.left().onStream({VideoCodec::h264, {}});
-  for (std::size_t i = 0; i < 30; ++i)
-    recorder.left().onUnit(units[i]);
-  std::this_thread::sleep_for(std::chrono::milliseconds(600));
-  recorder.left().onUnit(units[30]);
-  // As after kill -9: the files as they are on disk, while the recorder still holds them open.
-  fs::copy(folder / "drive", folder / "after", fs::copy_options::recursive);
-  RecordingSource source(folder / "after", "left");
-  EXPECT_EQ(replayed(source).size(), 31U);
-}
-
-TEST(Recording, AFullDiskStopsTheRecordingWithOneMessage) {
-  const test::TemporaryFolder folder;
-  fs::create_directories(folder / "drive");
-  fs::create_symlink("/dev/full", folder / "drive/left.mkv");
-  StreamRecorder recorder({folder / "drive", "", ""});
-  const std::vector<EncodedUnit> units = camera();
-  recorder.left().onStream({VideoCodec::h264, {}});
-  for (int round = 0; round < 40; ++round) {
-    for (const EncodedUnit& unit : units)
-      recorder.left().onUnit(unit);
-  }
-  const std::string error = recorder.health().error;
-  EXPECT_THAT(error, HasSubstr("recording stopped: cannot write"));
-  EXPECT_THAT(error, HasSubstr("left.mkv: No space left on device"));
-  recorder.left().onUnit(units[0]);
-  EXPECT_EQ(recorder.health().error, error);
-}
-
-TEST(Recording, RefusesAFolderThatHoldsOne) {
-  const test::TemporaryFolder folder;
-  record(folder / "drive", {VideoCodec::h264, {}}, camera());
-  EXPECT_THAT(test::messageOf([&] {
-                StreamRecorder({folder / "drive", "", ""});
-              }),
-              HasSubstr("holds a recording already"));
-  EXPECT_THAT(test::messageOf([&] {
-                StreamRecorder({"/proc/nowhere", "", ""});
-              }),
-              HasSubstr("cannot make the folder"));
+TEST_F(DamagedRecording, WithoutAnyPictureIsRefused) {
+  for (int segment = 0; segment < 3; ++segment)
+    fs::resize_file(file("00000" + std::to_string(segment) + "/left.mkv"), 10);
+  EXPECT_THAT(test::messageOf([&] { RecordingSource(folder_ / "drive", CameraSide::left); }),
+              testing::AllOf(HasSubstr("holds no picture of the left camera"), HasSubstr("000000/left.mkv")));
 }
 
 TEST(Recording, ADamagedDescriptionIsAClearError) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "recording.json") << "{\"format_version\": 1,";
+  std::ofstream(folder / "recording.json") << "{\"format_version\": 2,";
   EXPECT_THAT(test::messageOf([&] { openSource(folder.path()); }), HasSubstr("recording.json is damaged"));
   std::ofstream(folder / "recording.json")
       << R"({"format_version": 99, "software_version": "9.9", "configuration": "", "rig": ""})";
   EXPECT_THAT(test::messageOf([&] { openSource(folder.path()); }),
-              HasSubstr("has format 99, but this program reads up to 1"));
+              HasSubstr("has format 99, but this program reads format 2"));
 }
 
 TEST(RecordingIndex, ARowSurvivesTheRoundTrip) {
-  const IndexRow row{7,
-                     350,
-                     9,
-                     40500,
-                     1700000000123456789,
-                     1700000000200000001,
-                     InstantSource::sender_report,
-                     4711,
-                     true,
-                     FrameStatus::damaged};
-  const std::optional<IndexRow> read = parseIndexRow(toText(row));
+  IndexRow row;
+  row.number = 7;
+  row.time_ms = 350;
+  row.order = 15;
+  row.connection = 2;
+  row.sequence = 9;
+  row.pts = 40500;
+  row.reference_us = 1'700'000'000'123'456;
+  row.first_arrival_ns = 1'700'000'000'200'000'001;
+  row.arrival_ns = 1'700'000'000'210'000'001;
+  row.undelayed_arrival_ns = 1'700'000'000'199'000'001;
+  row.exposure_ns = 1'700'000'000'123'456'789;
+  row.exposure_deviation_ns = 1'000'000;
+  row.instant_source = InstantSource::sender_report;
+  row.size = 4711;
+  row.checksum = 0xdeadbeef;
+  row.key = true;
+  row.data_lost = true;
+  row.status = FrameStatus::damaged;
+  const std::string text = toText(row);
+  const std::optional<IndexRow> read = parseIndexRow(text);
   ASSERT_TRUE(read);
-  EXPECT_EQ(toText(*read), toText(row));
+  EXPECT_EQ(toText(*read), text);
   EXPECT_EQ(read->status, FrameStatus::damaged);
+  row.reference_us.reset();
+  ASSERT_TRUE(parseIndexRow(toText(row)));
+  EXPECT_EQ(parseIndexRow(toText(row))->reference_us, std::nullopt);
+}
+
+TEST(RecordingIndex, ALineThatIsNotAsItWasWrittenIsNoRow) {
+  const std::string text = toText(IndexRow{});
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string changed = text;
+    changed[i] = changed[i] == '7' ? '8' : '7';
+    EXPECT_FALSE(parseIndexRow(changed)) << changed;
+  }
   EXPECT_FALSE(parseIndexRow("1,2,3"));
-  EXPECT_FALSE(parseIndexRow("7,350,9,40500,1,1,somewhere,4711,1,good"));
+  EXPECT_FALSE(parseIndexRow(""));
+}
+
+TEST(RecordingIndex, ALineWithTimesThatCannotBeIsNoRow) {
+  IndexRow row;
+  ASSERT_TRUE(parseIndexRow(toText(row)));
+  for (std::int64_t IndexRow::*const member :
+       {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::undelayed_arrival_ns,
+        &IndexRow::exposure_ns, &IndexRow::time_ms}) {
+    IndexRow impossible = row;
+    impossible.*member = INT64_MAX;
+    EXPECT_FALSE(parseIndexRow(toText(impossible)));
+  }
+  row.reference_us = INT64_MAX;
+  EXPECT_FALSE(parseIndexRow(toText(row)));
 }
 
 }  // namespace

@@ -29,8 +29,9 @@ using simulate::SimulatedCamera;
 using simulate::SimulatedCameraSettings;
 using std::chrono::milliseconds;
 
-/// Sender reports relate whole ticks of RTP's 90 kHz clock to instants, so each is up to a tick (11 us) off.
-constexpr double kTwoTicks_ns = 23'000.0;
+/// Standard deviations: on a busy host the clock model is given late arrivals and says so; how exact it is in
+/// quiet, its own tests tell.
+constexpr double kCovered = 3.0;
 
 /// A picture's index in the content, by its pixels.
 std::map<std::uint64_t, std::size_t> contentByDigest(const EncodedStream& stream) {
@@ -74,7 +75,8 @@ TEST_P(LiveTransport, PicturesArriveWholeInOrderAndWithTheInstantsOfTheirExposur
     if (found == content.end() || found->second == 0) return false;  // the lead-in stands still
     if (frame.instant_source != InstantSource::sender_report) return false;
     const std::int64_t expected = epoch + stream.units[found->second].instant_ns;
-    EXPECT_NEAR(static_cast<double>((frame.exposure_ns - expected) % test::kLiveTurn_ns), 0.0, kTwoTicks_ns);
+    EXPECT_NEAR(static_cast<double>((frame.exposure_ns - expected) % test::kLiveTurn_ns), 0.0,
+                kCovered * static_cast<double>(frame.exposure_deviation_ns));
     EXPECT_GE(frame.decoded_ns, frame.arrival_ns);
     return ++checked == 40;
   });
@@ -113,7 +115,9 @@ TEST(RtspCamera, ARecordingOfALiveStreamReplaysTheSameFrames) {
   const auto server = test::switchOn(test::leftStream());
   std::vector<test::SeenFrame> live;
   {
-    StreamRecorder recorder({folder / "drive", "", ""});
+    RecordingSettings settings;
+    settings.folder = folder / "drive";
+    StreamRecorder recorder(settings);
     RtspCamera camera(test::settingsFor(server->port()));
     camera.observe(recorder.left());
     server->startContent(test::nowNs());
@@ -124,7 +128,7 @@ TEST(RtspCamera, ARecordingOfALiveStreamReplaysTheSameFrames) {
     EXPECT_EQ(recorder.health().error, "");
   }
   std::vector<test::SeenFrame> replayed;
-  RecordingSource source(folder / "drive", "left");
+  RecordingSource source(folder / "drive", CameraSide::left);
   Frame frame;
   while (source.read(frame, milliseconds(0)) == ReadOutcome::frame)
     replayed.push_back(test::seen(frame));
@@ -161,8 +165,10 @@ TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
   for (const FramePair& pair : pairs) {
     EXPECT_LE(std::abs(pair.offsetNs()), 20'000'000);
     if (pair.left.instant_source != InstantSource::sender_report) continue;
+    const double deviation = std::hypot(static_cast<double>(pair.left.exposure_deviation_ns),
+                                        static_cast<double>(pair.right.exposure_deviation_ns));
     EXPECT_NEAR(static_cast<double>(pair.offsetNs()), static_cast<double>(test::kLiveOffset_ns),
-                kTwoTicks_ns);
+                kCovered * deviation);
     ++exact;
   }
   EXPECT_GT(exact, 10);

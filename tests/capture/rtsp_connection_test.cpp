@@ -7,13 +7,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "capture/ffmpeg_log.hpp"
 #include "capture/rtsp_camera.hpp"
 #include "tests/capture/live_camera.hpp"
+#include "tests/capture/silent_listener.hpp"
 #include "tests/capture/tcp_proxy.hpp"
 
 namespace cartvo {
@@ -104,23 +102,14 @@ TEST(RtspConnection, SaysThatNothingListensThere) {
 }
 
 TEST(RtspConnection, SaysThatNothingAnswersThere) {
-  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);  // the system accepts for it, nobody ever answers
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  ASSERT_EQ(::bind(listener, generic, size), 0);
-  ASSERT_EQ(::listen(listener, 1), 0);
-  ASSERT_EQ(::getsockname(listener, generic, &size), 0);
-  RtspCameraSettings settings = test::settingsFor(ntohs(address.sin_port));
+  const test::SilentListener listener(1);
+  RtspCameraSettings settings = test::settingsFor(listener.port());
   settings.connect_timeout = milliseconds(300);
   RtspCamera camera(settings);
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
   EXPECT_THAT(camera.health().last_error, HasSubstr("no answer from the camera at 127.0.0.1"));
   EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
-  ::close(listener);
 }
 
 TEST(RtspConnection, InterruptEndsReadingInEachState) {

@@ -10,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "daemon/configuration.hpp"
+#include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -19,7 +20,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::filesystem::path kShipped = std::filesystem::path(CARTVO_SOURCE_DIR) / "config/cartvod.yaml";
+const std::filesystem::path kShipped = test::sourceFolder() / "config/cartvod.yaml";
 
 constexpr const char* kMinimal = R"(cameras:
   left:
@@ -65,6 +66,7 @@ TEST_F(ConfigurationFile, TakesRelativePathsFromItsOwnFolder) {
       read(std::string(kMinimal) + "tables: cache/tables.bin\nrecording: {directory: /var/lib/x}\n");
   EXPECT_EQ(configuration.tables, folder_ / "cache/tables.bin");
   EXPECT_EQ(configuration.recording_directory, "/var/lib/x");
+  EXPECT_TRUE(configuration.recording_quota.recordings.empty()) << "left to cartvod";
 }
 
 TEST_F(ConfigurationFile, NamesAnUnknownKeyWithFileAndLine) {
@@ -143,14 +145,16 @@ TEST_F(ConfigurationFile, RefusesAUrlThatTheCameraWouldRefuseLater) {
 }
 
 TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
-  const auto with = [](const std::string& instants) {
-    return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  instants: " + instants +
+  const auto with = [](const std::string& clock) {
+    return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  clock: " + clock +
            "\nrig: rig.yaml\n";
   };
-  EXPECT_EQ(read(kMinimal).instants, RtspInstants::sender_reports);
-  EXPECT_EQ(read(with("arrival")).instants, RtspInstants::arrival);
-  EXPECT_THAT(effectiveConfiguration(read(with("arrival"))), HasSubstr("instants: arrival"));
-  EXPECT_THAT(errorOf(with("ntp")), HasSubstr("one of sender_reports, arrival"));
+  EXPECT_EQ(read(kMinimal).clock, ClockChoice::automatic);
+  EXPECT_EQ(read(with("ntp")).clock, ClockChoice::ntp);
+  EXPECT_EQ(read(with("arrival")).clock, ClockChoice::arrival);
+  EXPECT_EQ(read(with("visual")).clock, ClockChoice::visual);
+  EXPECT_THAT(effectiveConfiguration(read(with("arrival"))), HasSubstr("clock: arrival"));
+  EXPECT_THAT(errorOf(with("gps")), HasSubstr("one of auto, ntp, arrival, visual"));
 }
 
 TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
@@ -158,13 +162,44 @@ TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
               AllOf(HasSubstr(":3: cameras.right.url"), HasSubstr("same URL")));
 }
 
-TEST_F(ConfigurationFile, IsWrittenOutSoThatItReadsBackTheSame) {
-  const Configuration configuration = read(std::string(kMinimal) +
-                                           "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1}\n"
-                                           "recording: {directory: rec}\nlogging: {level: warning}\n");
+TEST_F(ConfigurationFile, TakesCamerasOfThisComputer) {
+  const auto with = [](const std::string& left) {
+    return "cameras:\n  left: {url: \"v4l2:/dev/video0\"" + left +
+           "}\n  right: {url: \"v4l2:/dev/video2\"}\nrig: rig.yaml\n";
+  };
+  const Configuration configuration = read(with(", size: 1280x720, format: yuyv, exposure: 0.004, gain: 32"));
+  EXPECT_TRUE(configuration.left.isV4l2());
+  EXPECT_EQ(configuration.left.device(), "/dev/video0");
+  EXPECT_EQ(configuration.left.size, cv::Size(1280, 720));
+  EXPECT_EQ(configuration.left.format, PixelFormat::yuyv);
+  EXPECT_EQ(configuration.left.exposure, 0.004);
+  EXPECT_EQ(configuration.left.gain, 32);
+  EXPECT_TRUE(configuration.right.size.empty());
   const std::string text = effectiveConfiguration(configuration);
   EXPECT_EQ(effectiveConfiguration(read(text)), text);
-  EXPECT_THAT(text, AllOf(HasSubstr("features: 777"), HasSubstr("level: warning")));
+
+  EXPECT_THAT(errorOf(with(", format: rgb")), HasSubstr("one of grey, nv12, yuyv, mjpeg"));
+  EXPECT_THAT(errorOf(with(", size: 1280")), HasSubstr("1280x720"));
+  EXPECT_THAT(errorOf(with(", exposure: 4")), HasSubstr("cameras.left.exposure"));
+  EXPECT_THAT(errorOf(with(", username: admin")), HasSubstr("only an IP camera has this key"));
+  EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1, gain: 3}\n  right: {url: rtsp://a/2}\nrig: r\n"),
+              AllOf(HasSubstr(":2: cameras.left.gain"), HasSubstr("only a V4L2 camera has this key")));
+  EXPECT_THAT(errorOf("cameras: {left: {url: \"v4l2:video0\"}, right: {url: rtsp://a/2}}\nrig: r\n"),
+              HasSubstr("v4l2:/dev/video0"));
+}
+
+TEST_F(ConfigurationFile, IsWrittenOutSoThatItReadsBackTheSame) {
+  const Configuration configuration =
+      read(std::string(kMinimal) +
+           "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1}\n"
+           "recording: {directory: rec, maximum_age: 2.5, keep_free: 0.5}\nlogging: {level: warning}\n");
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("features: 777"), HasSubstr("level: warning"), HasSubstr("maximum_age: 2.5")));
+  EXPECT_EQ(configuration.recording_quota.maximum_age, std::chrono::hours(60));
+  EXPECT_EQ(configuration.recording_quota.maximum_bytes, 20'000'000'000U);
+  EXPECT_EQ(configuration.recording_quota.keep_free_bytes, 500'000'000U);
 }
 
 TEST_F(ConfigurationFile, AsksForEachKeyItKnows) {
@@ -219,8 +254,7 @@ TEST_F(ConfigurationFile, ShippedFileLoads) {
 }
 
 TEST_F(ConfigurationFile, DemoFileLoads) {
-  const Configuration configuration =
-      readConfiguration(std::filesystem::path(CARTVO_SOURCE_DIR) / "config/demo.yaml");
+  const Configuration configuration = readConfiguration(test::sourceFolder() / "config/demo.yaml");
   EXPECT_EQ(configuration.left.url, "rtsp://127.0.0.1:8554/Streaming/Channels/101");
 }
 

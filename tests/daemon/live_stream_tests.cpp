@@ -159,7 +159,7 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
 
   daemon.stop();
   run.wait();
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "recording/left.mkv"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "recording/000000/left.mkv"));
 }
 
 TEST_F(LiveStream, OfAnotherSizeThanTheRigsIsRefusedInHealthAndKeepsTheDaemonRunning) {

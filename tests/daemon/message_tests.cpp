@@ -19,6 +19,7 @@
 #include "daemon/health_monitor.hpp"
 #include "daemon/odometry_publisher.hpp"
 #include "daemon/odometry_reasons.hpp"
+#include "support/places.hpp"
 
 namespace cartvo {
 namespace {
@@ -119,7 +120,7 @@ TEST(OdometryMessage, NamesItsReasons) {
 /// What odometry_t.lcm declares as REASON_..., so that a constant added there is seen here.
 std::map<std::string, std::int32_t> declaredReasons() {
   static const std::regex kReason("REASON_([A-Z_]+) = ([0-9]+)");
-  std::ifstream stream(std::filesystem::path(CARTVO_SOURCE_DIR) / "daemon/messages/odometry_t.lcm");
+  std::ifstream stream(test::sourceFolder() / "daemon/messages/odometry_t.lcm");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   std::map<std::string, std::int32_t> reasons;
   for (std::sregex_iterator match(text.begin(), text.end(), kReason), end; match != end; ++match) {
@@ -206,21 +207,42 @@ TEST(HealthMessage, NamesTheFirstThingToMend) {
   EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
 }
 
-TEST(HealthMessage, SaysThatNothingPairsWhereOnlyOneCameraSendsSenderReports) {
-  const HealthMonitor::Clock::time_point start;
-  HealthMonitor monitor(start);
-  HealthSnapshot one_sided = snapshot(0);
-  one_sided.right.instant_source = InstantSource::arrival;
-  EXPECT_EQ(monitor.summarise(start, one_sided).problem, "") << "the first report takes a few seconds";
-  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(9), one_sided).problem, "");
-  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(10), one_sided).problem,
-            "no pairs: the right camera sends no RTCP sender reports, the other does; connect to the camera "
-            "itself and "
-            "let it keep time by NTP, or set cameras.instants: arrival");
-  one_sided.right.instant_source = InstantSource::sender_report;
-  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(11), one_sided).problem, "");
-  one_sided.left.instant_source = InstantSource::arrival;
-  EXPECT_EQ(monitor.summarise(start + std::chrono::seconds(12), one_sided).problem, "") << "counted anew";
+TEST(HealthMessage, SaysWhatIsKnownOfTheClocks) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot clocks = snapshot(1);
+  clocks.left.instant_source = clocks.right.instant_source = InstantSource::pictures;
+  clocks.clock.cameras[1] = {80e6, 25e-6, 2};
+  clocks.clock.offset = {0.5e6, 0.7e6};
+  clocks.clock.visual = ClockWitness{3e6, 1e6};
+  clocks.clock.problem = "the cameras' clocks disagree";
+  const health_t health = monitor.summarise({}, clocks);
+  EXPECT_EQ(health.left.instant_source, +camera_health_t::PICTURES);
+  EXPECT_TRUE(std::isnan(health.left.latency_ms));
+  EXPECT_FLOAT_EQ(health.right.latency_ms, 80.0F);
+  EXPECT_FLOAT_EQ(health.right.skew_ppm, 25.0F);
+  EXPECT_EQ(health.right.clock_steps, 2);
+  EXPECT_FLOAT_EQ(health.clock_deviation_ms, 0.7F);
+  EXPECT_TRUE(std::isnan(health.clock_by_reports_ms));
+  EXPECT_FLOAT_EQ(health.clock_by_pictures_ms, 3.0F);
+  EXPECT_EQ(health.problem, "the cameras' clocks disagree");
+}
+
+TEST(HealthMessage, SaysThatFeaturesAreShed) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot slow = snapshot(0);
+  slow.features = 1000;
+  PairResult result = validResult();
+  for (const int features : {1000, 430, 450}) {
+    result.features = features;
+    monitor.add(result, odometryMessage(result));
+  }
+  const health_t health = monitor.summarise({}, slow);
+  EXPECT_EQ(health.features_configured, 1000);
+  EXPECT_EQ(health.features_least, 430);
+  EXPECT_THAT(health.problem, testing::HasSubstr("430 instead of 1000 features"));
+  const health_t without_pairs = monitor.summarise({}, slow);
+  EXPECT_EQ(without_pairs.features_least, 1000);
+  EXPECT_EQ(without_pairs.problem, "");
 }
 
 TEST(HealthMessage, SaysWhatDrivingHasShownOfTheCameras) {

@@ -90,6 +90,67 @@ cameras_off() { systemctl stop cameras; }
 pull_cable() { ip route add blackhole "$1/32" table local; } # packets vanish, connections stay open
 plug_cable() { ip route delete blackhole "$1/32" table local; }
 
+# --- two cameras of this computer: the kernel's simulated ones
+
+plug_v4l2() { modprobe vivid n_devs=2 node_types=0x1,0x1 multiplanar=1,1 && udevadm settle; }
+unplug_v4l2() { # the devices vanish under who uses them
+  v4l2-ctl -d /dev/video0 -c disconnect=1
+  v4l2-ctl -d /dev/video1 -c disconnect=1
+  await 30 rmmod vivid
+}
+use_v4l2() {
+  mkdir -p /etc/systemd/system/cartvod.service.d
+  printf '[Service]\nPrivateDevices=no\nDeviceAllow=char-81 rw\nSupplementaryGroups=video\nLoadCredential=\n' \
+    >/etc/systemd/system/cartvod.service.d/v4l2.conf
+  systemctl daemon-reload
+  cp $configuration "$state/with-ip-cameras.yaml"
+  cp $simulation/v4l2-rig.yaml /etc/cartvo/v4l2-rig.yaml
+  # The first url is the left camera's; user and password are an IP camera's.
+  sed -i -e '0,/url: rtsp.*/s||url: v4l2:/dev/video0|' -e 's|url: rtsp.*|url: v4l2:/dev/video1|' -e '/^ *username:/d' \
+    -e '/^ *password_credential:/d' -e 's|^  frame_rate: .*|  frame_rate: 5|' -e 's|^rig: .*|rig: v4l2-rig.yaml|' $configuration
+}
+use_ip_cameras() {
+  rm -r /etc/systemd/system/cartvod.service.d
+  systemctl daemon-reload
+  cp "$state/with-ip-cameras.yaml" $configuration
+}
+both_stream() { said 'left camera: streaming' && said 'right camera: streaming'; }
+v4l2_checks() {
+  use_v4l2
+  mark
+  systemctl start --no-block cartvod
+  check "V4L2: absent cameras are named" await 150 said 'left camera: connecting: the camera /dev/video0 .* is it plugged in'
+  mark
+  check "V4L2: the kernel simulates two cameras" plug_v4l2
+  check "V4L2: both stream to the confined service" await 90 both_stream
+  check "V4L2: their frames are paired" heard 20 no_pair -le 10
+  local process
+  process=$(pid)
+  mark
+  v4l2-ctl -d /dev/video0 -c fatal_streaming_error=1
+  check "V4L2: a driver that fails is named" await 30 said 'left camera: connecting: the camera /dev/video0'
+  check "V4L2: and opened again" await 30 said 'left camera: streaming'
+  mark
+  v4l2-ctl -d /dev/video1 -c percentage_of_dropped_buffers=100
+  check "V4L2: a driver that falls silent is noticed" await 30 said 'right camera: stalled: .*sent no picture'
+  v4l2-ctl -d /dev/video1 -c percentage_of_dropped_buffers=0
+  check "V4L2: and opened again" await 30 said 'right camera: streaming'
+  mark
+  check "V4L2: unplugged under the service" unplug_v4l2
+  check "V4L2: it says so" await 30 said 'left camera: connecting: the camera /dev/video0'
+  mark
+  plug_v4l2
+  check "V4L2: plugged in again, both stream" await 60 both_stream
+  check "V4L2: all that by the same process" is MainPID "$process"
+  sed -i 's|^    url: v4l2:/dev/video0|&\n    exposure: 0.004|' $configuration
+  mark
+  systemctl restart --no-block cartvod
+  check "V4L2: a control that the camera has not is named" await 60 said "left camera: connecting: .*has no control for its exposure"
+  systemctl stop cartvod
+  modprobe -r vivid
+  use_ip_cameras
+}
+
 # --- where a password could have got to
 
 places_of() { # places_of FILE: names the places where the password in it can be read
@@ -224,6 +285,8 @@ check "one camera's cable pulled: INVALID, no pair" heard 15 no_pair -gt 20 vali
   sed -i 's|^  level: debug$|  level: info|' $configuration
   systemctl stop cartvod
 
+  v4l2_checks
+
   ip route delete 239.255.76.67/32 dev lo
   mark
   systemctl start --no-block cartvod
@@ -250,8 +313,20 @@ second_boot() {
   check "a clean stop: exit 0, inactive" stopped_cleanly
 }
 
+finish() {
+  say "$(lines "$state/passed") passed, $(lines "$state/failed") failed"
+  systemctl poweroff
+}
+
 if [ ! -e "$state/second" ]; then
   say "first boot, systemd $(systemctl --version | sed -n 's/^systemd \([0-9]*\).*/\1/p'), Linux $(uname -r)"
+  if [ "$(cat $simulation/checks)" = v4l2 ]; then
+    check "systemd-sysusers makes the service's own user" made_its_user
+    v4l2_checks
+    journalctl --no-pager -o short-precise -u 'cartv*' -u cameras >/dev/ttyS2
+    finish
+    exit
+  fi
   first_boot
   touch "$state/second"
   journalctl --no-pager -o short-precise -u 'cartv*' -u cameras >/dev/ttyS2
@@ -260,6 +335,5 @@ else
   say "second boot"
   second_boot
   journalctl --no-pager -o short-precise -b -u 'cartv*' -u cameras >/dev/ttyS2
-  say "$(lines "$state/passed") passed, $(lines "$state/failed") failed"
-  systemctl poweroff
+  finish
 fi

@@ -12,8 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/atomic_file.hpp"
+#include "calib/kitti_rig.hpp"
 #include "calib/rig_file.hpp"
-#include "calib/rig_import.hpp"
 #include "capture/stream_recorder.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
@@ -234,12 +234,18 @@ TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
 /// Records pairs of a KITTI sequence as two cameras would send them.
 void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs) {
   const Rig rig = readKittiRig(sequence / "calib.txt", {1226, 370});
-  StreamRecorder recorder({folder, "", rigText(rig)});
-  for (const auto& [camera, observer] :
-       {std::pair("image_0", &recorder.left()), std::pair("image_1", &recorder.right())}) {
-    observer->onStream({});
-    simulate::StreamEncoder encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
-    for (int i = 0; i < pairs; ++i) {
+  RecordingSettings settings;
+  settings.folder = folder;
+  settings.rig = rigText(rig);
+  StreamRecorder recorder(settings);
+  simulate::StreamEncoder left_encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
+  simulate::StreamEncoder right_encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
+  recorder.left().onStream({});
+  recorder.right().onStream({});
+  for (int i = 0; i < pairs; ++i) {
+    for (const bool is_left : {true, false}) {
+      const char* camera = is_left ? "image_0" : "image_1";
+      simulate::StreamEncoder& encoder = is_left ? left_encoder : right_encoder;
       char name[16];
       std::snprintf(name, sizeof name, "%06d.png", i);
       const cv::Mat image = cv::imread((sequence / camera / name).string(), cv::IMREAD_GRAYSCALE);
@@ -249,10 +255,10 @@ void record(const std::filesystem::path& sequence, const std::filesystem::path& 
       unit.key = picture.key_frame;
       unit.pts = i * 9000;
       unit.exposure_ns = 1'700'000'000'000'000'000 + i * 100'000'000;
-      unit.arrival_ns = unit.exposure_ns + 30'000'000;
+      unit.first_arrival_ns = unit.arrival_ns = unit.exposure_ns + 30'000'000;
       unit.sequence = static_cast<std::uint64_t>(i);
       unit.instant_source = InstantSource::sender_report;
-      observer->onUnit(unit);
+      (is_left ? recorder.left() : recorder.right()).onUnit(unit);
     }
   }
 }

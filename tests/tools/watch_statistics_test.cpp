@@ -93,5 +93,12 @@ TEST(Watch, SaysWhatToMend) {
   EXPECT_EQ(adviceText(health), "problem: left camera: refused\nself-check: calibrate anew");
 }
 
+TEST(Watch, SaysWhatRelatesTheCamerasClocks) {
+  health_t health{};
+  health.right.instant_source = camera_health_t::PICTURES;
+  health.clock_deviation_ms = 0.72F;
+  EXPECT_EQ(clockText(health), "by pictures ±0.7 ms");
+}
+
 }  // namespace
 }  // namespace cartvo

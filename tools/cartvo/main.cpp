@@ -15,6 +15,7 @@ int main(int argument_count, char** arguments) {
 
   cartvo::addSimulateCommand(cartvo);
   cartvo::addReplayCommand(cartvo);
+  cartvo::addRecordingCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);

@@ -31,6 +31,8 @@ struct Options {
   ReplaySettings replay;
   std::string estimator = estimatorName(OdometrySettings{}.estimator);
   std::string rig_refinement = rigRefinementName(OdometrySettings{}.rig_refinement);
+  std::string clock = replayClockName(ReplayClock::configured);
+  std::optional<double> offset_ms;
   double offset_uncertainty_ms = 0.0;
   std::filesystem::path output;
   std::filesystem::path truth;
@@ -55,6 +57,14 @@ AssociatedTrajectories withTruth(const Replay& replay, const Truth& truth) {
   return associated;
 }
 
+Replay replayBySource(const Options& options, const ReplayObserver& observer) {
+  if (options.replay.right_video.empty()) return replaySource(options.replay, observer);
+  ProgressBar progress("pictures looked at for the offset");
+  return replayVideos(
+      options.replay, [&](std::size_t pictures, std::size_t expected) { progress.show(pictures, expected); },
+      observer);
+}
+
 Replay replayWithProgress(const Options& options) {
   const Configuration defaults;
   std::unique_ptr<lcm::LCM> lcm;
@@ -64,7 +74,7 @@ Replay replayWithProgress(const Options& options) {
     publisher.emplace(*lcm, defaults.time_to_live);
   }
   ProgressBar progress("pairs");
-  return replaySource(options.replay, [&](const PairResult& result, std::size_t expected) {
+  return replayBySource(options, [&](const PairResult& result, std::size_t expected) {
     if (publisher) publisher->publish(result);
     progress.show(result.sequence + 1, expected);
   });
@@ -97,6 +107,10 @@ void run(const Options& options) {
               replay.pairs.size(), summary["valid"].get<std::size_t>(),
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
               summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
+  if (replay.timing) {
+    std::printf("%+.2f ms on the right video's times make them the left one's (+- %.2f ms, by %s)\n",
+                1e3 * replay.timing->offset, 1e3 * replay.timing->deviation, replay.timing->found_by.c_str());
+  }
   if (truth) std::fputs(evaluationTable(evaluate(withTruth(replay, *truth))).c_str(), stdout);
 }
 
@@ -108,14 +122,20 @@ void addReplayCommand(CLI::App& cartvo) {
   const auto options = std::make_shared<Options>();
   command
       ->add_option("SOURCE", options->replay.source,
-                   "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
+                   "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left "
+                   "camera's video")
       ->required();
+  CLI::Option* right =
+      command->add_option("RIGHT", options->replay.right_video, "The right camera's video, if SOURCE is one");
+  command
+      ->add_option("--offset-ms", options->offset_ms,
+                   "Added to the right video's times to have the left one's; without it the pictures tell it")
+      ->needs(right)
+      ->type_name("MS");
   command->add_option("--output-dir", options->output, "Folder for the results; made if it is missing")
       ->required()
       ->type_name("DIR");
-  command
-      ->add_option("--rig", options->replay.rig,
-                   "Rig file: cartvo's own or OpenCV FileStorage with K1 D1 K2 D2 R T image_size")
+  command->add_option("--rig", options->replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
       ->type_name("FILE");
   command->add_option("--estimator", options->estimator, "How the motion is estimated")
       ->check(CLI::IsMember(estimatorNames()))
@@ -138,6 +158,13 @@ void addReplayCommand(CLI::App& cartvo) {
       ->type_name("MS")
       ->capture_default_str();
   command
+      ->add_option("--clock", options->clock,
+                   "Where a recording's instants come from: the clock model as its configuration has it, by "
+                   "another choice, or as they were stamped live")
+      ->check(CLI::IsMember(replayClockNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
       ->add_option("--threads", options->threads,
                    "Threads for the image operations; the results do not depend on it")
       ->check(CLI::Range(1, 64))
@@ -156,10 +183,13 @@ void addReplayCommand(CLI::App& cartvo) {
       "the byte.\n"
       "Examples:\n"
       "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
-      "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out");
+      "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out\n"
+      "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
   command->callback([options] {
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
+    if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
+    options->replay.clock = replayClockNamed(options->clock);
     options->replay.folder_offset_deviation = 1e-3 * options->offset_uncertainty_ms;
     run(*options);
   });

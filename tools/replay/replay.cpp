@@ -1,10 +1,14 @@
 #include "tools/replay/replay.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
+#include "capture/recording_folder.hpp"
+#include "daemon/configuration.hpp"
+#include "daemon/visual_clock.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
@@ -68,8 +72,38 @@ ReplayedPair kept(const PairResult& result, const LeftCameraView& left, Unbroken
 }
 
 Rectifier rectifierOf(const Rig& rig) {
-  const RectificationSettings settings;
-  return {rig, settings, buildTables(rig, settings)};
+  return {rig, rig.rectification, buildTables(rig, rig.rectification)};
+}
+
+ClockChoice choiceOf(ReplayClock clock) {
+  switch (clock) {
+    case ReplayClock::ntp:
+      return ClockChoice::ntp;
+    case ReplayClock::arrival:
+      return ClockChoice::arrival;
+    case ReplayClock::visual:
+      return ClockChoice::visual;
+    default:
+      return ClockChoice::automatic;
+  }
+}
+
+/// How the source is opened: a recording as its configuration says.
+SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
+  SourceSettings opened;
+  opened.folder_offset_deviation_ns = 1e9 * settings.folder_offset_deviation;
+  if (!isRecording(settings.source)) return opened;
+  const std::string text = readRecordingInfo(settings.source).configuration;
+  std::optional<Configuration> configuration;
+  try {
+    if (!text.empty()) configuration = parseConfiguration(text, settings.source / "recording.json");
+  } catch (const std::runtime_error& error) {
+    problems.push_back(std::string("the recording's configuration is of no use: ") + error.what());
+  }
+  if (configuration) opened.recording_period_ns = std::llround(1e9 / configuration->frame_rate);
+  if (configuration && settings.clock == ReplayClock::configured) opened.clock = configuration->clock;
+  if (settings.clock >= ReplayClock::automatic) opened.clock = choiceOf(settings.clock);
+  return opened;
 }
 
 }  // namespace
@@ -84,13 +118,20 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
   const LeftCameraView left(processor.T_left_rectified());
   Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
   UnbrokenPath path;
+  VisualClock visual_clock;
   pipeline.replay({[&](const PairResult& result) {
                      replay.pairs.push_back(kept(result, left, path));
+                     if (source.clock) {
+                       source.clock->setVisual(visual_clock.add(result.estimate.rig,
+                                                                static_cast<double>(result.applied_ns()),
+                                                                result.estimate.time_step));
+                     }
                      observer(result, source.pairs);
                    },
                    {}});
 
   replay.counts = pipeline.counts();
+  if (source.clock) replay.clock = source.clock->status();
   for (const CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
       replay.problems.push_back(error);
@@ -99,11 +140,34 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
 }
 
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
-  StereoSource source = openSource(settings.source, 1e9 * settings.folder_offset_deviation);
+  std::vector<std::string> problems;
+  StereoSource source = openSource(settings.source, sourceSettings(settings, problems));
   const FoundRig rig = findRig(source, settings.source, settings.rig);
   Replay replay = replayPairs(source, rig, settings.odometry, observer);
+  replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
     throw std::runtime_error(settings.source.string() + ": holds no pair of images that belong together");
+  }
+  return replay;
+}
+
+Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
+                    const ReplayObserver& observer) {
+  const VideoPair videos{settings.source, settings.right_video};
+  const FoundRig rig = findRig({}, settings.source, settings.rig);
+  VideoTiming timing;
+  if (settings.video_offset) {
+    timing.offset = *settings.video_offset;
+    timing.deviation = settings.folder_offset_deviation;
+  } else {
+    timing = findVideoTiming(videos, rig.rig, progress);
+  }
+  StereoSource source = openVideos(videos, timing, {});
+  Replay replay = replayPairs(source, rig, settings.odometry, observer);
+  replay.timing = timing;
+  if (replay.pairs.empty()) {
+    throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +
+                             ": no two pictures belong together by their times; see to --offset-ms");
   }
   return replay;
 }

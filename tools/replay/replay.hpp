@@ -11,16 +11,30 @@
 #include "capture/stereo_source.hpp"
 #include "daemon/pipeline.hpp"
 #include "tools/replay/source_rig.hpp"
+#include "tools/replay/video_pair.hpp"
 #include "tools/trajectory/trajectory.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {
 
+/// Where a recording's instants come from.
+enum class ReplayClock : std::uint8_t {
+  configured,  ///< the clock model as live, by the recording's configuration; as recorded, if it has none
+  recorded,    ///< as they were stamped live
+  automatic,   ///< the clock model by that choice, see ClockChoice
+  ntp,
+  arrival,
+  visual,
+};
+
 struct ReplaySettings {
   std::filesystem::path source;
-  std::filesystem::path rig;  ///< empty: found beside the source
+  std::filesystem::path right_video;   ///< empty, or the right camera's; then `source` is the left camera's
+  std::optional<double> video_offset;  ///< s, added to the right video's times; nothing: by the pictures
+  std::filesystem::path rig;           ///< empty: found beside the source
   OdometrySettings odometry;
   double folder_offset_deviation = 0.0;  ///< s, of the pairs' offsets in a folder of images
+  ReplayClock clock = ReplayClock::configured;
 };
 
 /// What is kept of one pair.
@@ -57,6 +71,8 @@ struct Replay {
   FoundRig rig;
   std::vector<ReplayedPair> pairs;
   PipelineCounts counts;
+  std::optional<VideoTiming> timing;  ///< of two videos
+  std::optional<ClockStatus> clock;   ///< of a recording that was stamped anew, at its end
   std::vector<std::string> problems;  ///< what the sources said of themselves (a recording cut short)
 };
 
@@ -71,6 +87,10 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
 /// The same over a source on disk. Throws what the source, the rig or the settings are refused for, also if
 /// no pair of its images belongs together.
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer);
+
+/// The same of two videos: `settings.source` and `settings.right_video`.
+Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
+                    const ReplayObserver& observer);
 
 /// Poses of the left camera, in its own axes, relative to the first pair's.
 Trajectory leftCameraTrajectory(const Replay& replay);

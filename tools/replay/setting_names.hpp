@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/replay/replay.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {
@@ -17,6 +18,15 @@ inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorName
 /// And what is done about a rig that is not as calibrated.
 inline constexpr std::array<std::pair<RigRefinement, const char*>, 3> kRigRefinementNames{
     {{RigRefinement::off, "off"}, {RigRefinement::monitor, "monitor"}, {RigRefinement::correct, "correct"}}};
+
+/// And where a recording's instants come from.
+inline constexpr std::array<std::pair<ReplayClock, const char*>, 6> kReplayClockNames{
+    {{ReplayClock::configured, "configured"},
+     {ReplayClock::recorded, "recorded"},
+     {ReplayClock::automatic, "auto"},
+     {ReplayClock::ntp, "ntp"},
+     {ReplayClock::arrival, "arrival"},
+     {ReplayClock::visual, "visual"}}};
 
 template <typename Names, typename Value>
 std::string nameIn(const Names& names, Value value) {
@@ -58,6 +68,17 @@ inline RigRefinement rigRefinementNamed(const std::string& name) {
 }
 inline std::vector<std::string> rigRefinementNames() {
   return listOf(kRigRefinementNames);
+}
+
+inline std::string replayClockName(ReplayClock clock) {
+  return nameIn(kReplayClockNames, clock);
+}
+/// `name` must be one of `replayClockNames`.
+inline ReplayClock replayClockNamed(const std::string& name) {
+  return valueIn(kReplayClockNames, name);
+}
+inline std::vector<std::string> replayClockNames() {
+  return listOf(kReplayClockNames);
 }
 
 }  // namespace cartvo

@@ -51,6 +51,8 @@ const char* kindName(SourceKind kind) {
       return "kitti";
     case SourceKind::euroc:
       return "euroc";
+    case SourceKind::videos:
+      return "videos";
   }
   return "unknown";
 }
@@ -124,12 +126,42 @@ Json selfCheckJson(const Replay& replay) {
           {"right_roll_deg", scaled(rig.roll, kDegrees)}};
 }
 
+/// How a recording was stamped; null for other sources.
+Json clockJson(const ReplaySettings& settings, const Replay& replay) {
+  if (replay.kind != SourceKind::recording) return nullptr;
+  Json json;
+  json["choice"] = replayClockName(settings.clock);
+  json["stamped_anew"] = replay.clock.has_value();
+  if (!replay.clock) return json;
+  const auto milliseconds = [](const std::optional<ClockWitness>& witness) -> Json {
+    return witness ? Json(1e-6 * witness->value_ns) : Json(nullptr);
+  };
+  json["deviation_ms"] = 1e-6 * replay.clock->offset.deviation_ns;
+  json["offset_beyond_arrival_ms"] = 1e-6 * replay.clock->offset.value_ns;
+  json["by_reports_ms"] = milliseconds(replay.clock->ntp);
+  json["by_pictures_ms"] = milliseconds(replay.clock->visual);
+  json["problem"] = replay.clock->problem;
+  return json;
+}
+
+/// How two videos' times belong together; null for other sources.
+Json timingJson(const Replay& replay) {
+  if (!replay.timing) return nullptr;
+  const VideoTiming& timing = *replay.timing;
+  return {{"offset_ms", 1e3 * timing.offset},
+          {"deviation_ms", 1e3 * timing.deviation},
+          {"skew_ppm", 1e6 * timing.skew},
+          {"found_by", timing.found_by},
+          {"agreement", timing.agreement ? Json(*timing.agreement) : Json(nullptr)}};
+}
+
 }  // namespace
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   const Rig& rig = replay.rig.rig;
   Json json;
   json["source"] = settings.source.string();
+  if (!settings.right_video.empty()) json["right_video"] = settings.right_video.string();
   json["kind"] = kindName(replay.kind);
   json["rig"] = {{"name", rig.name},
                  {"origin", replay.rig.origin},
@@ -145,6 +177,8 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["duration_s"] =
       1e-9 * static_cast<double>(replay.pairs.back().exposure_ns - replay.pairs.front().exposure_ns);
   json["path_length_m"] = distancesAlong(leftCameraTrajectory(replay)).back();
+  json["clock"] = clockJson(settings, replay);
+  json["video_timing"] = timingJson(replay);
   json["self_check"] = selfCheckJson(replay);
   json["time_ms"] = timesJson(replay);
   json["versions"] = {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}};

@@ -2,6 +2,7 @@
 
 #include "tools/watch/watch.hpp"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -41,11 +42,11 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  void draw(const odometry_t& message, const OdometryStatistics& statistics) {
+  void draw(const odometry_t& message, const OdometryStatistics& statistics, const std::string& clocks) {
     if (drawn_ && secondsSince(last_) < (over_itself_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
-    const std::string line = liveLine(message, statistics.currentFrameRate(hostNow()));
+    const std::string line = liveLine(message, statistics.currentFrameRate(hostNow())) + clocks;
     std::printf(over_itself_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stdout);
   }
@@ -83,6 +84,8 @@ class Listener {
   const odometry_t& last() const { return last_; }
   /// What the daemon says should be mended; empty if all is well.
   const std::string& advice() const { return advice_; }
+  /// By what a pair's offset is known, and how well; empty before the first health message.
+  const std::string& clocks() const { return clocks_; }
 
  private:
   void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
@@ -94,10 +97,12 @@ class Listener {
   void onHealth(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
                 const health_t* message) {
     advice_ = adviceText(*message);
+    clocks_ = "  " + clockText(*message);
   }
 
   lcm::LCM& lcm_;
   std::string advice_;
+  std::string clocks_;
   odometry_t last_{};
   bool received_ = false;
 };
@@ -144,7 +149,7 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       heard = true;
       statistics.add(message, hostNow());
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
-      line.draw(message, statistics);
+      line.draw(message, statistics, listener.clocks());
     }
     line.say(listener.advice());
     if (!heard && secondsSince(first) > settings.first_message) failUnheard(settings);
@@ -162,6 +167,13 @@ std::string adviceText(const health_t& message) {
   if (!message.problem.empty()) text = "problem: " + message.problem;
   if (!message.self_check.empty()) text += (text.empty() ? "" : "\n") + ("self-check: " + message.self_check);
   return text;
+}
+
+std::string clockText(const health_t& message) {
+  constexpr std::array<const char*, 5> kSources{"file", "sender reports", "arrival", "pictures", "kernel"};
+  const auto source = static_cast<std::size_t>(message.right.instant_source);
+  return fmt::format("by {} ±{:.1f} ms", source < kSources.size() ? kSources[source] : "?",
+                     message.clock_deviation_ms);
 }
 
 std::string liveLine(const odometry_t& message, double frame_rate) {

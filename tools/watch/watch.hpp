@@ -28,6 +28,9 @@ std::string liveLine(const odometry_t& message, double frame_rate);
 /// What the daemon says should be mended, a line for each; empty if all is well.
 std::string adviceText(const health_t& message);
 
+/// "by sender reports ±0.7 ms": what relates the two cameras' exposures, and how well.
+std::string clockText(const health_t& message);
+
 /// The summary for people, some lines.
 std::string summaryText(const OdometrySummary& summary);
 

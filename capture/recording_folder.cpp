@@ -1,0 +1,106 @@
+#include "capture/recording_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/durable_file.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr const char* kDescription = "recording.json";
+constexpr std::uintmax_t kLargestDescription = 4U << 20;
+constexpr std::size_t kDigits = 6;
+
+std::optional<std::uint64_t> segmentNumber(const std::string& name) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (name.size() < kDigits || error != std::errc() || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+bool isRecording(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / kDescription);
+}
+
+RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kDescription;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream input(file);
+  if (error || !input) throw std::runtime_error("cannot read " + file.string());
+  if (size > kLargestDescription)
+    throw std::runtime_error(file.string() + " is too large to be a recording's");
+  return parseRecordingInfo({std::istreambuf_iterator<char>(input), {}}, file);
+}
+
+RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem::path& file) {
+  RecordingInfo info;
+  try {
+    const nlohmann::json description = nlohmann::json::parse(text);
+    info.format_version = description.at("format_version").get<int>();
+    info.software_version = description.at("software_version").get<std::string>();
+    info.started_ns = description.value("started_ns", std::int64_t{0});
+    info.configuration = description.at("configuration").get<std::string>();
+    info.rig = description.at("rig").get<std::string>();
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(file.string() + " is damaged: " + error.what());
+  }
+  if (info.format_version != kRecordingFormatVersion) {
+    throw std::runtime_error(file.string() + " has format " + std::to_string(info.format_version) +
+                             ", but this program reads format " + std::to_string(kRecordingFormatVersion) +
+                             "; use the version that made it (" + info.software_version + ")");
+  }
+  return info;
+}
+
+void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo& info) {
+  nlohmann::ordered_json description;
+  description["format_version"] = info.format_version;
+  description["software_version"] = info.software_version;
+  description["started_ns"] = info.started_ns;
+  description["configuration"] = info.configuration;
+  description["rig"] = info.rig;
+  const std::filesystem::path file = folder / kDescription;
+  errno = 0;
+  std::ofstream output(file);
+  output << description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n' << std::flush;
+  if (!output) throw std::runtime_error("cannot write " + file.string() + ": " + std::strerror(errno));
+  syncToDisk(file);
+  syncToDisk(folder);
+}
+
+const char* sideName(CameraSide side) {
+  return side == CameraSide::left ? "left" : "right";
+}
+
+RecordingSegment recordingSegment(const std::filesystem::path& recording, std::uint64_t number) {
+  std::array<char, 24> name{};
+  std::snprintf(name.data(), name.size(), "%06llu", static_cast<unsigned long long>(number));
+  return {number, recording / name.data()};
+}
+
+std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& recording) {
+  std::vector<RecordingSegment> segments;
+  for (const auto& entry : std::filesystem::directory_iterator(recording)) {
+    const std::optional<std::uint64_t> number = segmentNumber(entry.path().filename().string());
+    if (number && entry.is_directory() && !entry.is_symlink()) segments.push_back({*number, entry.path()});
+  }
+  std::sort(segments.begin(), segments.end(),
+            [](const RecordingSegment& a, const RecordingSegment& b) { return a.number < b.number; });
+  return segments;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,115 @@
+#include "capture/recording_writer.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "capture/durable_file.hpp"
+#include "capture/stream_writer.hpp"
+
+namespace cartvo {
+namespace {
+
+void prepareFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error("cannot make the folder " + folder.string() + ": " + error.message());
+  if (isRecording(folder)) {
+    throw std::runtime_error(folder.string() + " holds a recording already; give another folder");
+  }
+}
+
+int openDescription(const std::filesystem::path& folder) {
+  return ::open((folder / "recording.json").c_str(), O_RDONLY | O_CLOEXEC);
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(std::filesystem::path folder, const RecordingInfo& info,
+                                 std::chrono::nanoseconds segment_length)
+    : folder_(std::move(folder)), segment_length_(segment_length) {
+  prepareFolder(folder_);
+  writeRecordingInfo(folder_, info);
+  lock_ = openDescription(folder_);
+  ::flock(lock_, LOCK_EX | LOCK_NB);  // without it, only the quota of another process would not know
+}
+
+RecordingWriter::~RecordingWriter() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void RecordingWriter::begin(CameraSide which, const StreamFormat& format) {
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  side.format = format;
+  ++side.connection;
+}
+
+bool RecordingWriter::write(CameraSide which, EncodedUnit unit) {
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  if (!side.format) return false;
+  if (unit.key) moveOn(which, unit);
+  if (!side.writer || side.writer->codec() != side.format->codec) return false;
+  unit.order = ++order_;
+  side.writer->write(unit, *side.format, side.connection);
+  return true;
+}
+
+/// A file holds one codec, and time that goes on without a leap of the host's clock.
+bool RecordingWriter::endsSegment(const Side& side, const EncodedUnit& unit) const {
+  if (!began_ns_) return true;
+  if (side.segment != segment_) return false;
+  const bool long_enough = std::abs(unit.arrival_ns - *began_ns_) >= segment_length_.count();
+  return long_enough || (side.writer && side.writer->codec() != side.format->codec);
+}
+
+/// Into the segment where this key picture of the camera belongs.
+void RecordingWriter::moveOn(CameraSide which, const EncodedUnit& unit) {
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  if (endsSegment(side, unit)) {
+    if (began_ns_) ++segment_;
+    began_ns_ = unit.arrival_ns;
+  }
+  if (side.writer && side.segment == segment_) return;
+  if (side.writer) {
+    side.writer->sync();
+    side.writer.reset();
+  }
+  const RecordingSegment segment = recordingSegment(folder_, segment_);
+  std::error_code error;
+  std::filesystem::create_directory(segment.folder, error);
+  if (error) {
+    throw std::runtime_error("cannot make the folder " + segment.folder.string() + ": " + error.message());
+  }
+  syncToDisk(folder_);
+  side.segment = segment_;
+  side.writer = std::make_unique<StreamWriter>(segment, which, *side.format, unit, *began_ns_);
+}
+
+void RecordingWriter::sync() {
+  for (const Side& side : sides_) {
+    if (side.writer) side.writer->sync();
+  }
+}
+
+std::uint64_t RecordingWriter::oldestOpenSegment() const {
+  std::uint64_t oldest = segment_;
+  for (const Side& side : sides_) {
+    if (side.writer) oldest = std::min(oldest, side.segment);
+  }
+  return oldest;
+}
+
+bool isBeingWritten(const std::filesystem::path& recording) {
+  const int descriptor = openDescription(recording);
+  if (descriptor < 0) return false;
+  const bool locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  ::close(descriptor);
+  return locked;
+}
+
+}  // namespace cartvo

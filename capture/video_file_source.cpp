@@ -1,0 +1,221 @@
+#include "capture/video_file_source.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "capture/ffmpeg.hpp"
+#include "capture/ffmpeg_log.hpp"
+#include "capture/luma_plane.hpp"
+
+extern "C" {
+#include <libavutil/parseutils.h>
+}
+
+namespace cartvo {
+namespace {
+
+constexpr int kLargestSide = 16384;
+
+std::shared_ptr<AVFrame> makeFrame() {
+  std::shared_ptr<AVFrame> frame(av_frame_alloc(), [](AVFrame* f) { av_frame_free(&f); });
+  if (!frame) throw std::bad_alloc();
+  return frame;
+}
+
+}  // namespace
+
+struct VideoFileSource::Implementation {
+  std::filesystem::path file;
+  VideoFileTime time;
+  ffmpeg::Input input;
+  ffmpeg::CodecContext decoder;
+  ffmpeg::Packet packet = ffmpeg::makePacket();
+  int stream = -1;
+  double frame_rate = 0.0;  ///< as the file says; serves where it has no time stamps
+  bool draining = false;
+  bool damaged = false;  ///< since the last key picture
+  double file_time = 0.0;
+  std::uint64_t sequence = 0;
+  std::uint64_t undecodable = 0;
+  std::atomic<bool> interrupted = false;
+
+  mutable std::mutex mutex;  ///< guards health
+  CameraHealth health;
+
+  void open();
+  void openDecoder();
+  void sendPacket();
+  std::shared_ptr<AVFrame> nextPicture();
+  double timeOf(const AVFrame& picture) const;
+  void check(int result) const;
+};
+
+VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time)
+    : implementation_(std::make_unique<Implementation>()) {
+  keepFfmpegQuiet();
+  implementation_->file = file;
+  implementation_->time = time;
+  implementation_->open();
+}
+
+VideoFileSource::~VideoFileSource() = default;
+
+void VideoFileSource::Implementation::check(int result) const {
+  if (result < 0)
+    throw std::runtime_error("cannot read the video " + file.string() + ": " + ffmpeg::errorText(result));
+}
+
+void VideoFileSource::Implementation::open() {
+  if (!std::filesystem::is_regular_file(file))
+    throw std::runtime_error(file.string() + " is no file; expected a video");
+  // Playlists may name other files and addresses: only this one is opened.
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "file", 0);
+  AVFormatContext* context = nullptr;
+  const std::string url = "file:" + file.string();
+  const int opened = avformat_open_input(&context, url.c_str(), nullptr, &options);
+  av_dict_free(&options);
+  check(opened);
+  input.reset(context);
+  check(avformat_find_stream_info(context, nullptr));
+  stream = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  if (stream < 0) throw std::runtime_error(file.string() + " holds no video");
+  frame_rate = av_q2d(av_guess_frame_rate(context, context->streams[stream], nullptr));
+  openDecoder();
+}
+
+void VideoFileSource::Implementation::openDecoder() {
+  const AVCodecParameters& parameters = *input->streams[stream]->codecpar;
+  const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
+  if (codec == nullptr) {
+    throw std::runtime_error(file.string() + " holds " + avcodec_get_name(parameters.codec_id) +
+                             " video, for which this FFmpeg has no decoder");
+  }
+  if (parameters.width > kLargestSide || parameters.height > kLargestSide)
+    throw std::runtime_error(file.string() + " holds pictures that are too large");
+  decoder.reset(avcodec_alloc_context3(codec));
+  if (!decoder) throw std::bad_alloc();
+  check(avcodec_parameters_to_context(decoder.get(), &parameters));
+  decoder->pkt_timebase = input->streams[stream]->time_base;
+  decoder->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  decoder->thread_count = 1;
+  check(avcodec_open2(decoder.get(), codec, nullptr));
+}
+
+/// Gives the decoder its next packet, or tells it that there is none.
+void VideoFileSource::Implementation::sendPacket() {
+  for (;;) {
+    av_packet_unref(packet.get());
+    if (av_read_frame(input.get(), packet.get()) < 0) {
+      draining = true;
+      avcodec_send_packet(decoder.get(), nullptr);
+      return;
+    }
+    if (packet->stream_index != stream) continue;
+    if (avcodec_send_packet(decoder.get(), packet.get()) >= 0) return;
+    ++undecodable;
+    damaged = true;
+  }
+}
+
+/// Null at the end.
+std::shared_ptr<AVFrame> VideoFileSource::Implementation::nextPicture() {
+  std::shared_ptr<AVFrame> picture = makeFrame();
+  while (!interrupted) {
+    const int result = avcodec_receive_frame(decoder.get(), picture.get());
+    if (result == 0) return picture;
+    if (draining) return nullptr;
+    if (result != AVERROR(EAGAIN)) {
+      ++undecodable;
+      damaged = true;
+    }
+    sendPacket();
+  }
+  return nullptr;
+}
+
+double VideoFileSource::Implementation::timeOf(const AVFrame& picture) const {
+  if (picture.best_effort_timestamp != AV_NOPTS_VALUE)
+    return static_cast<double>(picture.best_effort_timestamp) * av_q2d(input->streams[stream]->time_base);
+  if (frame_rate > 0.0) return static_cast<double>(sequence) / frame_rate;
+  throw std::runtime_error(
+      file.string() +
+      " has neither time stamps nor a frame rate; put it into a container that has, such "
+      "as by 'ffmpeg -framerate 25 -i FILE -c copy FILE.mkv'");
+}
+
+ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*timeout*/) {
+  Implementation& self = *implementation_;
+  while (const std::shared_ptr<AVFrame> picture = self.nextPicture()) {
+    self.file_time = self.timeOf(*picture);
+    const std::uint64_t sequence = self.sequence++;
+    if (self.file_time > self.time.to) break;
+    if (picture->key_frame != 0) self.damaged = false;
+    if ((picture->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture->decode_error_flags != 0)
+      self.damaged = true;
+    if (self.file_time < self.time.from) continue;
+    frame = {};
+    frame.image = lumaPlane(*picture);
+    if (frame.image.empty()) {
+      throw std::runtime_error(
+          self.file.string() +
+          " has pictures without a luma plane; convert it by 'ffmpeg -i FILE -pix_fmt yuv420p "
+          "-c:v libx264 -qp 10 FILE.mkv'");
+    }
+    frame.storage = picture;
+    frame.exposure_ns = self.time.origin_ns +
+                        std::llround(1e9 * (self.time.offset + (1.0 + self.time.skew) * self.file_time));
+    frame.exposure_deviation_ns = std::llround(1e9 * self.time.deviation);
+    frame.arrival_ns = frame.decoded_ns = frame.exposure_ns;
+    frame.sequence = sequence;
+    frame.instant_source = InstantSource::file;
+    frame.status = self.damaged ? FrameStatus::damaged : FrameStatus::good;
+    const std::lock_guard lock(self.mutex);
+    self.health.state = CameraState::streaming;
+    ++self.health.frames;
+    if (self.damaged) ++self.health.damaged;
+    return ReadOutcome::frame;
+  }
+  const std::lock_guard lock(self.mutex);
+  self.health.state = CameraState::ended;
+  if (self.health.damaged > 0 || self.undecodable > 0) {
+    self.health.last_error = self.file.string() + ": " + std::to_string(self.health.damaged) +
+                             " pictures are damaged, " + std::to_string(self.undecodable) +
+                             " packets could not be decoded";
+  }
+  return ReadOutcome::ended;
+}
+
+CameraHealth VideoFileSource::health() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->health;
+}
+
+void VideoFileSource::interrupt() noexcept {
+  implementation_->interrupted = true;
+}
+
+double VideoFileSource::fileTime() const {
+  return implementation_->file_time;
+}
+
+std::size_t VideoFileSource::expectedPictures() const {
+  const Implementation& self = *implementation_;
+  const AVStream& stream = *self.input->streams[self.stream];
+  if (stream.nb_frames > 0) return static_cast<std::size_t>(stream.nb_frames);
+  if (self.input->duration <= 0 || self.frame_rate <= 0.0) return 0;
+  return static_cast<std::size_t>(1e-6 * static_cast<double>(self.input->duration) * self.frame_rate);
+}
+
+std::int64_t VideoFileSource::creationNs() const {
+  const AVDictionaryEntry* entry = av_dict_get(implementation_->input->metadata, "creation_time", nullptr, 0);
+  std::int64_t creation_us = 0;
+  if (entry == nullptr || av_parse_time(&creation_us, entry->value, 0) < 0) return 0;
+  return creation_us * 1000;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,302 @@
+// Two cameras with known instants, related to each other from what their packets say. Times are simulated.
+#include "capture/pair_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/capture/simulated_clocks.hpp"
+
+namespace cartvo {
+namespace {
+
+using test::ClockFaults;
+using test::ClockSimulation;
+using testing::HasSubstr;
+
+constexpr std::size_t kRight = 1;
+
+/// Free-running cameras of one model whose quickest packets differ by 0.3 ms.
+ClockFaults leftFaults() {
+  ClockFaults faults;
+  faults.skew = 50e-6;
+  faults.latency = 0.0800;
+  return faults;
+}
+ClockFaults rightFaults() {
+  ClockFaults faults = leftFaults();
+  faults.first_exposure = 0.013;
+  faults.skew = -30e-6;
+  faults.latency = 0.0803;
+  return faults;
+}
+
+/// How far a pair's offset is from the truth.
+struct Error {
+  double time = 0.0;       ///< s
+  double offset = 0.0;     ///< error of right minus left, s
+  double deviation = 0.0;  ///< as stated, s
+  double absolute = 0.0;   ///< error of the right exposure on the host's clock, s
+};
+
+/// Both cameras, stamped in the order of their exposures, until `end`.
+class Drive {
+ public:
+  Drive(PairClock& clock, const ClockFaults& left, const ClockFaults& right)
+      : clock_(clock), cameras_{ClockSimulation(left, 1), ClockSimulation(right, 2)} {}
+
+  std::vector<Error> until(double end) {
+    std::vector<Error> errors;
+    for (;;) {
+      const std::size_t side = cameras_[0].nextExposure() <= cameras_[1].nextExposure() ? 0 : 1;
+      const double exposure = cameras_[side].nextExposure();
+      if (exposure >= end) return errors;
+      const StampedInstant instant = clock_.stamp(static_cast<CameraSide>(side), cameras_[side].next());
+      const double error =
+          static_cast<double>(instant.exposure_ns - ClockSimulation::atHost(exposure)) * 1e-9;
+      if (last_ns_[side]) {
+        steps_.push_back(static_cast<double>(instant.exposure_ns - *last_ns_[side]) * 1e-9);
+      }
+      last_ns_[side] = instant.exposure_ns;
+      if (side == kRight) {
+        errors.push_back({exposure, error - left_error_,
+                          std::sqrt(2.0) * static_cast<double>(instant.deviation_ns) * 1e-9, error});
+      } else {
+        left_error_ = error;
+      }
+    }
+  }
+
+  /// From each exposure to the same camera's next, as given out, s.
+  const std::vector<double>& steps() const { return steps_; }
+
+ private:
+  PairClock& clock_;
+  ClockSimulation cameras_[2];
+  std::optional<std::int64_t> last_ns_[2];
+  double left_error_ = 0.0;
+  std::vector<double> steps_;
+};
+
+struct Quality {
+  double rms = 0.0;
+  double worst = 0.0;
+  double covered = 0.0;  ///< share of errors within two standard deviations as stated
+};
+
+Quality qualityAfter(double start, const std::vector<Error>& errors) {
+  Quality quality;
+  double count = 0.0;
+  for (const Error& error : errors) {
+    if (error.time < start) continue;
+    count += 1.0;
+    quality.rms += error.offset * error.offset;
+    quality.worst = std::max(quality.worst, std::abs(error.offset));
+    quality.covered += std::abs(error.offset) <= 2.0 * error.deviation ? 1.0 : 0.0;
+  }
+  quality.rms = std::sqrt(quality.rms / count);
+  quality.covered /= count;
+  return quality;
+}
+
+void print(const char* what, const Quality& quality) {
+  std::printf("%s: RMS %.3f ms, worst %.3f ms, %.1f %% within two standard deviations\n", what,
+              1e3 * quality.rms, 1e3 * quality.worst, 100.0 * quality.covered);
+}
+
+TEST(PairClock, FifteenHoursOfNoisyReportsWithWrapsAndAStep) {
+  ClockFaults left = leftFaults();
+  ClockFaults right = rightFaults();
+  left.first_rtp = 4'000'000'000;   // wraps after 55 minutes
+  right.first_rtp = 1'000'000'000;  // and after 10 hours
+  right.clock_error = [](double time) { return time < 7.0 * 3600.0 ? 0.0 : 0.3; };
+  PairClock clock(ClockChoice::automatic);
+  Drive drive(clock, left, right);
+  const std::vector<Error> errors = drive.until(15.0 * 3600.0);
+
+  const Quality soon = qualityAfter(30.0, errors);
+  const Quality later = qualityAfter(300.0, errors);
+  print("after 30 s", soon);
+  print("after 5 min", later);
+  EXPECT_LE(soon.worst, 2e-3);
+  EXPECT_LE(later.rms, 0.5e-3);
+  EXPECT_GE(later.covered, 0.95);
+  EXPECT_GE(soon.covered, 0.95);
+  EXPECT_GE(*std::min_element(drive.steps().begin(), drive.steps().end()), 0.0);
+  EXPECT_EQ(clock.status().cameras[1].steps, 1U);
+  EXPECT_THAT(clock.status().problem, HasSubstr("the cameras' clocks disagree by "));
+}
+
+TEST(PairClock, ReportsThatComeLateNeitherTurnTimeBackNorMakeItJump) {
+  ClockFaults left = leftFaults();
+  left.report_noise = 0.0;
+  ClockFaults right = rightFaults();
+  right.report_noise = 0.0;
+  PairClock clock(ClockChoice::automatic);
+  Drive drive(clock, left, right);
+  drive.until(0.9);  // no report yet
+  EXPECT_EQ(clock.status().source, InstantSource::arrival);
+  drive.until(7.0);
+  const std::size_t begun = drive.steps().size();
+  const std::vector<Error> errors = drive.until(120.0);
+  EXPECT_EQ(clock.status().source, InstantSource::sender_report);
+  for (std::size_t i = begun; i < drive.steps().size(); ++i)
+    ASSERT_NEAR(drive.steps()[i], 0.04, 0.006 * 0.04) << "no faster or slower than by half a percent";
+  // Late by the latency at first, and not at all in the end.
+  EXPECT_NEAR(errors.front().absolute, 0.08, 0.02);
+  EXPECT_NEAR(errors.back().absolute, 0.0, 0.5e-3);
+  for (const Error& error : errors)
+    ASSERT_NEAR(error.offset, 0.0, 1.5e-3) << "both cameras move as one, " << error.time;
+}
+
+TEST(PairClock, GoodReportsAreTakenAtTheirWord) {
+  ClockFaults left = leftFaults();
+  left.report_noise = 0.0;
+  ClockFaults right = rightFaults();
+  right.report_noise = 0.0;
+  right.latency = left.latency + 0.012;  // not the same model
+  PairClock clock(ClockChoice::ntp);
+  Drive drive(clock, left, right);
+  const Quality quality = qualityAfter(60.0, drive.until(600.0));
+  EXPECT_LE(quality.worst, 0.05e-3);
+  EXPECT_GE(quality.covered, 0.95);
+  EXPECT_NEAR(*clock.status().cameras[1].latency_ns - *clock.status().cameras[0].latency_ns, 12e6, 0.3e6);
+}
+
+TEST(PairClock, WithoutReportsTheQuickestPacketsTellTheOffset) {
+  for (const double jitter : {1e-3, 10e-3}) {
+    ClockFaults left = leftFaults();
+    left.report_interval = 0.0;
+    left.jitter = jitter;
+    ClockFaults right = rightFaults();
+    right.report_interval = 0.0;
+    right.jitter = jitter;
+    PairClock clock(ClockChoice::automatic);
+    Drive drive(clock, left, right);
+    const std::vector<Error> errors = drive.until(1800.0);
+    EXPECT_LE(qualityAfter(30.0, errors).worst, 2e-3) << jitter;
+    EXPECT_LE(qualityAfter(300.0, errors).rms, 0.5e-3) << jitter;
+    EXPECT_GE(qualityAfter(0.0, errors).covered, 0.95) << jitter;
+    EXPECT_EQ(clock.status().source, InstantSource::arrival);
+  }
+}
+
+TEST(PairClock, ClocksThatAreSteppedAtEachPollDoNotMoveThePair) {
+  ClockFaults left = leftFaults();
+  left.report_noise = 1e-3;
+  ClockFaults right = rightFaults();
+  right.report_noise = 1e-3;
+  // 20 ppm off between two polls ten minutes apart.
+  right.clock_error = [](double time) { return 20e-6 * std::fmod(time, 600.0); };
+  PairClock clock(ClockChoice::automatic);
+  Drive drive(clock, left, right);
+  const std::vector<Error> errors = drive.until(2.0 * 3600.0);
+  const Quality quality = qualityAfter(300.0, errors);
+  print("clock stepped by 12 ms each 10 min", quality);
+  EXPECT_LE(quality.worst, 2.5e-3);
+  EXPECT_GE(quality.covered, 0.95);
+}
+
+TEST(PairClock, AReportThatIsWrongByAnHourIsIgnored) {
+  ClockFaults right = rightFaults();
+  right.clock_error = [](double time) { return time > 300.0 && time < 304.9 ? 3600.0 : 0.0; };
+  PairClock clock(ClockChoice::automatic);
+  Drive drive(clock, leftFaults(), right);
+  EXPECT_LE(qualityAfter(30.0, drive.until(600.0)).worst, 2e-3);
+  EXPECT_EQ(clock.status().cameras[1].steps, 0U);
+  EXPECT_EQ(clock.status().problem, "");
+}
+
+TEST(PairClock, ACameraWhoseClockIsAnHourOffIsSaidToBeAndArrivalServes) {
+  for (const ClockChoice choice : {ClockChoice::automatic, ClockChoice::ntp}) {
+    ClockFaults right = rightFaults();
+    right.clock_error = [](double) { return 3600.0; };
+    PairClock clock(choice);
+    Drive drive(clock, leftFaults(), right);
+    EXPECT_LE(qualityAfter(30.0, drive.until(600.0)).worst, 2e-3);
+    EXPECT_THAT(clock.status().problem, HasSubstr("the cameras' clocks disagree by 3"));
+    EXPECT_THAT(clock.status().problem, HasSubstr("rest on arrival"));
+    EXPECT_EQ(clock.status().source, InstantSource::arrival);
+  }
+}
+
+TEST(PairClock, TwoCamerasThatAgreeAreBelievedByAHostThatBootedInThePast) {
+  ClockFaults left = leftFaults();
+  left.report_noise = 0.0;
+  left.clock_error = [](double) { return 3.0e7; };
+  ClockFaults right = rightFaults();
+  right.report_noise = 0.0;
+  right.clock_error = left.clock_error;
+  PairClock clock(ClockChoice::automatic);
+  Drive drive(clock, left, right);
+  const std::vector<Error> errors = drive.until(120.0);
+  EXPECT_EQ(clock.status().source, InstantSource::sender_report);
+  EXPECT_NEAR(errors.back().offset, 0.0, 0.5e-3);
+  EXPECT_NEAR(errors.back().absolute, 0.08, 1e-3) << "exposures stay on the host's clock";
+}
+
+TEST(PairClock, ThePicturesDecideWhereLatenciesDiffer) {
+  ClockFaults left = leftFaults();
+  ClockFaults right = rightFaults();
+  right.latency = left.latency + 0.010;
+  for (const ClockChoice choice : {ClockChoice::automatic, ClockChoice::visual}) {
+    PairClock clock(choice);
+    Drive drive(clock, left, right);
+    drive.until(60.0);
+    clock.setVisual(ClockWitness{-10e6, 0.5e6});
+    EXPECT_LE(qualityAfter(80.0, drive.until(300.0)).worst, 2e-3);
+    EXPECT_EQ(clock.status().source, InstantSource::pictures);
+  }
+}
+
+TEST(PairClock, AHostClockThatIsSetIsFollowedByBothCameras) {
+  PairClock clock(ClockChoice::arrival);
+  ClockFaults one_crystal = rightFaults();
+  one_crystal.skew = leftFaults().skew;
+  ClockSimulation left(leftFaults(), 1);
+  ClockSimulation right(one_crystal, 2);
+  const auto stamp = [&](std::int64_t set_ns) {
+    StampedPacket from_left = left.next();
+    StampedPacket from_right = right.next();
+    from_left.arrival_ns += set_ns;
+    from_right.arrival_ns += set_ns;
+    const std::int64_t left_ns = clock.stamp(CameraSide::left, from_left).exposure_ns;
+    return std::pair(left_ns - set_ns, clock.stamp(CameraSide::right, from_right).exposure_ns - left_ns);
+  };
+  std::pair<std::int64_t, std::int64_t> before;
+  for (int i = 0; i < 1000; ++i)
+    before = stamp(0);
+  for (const std::int64_t set_ns : {-3'600'000'000'000, 3'600'000'000'000}) {
+    std::pair<std::int64_t, std::int64_t> after;
+    for (int i = 0; i < 1000; ++i)
+      after = stamp(set_ns);
+    EXPECT_NEAR(static_cast<double>(after.second), 0.013e9, 3e6) << set_ns;
+    EXPECT_NEAR(static_cast<double>(after.first - before.first), 40e9, 0.1e9) << set_ns;
+    before = after;
+  }
+}
+
+TEST(PairClock, ANewConnectionGoesOnAfterTheLastExposure) {
+  PairClock clock(ClockChoice::automatic);
+  std::int64_t last = 0;
+  for (unsigned connection = 0; connection < 5; ++connection) {
+    ClockFaults faults = leftFaults();
+    faults.first_exposure = 10.0 * connection;
+    faults.first_rtp = 77'777'777 * connection;
+    ClockSimulation camera(faults, connection);
+    clock.connect(CameraSide::left);
+    for (int i = 0; i < 240; ++i) {
+      const StampedInstant instant = clock.stamp(CameraSide::left, camera.next());
+      ASSERT_GT(instant.exposure_ns, last);
+      last = instant.exposure_ns;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

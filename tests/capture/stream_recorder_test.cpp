@@ -1,0 +1,355 @@
+#include "capture/stream_recorder.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "capture/recording_folder.hpp"
+#include "capture/recording_reader.hpp"
+#include "capture/recording_writer.hpp"
+#include "support/error_message.hpp"
+#include "support/patience.hpp"
+#include "support/temporary_folder.hpp"
+#include "tests/capture/encoded_sequence.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+RecordingSettings settingsFor(const fs::path& folder) {
+  RecordingSettings settings;
+  settings.folder = folder;
+  return settings;
+}
+
+/// 2.25 s, a key picture each 0.75 s.
+const std::vector<EncodedUnit>& camera() {
+  static const std::vector<EncodedUnit> units =
+      test::encodeSequence(VideoCodec::h264, cv::Size(320, 200), 45, 15, "");
+  return units;
+}
+
+/// The pictures again and again, in the order of time.
+EncodedUnit unitAt(int index) {
+  const auto count = static_cast<int>(camera().size());
+  EncodedUnit unit = camera()[static_cast<std::size_t>(index % count)];
+  const std::int64_t later_ns = index / count * std::int64_t{2'250'000'000};
+  unit.exposure_ns += later_ns;
+  unit.arrival_ns += later_ns;
+  unit.sequence = static_cast<std::uint64_t>(index);
+  return unit;
+}
+
+void recordFortyPictures(StreamRecorder& recorder) {
+  recorder.left().onStream({VideoCodec::h264, {}});
+  recorder.right().onStream({VideoCodec::h264, {}});
+  for (int i = 0; i < 40; ++i) {
+    recorder.left().onUnit(unitAt(i));
+    recorder.right().onUnit(unitAt(i));
+  }
+}
+
+std::vector<std::uint64_t> recordedSequences(const fs::path& folder, CameraSide side) {
+  RecordingReader reader(folder, side);
+  std::vector<std::uint64_t> sequences;
+  for (RecordedUnit recorded; reader.next(recorded);)
+    sequences.push_back(recorded.unit.sequence);
+  return sequences;
+}
+
+template <typename Condition>
+bool becomesTrue(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + test::kPatience;
+  while (!condition() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return condition();
+}
+
+/// Runs the work in a process of its own; its exit code, or minus the signal that ended it.
+template <typename Work>
+int inAProcess(const Work& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+TEST(StreamRecorder, KilledLosesAtMostTheLastSecond) {
+  const test::TemporaryFolder folder;
+  const int ended = inAProcess([&] {
+    StreamRecorder recorder(settingsFor(folder / "drive"));
+    recordFortyPictures(recorder);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    raise(SIGKILL);
+    return 0;
+  });
+  EXPECT_EQ(ended, -SIGKILL);
+  EXPECT_EQ(recordedSequences(folder / "drive", CameraSide::left).size(), 40U);
+  EXPECT_EQ(recordedSequences(folder / "drive", CameraSide::right).size(), 40U);
+  EXPECT_FALSE(isBeingWritten(folder / "drive")) << "the lock went with its process";
+}
+
+TEST(StreamRecorder, OnAFullDiskStopsWithOneMessage) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "drive/000000");
+  fs::create_symlink("/dev/full", folder / "drive/000000/left.mkv");
+  StreamRecorder recorder(settingsFor(folder / "drive"));
+  recorder.left().onStream({VideoCodec::h264, {}});
+  for (int i = 0; i < 450; ++i)
+    recorder.left().onUnit(unitAt(i));
+  recorder.finish();
+  const std::string error = recorder.health().error;
+  EXPECT_THAT(error, HasSubstr("recording stopped: cannot write"));
+  EXPECT_THAT(error, HasSubstr("left.mkv: No space left on device"));
+}
+
+constexpr int kNotAllowedHere = 77;
+
+/// A mount namespace of this process's own. False if that is not allowed.
+bool enterMountNamespace() {
+  const uid_t user = getuid();
+  const gid_t group = getgid();
+  if (unshare(user == 0 ? CLONE_NEWNS : CLONE_NEWUSER | CLONE_NEWNS) != 0) return false;
+  if (user != 0) {
+    std::ofstream("/proc/self/setgroups") << "deny";
+    std::ofstream("/proc/self/uid_map") << "0 " << user << " 1";
+    std::ofstream("/proc/self/gid_map") << "0 " << group << " 1";
+  }
+  return mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
+}
+
+bool run(const std::string& command) {
+  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+int recordUntilThePowerIsCut(const test::TemporaryFolder& folder) {
+  const std::string image = (folder / "image").string();
+  const std::string cut = (folder / "cut").string();
+  fs::create_directories(folder / "disk");
+  fs::create_directories(folder / "after");
+  std::ofstream(image).close();
+  fs::resize_file(image, 32U << 20);
+  if (!enterMountNamespace() || !run("/sbin/mkfs.ext4 -q -F " + image) ||
+      !run("mount -o loop " + image + " " + (folder / "disk").string())) {
+    return kNotAllowedHere;
+  }
+  {
+    StreamRecorder recorder(settingsFor(folder / "disk/drive"));
+    recordFortyPictures(recorder);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    fs::copy_file(image, cut);  // what has reached the disk, and nothing of what the kernel holds back
+  }
+  if (!run("mount -o loop " + cut + " " + (folder / "after").string())) return 1;
+  EXPECT_EQ(recordedSequences(folder / "after/drive", CameraSide::left).size(), 40U);
+  EXPECT_EQ(recordedSequences(folder / "after/drive", CameraSide::right).size(), 40U);
+  return testing::Test::HasFailure() ? 1 : 0;
+}
+
+TEST(StreamRecorder, APowerCutCostsAtMostTheLastSecond) {
+  const test::TemporaryFolder folder;
+  const int ended = inAProcess([&] { return recordUntilThePowerIsCut(folder); });
+  if (ended == kNotAllowedHere) GTEST_SKIP() << "disk images cannot be mounted here";
+  EXPECT_EQ(ended, 0);
+}
+
+/// On a disk of 300 kB.
+int recordOntoASmallDisk(const fs::path& disk) {
+  if (!enterMountNamespace()) return kNotAllowedHere;
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=300k") != 0) return kNotAllowedHere;
+  {
+    StreamRecorder recorder(settingsFor(disk / "drive"));
+    recorder.left().onStream({VideoCodec::h264, {}});
+    for (int i = 0; i < 4000 && recorder.health().error.empty(); ++i) {
+      recorder.left().onUnit(unitAt(i));
+      if (i % 15 == 14) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    }
+    EXPECT_THAT(recorder.health().error,
+                AllOf(HasSubstr("recording stopped: cannot write"), HasSubstr("No space left on device")));
+  }
+  const std::vector<std::uint64_t> sequences = recordedSequences(disk / "drive", CameraSide::left);
+  EXPECT_GT(sequences.size(), 15U) << "what was written before is there";
+  for (std::size_t i = 0; i < sequences.size(); ++i)
+    EXPECT_EQ(sequences[i], i);
+  return testing::Test::HasFailure() ? 1 : 0;
+}
+
+TEST(StreamRecorder, OnADiskThatFillsUpKeepsWhatItWrote) {
+  const test::TemporaryFolder folder;
+  const int ended = inAProcess([&] { return recordOntoASmallDisk(folder.path()); });
+  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(ended, 0);
+}
+
+TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "drive/000000");
+  const fs::path video = folder / "drive/000000/left.mkv";
+  ASSERT_EQ(mkfifo(video.c_str(), 0600), 0);  // opening it waits for a reader
+  RecordingSettings settings = settingsFor(folder / "drive");
+  for (int i = 0; i < 20; ++i)
+    settings.queue_bytes = i == 0 ? unitAt(0).data.size() : settings.queue_bytes + unitAt(i).data.size();
+  StreamRecorder recorder(settings);
+  recorder.left().onStream({VideoCodec::h264, {}});
+  for (int i = 0; i < 40; ++i)
+    recorder.left().onUnit(unitAt(i));
+  EXPECT_EQ(recorder.health().left_out, 20U) << "room for twenty, and then for no key picture";
+  EXPECT_EQ(recorder.health().error, "");
+
+  std::string received;
+  std::thread disk([&] {
+    std::ifstream pipe(video, std::ios::binary);
+    received.assign(std::istreambuf_iterator<char>(pipe), {});
+  });
+  EXPECT_TRUE(becomesTrue([&] { return recorder.health().units == 20; }));
+  for (int i = 40; i < 50; ++i)
+    recorder.left().onUnit(unitAt(i));
+  recorder.finish();
+  disk.join();
+  EXPECT_EQ(recorder.health().left_out, 25U) << "45 is the next key picture";
+  EXPECT_EQ(recorder.health().units, 25U);
+  fs::remove(video);
+  std::ofstream(video, std::ios::binary) << received;
+  const std::vector<std::uint64_t> sequences = recordedSequences(folder / "drive", CameraSide::left);
+  ASSERT_EQ(sequences.size(), 25U);
+  EXPECT_EQ(sequences[19], 19U);
+  EXPECT_EQ(sequences[20], 45U);
+}
+
+TEST(StreamRecorder, RefusesAFolderThatHoldsARecordingOrCannotBeMade) {
+  const test::TemporaryFolder folder;
+  { const StreamRecorder recorder(settingsFor(folder / "drive")); }
+  EXPECT_THAT(test::messageOf([&] { StreamRecorder(settingsFor(folder / "drive")); }),
+              HasSubstr("holds a recording already"));
+  EXPECT_THAT(test::messageOf([&] { StreamRecorder(settingsFor("/proc/nowhere")); }),
+              HasSubstr("cannot make the folder"));
+}
+
+TEST(StreamRecorder, RefusesADiskWithLessRoomThanMustBeLeft) {
+  const test::TemporaryFolder folder;
+  RecordingSettings settings = settingsFor(folder / "drive");
+  settings.quota.keep_free_bytes = std::uint64_t{1} << 60;
+  EXPECT_THAT(test::messageOf([&] { StreamRecorder recorder(settings); }),
+              AllOf(HasSubstr("GB are free for"), HasSubstr("are kept for others")));
+}
+
+/// Two recordings of three segments each.
+class Quota : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const fs::path& recording : {old_, latest_}) {
+      RecordingSettings settings = settingsFor(recording);
+      settings.segment_length = std::chrono::milliseconds(700);
+      StreamRecorder recorder(settings);
+      recorder.left().onStream({VideoCodec::h264, {}});
+      recorder.right().onStream({VideoCodec::h264, {}});
+      for (int i = 0; i < 45; ++i) {
+        recorder.left().onUnit(unitAt(i));
+        recorder.right().onUnit(unitAt(i));
+      }
+    }
+    quota_.recordings = folder_.path();
+  }
+
+  static std::vector<std::uint64_t> segments(const fs::path& recording) {
+    std::vector<std::uint64_t> numbers;
+    if (!fs::exists(recording)) return numbers;
+    for (const RecordingSegment& segment : recordingSegments(recording))
+      numbers.push_back(segment.number);
+    return numbers;
+  }
+
+  static std::uint64_t bytesIn(const fs::path& folder) {
+    std::uint64_t bytes = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      bytes += entry.is_regular_file() && entry.path().extension() != ".json" ? entry.file_size() : 0;
+    return bytes;
+  }
+
+  test::TemporaryFolder folder_;
+  const fs::path old_ = folder_ / "2026-01-01T00-00-00Z";
+  const fs::path latest_ = folder_ / "2026-01-02T00-00-00Z";
+  RecordingQuota quota_;
+};
+
+TEST_F(Quota, DeletesTheOldestSegmentsFirstAndNoMoreThanItMust) {
+  quota_.maximum_bytes = bytesIn(folder_.path());
+  EXPECT_EQ(enforceQuota(quota_, latest_, 2).deleted_segments, 0U);
+  quota_.maximum_bytes -= 1;
+  const std::uint64_t before = bytesIn(folder_.path());
+  const QuotaOutcome outcome = enforceQuota(quota_, latest_, 2);
+  EXPECT_EQ(outcome.deleted_segments, 1U);
+  EXPECT_EQ(outcome.deleted_bytes, before - bytesIn(folder_.path()));
+  EXPECT_THAT(segments(old_), testing::ElementsAre(1, 2));
+  EXPECT_EQ(recordedSequences(old_, CameraSide::left).size(), 30U);
+}
+
+TEST_F(Quota, DeletesNoSegmentThatIsBeingWrittenAndLeavesNoEmptyRecording) {
+  quota_.maximum_bytes = 1;
+  enforceQuota(quota_, latest_, 1);
+  EXPECT_THAT(segments(latest_), testing::ElementsAre(1, 2));
+  EXPECT_FALSE(fs::exists(old_));
+}
+
+TEST_F(Quota, LeavesAloneWhatAnotherWriterIsWriting) {
+  const RecordingWriter other(folder_ / "2025", {}, std::chrono::seconds(60));
+  fs::rename(old_ / "000000", folder_ / "2025/000000");
+  quota_.maximum_bytes = 1;
+  enforceQuota(quota_, latest_, 3);
+  EXPECT_THAT(segments(folder_ / "2025"), testing::ElementsAre(0));
+}
+
+TEST_F(Quota, DeletesWhatIsTooOld) {
+  for (const char* file : {"left.mkv", "left.csv", "right.mkv", "right.csv"})
+    fs::last_write_time(old_ / "000000" / file, fs::file_time_type::clock::now() - std::chrono::hours(25));
+  quota_.maximum_age = std::chrono::hours(24);
+  EXPECT_EQ(enforceQuota(quota_, latest_, 3).deleted_segments, 1U);
+  EXPECT_THAT(segments(old_), testing::ElementsAre(1, 2));
+}
+
+TEST_F(Quota, MakesRoomOnTheDiskAndSaysWhenItCannot) {
+  quota_.keep_free_bytes = std::uint64_t{1} << 60;
+  const QuotaOutcome outcome = enforceQuota(quota_, latest_, 2);
+  EXPECT_EQ(outcome.deleted_segments, 5U);
+  EXPECT_THAT(outcome.short_of_room, HasSubstr("are kept for others"));
+}
+
+TEST_F(Quota, DeletesNothingThatIsNoRecordings) {
+  std::ofstream(folder_ / "notes.txt") << "mine";
+  std::ofstream(old_ / "000001/notes.txt") << "mine";
+  fs::create_directories(folder_ / "other/000000");
+  std::ofstream(folder_ / "other/000000/left.mkv") << "mine";
+  const test::TemporaryFolder elsewhere;
+  fs::rename(latest_ / "000000", elsewhere / "kept");
+  fs::create_symlink(elsewhere / "kept", latest_ / "000000");
+  quota_.maximum_bytes = 1;
+  enforceQuota(quota_, folder_ / "3000", 0);
+  EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
+  EXPECT_TRUE(fs::exists(old_ / "000001/notes.txt"));
+  EXPECT_TRUE(fs::exists(folder_ / "other/000000/left.mkv"));
+  EXPECT_TRUE(fs::exists(elsewhere / "kept/left.mkv"));
+}
+
+TEST_F(Quota, WithoutAFolderToDeleteInDeletesNothing) {
+  quota_.recordings.clear();
+  quota_.maximum_bytes = 1;
+  EXPECT_EQ(enforceQuota(quota_, latest_, 3).deleted_segments, 0U);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,65 @@
+// Cameras of either kind, as the configuration names them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/live_camera.hpp"
+#include "support/error_message.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::HasSubstr;
+
+Configuration twoKinds() {
+  Configuration configuration;
+  configuration.left.url = "rtsp://127.0.0.1:1/left";
+  configuration.right.url = "v4l2:/dev/nonexistent/video7";
+  configuration.frame_rate = 25.0;
+  return configuration;
+}
+
+class Nobody : public StreamObserver {
+ public:
+  void onStream(const StreamFormat& /*format*/) noexcept override {}
+  void onUnit(const EncodedUnit& /*unit*/) noexcept override {}
+};
+
+TEST(LiveCamera, IsAnIpCameraOrOneOfThisComputer) {
+  PairClock clock(ClockChoice::automatic);
+  LiveCamera left(twoKinds(), CameraSide::left, {680, 420}, clock);
+  LiveCamera right(twoKinds(), CameraSide::right, {680, 420}, clock);
+  Nobody nobody;
+  EXPECT_TRUE(left.observe(nobody));
+  EXPECT_FALSE(right.observe(nobody)) << "nothing encoded";
+  EXPECT_EQ(left.source().health().instant_source, InstantSource::arrival);
+  EXPECT_EQ(right.source().health().instant_source, InstantSource::kernel);
+}
+
+TEST(LiveCamera, ReadersMayTakeTwiceAsLongAsItsTimeOuts) {
+  Configuration configuration = twoKinds();
+  PairClock clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 12.0)
+      << "twice the time to be answered and to connect";
+  configuration.stall_timeout = std::chrono::seconds(60);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 120.0)
+      << "a silent camera may be waited for so long";
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).longestTurn(), 120.0);
+}
+
+TEST(LiveCamera, OfThisComputerTakesItsSizeFromTheRigUnlessItHasOne) {
+  Configuration configuration = twoKinds();
+  EXPECT_EQ(v4l2Settings(configuration, configuration.right, {680, 420}).size, cv::Size(680, 420));
+  EXPECT_THAT(test::messageOf([&] { v4l2Settings(configuration, configuration.right, {}); }),
+              HasSubstr("cameras.right.size is missing"));
+  configuration.right.size = {1280, 720};
+  configuration.right.exposure = 0.004;
+  const V4l2CameraSettings settings = v4l2Settings(configuration, configuration.right, {680, 420});
+  EXPECT_EQ(settings.size, cv::Size(1280, 720));
+  EXPECT_EQ(settings.device, "/dev/nonexistent/video7");
+  EXPECT_EQ(settings.frame_rate, 25.0);
+  EXPECT_EQ(settings.exposure, 0.004);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/recording_source.hpp"
+#include "capture/stream_recorder.hpp"
+#include "support/temporary_folder.hpp"
+#include "tests/tools/run_cartvo.hpp"
+#include "tools/simulate/stream_encoder.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kPictures = 40;
+constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
+
+cv::Mat picture(int index) {
+  cv::Mat image(96, 160, CV_8UC1, cv::Scalar(60));
+  cv::circle(image, {10 + 3 * index, 48}, 20, cv::Scalar(200), cv::FILLED);
+  return image;
+}
+
+/// 2 s of two cameras at 20 Hz, a key picture each second of the left one; the right one lost picture 12 on
+/// the way, and connected anew with picture 20.
+class RecordingCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    RecordingSettings settings;
+    settings.folder = folder_ / "drive";
+    settings.configuration = "cameras: {}\n";
+    settings.rig = "name: roof\n";
+    StreamRecorder recorder(settings);
+    simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
+    recorder.left().onStream({});
+    recorder.right().onStream({});
+    for (int i = 0; i < kPictures; ++i) {
+      const simulate::EncodedPicture encoded = encoder.encode(picture(i));
+      EncodedUnit unit;
+      unit.data = encoded.data;
+      unit.key = encoded.key_frame;
+      unit.sequence = static_cast<std::uint64_t>(i);
+      unit.pts = i * 4500;
+      unit.exposure_ns = kStart_ns + i * 50'000'000;
+      unit.first_arrival_ns = unit.arrival_ns = unit.exposure_ns + 20'000'000;
+      recorder.left().onUnit(unit);
+      if (i == 12) continue;
+      if (unit.key && i > 0) recorder.right().onStream({});
+      unit.status = i > 12 && i < 20 ? FrameStatus::damaged : FrameStatus::good;
+      recorder.right().onUnit(unit);
+    }
+  }
+
+  test::Finished run(const std::string& action, const std::string& options) const {
+    return test::runCartvo("recording " + action + " " + (folder_ / "drive").string() + " " + options);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
+  const test::Finished text = run("info", "");
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.said,
+              AllOf(HasSubstr("format 2, by cartvo " CARTVO_VERSION), HasSubstr("2.0 s in 1 segments"),
+                    HasSubstr("160x96"), HasSubstr("H.264"), HasSubstr("arrival 100 %")));
+  const auto json = nlohmann::json::parse(run("info", "--json").said);
+  EXPECT_EQ(json["left"]["pictures"], 40);
+  EXPECT_EQ(json["left"]["missed"], 0);
+  EXPECT_EQ(json["right"]["pictures"], 39);
+  EXPECT_EQ(json["right"]["missed"], 1);
+  EXPECT_EQ(json["right"]["damaged"], 7);
+  EXPECT_GE(json["right"]["connections"], 2);
+  EXPECT_NEAR(json["right"]["frame_rate"].get<double>(), 20.0, 0.01);
+  EXPECT_EQ(json["being_written"], false);
+}
+
+TEST_F(RecordingCommand, VerifyTellsAWholeRecordingFromADamagedOne) {
+  const test::Finished whole = run("verify", "");
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_THAT(whole.said, AllOf(HasSubstr("left: 40 pictures decoded, 0 of them damaged; 0 lost, 0 altered"),
+                                HasSubstr("whole")));
+  const std::filesystem::path video = folder_ / "drive/000000/right.mkv";
+  std::filesystem::resize_file(video, std::filesystem::file_size(video) / 2);
+  const test::Finished damaged = run("verify", "");
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.said,
+              AllOf(HasSubstr("000000/right.mkv is damaged or cut short"), HasSubstr("DAMAGED")));
+  const auto json = nlohmann::json::parse(run("verify", "--json").said);
+  EXPECT_EQ(json["whole"], false);
+  EXPECT_EQ(json["left"]["lost"], 0);
+  EXPECT_GT(json["right"]["lost"], 0);
+}
+
+TEST_F(RecordingCommand, TrimKeepsAPartAsItWas) {
+  const std::string output = (folder_ / "part").string();
+  const test::Finished trimmed = run("trim", "--from 1.2 --to 1.6 --output " + output);
+  EXPECT_EQ(trimmed.exit_code, 0) << trimmed.said;
+  std::vector<std::uint64_t> sequences;
+  RecordingSource source(output, CameraSide::left);
+  Frame frame;
+  while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame) {
+    sequences.push_back(frame.sequence);
+    EXPECT_EQ(frame.exposure_ns, kStart_ns + static_cast<std::int64_t>(frame.sequence) * 50'000'000);
+    EXPECT_EQ(frame.status, FrameStatus::good);
+  }
+  ASSERT_FALSE(sequences.empty());
+  EXPECT_LE(sequences.front(), 24U) << "from a key picture on";
+  EXPECT_EQ(sequences.back(), 32U);
+  EXPECT_EQ(source.health().last_error, "");
+  EXPECT_EQ(test::runCartvo("recording verify " + output).exit_code, 0);
+  EXPECT_THAT(run("trim", "--output " + output).said, HasSubstr("holds a recording already"));
+}
+
+TEST_F(RecordingCommand, RefusesWhatMakesNoSense) {
+  EXPECT_EQ(test::runCartvo("recording").exit_code, 2);
+  EXPECT_EQ(test::runCartvo("recording trim x").exit_code, 2);
+  EXPECT_EQ(run("trim", "--from 2 --to 1 --output x").exit_code, 2);
+  EXPECT_EQ(test::runCartvo("recording info /nowhere").exit_code, 1);
+  const test::Finished late = run("trim", "--from 100 --output " + (folder_ / "late").string());
+  EXPECT_EQ(late.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "late"));
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,98 @@
+// `cartvo recording`: what a recording holds, whether it is whole, and a part of it.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/recording/information.hpp"
+#include "tools/recording/trimming.hpp"
+#include "tools/recording/verification.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::filesystem::path folder;
+  std::filesystem::path output;
+  TrimmedPart part;
+  bool json = false;
+};
+
+void inform(const Options& options) {
+  const RecordingSummary summary = summariseRecording(options.folder);
+  const std::string text = options.json ? informationJson(summary).dump(2) + "\n" : informationText(summary);
+  std::fputs(text.c_str(), stdout);
+}
+
+void verify(const Options& options) {
+  Verification verification;
+  {
+    const RecordingSummary summary = summariseRecording(options.folder);
+    ProgressBar progress("pictures");
+    verification = verifyRecording(options.folder, [&](std::size_t pictures) {
+      progress.show(pictures, summary.cameras[0].pictures + summary.cameras[1].pictures);
+    });
+  }
+  const std::string text =
+      options.json ? verificationJson(verification).dump(2) + "\n" : verificationText(verification);
+  std::fputs(text.c_str(), stdout);
+  if (!verification.whole()) throw CLI::RuntimeError(EXIT_FAILURE);
+}
+
+void trim(const Options& options) {
+  if (options.part.to <= options.part.from) throw CLI::ValidationError("--to", "must be after --from");
+  const auto [left, right] = trimRecording(options.folder, options.part, options.output);
+  std::printf("%llu left and %llu right pictures written to %s\n", static_cast<unsigned long long>(left),
+              static_cast<unsigned long long>(right), options.output.c_str());
+}
+
+CLI::App* addAction(CLI::App& command, const std::string& name, const std::string& description,
+                    const std::shared_ptr<Options>& options, void (*work)(const Options&)) {
+  CLI::App* action = command.add_subcommand(name, description);
+  action->add_option("DIR", options->folder, "The recording: a folder with recording.json")->required();
+  action->callback([options, work] { work(*options); });
+  return action;
+}
+
+}  // namespace
+
+void addRecordingCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("recording", "What a recording holds, whether it is whole, and a part of it");
+  command->require_subcommand(1);
+  const auto options = std::make_shared<Options>();
+  CLI::App* info =
+      addAction(*command, "info", "What the recording holds, by its index; quick", options, inform);
+  info->add_flag("--json", options->json, "As JSON");
+
+  CLI::App* check =
+      addAction(*command, "verify", "Read and decode all of it, and say what is damaged", options, verify);
+  check->add_flag("--json", options->json, "As JSON");
+  check->footer(
+      "The exit code is 0 if all files are as they were recorded, 1 if not. Pictures that the camera's "
+      "packets\n"
+      "got lost of are damaged, too, but as they were recorded.");
+
+  CLI::App* part = addAction(*command, "trim", "Copy a part into a recording of its own", options, trim);
+  part->add_option("--from", options->part.from, "Where it begins, s since the first picture")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+  part->add_option("--to", options->part.to, "Where it ends, s since the first picture")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+  part->add_option("--output", options->output, "Folder for the new recording; made if it is missing")
+      ->required()
+      ->type_name("DIR");
+  part->footer("Each camera begins with its last key picture at or before --from. Nothing is encoded anew.");
+
+  command->footer(
+      "Examples:\n"
+      "  cartvo recording info drive\n"
+      "  cartvo recording verify drive --json\n"
+      "  cartvo recording trim drive --from 61.5 --to 80 --output fault\n"
+      "See cartvo-recording(1) for the files in a recording.");
+}
+
+}  // namespace cartvo

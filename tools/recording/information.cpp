@@ -1,0 +1,133 @@
+#include "tools/recording/information.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <ctime>
+
+#include "tools/report/table.hpp"
+
+namespace cartvo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
+                                                        "kernel"};
+
+const char* codecName(const std::optional<VideoCodec>& codec) {
+  if (!codec) return "unreadable";
+  return *codec == VideoCodec::h264 ? "H.264" : "H.265";
+}
+
+double frameRate(const RecordedCamera& camera) {
+  const double seconds = camera.seconds();
+  return seconds > 0.0 ? static_cast<double>(camera.pictures + camera.missed - 1) / seconds : 0.0;
+}
+
+double megabits(const RecordedCamera& camera) {
+  const double seconds = camera.seconds();
+  return seconds > 0.0 ? 8e-6 * static_cast<double>(camera.bytes) / seconds : 0.0;
+}
+
+/// From the first to the last picture of either camera, s.
+double duration(const RecordingSummary& summary) {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  for (const RecordedCamera& camera : summary.cameras) {
+    if (camera.pictures == 0) continue;
+    first = first == 0 ? camera.first_arrival_ns : std::min(first, camera.first_arrival_ns);
+    last = std::max(last, camera.last_arrival_ns);
+  }
+  return 1e-9 * static_cast<double>(last - first);
+}
+
+std::string utc(std::int64_t instant_ns) {
+  const std::time_t seconds = instant_ns / 1'000'000'000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &parts);
+  return text.data();
+}
+
+Json cameraJson(const RecordedCamera& camera) {
+  Json sources = Json::object();
+  for (std::size_t i = 0; i < kInstantSources.size(); ++i) {
+    if (camera.by_instant_source[i] > 0) sources[kInstantSources[i]] = camera.by_instant_source[i];
+  }
+  return {{"codec", codecName(camera.codec)},
+          {"picture_size", {camera.picture_size.width, camera.picture_size.height}},
+          {"pictures", camera.pictures},
+          {"key_pictures", camera.key_pictures},
+          {"damaged", camera.damaged},
+          {"missed", camera.missed},
+          {"connections", camera.connections},
+          {"bytes", camera.bytes},
+          {"frame_rate", frameRate(camera)},
+          {"megabits_per_s", megabits(camera)},
+          {"first_arrival_ns", camera.first_arrival_ns},
+          {"last_arrival_ns", camera.last_arrival_ns},
+          {"instant_sources", sources}};
+}
+
+std::string instantSources(const RecordedCamera& camera) {
+  std::string text;
+  for (std::size_t i = 0; i < kInstantSources.size(); ++i) {
+    if (camera.by_instant_source[i] == 0) continue;
+    const double share =
+        static_cast<double>(camera.by_instant_source[i]) / static_cast<double>(camera.pictures);
+    text +=
+        (text.empty() ? "" : ", ") + std::string(kInstantSources[i]) + " " + fixed(100.0 * share, 0) + " %";
+  }
+  return text.empty() ? kNoValue : text;
+}
+
+}  // namespace
+
+Json informationJson(const RecordingSummary& summary) {
+  return {{"format_version", summary.info.format_version},
+          {"software_version", summary.info.software_version},
+          {"started_ns", summary.info.started_ns},
+          {"duration_s", duration(summary)},
+          {"segments", summary.segments},
+          {"bytes", summary.bytes},
+          {"being_written", summary.being_written},
+          {"has_rig", !summary.info.rig.empty()},
+          {"has_configuration", !summary.info.configuration.empty()},
+          {"left", cameraJson(summary.cameras[0])},
+          {"right", cameraJson(summary.cameras[1])}};
+}
+
+std::string informationText(const RecordingSummary& summary) {
+  std::string text = "format " + std::to_string(summary.info.format_version) + ", by cartvo " +
+                     summary.info.software_version + ", begun " + utc(summary.info.started_ns) + "\n" +
+                     fixed(duration(summary), 1) + " s in " + std::to_string(summary.segments) +
+                     " segments, " + fixed(1e-6 * static_cast<double>(summary.bytes), 1) + " MB";
+  if (summary.being_written) text += ", being written";
+  text += std::string("; with") + (summary.info.rig.empty() ? "out" : "") + " rig, with" +
+          (summary.info.configuration.empty() ? "out" : "") + " configuration\n\n";
+
+  Table table({"", "left", "right"});
+  const auto row = [&](const char* name, const auto& value) {
+    table.add({name, value(summary.cameras[0]), value(summary.cameras[1])});
+  };
+  const auto count = [&](const char* name, std::uint64_t RecordedCamera::*member) {
+    row(name, [member](const RecordedCamera& camera) { return std::to_string(camera.*member); });
+  };
+  row("codec", [](const RecordedCamera& camera) { return std::string(codecName(camera.codec)); });
+  row("picture size", [](const RecordedCamera& camera) {
+    return std::to_string(camera.picture_size.width) + "x" + std::to_string(camera.picture_size.height);
+  });
+  row("frames/s", [](const RecordedCamera& camera) { return fixed(frameRate(camera), 2); });
+  row("Mbit/s", [](const RecordedCamera& camera) { return fixed(megabits(camera), 2); });
+  count("pictures", &RecordedCamera::pictures);
+  count("key pictures", &RecordedCamera::key_pictures);
+  count("damaged by loss", &RecordedCamera::damaged);
+  count("missed", &RecordedCamera::missed);
+  count("connections", &RecordedCamera::connections);
+  row("instants by", instantSources);
+  return text + table.text();
+}
+
+}  // namespace cartvo

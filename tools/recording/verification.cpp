@@ -1,0 +1,85 @@
+#include "tools/recording/verification.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "capture/recording_folder.hpp"
+#include "capture/recording_source.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::array<CameraSide, 2> kSides = {CameraSide::left, CameraSide::right};
+
+bool isWhole(const VerifiedCamera& camera) {
+  return camera.unreadable.empty() && camera.files.places.empty();
+}
+
+VerifiedCamera verify(const std::filesystem::path& folder, CameraSide side, std::size_t& looked_at,
+                      const VerificationProgress& progress) {
+  VerifiedCamera camera;
+  try {
+    RecordingSource source(folder, side);
+    Frame frame;
+    while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame)
+      progress(++looked_at);
+    camera.pictures = source.health().frames;
+    camera.damaged = source.health().damaged;
+    camera.files = source.damage();
+  } catch (const std::runtime_error& error) {
+    camera.unreadable = error.what();
+  }
+  return camera;
+}
+
+}  // namespace
+
+bool Verification::whole() const {
+  return std::all_of(cameras.begin(), cameras.end(), isWhole);
+}
+
+Verification verifyRecording(const std::filesystem::path& folder, const VerificationProgress& progress) {
+  readRecordingInfo(folder);
+  Verification verification;
+  std::size_t looked_at = 0;
+  for (const CameraSide side : kSides)
+    verification.cameras[static_cast<std::size_t>(side)] = verify(folder, side, looked_at, progress);
+  return verification;
+}
+
+nlohmann::ordered_json verificationJson(const Verification& verification) {
+  nlohmann::ordered_json json;
+  json["whole"] = verification.whole();
+  for (const CameraSide side : kSides) {
+    const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
+    json[sideName(side)] = {{"pictures", camera.pictures},
+                            {"damaged", camera.damaged},
+                            {"lost", camera.files.lost},
+                            {"altered", camera.files.altered},
+                            {"places", camera.files.places}};
+    if (!camera.unreadable.empty()) json[sideName(side)]["unreadable"] = camera.unreadable;
+  }
+  return json;
+}
+
+std::string verificationText(const Verification& verification) {
+  std::string text;
+  for (const CameraSide side : kSides) {
+    const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
+    text += std::string(sideName(side)) + ": ";
+    if (!camera.unreadable.empty()) {
+      text += camera.unreadable + "\n";
+      continue;
+    }
+    text += std::to_string(camera.pictures) + " pictures decoded, " + std::to_string(camera.damaged) +
+            " of them damaged; " + std::to_string(camera.files.lost) + " lost, " +
+            std::to_string(camera.files.altered) + " altered on disk\n";
+    for (const std::string& place : camera.files.places)
+      text += "  " + place + "\n";
+  }
+  return text + (verification.whole() ? "whole: the files are as they were recorded\n"
+                                      : "DAMAGED: a replay goes up to the damage and on behind it\n");
+}
+
+}  // namespace cartvo

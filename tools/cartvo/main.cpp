@@ -18,6 +18,7 @@ int main(int argument_count, char** arguments) {
   cartvo::addRecordingCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);
+  cartvo::addCalibrateCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);
 
   try {

@@ -1,0 +1,40 @@
+// `cartvo calibrate board`, called as people do.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+#include "tools/run_cartvo.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(CalibrateBoardCommand, WritesABoardAndSaysWhatToDoWithIt) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.pdf";
+  const test::Finished run = test::runCartvo("calibrate board --board chessboard:9x6:0.025 --output " + file);
+  EXPECT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("chessboard:9x6:0.025, 250.0 x 175.0 mm on A4. Print it at 100 %"));
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST(CalibrateBoardCommand, RefusesWhatCannotBePrinted) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.pdf";
+  const test::Finished large =
+      test::runCartvo("calibrate board --board charuco:11x8:0.03:0.022 --page A4 --output " + file);
+  EXPECT_EQ(large.exit_code, 1);
+  EXPECT_THAT(large.said, HasSubstr("does not fit on A4"));
+  const test::Finished unknown =
+      test::runCartvo("calibrate board --board circles:4x11:0.02 --output " + file);
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.said, HasSubstr("there is no kind 'circles'"));
+  EXPECT_EQ(test::runCartvo("calibrate board --output " + file).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace cartvo

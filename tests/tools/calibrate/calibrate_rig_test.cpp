@@ -1,0 +1,195 @@
+// `cartvo calibrate SOURCE`, called as people do.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/euroc_rig.hpp"
+#include "calib/rig_file.hpp"
+#include "calib/rigs.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/test_data.hpp"
+#include "tools/run_cartvo.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string textOf(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string chessboard(const fs::path& data) {
+  return "calibrate " + data.string() +
+         " --left 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025";
+}
+
+/// The pairs of a chessboard in image_0 and image_1, to be spoiled.
+void layOut(const fs::path& data, const fs::path& folder, const char* left, const char* right) {
+  fs::create_directories(folder / "image_0");
+  fs::create_directories(folder / "image_1");
+  for (const char* const number : {"01", "02", "03", "04", "05", "06", "07", "08", "09"}) {
+    const std::string name = std::string(number) + ".jpg";
+    fs::copy_file(data / (left + name), folder / "image_0" / name);
+    fs::copy_file(data / (right + name), folder / "image_1" / name);
+  }
+}
+
+TEST(CalibrateCommand, CalibratesAPairOfCamerasAndTellsHowWell) {
+  CARTVO_NEEDS_DATA(data, "board_opencv");
+  const test::TemporaryFolder folder;
+  const fs::path output = folder / "rig.yaml", report = folder / "report";
+  const test::Finished run = test::runCartvo(chessboard(data) + " --free-scaling 0.2 --output " +
+                                             output.string() + " --report " + report.string());
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said,
+              AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED"))));
+  const Rig rig = readRig(output);
+  EXPECT_EQ(rig.rectification.free_scaling, 0.2);
+  EXPECT_NEAR(rig.left.fx, 534.0, 3.0);  // OpenCV's intrinsics.yml says 534.2
+  const auto json = nlohmann::json::parse(textOf(report / "calibration.json"));
+  EXPECT_TRUE(json["passed"].get<bool>());
+  EXPECT_EQ(json["views"].size(), 13U);
+  for (const auto& model : json["models"]) {
+    if (model["model"] != json["model"]) continue;
+    EXPECT_LE(model["held_out_rms_px"].get<double>(), 0.3);
+    // cv::stereoCalibrate as OpenCV's stereo_calib.cpp calls it: docs/calibration.md.
+    EXPECT_LE(model["held_out_vertical_disparity_rms_px"].get<double>(), 0.2);
+  }
+  EXPECT_THAT(textOf(report / "report.html"),
+              AllOf(HasSubstr("<svg"), HasSubstr("data:image/png;base64,"), HasSubstr("Rejected views"),
+                    Not(HasSubstr("http://127")), HasSubstr("</html>")));
+}
+
+TEST(CalibrateCommand, WritesTheSameBytesTwiceAndKeepsTheMount) {
+  CARTVO_NEEDS_DATA(data, "board_opencv");
+  const test::TemporaryFolder folder;
+  const fs::path output = folder / "rig.yaml";
+  const std::string command = chessboard(data) + " --model brown5 --json --output " + output.string();
+  const test::Finished first = test::runCartvo(command);
+  ASSERT_EQ(first.exit_code, 0) << first.said;
+  Rig mounted = readRig(output);
+  const std::string calibrated = rigText(mounted);
+  mounted.T_body_camera.translation() = Eigen::Vector3d(0.9, 0.06, 1.85);
+  writeRig(output, mounted);
+  const test::Finished second = test::runCartvo(command);
+  EXPECT_EQ(second.said, first.said);
+  Rig again = readRig(output);
+  EXPECT_EQ(again.T_body_camera.translation(), mounted.T_body_camera.translation());
+  again.T_body_camera = forwardLookingMount();
+  EXPECT_EQ(rigText(again), calibrated);
+}
+
+TEST(CalibrateCommand, FindsTheOwnersRigOfAnAprilGridWithTheOwnersModel) {
+  CARTVO_NEEDS_DATA(data, "board_aprilgrid");
+  CARTVO_NEEDS_DATA(euroc, "euroc_still");
+  const test::TemporaryFolder folder;
+  // The owners' model is one of those tried; its focal lengths mean something else than a better one's.
+  test::runCartvo("calibrate " + data.string() +
+                  " --left '*_0.jpg' --right '*_1.jpg' --board aprilgrid:6x6:0.088:0.3 --output " +
+                  (folder / "rig.yaml").string() + " --report " + (folder / "report").string());
+  const auto json = nlohmann::json::parse(textOf(folder / "report/calibration.json"));
+  const auto with_model = [&](const std::string& name) {
+    for (const auto& model : json["models"]) {
+      if (model["model"] == name) return model;
+    }
+    return nlohmann::json();
+  };
+  const nlohmann::json found = with_model("brown4");
+  const auto value = [&](const std::string& name) {
+    for (const auto& parameter : found["parameters"]) {
+      if (parameter["name"] == name) return parameter["value"].get<double>();
+    }
+    return 0.0;
+  };
+  const Rig owners = readEurocRig(euroc / "mav0/cam0/sensor.yaml", euroc / "mav0/cam1/sensor.yaml");
+  EXPECT_NEAR(value("left fx"), owners.left.fx, 3e-3 * owners.left.fx);
+  EXPECT_NEAR(value("left fy"), owners.left.fy, 3e-3 * owners.left.fy);
+  EXPECT_NEAR(value("right fx"), owners.right.fx, 3e-3 * owners.right.fx);
+  EXPECT_NEAR(value("right fy"), owners.right.fy, 3e-3 * owners.right.fy);
+  EXPECT_NEAR(json["baseline_m"].get<double>(), owners.baseline(), 3e-4);
+  EXPECT_LE(with_model(json["model"].get<std::string>())["held_out_rms_px"].get<double>(), 0.3);
+  EXPECT_TRUE(json["passed"].get<bool>());
+}
+
+TEST(CalibrateCommand, TakesTheWideModelForAFisheye) {
+  CARTVO_NEEDS_DATA(data, "board_fisheye");
+  const test::TemporaryFolder folder;
+  const fs::path output = folder / "rig.yaml";
+  const std::string command =
+      "calibrate " + data.string() +
+      " --left 'board_L/*L.jpg' --right 'board_R/*R.jpg' --board chessboard:9x6:0.0345 "
+      "--output " +
+      output.string();
+  const test::Finished run = test::runCartvo(command);
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_EQ(readRig(output).left.lens, LensModel::wide);
+  EXPECT_THAT(run.said,
+              ::testing::ContainsRegex("brown4.*refused: it foretells held-out views [0-9.]+ times as "
+                                       "badly as wide"));
+}
+
+TEST(CalibrateCommand, RefusesBadInputEachInItsOwnWordsAndLeavesTheOutputAsItWas) {
+  CARTVO_NEEDS_DATA(data, "board_opencv");
+  const test::TemporaryFolder folder;
+  const fs::path output = folder / "rig.yaml";
+  const std::string before = rigText(test::cartRig());
+  std::ofstream(output) << before;
+  const auto expect = [&](const std::string& arguments, const std::string& words) {
+    const test::Finished run = test::runCartvo("calibrate " + arguments + " --output " + output.string());
+    EXPECT_EQ(run.exit_code, 1) << run.said;
+    EXPECT_THAT(run.said, HasSubstr(words));
+    EXPECT_EQ(textOf(output), before);
+  };
+  const std::string board = " --board chessboard:9x6:0.025 --model brown2";
+  layOut(data, folder / "swapped", "right", "left");
+  expect((folder / "swapped").string() + board, "left and right are exchanged");
+
+  layOut(data, folder / "other", "left", "right");
+  expect((folder / "other").string() + " --board chessboard:10x7:0.025", "9x6 inner corners");
+
+  layOut(data, folder / "mixed", "left", "right");
+  cv::imwrite((folder / "mixed/image_1/05.jpg").string(), cv::Mat(240, 320, CV_8UC1, cv::Scalar(9)));
+  expect((folder / "mixed").string() + board, "05.jpg: is 320x240 but the first image is 640x480");
+
+  layOut(data, folder / "damaged", "left", "right");
+  std::ofstream(folder / "damaged/image_0/07.jpg") << "no image";
+  expect((folder / "damaged").string() + board, "07.jpg: cannot be read as an image");
+
+  layOut(data, folder / "few", "left", "right");
+  for (const char* const name : {"01.jpg", "02.jpg", "03.jpg", "04.jpg", "05.jpg"})
+    fs::remove(folder / "few/image_1" / name);
+  expect((folder / "few").string() + board, "only 4 views show the board to both cameras");
+
+  expect((folder / "nothing").string() + board, "is no folder; expected image_0");
+
+  std::ofstream(folder / "notes.txt") << "was here";
+  const test::Finished notes = test::runCartvo("calibrate " + (folder / "other").string() + board +
+                                               " --output " + (folder / "notes.txt").string());
+  EXPECT_THAT(notes.said, HasSubstr("would replace what is no rig file"));
+  EXPECT_EQ(textOf(folder / "notes.txt"), "was here");
+}
+
+TEST(CalibrateCommand, WithAWrongCommandLineEndsWithTwo) {
+  EXPECT_EQ(test::runCartvo("calibrate").exit_code, 2);
+  EXPECT_EQ(test::runCartvo("calibrate . --output rig.yaml").exit_code, 2);
+  const test::Finished board = test::runCartvo("calibrate . --output rig.yaml --board chessboard:9x6");
+  EXPECT_EQ(board.exit_code, 2);
+  EXPECT_THAT(board.said, HasSubstr("it has 2 parts"));
+  EXPECT_EQ(
+      test::runCartvo("calibrate . --output r.yaml --board chessboard:9x6:0.025 --model flat").exit_code, 2);
+  EXPECT_EQ(test::runCartvo("calibrate --help").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,125 @@
+// Whether a rig file is that of some pictures: pictures of a textured scene through a known rig.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/rig_file.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/test_data.hpp"
+#include "tools/calibrate/row_check.hpp"
+#include "tools/run_cartvo.hpp"
+#include "tools/world/rendered_world.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A rendered street, one raw pair of it, and its rig.
+class CheckedPair : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    world::WorldSettings settings;
+    settings.seconds = 0.1;
+    settings.lead_in_seconds = 0.0;
+    settings.edge_samples = 0;
+    const world::RenderedWorld world(settings);
+    cv::Mat left, right;
+    world.images(0, left, right);
+    cv::imwrite(file("left.png"), left);
+    cv::imwrite(file("right.png"), right);
+    rig_ = world.rig();
+  }
+
+  std::string file(const char* name) const { return (folder_ / name).string(); }
+
+  test::Finished check(const Rig& rig, const char* left, const char* right, const std::string& options) {
+    writeRig(folder_ / "rig.yaml", rig);
+    return test::runCartvo("calibrate check " + file("rig.yaml") + " " + file(left) + " " + file(right) +
+                           " " + options);
+  }
+
+  test::TemporaryFolder folder_;
+  Rig rig_;
+};
+
+TEST_F(CheckedPair, PassesWithItsOwnRig) {
+  const test::Finished run = check(rig_, "left.png", "right.png", "--json");
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  const auto report = nlohmann::json::parse(run.said);
+  EXPECT_TRUE(report["pass"]);
+  EXPECT_FALSE(report["swapped"]);
+  EXPECT_LT(report["vertical_disparity_px"]["rms"], 0.2);
+  EXPECT_LT(report["vertical_disparity_px"]["p95"], 0.4);
+  EXPECT_GT(report["matches"], 200);
+  EXPECT_THAT(check(rig_, "left.png", "right.png", "").said, HasSubstr("PASS: rows agree within 0.30 px"));
+}
+
+TEST_F(CheckedPair, FailsWithARightCameraThatWasTurned) {
+  constexpr double kPitch = 0.002, kFocalLength = 480.0;  // rad, px
+  Rig turned = rig_;
+  turned.T_right_left.prerotate(Eigen::AngleAxisd(kPitch, Eigen::Vector3d::UnitX()));
+  const test::Finished run = check(turned, "left.png", "right.png", "--json");
+  EXPECT_EQ(run.exit_code, 1) << run.said;
+  const auto report = nlohmann::json::parse(run.said);
+  EXPECT_FALSE(report["pass"]);
+  EXPECT_FALSE(report["swapped"]);
+  EXPECT_NEAR(std::abs(report["vertical_disparity_px"]["median"].get<double>()), kPitch * kFocalLength, 0.2);
+  EXPECT_LT(report["vertical_disparity_px"]["unexplained_rms"], 0.2);
+}
+
+TEST_F(CheckedPair, SaysThatTheImagesAreExchanged) {
+  const test::Finished run = check(rig_, "right.png", "left.png", "");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, HasSubstr("LEFT and RIGHT are exchanged"));
+}
+
+TEST_F(CheckedPair, SaysThatThereIsNothingToSee) {
+  cv::imwrite(file("grey.png"), cv::Mat(420, 680, CV_8UC1, cv::Scalar(128)));
+  const test::Finished run = check(rig_, "grey.png", "grey.png", "");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, HasSubstr("only 0 points were found"));
+}
+
+TEST(CalibrateCheckCommand, TakesAFolderOfPairs) {
+  CARTVO_NEEDS_DATA(folder, "euroc_still");
+  const test::TemporaryFolder temporary;
+  const std::string rig = (temporary / "rig.yaml").string(), mav = (folder / "mav0").string();
+  ASSERT_EQ(test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
+                            "/cam1/sensor.yaml --output " + rig)
+                .exit_code,
+            0);
+  const test::Finished run =
+      test::runCartvo("calibrate check " + rig + " " + folder.string() + " --pairs 3 --json 2>/dev/null");
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_EQ(nlohmann::json::parse(run.said)["pairs"], 3);
+}
+
+/// Without images: rows that a turned right camera makes, mismatches among them.
+TEST(RowCheck, LeavesMismatchesOutAndKeepsWhatIsWrong) {
+  Rectification rectification;
+  rectification.size = {680, 420};
+  rectification.focal_length = 480.0;
+  rectification.cx = 340.0;
+  rectification.cy = 210.0;
+  rectification.baseline = 0.115;
+  std::vector<RectifiedMatch> matches;
+  for (int i = 0; i < 400; ++i) {
+    const float x = static_cast<float>(17 * i % 680), y = static_cast<float>(29 * i % 420);
+    const float error = i % 10 == 0 ? 15.0F : 0.8F;
+    matches.push_back({{x + 6.0F, y + error}, {x, y}});
+  }
+  const RowCheck check = checkRows(matches, 1, rectification);
+  EXPECT_EQ(check.matches, 360);
+  EXPECT_NEAR(check.outliers, 0.1, 1e-9);
+  EXPECT_NEAR(check.rms, 0.8, 0.01);
+  EXPECT_NEAR(check.median, 0.8, 0.01);
+  EXPECT_FALSE(passes(check, 0.3));
+  EXPECT_TRUE(passes(check, 1.0));
+}
+
+}  // namespace
+}  // namespace cartvo::calibrate

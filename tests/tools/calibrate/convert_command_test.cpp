@@ -1,0 +1,77 @@
+// `cartvo calibrate convert`, called as people do.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calib/rig_file.hpp"
+#include "calib/rigs.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/test_data.hpp"
+#include "tools/run_cartvo.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string in(const test::TemporaryFolder& folder, const char* name) {
+  return (folder / name).string();
+}
+
+TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
+  const test::TemporaryFolder folder;
+  writeRig(folder / "rig.yaml", test::wideRig());
+  const test::Finished out = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                             " --to ros --output " + in(folder, "camera_info"));
+  ASSERT_EQ(out.exit_code, 0) << out.said;
+  EXPECT_THAT(out.said, HasSubstr("camera_info/right.yaml"));
+  EXPECT_THAT(out.said, HasSubstr("680x420 px, baseline 0.1150 m"));
+  const test::Finished back =
+      test::runCartvo("calibrate convert " + in(folder, "camera_info/left.yaml") + " " +
+                      in(folder, "camera_info/right.yaml") + " --output " + in(folder, "back.yaml"));
+  ASSERT_EQ(back.exit_code, 0) << back.said;
+  EXPECT_TRUE(readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
+}
+
+TEST(CalibrateConvertCommand, ReadsEurocsAndKittis) {
+  CARTVO_NEEDS_DATA(euroc, "euroc_still");
+  CARTVO_NEEDS_DATA(kitti, "kitti_06");
+  const test::TemporaryFolder folder;
+  const std::string mav = (euroc / "mav0").string();
+  const test::Finished from_euroc =
+      test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
+                      "/cam1/sensor.yaml --to kalibr --output " + in(folder, "camchain.yaml"));
+  EXPECT_EQ(from_euroc.exit_code, 0) << from_euroc.said;
+  EXPECT_EQ(readRig(folder / "camchain.yaml").left.fx, 458.654);
+  const std::string convert =
+      "calibrate convert " + (kitti / "calib.txt").string() + " --output " + in(folder, "kitti.yaml");
+  EXPECT_THAT(test::runCartvo(convert).said, HasSubstr("give their size"));
+  EXPECT_EQ(test::runCartvo(convert + " --size 1226x370").exit_code, 0);
+}
+
+TEST(CalibrateConvertCommand, LeavesWhatIsThereWhenItCannot) {
+  const test::TemporaryFolder folder;
+  writeRig(folder / "rig.yaml", test::cartRig());
+  writeRig(folder / "out.yaml", test::rectifiedRig());
+  const test::Finished run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                             " --to kalibr --output " + in(folder, "out.yaml"));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, HasSubstr("Kalibr's radtan model holds the first 4"));
+  EXPECT_EQ(readRig(folder / "out.yaml").name, "rectified");
+}
+
+TEST(CalibrateConvertCommand, SaysThatCamerasAreSwapped) {
+  const test::TemporaryFolder folder;
+  Rig swapped = test::cartRig();
+  swapped.T_right_left = swapped.T_right_left.inverse();
+  writeRig(folder / "rig.yaml", swapped);
+  const test::Finished run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                             " --to opencv --output " + in(folder, "out.yaml"));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, HasSubstr("the cameras are swapped"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.yaml"));
+}
+
+}  // namespace
+}  // namespace cartvo

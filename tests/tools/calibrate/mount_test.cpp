@@ -1,0 +1,163 @@
+// How a camera sits on the cart, from drives that are known exactly.
+#include "tools/calibrate/mount.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "calib/rig_file.hpp"
+#include "support/error_message.hpp"
+#include "support/temporary_folder.hpp"
+#include "tools/run_cartvo.hpp"
+#include "tools/simulate/content_files.hpp"
+#include "tools/world/rendered_world.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kYaw = 2.0 * kDegree, kPitch = 8.0 * kDegree, kRoll = -1.0 * kDegree;
+
+Eigen::Isometry3d trueMount() {
+  Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
+  T_body_camera.linear() = (Eigen::AngleAxisd(kYaw, Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(kPitch, Eigen::Vector3d::UnitY()) *
+                            Eigen::AngleAxisd(kRoll, Eigen::Vector3d::UnitX()) *
+                            Eigen::Quaterniond(forwardLookingMount().linear()))
+                               .toRotationMatrix();
+  T_body_camera.translation() = Eigen::Vector3d(1.5, 0.1, 1.9);
+  return T_body_camera;
+}
+
+/// What is known before: where the camera is along and across, and that it looks about forward.
+Eigen::Isometry3d knownMount() {
+  Eigen::Isometry3d mount = forwardLookingMount();
+  mount.translation() = Eigen::Vector3d(1.5, 0.1, 0.0);
+  return mount;
+}
+
+/// Looks at the ground while the cart sways by some tenths of a degree, each eighth of a second.
+std::vector<GroundSighting> sightings(double seconds) {
+  std::vector<GroundSighting> all;
+  const Eigen::Matrix3d R_camera_body = trueMount().linear().transpose();
+  for (double t = 0.0; t < seconds; t += 0.125) {
+    const Eigen::Matrix3d sway =
+        (Eigen::AngleAxisd(0.3 * kDegree * std::sin(5.0 * t), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(0.2 * kDegree * std::sin(7.0 * t), Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    all.push_back({t, R_camera_body * (sway * -Eigen::Vector3d::UnitZ()), 1.9 + 0.01 * std::sin(3.0 * t)});
+  }
+  return all;
+}
+
+/// A body that moves without sideslip at its origin, at some speed and yaw rate; the camera is carried along.
+CameraTwist twistAt(double seconds, double speed, double yaw_rate) {
+  const Eigen::Isometry3d T_body_camera = trueMount();
+  const Eigen::Vector3d omega(0.0, 0.0, yaw_rate);
+  const Eigen::Vector3d velocity =
+      Eigen::Vector3d(speed, 0.0, 0.0) + omega.cross(T_body_camera.translation());
+  const Eigen::Matrix3d R_camera_body = T_body_camera.linear().transpose();
+  return {seconds, R_camera_body * velocity, R_camera_body * omega};
+}
+
+void expectTrueAttitude(const Mount& mount, double tolerance) {
+  const Eigen::AngleAxisd error(trueMount().linear().transpose() * mount.T_body_camera.linear());
+  EXPECT_LT(error.angle(), tolerance) << "about " << error.axis().transpose();
+}
+
+TEST(Mount, IsFoundFromADriveInBends) {
+  std::vector<CameraTwist> motions;
+  for (double t = 0.0; t < 20.0; t += 0.1)
+    motions.push_back(twistAt(t, 4.0, 0.15 + 0.3 * std::sin(0.5 * t)));  // more to the left than to the right
+  motions.push_back({20.0, {5.0, 0.0, 3.0}, {0.0, 0.0, 0.0}});           // a wrong one
+  const Mount mount = measureMount(sightings(20.0), motions, knownMount());
+  expectTrueAttitude(mount, 0.05 * kDegree);
+  EXPECT_NEAR(mount.height.value, 1.9, 0.005);
+  ASSERT_TRUE(mount.yaw);
+  EXPECT_NEAR(mount.yaw->value, kYaw, 0.02 * kDegree);
+  EXPECT_NEAR(mount.pitch.value, kPitch, 0.1 * kDegree);
+  EXPECT_NEAR(mount.roll.value, kRoll, 0.1 * kDegree);
+  ASSERT_TRUE(mount.ahead_of_axle);
+  EXPECT_NEAR(mount.ahead_of_axle->value, 1.5, 0.05);
+  EXPECT_EQ(mount.T_body_camera.translation().head<2>(), Eigen::Vector2d(1.5, 0.1));
+}
+
+TEST(Mount, IsFoundFromAStraightDriveForwardAndBack) {
+  std::vector<CameraTwist> motions;
+  for (double t = 0.0; t < 10.0; t += 0.1)
+    motions.push_back(twistAt(t, t < 5.0 ? 3.0 : -2.0, 0.0));
+  const Mount mount = measureMount(sightings(10.0), motions, knownMount());
+  expectTrueAttitude(mount, 0.1 * kDegree);
+  EXPECT_FALSE(mount.ahead_of_axle);
+}
+
+TEST(Mount, KeepsItsYawWithoutADrive) {
+  std::vector<CameraTwist> motions;
+  for (double t = 0.0; t < 10.0; t += 0.1)
+    motions.push_back(twistAt(t, 0.01, 0.3));
+  Eigen::Isometry3d known = knownMount();
+  known.prerotate(Eigen::AngleAxisd(5.0 * kDegree, Eigen::Vector3d::UnitZ()));
+  const Mount mount = measureMount(sightings(10.0), motions, known);
+  EXPECT_FALSE(mount.yaw);
+  EXPECT_NEAR(mount.pitch.value, kPitch, 0.2 * kDegree);
+  const Eigen::Vector3d axis = mount.T_body_camera.linear().col(2);
+  EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 5.0 * kDegree, 0.2 * kDegree);
+}
+
+TEST(Mount, DeviationsSayHowFarValuesAreOff) {
+  std::vector<CameraTwist> motions;
+  for (double t = 0.0; t < 20.0; t += 0.1)
+    motions.push_back(twistAt(t, 4.0 + std::sin(t), 0.02 * std::sin(3.0 * t)));
+  const Mount mount = measureMount(sightings(20.0), motions, knownMount());
+  EXPECT_LT(std::abs(mount.pitch.value - kPitch), 4.0 * mount.pitch.deviation);
+  EXPECT_LT(std::abs(mount.roll.value - kRoll), 4.0 * mount.roll.deviation);
+  EXPECT_LT(std::abs(mount.height.value - 1.9), 4.0 * mount.height.deviation);
+  EXPECT_GT(mount.pitch.deviation, 0.0);
+  EXPECT_LT(mount.pitch.deviation, 0.1 * kDegree);
+}
+
+TEST(Mount, WithoutGroundIsRefused) {
+  EXPECT_THAT(test::messageOf([] { measureMount({}, {}, knownMount()); }),
+              HasSubstr("the ground was seen in 0 pairs only"));
+}
+
+/// The whole way: a rendered drive, whose rig file says nothing of the mount.
+TEST(CalibrateMountCommand, FindsTheMountOfARenderedCart) {
+  world::WorldSettings settings;
+  settings.image_size = {340, 210};
+  settings.focal_length = 240.0;
+  settings.frame_rate = 9.0;
+  settings.lead_in_seconds = 0.0;
+  settings.seconds = 4.0;
+  settings.edge_samples = 0;
+  const world::RenderedWorld world(settings);
+  const test::TemporaryFolder folder;
+  simulate::renderFolder(folder / "drive", world, [](int, int) {});
+  const Eigen::Isometry3d truth = world.rig().T_body_camera;
+  Rig rig = world.rig();
+  rig.T_body_camera = forwardLookingMount();
+  writeRig(folder / "drive/rig.yaml", rig);
+  const test::Finished run =
+      test::runCartvo("calibrate mount " + (folder / "drive").string() + " --forward 1.55 --json --output " +
+                      (folder / "out.yaml").string() + " 2>/dev/null");
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  const auto report = nlohmann::json::parse(run.said);
+  EXPECT_NEAR(report["height_m"]["value"].get<double>(), 1.9, 0.03) << run.said;
+  // It pulls away for all of these seconds, and its nose rises.
+  EXPECT_NEAR(report["pitch_deg"]["value"].get<double>(), 7.0, 1.2) << run.said;
+  EXPECT_NEAR(report["roll_deg"]["value"].get<double>(), -0.2, 0.4) << run.said;
+  EXPECT_NEAR(report["yaw_deg"]["value"].get<double>(), 0.3, 0.3) << run.said;
+  const Eigen::Isometry3d found = readRig(folder / "out.yaml").T_body_camera;
+  EXPECT_LT(Eigen::AngleAxisd(truth.linear().transpose() * found.linear()).angle(), 1.3 * kDegree);
+  EXPECT_NEAR(found.translation().z(), report["height_m"]["value"].get<double>(), 1e-9);
+  EXPECT_EQ(found.translation().x(), 1.55);
+}
+
+}  // namespace
+}  // namespace cartvo::calibrate

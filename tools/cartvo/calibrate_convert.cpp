@@ -1,0 +1,78 @@
+// `cartvo calibrate convert`: rigs from and to other tools' files.
+#include "tools/cartvo/calibrate_convert.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/atomic_file.hpp"
+#include "calib/rectification.hpp"
+#include "calib/rig_formats.hpp"
+#include "tools/cartvo/simulate_options.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<fs::path> files;
+  std::string format = "cartvo";
+  std::string image_size;
+  fs::path output;
+};
+
+void write(const fs::path& output, const std::vector<RigFile>& files) {
+  for (const RigFile& file : files) {
+    const fs::path path = file.name.empty() ? output : output / file.name;
+    if (!file.name.empty()) fs::create_directories(path.parent_path());
+    writeFileAtomically(path, file.text);
+    std::printf("%s\n", path.c_str());
+  }
+}
+
+void run(const Options& options) {
+  std::optional<cv::Size> image_size;
+  if (!options.image_size.empty()) image_size = parseSize(options.image_size);
+  const Rig rig = readRigFiles(options.files, image_size);
+  // That the cameras stand side by side is found out here, not when the cart is to drive.
+  const Rectification rectified = computeRectification(rig, rig.rectification);
+  write(options.output, rigFilesOf(rig, rigFormatNamed(options.format)));
+  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
+               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
+}
+
+}  // namespace
+
+void addCalibrateConvert(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand("convert", "Rigs from and to other tools' files");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option(
+          "FILE", options->files,
+          "A rig in any format; of EuRoC's sensor.yaml and ROS' camera_info the left and the right one")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--to", options->format, "Format to write")
+      ->check(CLI::IsMember(rigFormatNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--output", options->output, "File to write; a folder for ros and euroc")
+      ->required()
+      ->type_name("PATH");
+  command->add_option("--size", options->image_size, "Of the images, px: KITTI's calib.txt does not say")
+      ->type_name("WIDTHxHEIGHT");
+  command->footer(
+      "What FILE is, its contents tell. No other format says where the cameras sit on the cart: see\n"
+      "'cartvo calibrate mount'.\n"
+      "Examples:\n"
+      "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
+      "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"
+      "  cartvo calibrate convert rig.yaml --to ros --output camera_info");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,300 @@
+// `cartvo calibrate SOURCE`: both cameras and how they stand to each other, from views of a board.
+#include "tools/cartvo/calibrate_rig.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "calib/atomic_file.hpp"
+#include "calib/calibration.hpp"
+#include "calib/rig_file.hpp"
+#include "capture/recording_folder.hpp"
+#include "capture/recording_source.hpp"
+#include "daemon/configuration.hpp"
+#include "daemon/live_camera.hpp"
+#include "tools/calibrate/board_views.hpp"
+#include "tools/calibrate/calibration_report.hpp"
+#include "tools/calibrate/calibration_summary.hpp"
+#include "tools/calibrate/live_page.hpp"
+#include "tools/calibrate/newest_frame.hpp"
+#include "tools/calibrate/stream_views.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/view_guide.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::filesystem::path source;
+  std::string left, right;
+  std::filesystem::path configuration = "/etc/cartvo/cartvod.yaml";
+  std::string board;
+  std::filesystem::path output;
+  std::filesystem::path report;
+  std::string model = "auto";
+  double free_scaling = 0.0;
+  bool json = false;
+  std::optional<PageAddress> page;
+};
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+/// The first Ctrl-C ends the taking of views, the second one the program.
+void stopOnFirstInterrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+const std::map<std::string, std::vector<CalibrationModel>>& modelChoices() {
+  using enum CalibrationModel;
+  static const std::map<std::string, std::vector<CalibrationModel>> choices{
+      {"auto", {brown2, brown4, brown5, brown8, wide}},
+      {"brown", {brown2, brown4, brown5, brown8}},
+      {"brown2", {brown2}},
+      {"brown4", {brown4}},
+      {"brown5", {brown5}},
+      {"brown8", {brown8}},
+      {"wide", {wide}}};
+  return choices;
+}
+
+ImagePairs findPairs(const Options& options) {
+  if (options.left.empty()) return pairsInFolder(options.source);
+  return pairsByPattern(options.source / options.left, options.source / options.right);
+}
+
+/// The rig that will be replaced; said before the work, not after it, if the output is no rig file.
+std::optional<Rig> rigBefore(const std::filesystem::path& output) {
+  if (!std::filesystem::exists(output)) return std::nullopt;
+  try {
+    return readRig(output);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("the output would replace what is no rig file: ") + error.what());
+  }
+}
+
+/// The calibrated rig, with the name and the place on the cart of the one that it replaces.
+Rig rigToWrite(const Calibration& calibration, const std::optional<Rig>& before, const Options& options) {
+  Rig rig = calibration.rig();
+  rig.name = before ? before->name : options.output.stem().string();
+  rig.T_body_camera = before ? before->T_body_camera : forwardLookingMount();
+  rig.rectification.free_scaling = options.free_scaling;
+  return rig;
+}
+
+/// Whether the views are to be taken from streams; else they are images.
+bool isStreams(const Options& options) {
+  return options.left.empty() && (options.source == "live" || isRecording(options.source));
+}
+
+/// The views, and where their images are.
+struct FoundViews {
+  BoardViews views;
+  ImagePairs pairs;                    ///< on disk
+  std::vector<DetectedView> streamed;  ///< taken from streams
+};
+
+FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
+  FoundViews found;
+  found.pairs = findPairs(options);
+  ProgressBar progress("pairs");
+  found.views =
+      findViews(found.pairs, board, [&](std::size_t done) { progress.show(done, found.pairs.pairs.size()); });
+  return found;
+}
+
+FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
+                          StreamViewSettings settings, LivePage* page) {
+  stopOnFirstInterrupt();
+  settings.is_asked_to_stop = [] { return stop_requested != 0; };
+  ViewGuide guide;
+  StreamedViews streamed =
+      viewsFromStreams(left, right, board, settings, [&](const StreamProgress& progress) {
+        guide.show(progress);
+        if (page != nullptr) page->show(progress);
+      });
+  guide.end();
+  if (page != nullptr) page->showSolving();
+  if (streamed.views.empty()) {
+    throw std::runtime_error("the board was never seen by both cameras and held still for a second; is it " +
+                             boardSpecText(board) + "?");
+  }
+  FoundViews found;
+  found.views = selectViews(streamed.views, board, streamed.image_size);
+  found.streamed = std::move(streamed.views);
+  return found;
+}
+
+FoundViews viewsOfLiveCameras(const Options& options, const BoardSpec& board, LivePage* page) {
+  const Configuration configuration = readConfiguration(options.configuration);
+  PairClock clock(configuration.clock);
+  LiveCamera left(configuration, CameraSide::left, {}, clock);
+  LiveCamera right(configuration, CameraSide::right, {}, clock);
+  NewestFrame newest_left(left.source()), newest_right(right.source());
+  std::fprintf(
+      stderr,
+      "cartvo: show the board to both cameras, and hold it still for a second at a time; Ctrl-C ends "
+      "this and calibrates with the views taken\n");
+  return viewsOfStreams(newest_left, newest_right, board, {.most_seconds = 900.0, .stop_when_enough = true},
+                        page);
+}
+
+FoundViews viewsOf(const Options& options, const BoardSpec& board, LivePage* page) {
+  if (!isStreams(options)) return viewsOfPairs(options, board);
+  if (options.source == "live") return viewsOfLiveCameras(options, board, page);
+  RecordingSource left(options.source, CameraSide::left), right(options.source, CameraSide::right);
+  return viewsOfStreams(left, right, board, {.most_seconds = 3600.0, .stop_when_enough = false}, page);
+}
+
+/// The first view that is used and whose images are at hand.
+ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
+  for (const BoardView& used : calibration.views) {
+    for (const ImagePair& pair : found.pairs.pairs) {
+      if (pair.name == used.name) return {pair.name, readGrey(pair.left), readGrey(pair.right)};
+    }
+    for (const DetectedView& view : found.streamed) {
+      if (view.view.name == used.name && !view.left_image.empty())
+        return {used.name, view.left_image, view.right_image};
+    }
+  }
+  return {};
+}
+
+/// Calibrates, reports, and writes the rig file if the calibration passes. `summary` is what a person reads.
+void calibrate(const Options& options, const BoardSpec& board, LivePage* page, std::string& summary) {
+  const std::optional<Rig> before = rigBefore(options.output);
+  const FoundViews found = viewsOf(options, board, page);
+  Calibration calibration =
+      calibrateViews(found.views.views, board, found.views.image_size, modelChoices().at(options.model));
+  calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
+                              found.views.rejected.end());
+  const std::string json = calibrationJson(calibration).dump(2) + "\n";
+  if (!options.report.empty()) {
+    std::filesystem::create_directories(options.report);
+    writeFileAtomically(options.report / "calibration.json", json);
+    writeFileAtomically(options.report / "report.html",
+                        calibrationReport(calibration, reportPair(found, calibration)));
+  }
+  summary = calibrationText(calibration);
+  std::fputs((options.json ? json : summary).c_str(), stdout);
+  if (!calibration.passed()) {
+    throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
+                             " is left as it was");
+  }
+  writeRig(options.output, rigToWrite(calibration, before, options));
+  std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
+}
+
+std::unique_ptr<LivePage> servePage(const PageAddress& address, const BoardSpec& board) {
+  auto page = std::make_unique<LivePage>(address, board);
+  std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
+  if (!address.isLoopback())
+    std::fprintf(stderr, "cartvo: whoever reaches this address sees the cameras' pictures there\n");
+  return page;
+}
+
+void run(const Options& options) {
+  const BoardSpec board = parseBoardSpec(options.board);
+  const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
+  std::string summary;
+  try {
+    calibrate(options, board, page.get(), summary);
+  } catch (const std::exception& error) {
+    if (page) page->showResult(false, summary + error.what());
+    throw;
+  }
+  if (page) page->showResult(true, summary);
+}
+
+}  // namespace
+
+void addCalibrateRig(CLI::App& calibrate) {
+  const auto options = std::make_shared<Options>();
+  calibrate.add_option("SOURCE", options->source,
+                       "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
+                       "'live': the configured cameras; with --left and --right the folder that "
+                       "they lie in");
+  CLI::Option* const left =
+      calibrate
+          .add_option("--left", options->left, "The left images: a pattern with one '*', such as 'L*.jpg'")
+          ->type_name("PATTERN");
+  CLI::Option* const right =
+      calibrate.add_option("--right", options->right, "The right images; '*' pairs them with the left ones")
+          ->type_name("PATTERN");
+  left->needs(right);
+  right->needs(left);
+  calibrate
+      .add_option("--board", options->board,
+                  "What is held before the cameras, with the measured side of a square in metres:\n"
+                  "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
+                  "aprilgrid:6x6:0.088:0.3")
+      ->type_name("BOARD");
+  calibrate
+      .add_option("--config", options->configuration,
+                  "With 'live': cartvod's configuration, which names the cameras")
+      ->type_name("FILE")
+      ->capture_default_str();
+  calibrate.add_option("--output", options->output, "The rig file to write, if the calibration passes")
+      ->type_name("FILE");
+  calibrate.add_option("--report", options->report, "Folder for the report; made if it is missing")
+      ->type_name("DIR");
+  std::vector<std::string> models;
+  for (const auto& [name, model] : modelChoices())
+    models.push_back(name);
+  calibrate
+      .add_option(
+          "--model", options->model,
+          "Lens model: 'auto' takes the one that foretells held-out views best, 'brown' one of Brown's")
+      ->check(CLI::IsMember(models))
+      ->type_name("MODEL")
+      ->capture_default_str();
+  calibrate
+      .add_option(
+          "--free-scaling", options->free_scaling,
+          "How much of the images rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  const auto page = std::make_shared<std::string>();
+  CLI::Option* const page_option =
+      calibrate
+          .add_option(
+              "--page", *page,
+              "With 'live' or a recording: serve a page that shows both pictures and what to show next\n"
+              "(default: 127.0.0.1:8600, for browsers on this computer only; 0: any free port)")
+          ->type_name("[ADDRESS:]PORT")
+          ->expected(0, 1);
+  calibrate.add_flag("--json", options->json, "Print all numbers as JSON instead of the summary");
+  calibrate.callback([options, page, page_option, &calibrate] {
+    if (!calibrate.get_subcommands().empty()) return;
+    if (options->source.empty() && options->left.empty())
+      throw CLI::RequiredError("SOURCE, or --left and --right");
+    if (options->board.empty()) throw CLI::RequiredError("--board");
+    if (options->output.empty()) throw CLI::RequiredError("--output");
+    try {
+      parseBoardSpec(options->board);
+    } catch (const std::invalid_argument& error) {
+      throw CLI::ValidationError("--board", error.what());
+    }
+    if (page_option->count() > 0) {
+      if (!isStreams(*options))
+        throw CLI::ValidationError("--page", "shows live cameras or a recording; of images, see --report");
+      try {
+        options->page = page->empty() ? PageAddress{} : PageAddress::parse(*page);
+      } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError("--page", error.what());
+      }
+    }
+    run(*options);
+  });
+}
+
+}  // namespace cartvo

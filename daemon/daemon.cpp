@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -20,6 +19,7 @@
 #include "calib/rectifier.hpp"
 #include "calib/rig_file.hpp"
 #include "capture/stream_recorder.hpp"
+#include "daemon/camera_log.hpp"
 #include "daemon/camera_password.hpp"
 #include "daemon/health_monitor.hpp"
 #include "daemon/lcm_connection.hpp"
@@ -55,24 +55,6 @@ std::string fileText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-const char* stateName(CameraState state) {
-  switch (state) {
-    case CameraState::connecting:
-      return "connecting";
-    case CameraState::streaming:
-      return "streaming";
-    case CameraState::stalled:
-      return "stalled";
-    case CameraState::refused:
-      return "refused";
-    case CameraState::ended:
-      return "ended";
-    case CameraState::frozen:
-      return "frozen";
-  }
-  return "unknown";
-}
-
 }  // namespace
 
 class Daemon::Implementation {
@@ -88,7 +70,6 @@ class Daemon::Implementation {
   void onNoPair(const NoPair& no_pair);
   void turn();
   void publishHealth(Clock::time_point now);
-  void logCamera(const char* side, const CameraHealth& health, std::optional<CameraState>& last);
   std::string statusLine(const health_t& health) const;
 
   Configuration configuration_;
@@ -110,8 +91,8 @@ class Daemon::Implementation {
   RepeatedWarnings warnings_;
   Clock::time_point next_health_;
   std::uint64_t reported_failures_ = 0;
-  std::optional<CameraState> left_state_;
-  std::optional<CameraState> right_state_;
+  CameraLog left_log_{"left camera"};
+  CameraLog right_log_{"right camera"};
   ValidityLog validity_;
 };
 
@@ -216,8 +197,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.status(statusLine(message));
-  logCamera("left", snapshot.left, left_state_);
-  logCamera("right", snapshot.right, right_state_);
+  left_log_.note(snapshot.left);
+  right_log_.note(snapshot.right);
   for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
@@ -232,21 +213,6 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
         "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
     reported_failures_ = publisher_.failures();
   }
-}
-
-/// Each change of a camera's state, and what is wrong with it: again each minute while it lasts.
-void Daemon::Implementation::logCamera(const char* side, const CameraHealth& health,
-                                       std::optional<CameraState>& last) {
-  const bool changed = last != health.state;
-  last = health.state;
-  const std::string state = fmt::format("{} camera: {}", side, stateName(health.state));
-  if (health.state == CameraState::streaming || health.last_error.empty()) {
-    if (changed) spdlog::info(state);
-    return;
-  }
-  const std::string fault = state + ": " + health.last_error;
-  if (changed) warnings_.forget(fault);
-  warnings_.warn(fault);
 }
 
 std::string Daemon::Implementation::statusLine(const health_t& health) const {

@@ -6,6 +6,8 @@
 
 #include <cartvo/odometry_t.hpp>
 
+#include "daemon/line_budget.hpp"
+
 namespace cartvo {
 
 /// Tells when the odometry becomes valid or stops to be. Where that changes again and again, as on a host
@@ -23,13 +25,10 @@ class ValidityLog {
   bool valid() const { return valid_; }
 
  private:
-  bool mayTell(Clock::time_point now);
-
   bool valid_ = false;
   bool begun_ = false;
   std::uint64_t untold_changes_ = 0;
-  int lines_left_ = 0;  ///< that may still follow one another at once
-  Clock::time_point last_refill_;
+  LineBudget budget_;
   Clock::time_point last_told_;
 };
 

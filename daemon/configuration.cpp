@@ -19,7 +19,8 @@ namespace {
 
 using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
-constexpr Keys kCamerasKeys = {"left", "right", "transport", "clock", "frame_rate", "stall_timeout"};
+constexpr Keys kCamerasKeys = {"left",       "right",          "transport",       "clock",
+                               "frame_rate", "answer_timeout", "connect_timeout", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
                               "size", "format",   "exposure",      "gain"};
 constexpr Keys kOdometryKeys = {
@@ -145,6 +146,15 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
   return camera;
 }
 
+void readTimeouts(const StrictYaml& cameras, Configuration& configuration) {
+  const auto read = [&](const char* key, std::chrono::milliseconds& timeout) {
+    if (cameras.has(key)) timeout = duration(cameras[key], 0.1, 60.0);
+  };
+  read("answer_timeout", configuration.answer_timeout);
+  read("connect_timeout", configuration.connect_timeout);
+  read("stall_timeout", configuration.stall_timeout);
+}
+
 void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Configuration& configuration) {
   yaml.allowOnly(kCamerasKeys);
   configuration.left = readCamera(yaml["left"], folder);
@@ -157,9 +167,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   }
   if (yaml.has("clock")) configuration.clock = choice(yaml["clock"], kClocks);
   if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
-  if (yaml.has("stall_timeout")) {
-    configuration.stall_timeout = duration(yaml["stall_timeout"], 0.1, 60.0);
-  }
+  readTimeouts(yaml, configuration);
 }
 
 void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
@@ -279,6 +287,8 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
   yaml << YAML::Key << "clock" << nameOf(configuration.clock, kClocks);
   yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
+  yaml << YAML::Key << "answer_timeout" << seconds(configuration.answer_timeout);
+  yaml << YAML::Key << "connect_timeout" << seconds(configuration.connect_timeout);
   yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
   yaml << YAML::Key << "rig" << configuration.rig.string();
   if (!configuration.tables.empty()) yaml << YAML::Key << "tables" << configuration.tables.string();

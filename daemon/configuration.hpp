@@ -38,8 +38,10 @@ struct Configuration {
   CameraConfiguration right;
   RtspTransport transport = RtspTransport::tcp;
   ClockChoice clock = ClockChoice::automatic;
-  double frame_rate = 18.0;  ///< Hz
-  std::chrono::milliseconds stall_timeout{1000};
+  double frame_rate = 18.0;                        ///< Hz
+  std::chrono::milliseconds answer_timeout{1000};  ///< of IP cameras, as RtspCameraSettings', like the next
+  std::chrono::milliseconds connect_timeout{5000};
+  std::chrono::milliseconds stall_timeout{1000};  ///< of cameras of either kind
 
   std::filesystem::path rig;     ///< absolute
   std::filesystem::path tables;  ///< absolute; empty: computed at each start

@@ -26,6 +26,8 @@ RtspCameraSettings rtspSettings(const Configuration& configuration, const Camera
   settings.url = camera.url;
   settings.credentials = {camera.username, readPassword(camera)};
   settings.transport = configuration.transport;
+  settings.answer_timeout = configuration.answer_timeout;
+  settings.connect_timeout = configuration.connect_timeout;
   settings.stall_timeout = configuration.stall_timeout;
   return settings;
 }

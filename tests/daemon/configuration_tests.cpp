@@ -157,6 +157,25 @@ TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
   EXPECT_THAT(errorOf(with("gps")), HasSubstr("one of auto, ntp, arrival, visual"));
 }
 
+TEST_F(ConfigurationFile, SaysHowLongCamerasAreWaitedFor) {
+  const auto with = [](const std::string& cameras) {
+    return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n" + cameras + "rig: rig.yaml\n";
+  };
+  const Configuration configuration =
+      read(with("  answer_timeout: 0.25\n  connect_timeout: 12\n  stall_timeout: 1.5\n"));
+  EXPECT_EQ(configuration.answer_timeout, std::chrono::milliseconds(250));
+  EXPECT_EQ(configuration.connect_timeout, std::chrono::seconds(12));
+  EXPECT_EQ(configuration.stall_timeout, std::chrono::milliseconds(1500));
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  for (const char* key : {"answer_timeout", "connect_timeout", "stall_timeout"}) {
+    for (const char* value : {"0.05", "61", "-1", "soon"}) {
+      EXPECT_THAT(errorOf(with("  " + std::string(key) + ": " + value + "\n")),
+                  AllOf(HasSubstr(std::string(":4: cameras.") + key), HasSubstr("a number from 0.1 to 60")));
+    }
+  }
+}
+
 TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/1}\nrig: rig.yaml\n"),
               AllOf(HasSubstr(":3: cameras.right.url"), HasSubstr("same URL")));

@@ -47,6 +47,20 @@ TEST(LiveCamera, ReadersMayTakeTwiceAsLongAsItsTimeOuts) {
   EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).longestTurn(), 120.0);
 }
 
+TEST(LiveCamera, IsWaitedForAsLongAsTheConfigurationSays) {
+  Configuration configuration = twoKinds();
+  configuration.answer_timeout = std::chrono::milliseconds(300);
+  configuration.connect_timeout = std::chrono::milliseconds(700);
+  configuration.stall_timeout = std::chrono::milliseconds(400);
+  const RtspCameraSettings settings = rtspSettings(configuration, configuration.left);
+  EXPECT_EQ(settings.answer_timeout, configuration.answer_timeout);
+  EXPECT_EQ(settings.connect_timeout, configuration.connect_timeout);
+  EXPECT_EQ(settings.stall_timeout, configuration.stall_timeout);
+  PairClock clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 2.0)
+      << "which the watchdog allows";
+}
+
 TEST(LiveCamera, OfThisComputerTakesItsSizeFromTheRigUnlessItHasOne) {
   Configuration configuration = twoKinds();
   EXPECT_EQ(v4l2Settings(configuration, configuration.right, {680, 420}).size, cv::Size(680, 420));

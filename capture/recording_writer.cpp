@@ -96,8 +96,16 @@ void RecordingWriter::sync() {
   }
 }
 
+void RecordingWriter::endSegment() noexcept {
+  for (Side& side : sides_)
+    side.writer.reset();
+  if (!began_ns_) return;
+  ++segment_;
+  began_ns_.reset();
+}
+
 std::uint64_t RecordingWriter::oldestOpenSegment() const {
-  std::uint64_t oldest = segment_;
+  std::uint64_t oldest = began_ns_ || segment_ == 0 ? segment_ : segment_ - 1;
   for (const Side& side : sides_) {
     if (side.writer) oldest = std::min(oldest, side.segment);
   }

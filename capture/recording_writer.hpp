@@ -38,9 +38,13 @@ class RecordingWriter {
   /// What was written survives a power cut once this returns.
   void sync();
 
+  /// Ends the files, as well as the disk lets it; the next key picture begins a new segment.
+  void endSegment() noexcept;
+
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// The first segment that is still written to; what lies before it will not change.
+  /// The first segment that is still written to, or the one that was ended last; what lies before it will not
+  /// change.
   std::uint64_t oldestOpenSegment() const;
 
  private:

@@ -1,5 +1,6 @@
 #include "capture/stream_recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <condition_variable>
 #include <deque>
@@ -19,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSyncInterval{500};
-constexpr std::chrono::seconds kQuotaInterval{10};
+constexpr int kLongestPause = 64;  ///< intervals of the quota, between two attempts to begin again
 
 /// What a camera's thread hands over.
 struct Item {
@@ -55,7 +56,7 @@ struct StreamRecorder::Implementation {
       try {
         recorder_.handOver({side_, content});
       } catch (const std::exception& error) {
-        recorder_.stop(error.what());
+        recorder_.fail(error.what());
       }
     }
 
@@ -69,7 +70,7 @@ struct StreamRecorder::Implementation {
                RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, nowNs(), recording.configuration,
                              recording.rig},
                recording.segment_length) {
-    enforce();
+    guarded([this] { enforce(); });
     thread = std::thread([this] { run(); });
   }
 
@@ -77,9 +78,29 @@ struct StreamRecorder::Implementation {
   void run() noexcept;
   std::deque<Item> takeWaiting(bool& last);
   void write(Item item);
+  void keepUp(bool last);
   void enforce();
-  void stop(const std::string& reason) noexcept;
+  void stopWriting() noexcept;
+  void tryAgain();
+  void goesOn();
+  QuotaOutcome look(const RecordingQuota& quota);
+  void fail(const std::string& reason) noexcept;
+  bool accepts() const {
+    const std::lock_guard lock(mutex);
+    return accepting;
+  }
   void finish();
+
+  /// What goes wrong stops the recording, not the thread.
+  template <typename Work>
+  void guarded(const Work& work) noexcept {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      fail(error.what());
+      stopWriting();
+    }
+  }
 
   RecordingSettings settings;
   Side left{*this, CameraSide::left};
@@ -88,14 +109,17 @@ struct StreamRecorder::Implementation {
   // The writing thread's own, once it runs.
   std::optional<RecordingWriter> writer;
   Clock::time_point next_sync = Clock::now() + kSyncInterval;
-  Clock::time_point next_quota = Clock::now() + kQuotaInterval;
+  Clock::time_point next_look = Clock::now() + settings.quota_interval;  ///< at the quota
+  std::chrono::milliseconds pause = settings.quota_interval;             ///< after the next failure
   bool unsynced = false;
+  bool stopped = false;
 
   mutable std::mutex mutex;  ///< guards what follows
   std::condition_variable changed;
   std::deque<Item> waiting;
   std::size_t waiting_bytes = 0;
   std::array<bool, 2> gap{};  ///< the side's pictures are left out up to its next key picture
+  bool accepting = true;      ///< pictures; the writing thread has the last word, by `stopped`
   bool finishing = false;
   RecorderHealth health;
 
@@ -105,9 +129,10 @@ struct StreamRecorder::Implementation {
 void StreamRecorder::Implementation::handOver(Item item) {
   {
     const std::lock_guard lock(mutex);
-    if (finishing || !health.error.empty()) return;
+    if (finishing) return;
     bool& in_gap = gap[static_cast<std::size_t>(item.side)];
     if (const EncodedUnit* unit = std::get_if<EncodedUnit>(&item.content)) {
+      if (!accepting) return;
       const bool room = waiting_bytes + unit->data.size() <= settings.queue_bytes;
       in_gap = !room || (in_gap && !unit->key);
       if (in_gap) {
@@ -130,26 +155,14 @@ std::deque<Item> StreamRecorder::Implementation::takeWaiting(bool& last) {
 }
 
 void StreamRecorder::Implementation::run() noexcept {
-  try {
-    for (bool last = false; !last;) {
-      for (std::deque<Item> items = takeWaiting(last); !items.empty(); items.pop_front()) {
-        const std::size_t bytes = items.front().bytes();
-        write(std::move(items.front()));
-        const std::lock_guard lock(mutex);
-        waiting_bytes -= bytes;
-      }
-      const Clock::time_point now = Clock::now();
-      if (now >= next_sync || last) {
-        if (std::exchange(unsynced, false)) writer->sync();
-        next_sync = Clock::now() + kSyncInterval;
-      }
-      if (now >= next_quota) {
-        enforce();
-        next_quota = Clock::now() + kQuotaInterval;
-      }
+  for (bool last = false; !last;) {
+    for (std::deque<Item> items = takeWaiting(last); !items.empty(); items.pop_front()) {
+      const std::size_t bytes = items.front().bytes();
+      guarded([&] { write(std::move(items.front())); });
+      const std::lock_guard lock(mutex);
+      waiting_bytes -= bytes;
     }
-  } catch (const std::exception& error) {
-    stop(error.what());
+    guarded([&] { keepUp(last); });
   }
   writer.reset();
 }
@@ -160,26 +173,77 @@ void StreamRecorder::Implementation::write(Item item) {
     return;
   }
   const std::size_t bytes = item.bytes();
-  if (!writer->write(item.side, std::move(std::get<EncodedUnit>(item.content)))) return;
+  if (stopped || !writer->write(item.side, std::move(std::get<EncodedUnit>(item.content)))) return;
   unsynced = true;
   const std::lock_guard lock(mutex);
   ++health.units;
   health.bytes += bytes;
 }
 
-void StreamRecorder::Implementation::enforce() {
-  const QuotaOutcome outcome = enforceQuota(settings.quota, settings.folder, writer->oldestOpenSegment());
-  if (!outcome.short_of_room.empty()) throw std::runtime_error(outcome.short_of_room);
-  const std::lock_guard lock(mutex);
-  health.deleted_bytes += outcome.deleted_bytes;
+/// What is due by the clock.
+void StreamRecorder::Implementation::keepUp(bool last) {
+  if (!stopped && !accepts()) stopWriting();  // a camera's thread failed
+  const Clock::time_point now = Clock::now();
+  if (now >= next_sync || last) {
+    next_sync = now + kSyncInterval;
+    if (std::exchange(unsynced, false)) {
+      writer->sync();
+      goesOn();
+    }
+  }
+  if (now >= next_look) {
+    next_look = now + settings.quota_interval;
+    if (stopped)
+      tryAgain();
+    else
+      enforce();
+  }
 }
 
-/// The first reason counts.
-void StreamRecorder::Implementation::stop(const std::string& reason) noexcept {
+void StreamRecorder::Implementation::enforce() {
+  const QuotaOutcome outcome = look(settings.quota);
+  if (!outcome.short_of_room.empty()) throw std::runtime_error(outcome.short_of_room);
+}
+
+QuotaOutcome StreamRecorder::Implementation::look(const RecordingQuota& quota) {
+  QuotaOutcome outcome = enforceQuota(quota, settings.folder, writer->oldestOpenSegment());
   const std::lock_guard lock(mutex);
-  if (health.error.empty()) health.error = "recording stopped: " + reason;
-  waiting.clear();
-  waiting_bytes = 0;
+  health.deleted_bytes += outcome.deleted_bytes;
+  return outcome;
+}
+
+/// The pauses grow while each attempt fails, so that a broken disk is not filled with beginnings.
+void StreamRecorder::Implementation::stopWriting() noexcept {
+  stopped = true;
+  unsynced = false;
+  writer->endSegment();
+  next_look = Clock::now() + pause;
+  pause = std::min(2 * pause, kLongestPause * settings.quota_interval);
+}
+
+void StreamRecorder::Implementation::tryAgain() {
+  RecordingQuota with_room = settings.quota;
+  with_room.keep_free_bytes += settings.room_to_begin_again;
+  if (!look(with_room).short_of_room.empty()) return;
+  stopped = false;
+  const std::lock_guard lock(mutex);
+  accepting = true;
+}
+
+/// Pictures have reached the disk.
+void StreamRecorder::Implementation::goesOn() {
+  pause = settings.quota_interval;
+  const std::lock_guard lock(mutex);
+  if (!accepting || health.error.empty()) return;
+  health.error.clear();
+  ++health.resumptions;
+}
+
+/// From any thread. The first reason counts.
+void StreamRecorder::Implementation::fail(const std::string& reason) noexcept {
+  const std::lock_guard lock(mutex);
+  if (accepting) health.error = "recording stopped: " + reason;
+  accepting = false;
 }
 
 void StreamRecorder::Implementation::finish() {

@@ -78,8 +78,10 @@ class Daemon::Implementation {
   // The recorder outlives the cameras that feed it.
   std::unique_ptr<StreamRecorder> recorder_;
   std::string recording_refused_;         ///< why it could not start
-  std::uint64_t recording_left_out_ = 0;  ///< pictures, as last told
-  PairClock clock_;                       ///< outlives the cameras, too
+  std::string recording_error_;           ///< as last told, like the next two
+  std::uint64_t recording_left_out_ = 0;  ///< pictures
+  std::uint64_t recording_resumptions_ = 0;
+  PairClock clock_;  ///< outlives the cameras, too
   VisualClock visual_clock_;
   LiveCamera left_;
   LiveCamera right_;
@@ -141,6 +143,10 @@ void Daemon::Implementation::startRecording() {
 std::string Daemon::Implementation::recordingProblem() {
   if (!recorder_) return recording_refused_;
   const RecorderHealth health = recorder_->health();
+  if (health.resumptions > std::exchange(recording_resumptions_, health.resumptions))
+    spdlog::info("recording again, in a new segment in {}", configuration_.recording_directory.string());
+  if (health.error.empty()) warnings_.forget(recording_error_);
+  recording_error_ = health.error;
   if (!health.error.empty()) return health.error;
   const bool leaves_out = health.left_out > std::exchange(recording_left_out_, health.left_out);
   return leaves_out ? "the disk is too slow for the recording: pictures are left out of it" : "";

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -196,6 +197,98 @@ TEST(StreamRecorder, OnADiskThatFillsUpKeepsWhatItWrote) {
   EXPECT_EQ(ended, 0);
 }
 
+std::vector<std::uint64_t> segmentNumbers(const fs::path& recording) {
+  std::vector<std::uint64_t> numbers;
+  if (!fs::exists(recording)) return numbers;
+  for (const RecordingSegment& segment : recordingSegments(recording))
+    numbers.push_back(segment.number);
+  return numbers;
+}
+
+/// Both cameras' pictures, one after another.
+class TwoCameras {
+ public:
+  explicit TwoCameras(StreamRecorder& recorder) : recorder_(recorder) { connect(); }
+  void connect() {
+    recorder_.left().onStream({VideoCodec::h264, {}});
+    recorder_.right().onStream({VideoCodec::h264, {}});
+  }
+  void send() {
+    recorder_.left().onUnit(unitAt(sent_));
+    recorder_.right().onUnit(unitAt(sent_++));
+  }
+  bool sendUntil(const std::function<bool(const RecorderHealth&)>& condition) {
+    return becomesTrue([&] {
+      send();
+      return condition(recorder_.health());
+    });
+  }
+  std::uint64_t sent() const { return static_cast<std::uint64_t>(sent_); }
+
+ private:
+  StreamRecorder& recorder_;
+  int sent_ = 0;
+};
+
+void fillUp(const fs::path& file) {
+  std::ofstream others(file, std::ios::binary);
+  const std::string megabyte(1U << 20, 'x');
+  for (int i = 0; i < 20 && others; ++i)
+    others << megabyte << std::flush;
+}
+
+void expectGapWithKeyPictureBehind(const std::vector<std::uint64_t>& sequences, std::uint64_t gap) {
+  EXPECT_GE(sequences.size(), 20U);
+  EXPECT_TRUE(std::is_sorted(sequences.begin(), sequences.end()));
+  const auto behind = std::upper_bound(sequences.begin(), sequences.end(), gap);
+  ASSERT_NE(behind, sequences.end()) << "what came after it is there";
+  EXPECT_EQ(*behind % 15, 0U) << "from a key picture on";
+}
+
+/// On a disk of 20 MB that others fill up, with `keep_free` bytes to be left to them, and clear again.
+int recordOntoADiskThatOthersFill(const fs::path& disk, std::uint64_t keep_free, const std::string& why) {
+  if (!enterMountNamespace()) return kNotAllowedHere;
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=20m") != 0) return kNotAllowedHere;
+  RecordingSettings settings = settingsFor(disk / "drive");
+  settings.quota.keep_free_bytes = keep_free;
+  settings.quota_interval = std::chrono::milliseconds(20);
+  settings.room_to_begin_again = 1'000'000;
+  StreamRecorder recorder(settings);
+  TwoCameras cameras(recorder);
+  EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return health.units >= 40; }));
+  fillUp(disk / "others");
+  EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return !health.error.empty(); }));
+  EXPECT_THAT(recorder.health().error, AllOf(HasSubstr("recording stopped: "), HasSubstr(why)));
+  const std::uint64_t sent_at_stop = cameras.sent();
+  cameras.send();
+  cameras.connect();  // as a camera may meanwhile
+  fs::remove(disk / "others");
+  EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return health.error.empty(); }));
+  EXPECT_EQ(recorder.health().resumptions, 1U);
+  recorder.finish();
+  EXPECT_EQ(recorder.health().error, "");
+  EXPECT_THAT(segmentNumbers(disk / "drive"), testing::ElementsAre(0, 1));
+  for (const CameraSide side : {CameraSide::left, CameraSide::right})
+    expectGapWithKeyPictureBehind(recordedSequences(disk / "drive", side), sent_at_stop);
+  return testing::Test::HasFailure() ? 1 : 0;
+}
+
+TEST(StreamRecorder, BeginsAgainInANewSegmentWhenWhatMustBeLeftFreeIsFreeAgain) {
+  const test::TemporaryFolder folder;
+  const int ended = inAProcess(
+      [&] { return recordOntoADiskThatOthersFill(folder.path(), 5'000'000, "are kept for others"); });
+  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(ended, 0);
+}
+
+TEST(StreamRecorder, BeginsAgainInANewSegmentOnADiskThatWasFull) {
+  const test::TemporaryFolder folder;
+  const int ended =
+      inAProcess([&] { return recordOntoADiskThatOthersFill(folder.path(), 0, "No space left on device"); });
+  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(ended, 0);
+}
+
 TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "drive/000000");
@@ -240,12 +333,32 @@ TEST(StreamRecorder, RefusesAFolderThatHoldsARecordingOrCannotBeMade) {
               HasSubstr("cannot make the folder"));
 }
 
-TEST(StreamRecorder, RefusesADiskWithLessRoomThanMustBeLeft) {
+TEST(StreamRecorder, BeginsStoppedOnADiskWithLessRoomThanMustBeLeft) {
   const test::TemporaryFolder folder;
   RecordingSettings settings = settingsFor(folder / "drive");
   settings.quota.keep_free_bytes = std::uint64_t{1} << 60;
-  EXPECT_THAT(test::messageOf([&] { StreamRecorder recorder(settings); }),
-              AllOf(HasSubstr("GB are free for"), HasSubstr("are kept for others")));
+  StreamRecorder recorder(settings);
+  EXPECT_THAT(recorder.health().error, AllOf(HasSubstr("recording stopped: only "),
+                                             HasSubstr("GB are free for"), HasSubstr("are kept for others")));
+  recordFortyPictures(recorder);
+  recorder.finish();
+  EXPECT_EQ(recorder.health().units, 0U);
+}
+
+TEST(RecordingWriter, KeepsTheSegmentThatItEndedFromTheQuotaUntilANewOneBegins) {
+  const test::TemporaryFolder folder;
+  {
+    RecordingWriter writer(folder / "drive", {}, std::chrono::milliseconds(700));
+    writer.begin(CameraSide::left, {VideoCodec::h264, {}});
+    for (int i = 0; i < 45; ++i)
+      writer.write(CameraSide::left, unitAt(i));
+    writer.endSegment();
+    EXPECT_EQ(writer.oldestOpenSegment(), 2U);
+    EXPECT_TRUE(writer.write(CameraSide::left, unitAt(45))) << "a key picture";
+    EXPECT_EQ(writer.oldestOpenSegment(), 3U);
+  }
+  EXPECT_THAT(segmentNumbers(folder / "drive"), testing::ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(recordedSequences(folder / "drive", CameraSide::left).size(), 46U);
 }
 
 /// Two recordings of three segments each.
@@ -264,14 +377,6 @@ class Quota : public testing::Test {
       }
     }
     quota_.recordings = folder_.path();
-  }
-
-  static std::vector<std::uint64_t> segments(const fs::path& recording) {
-    std::vector<std::uint64_t> numbers;
-    if (!fs::exists(recording)) return numbers;
-    for (const RecordingSegment& segment : recordingSegments(recording))
-      numbers.push_back(segment.number);
-    return numbers;
   }
 
   static std::uint64_t bytesIn(const fs::path& folder) {
@@ -295,14 +400,14 @@ TEST_F(Quota, DeletesTheOldestSegmentsFirstAndNoMoreThanItMust) {
   const QuotaOutcome outcome = enforceQuota(quota_, latest_, 2);
   EXPECT_EQ(outcome.deleted_segments, 1U);
   EXPECT_EQ(outcome.deleted_bytes, before - bytesIn(folder_.path()));
-  EXPECT_THAT(segments(old_), testing::ElementsAre(1, 2));
+  EXPECT_THAT(segmentNumbers(old_), testing::ElementsAre(1, 2));
   EXPECT_EQ(recordedSequences(old_, CameraSide::left).size(), 30U);
 }
 
 TEST_F(Quota, DeletesNoSegmentThatIsBeingWrittenAndLeavesNoEmptyRecording) {
   quota_.maximum_bytes = 1;
   enforceQuota(quota_, latest_, 1);
-  EXPECT_THAT(segments(latest_), testing::ElementsAre(1, 2));
+  EXPECT_THAT(segmentNumbers(latest_), testing::ElementsAre(1, 2));
   EXPECT_FALSE(fs::exists(old_));
 }
 
@@ -311,7 +416,7 @@ TEST_F(Quota, LeavesAloneWhatAnotherWriterIsWriting) {
   fs::rename(old_ / "000000", folder_ / "2025/000000");
   quota_.maximum_bytes = 1;
   enforceQuota(quota_, latest_, 3);
-  EXPECT_THAT(segments(folder_ / "2025"), testing::ElementsAre(0));
+  EXPECT_THAT(segmentNumbers(folder_ / "2025"), testing::ElementsAre(0));
 }
 
 TEST_F(Quota, DeletesWhatIsTooOld) {
@@ -319,7 +424,7 @@ TEST_F(Quota, DeletesWhatIsTooOld) {
     fs::last_write_time(old_ / "000000" / file, fs::file_time_type::clock::now() - std::chrono::hours(25));
   quota_.maximum_age = std::chrono::hours(24);
   EXPECT_EQ(enforceQuota(quota_, latest_, 3).deleted_segments, 1U);
-  EXPECT_THAT(segments(old_), testing::ElementsAre(1, 2));
+  EXPECT_THAT(segmentNumbers(old_), testing::ElementsAre(1, 2));
 }
 
 TEST_F(Quota, MakesRoomOnTheDiskAndSaysWhenItCannot) {

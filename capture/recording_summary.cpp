@@ -1,8 +1,11 @@
 #include "capture/recording_summary.hpp"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
+#include <vector>
 
+#include "capture/matroska_file.hpp"
 #include "capture/recording_reader.hpp"
 #include "capture/recording_rows.hpp"
 #include "capture/recording_writer.hpp"
@@ -22,7 +25,10 @@ void readFirstPicture(const std::filesystem::path& folder, CameraSide side, Reco
   }
 }
 
-RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side) {
+/// The instant of the last picture of each segment.
+using LastArrivals = std::map<std::uint64_t, std::int64_t>;
+
+RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side, LastArrivals& last_arrivals) {
   RecordedCamera camera;
   RecordedRows rows(folder, side);
   std::uint64_t last_connection = 0;
@@ -36,7 +42,7 @@ RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side) {
     if (row->connection != last_connection) ++camera.connections;
     last_connection = row->connection;
     last_sequence = row->sequence;
-    camera.last_arrival_ns = row->arrival_ns;
+    camera.last_arrival_ns = last_arrivals[rows.segment()] = row->arrival_ns;
     ++camera.pictures;
     camera.bytes += row->size;
     if (row->key) ++camera.key_pictures;
@@ -47,17 +53,35 @@ RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side) {
   return camera;
 }
 
+void findUnended(CameraSide side, const std::vector<RecordingSegment>& segments,
+                 const LastArrivals& last_arrivals, RecordingSummary& summary) {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const std::filesystem::path video = segments[i].video(side);
+    if (!std::filesystem::exists(video) || wasEnded(video)) continue;
+    // One camera may still write to the segment before the last.
+    if (summary.being_written && i + 2 >= segments.size()) continue;
+    const auto last = last_arrivals.find(segments[i].number);
+    summary.unended.push_back(
+        {side, segments[i].number, last == last_arrivals.end() ? std::nullopt : std::optional(last->second)});
+  }
+}
+
 }  // namespace
 
 RecordingSummary summariseRecording(const std::filesystem::path& folder) {
   RecordingSummary summary;
   summary.info = readRecordingInfo(folder);
-  summary.segments = recordingSegments(folder).size();
+  const std::vector<RecordingSegment> segments = recordingSegments(folder);
+  summary.segments = segments.size();
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) summary.bytes += entry.file_size();
   }
   summary.being_written = isBeingWritten(folder);
-  summary.cameras = {summarise(folder, CameraSide::left), summarise(folder, CameraSide::right)};
+  for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+    LastArrivals last_arrivals;
+    summary.cameras[static_cast<std::size_t>(side)] = summarise(folder, side, last_arrivals);
+    findUnended(side, segments, last_arrivals, summary);
+  }
   return summary;
 }
 

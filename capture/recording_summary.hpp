@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include <opencv2/core/types.hpp>
 
+#include "capture/camera_side.hpp"
 #include "capture/encoded_unit.hpp"
 #include "capture/recording_folder.hpp"
 
@@ -29,6 +31,14 @@ struct RecordedCamera {
   double seconds() const { return 1e-9 * static_cast<double>(last_arrival_ns - first_arrival_ns); }
 };
 
+/// One camera's part of a segment that was not ended: whoever wrote it was cut off. Up to its last picture,
+/// and perhaps beyond, all is there.
+struct UnendedPart {
+  CameraSide side = CameraSide::left;
+  std::uint64_t segment = 0;
+  std::optional<std::int64_t> last_arrival_ns;  ///< of its last picture in the index; nothing if it has none
+};
+
 /// What a recording holds, by its description and indices; nothing is decoded.
 struct RecordingSummary {
   RecordingInfo info;
@@ -36,6 +46,7 @@ struct RecordingSummary {
   std::uint64_t bytes = 0;  ///< of all files
   bool being_written = false;
   std::array<RecordedCamera, 2> cameras;  ///< left, right
+  std::vector<UnendedPart> unended;       ///< but for what is being written
 };
 
 /// Throws what readRecordingInfo throws.

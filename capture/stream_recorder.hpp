@@ -12,6 +12,9 @@
 
 namespace cartvo {
 
+/// What a power cut costs of a recording at most, with a disk that keeps up.
+inline constexpr std::chrono::milliseconds kMostLostAtAPowerCut{1000};
+
 /// What is written beside the streams so that a replay can do what the pipeline did, and how.
 struct RecordingSettings {
   std::filesystem::path folder;  ///< created if it is not there; must not hold a recording yet

@@ -1,15 +1,22 @@
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "capture/recording_source.hpp"
 #include "capture/stream_recorder.hpp"
+#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
 #include "tests/tools/run_cartvo.hpp"
 #include "tools/simulate/stream_encoder.hpp"
@@ -19,6 +26,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kPictures = 40;
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
@@ -39,6 +47,16 @@ class RecordingCommand : public testing::Test {
     settings.configuration = "cameras: {}\n";
     settings.rig = "name: roof\n";
     StreamRecorder recorder(settings);
+    feed(recorder);
+  }
+
+  static std::size_t lines(const std::string& file) {
+    std::ifstream stream(file);
+    return static_cast<std::size_t>(
+        std::count(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>(), '\n'));
+  }
+
+  static void feed(StreamRecorder& recorder) {
     simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
     recorder.left().onStream({});
     recorder.right().onStream({});
@@ -81,6 +99,37 @@ TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
   EXPECT_GE(json["right"]["connections"], 2);
   EXPECT_NEAR(json["right"]["frame_rate"].get<double>(), 20.0, 0.01);
   EXPECT_EQ(json["being_written"], false);
+}
+
+TEST_F(RecordingCommand, InfoSaysThatARecordingWasCutOffAndWhatThatCostAtMost) {
+  EXPECT_THAT(run("info", "").said, Not(HasSubstr("NOT ENDED")));
+  EXPECT_TRUE(nlohmann::json::parse(run("info", "--json").said)["unended"].empty());
+
+  const std::string cut = (folder_ / "cut").string();
+  const pid_t child = fork();
+  if (child == 0) {
+    StreamRecorder recorder({.folder = cut, .configuration = "", .rig = ""});
+    feed(recorder);
+    const auto end = std::chrono::steady_clock::now() + test::kPatience;
+    while (lines(cut + "/000000/left.csv") + lines(cut + "/000000/right.csv") < 81 &&
+           std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    raise(SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  const test::Finished text = test::runCartvo("recording info " + cut);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.said, AllOf(HasSubstr("2.0 s in 1 segments"),
+                               HasSubstr("NOT ENDED: 000000/left.mkv has no trailer, as after a power cut"),
+                               HasSubstr("NOT ENDED: 000000/right.mkv"),
+                               HasSubstr("its last picture is of 2023-11-14 22:13:21 UTC, and at most 1.0 s "
+                                         "before the cut is lost")));
+  const auto json = nlohmann::json::parse(test::runCartvo("recording info --json " + cut).said);
+  ASSERT_EQ(json["unended"].size(), 2U);
+  EXPECT_EQ(json["unended"][1]["camera"], "right");
+  EXPECT_EQ(json["unended"][1]["segment"], 0);
+  EXPECT_EQ(json["unended"][1]["last_arrival_ns"], kStart_ns + 39 * 50'000'000 + 20'000'000);
+  EXPECT_EQ(json["unended"][1]["most_lost_s"], 1.0);
 }
 
 TEST_F(RecordingCommand, VerifyTellsAWholeRecordingFromADamagedOne) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <ctime>
 
+#include "capture/stream_recorder.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo {
@@ -14,6 +16,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
                                                         "kernel"};
+
+constexpr double kMostLost_s = 1e-3 * static_cast<double>(kMostLostAtAPowerCut.count());
 
 const char* codecName(const std::optional<VideoCodec>& codec) {
   if (!codec) return "unreadable";
@@ -83,6 +87,32 @@ std::string instantSources(const RecordedCamera& camera) {
   return text.empty() ? kNoValue : text;
 }
 
+Json unendedJson(const RecordingSummary& summary) {
+  Json parts = Json::array();
+  for (const UnendedPart& part : summary.unended) {
+    parts.push_back({{"camera", sideName(part.side)},
+                     {"segment", part.segment},
+                     {"last_arrival_ns", part.last_arrival_ns ? Json(*part.last_arrival_ns) : Json()},
+                     {"most_lost_s", kMostLost_s}});
+  }
+  return parts;
+}
+
+/// A sentence for each part that was cut off.
+std::string unendedText(const RecordingSummary& summary) {
+  std::string text;
+  for (const UnendedPart& part : summary.unended) {
+    std::array<char, 32> segment{};
+    std::snprintf(segment.data(), segment.size(), "%06llu/", static_cast<unsigned long long>(part.segment));
+    text.append("NOT ENDED: ").append(segment.data()).append(sideName(part.side));
+    text += ".mkv has no trailer, as after a power cut, kill -9 or on a full disk; ";
+    text +=
+        part.last_arrival_ns ? "its last picture is of " + utc(*part.last_arrival_ns) : "it has no picture";
+    text += ", and at most " + fixed(kMostLost_s, 1) + " s before the cut is lost\n";
+  }
+  return text.empty() ? text : text + "\n";
+}
+
 }  // namespace
 
 Json informationJson(const RecordingSummary& summary) {
@@ -93,6 +123,7 @@ Json informationJson(const RecordingSummary& summary) {
           {"segments", summary.segments},
           {"bytes", summary.bytes},
           {"being_written", summary.being_written},
+          {"unended", unendedJson(summary)},
           {"has_rig", !summary.info.rig.empty()},
           {"has_configuration", !summary.info.configuration.empty()},
           {"left", cameraJson(summary.cameras[0])},
@@ -108,6 +139,7 @@ std::string informationText(const RecordingSummary& summary) {
   text += std::string("; with") + (summary.info.rig.empty() ? "out" : "") + " rig, with" +
           (summary.info.configuration.empty() ? "out" : "") + " configuration\n\n";
 
+  text += unendedText(summary);
   Table table({"", "left", "right"});
   const auto row = [&](const char* name, const auto& value) {
     table.add({name, value(summary.cameras[0]), value(summary.cameras[1])});

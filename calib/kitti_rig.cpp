@@ -12,17 +12,17 @@
 namespace cartvo {
 namespace {
 
-using Projection = std::vector<double>;  ///< 3x4, row by row
+using ProjectionMatrix = std::vector<double>;  ///< 3x4, row by row
 
-std::map<std::string, Projection> readProjections(const std::filesystem::path& file) {
+std::map<std::string, ProjectionMatrix> readProjections(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
-  std::map<std::string, Projection> projections;
+  std::map<std::string, ProjectionMatrix> projections;
   std::string line;
   for (int number = 1; std::getline(stream, line) && number <= 100; ++number) {
     if (!line.starts_with("P0:") && !line.starts_with("P1:")) continue;
     std::istringstream values(line.substr(3));
-    Projection P;
+    ProjectionMatrix P;
     for (double value = 0.0; P.size() <= 12 && values >> value;)
       P.push_back(value);
     const bool is_camera = P.size() == 12 && values.eof() && P[0] > 0.0 && P[0] == P[5] && P[1] == 0.0 &&
@@ -52,7 +52,7 @@ Rig readKittiRig(const std::filesystem::path& calibration, cv::Size image_size) 
     throw std::runtime_error(calibration.string() +
                              ": expected the lines 'P0: ...' and 'P1: ...' of a KITTI calib.txt");
   }
-  const auto camera_from = [&](const Projection& P) {
+  const auto camera_from = [&](const ProjectionMatrix& P) {
     CameraModel camera;
     camera.size = image_size;
     camera.fx = P[0];

@@ -90,12 +90,12 @@ void setParameters(const CameraParameters& parameters, CameraModel& camera) {
   std::copy_n(parameters.data() + 4, camera.distortion.size(), camera.distortion.begin());
 }
 
-std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector3d& point) {
+std::optional<LensProjection> project(const CameraModel& camera, const Eigen::Vector3d& point) {
   const std::optional<Distorted> distorted =
       camera.lens == LensModel::wide ? wide(camera.distortion, point) : brown(camera.distortion, point);
   if (!distorted) return std::nullopt;
   const Eigen::Vector2d focal_lengths(camera.fx, camera.fy);
-  Projection projection;
+  LensProjection projection;
   projection.pixel = focal_lengths.cwiseProduct(distorted->point) + Eigen::Vector2d(camera.cx, camera.cy);
   projection.J_point = focal_lengths.asDiagonal() * distorted->J_point;
   projection.J_camera << distorted->point.x(), 0.0, 1.0, 0.0,

@@ -16,7 +16,7 @@ CameraParameters parametersOf(const CameraModel& camera);
 void setParameters(const CameraParameters& parameters, CameraModel& camera);
 
 /// Where a camera sees a point, and how that changes.
-struct Projection {
+struct LensProjection {
   Eigen::Vector2d pixel;                                 ///< px
   Eigen::Matrix<double, 2, 3> J_point;                   ///< by the point in camera axes, px/m
   Eigen::Matrix<double, 2, kCameraParameters> J_camera;  ///< by the camera's parameters
@@ -26,6 +26,6 @@ struct Projection {
 /// folds, so that a solver passing through there finds its way back. Nothing where the model has no value:
 /// for Brown's at and behind the camera's plane, for the wide one at and behind the camera's axis turned
 /// round.
-std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector3d& point);
+std::optional<LensProjection> project(const CameraModel& camera, const Eigen::Vector3d& point);
 
 }  // namespace cartvo

@@ -12,20 +12,19 @@ RectifiedPoints::RectifiedPoints(const Rig& rig)
       rotations_(rectifyingRotations(rig)),
       focal_length_((rig.left.fx + rig.left.fy + rig.right.fx + rig.right.fy) / 4.0) {}
 
-std::optional<Eigen::Vector2d> RectifiedPoints::of(CameraSide side, const Eigen::Vector2d& raw_pixel) const {
-  const bool is_left = side == CameraSide::left;
-  const CameraModel& camera = is_left ? left_ : right_;
+std::optional<Eigen::Vector2d> RectifiedPoints::rectified(const CameraModel& camera, const Lens& lens,
+                                                          const Eigen::Matrix3d& rotation,
+                                                          const Eigen::Vector2d& raw_pixel) const {
   const NormalisedPoint distorted{(raw_pixel.x() - camera.cx) / camera.fx,
                                   (raw_pixel.y() - camera.cy) / camera.fy};
   Eigen::Vector3d ray;
   try {
-    ray = (is_left ? left_lens_ : right_lens_).undistort(distorted);
+    ray = lens.undistort(distorted);
   } catch (const std::invalid_argument&) {  // beyond where the distortion folds
     return std::nullopt;
   }
-  ray = (is_left ? rotations_.left : rotations_.right) * ray;
-  constexpr double kWidest =
-      0.34;  // the cosine of 70 degrees: beyond, a plane stretches the image out of use
+  ray = rotation * ray;
+  constexpr double kWidest = 0.34;  // cosine of 70 degrees: beyond, a plane stretches the image out of use
   if (ray.z() < kWidest * ray.norm()) return std::nullopt;
   return Eigen::Vector2d(focal_length_ * ray.x() / ray.z(), focal_length_ * ray.y() / ray.z());
 }
@@ -37,8 +36,8 @@ std::vector<double> verticalDisparities(const RectifiedPoints& rectified, const 
     while (right != view.right.end() && right->id < left.id)
       ++right;
     if (right == view.right.end() || right->id != left.id) continue;
-    const auto in_left = rectified.of(CameraSide::left, left.pixel);
-    const auto in_right = rectified.of(CameraSide::right, right->pixel);
+    const auto in_left = rectified.ofLeft(left.pixel);
+    const auto in_right = rectified.ofRight(right->pixel);
     if (in_left && in_right) disparities.push_back(in_left->y() - in_right->y());
   }
   return disparities;

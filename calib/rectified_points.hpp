@@ -11,8 +11,6 @@
 
 namespace cartvo {
 
-enum class CameraSide : std::uint8_t { left, right };
-
 /// Where raw pixels lie in rectified images that are as fine in their middle as the raw ones: the focal
 /// length is the mean of the cameras', so that pixels mean the same whatever is cropped.
 class RectifiedPoints {
@@ -24,9 +22,18 @@ class RectifiedPoints {
   double focalLength() const { return focal_length_; }
 
   /// From the rectified camera's axis, px; nothing for what lies beside or behind it.
-  std::optional<Eigen::Vector2d> of(CameraSide side, const Eigen::Vector2d& raw_pixel) const;
+  std::optional<Eigen::Vector2d> ofLeft(const Eigen::Vector2d& raw_pixel) const {
+    return rectified(left_, left_lens_, rotations_.left, raw_pixel);
+  }
+  std::optional<Eigen::Vector2d> ofRight(const Eigen::Vector2d& raw_pixel) const {
+    return rectified(right_, right_lens_, rotations_.right, raw_pixel);
+  }
 
  private:
+  std::optional<Eigen::Vector2d> rectified(const CameraModel& camera, const Lens& lens,
+                                           const Eigen::Matrix3d& rotation,
+                                           const Eigen::Vector2d& raw_pixel) const;
+
   CameraModel left_, right_;
   Lens left_lens_, right_lens_;
   RectifyingRotations rotations_;

@@ -30,7 +30,7 @@ TEST_P(ProjectionOf, APointHasTheDerivativesOfDifferences) {
   constexpr double kStep = 1e-6;
   for (const Eigen::Vector3d& point :
        {Eigen::Vector3d(0.4, -0.3, 1.2), {-0.7, 0.1, 0.8}, {1e-12, 0.0, 2.0}}) {
-    const Projection projection = *project(camera(), point);
+    const LensProjection projection = *project(camera(), point);
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
       const Eigen::Vector2d difference =

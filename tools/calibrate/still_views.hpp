@@ -10,7 +10,7 @@
 
 #include "calib/board_spec.hpp"
 #include "calib/board_view.hpp"
-#include "calib/rectified_points.hpp"
+#include "capture/camera_side.hpp"
 #include "tools/calibrate/board_views.hpp"
 
 namespace cartvo {

@@ -61,12 +61,31 @@ std::vector<CandidateModel> solveAll(const std::vector<BoardView>& views, const 
   return candidates;
 }
 
+/// Whether images can be rectified by it: a lens may fit the corners and fold between them.
+bool isUsable(const StereoCalibration& calibration) {
+  try {
+    computeRectification(calibration.estimate.rig, {});
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+/// Of those that are usable, if there are any: what a lens does not fit that will be refused in the end is
+/// not what is wrong with the views.
 const StereoCalibration& leastScattered(const std::vector<CandidateModel>& candidates) {
   const StereoCalibration* best = nullptr;
+  bool is_best_usable = false;
   for (const CandidateModel& candidate : candidates) {
     if (!candidate.calibration) continue;
-    if (best == nullptr || candidate.calibration->corner_deviation < best->corner_deviation)
-      best = &*candidate.calibration;
+    const bool is_usable = isUsable(*candidate.calibration);
+    const bool is_better =
+        best == nullptr ||
+        (is_usable == is_best_usable ? candidate.calibration->corner_deviation < best->corner_deviation
+                                     : is_usable);
+    if (!is_better) continue;
+    best = &*candidate.calibration;
+    is_best_usable = is_usable;
   }
   if (best == nullptr) throw std::runtime_error(candidates.front().refusal);
   return *best;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <random>
 #include <set>
@@ -19,6 +17,7 @@
 
 #include "capture/rtsp_camera.hpp"
 #include "capture/video_decoder.hpp"
+#include "support/resources.hpp"
 #include "tests/capture/encoded_sequence.hpp"
 #include "tests/capture/live_camera.hpp"
 #include "tests/capture/scripted_camera.hpp"
@@ -277,26 +276,6 @@ TEST(RtspFault, SaysThatAHostWhoseQueueIsFullDoesNotAnswer) {
     ::close(socket);
 }
 
-/// What a leak would show in.
-struct Resources {
-  std::ptrdiff_t descriptors = 0;
-  std::ptrdiff_t threads = 0;
-  double megabytes = 0.0;
-};
-
-Resources resources() {
-  using std::filesystem::directory_iterator;
-  Resources now;
-  now.descriptors = std::distance(directory_iterator("/proc/self/fd"), directory_iterator());
-  now.threads = std::distance(directory_iterator("/proc/self/task"), directory_iterator());
-  std::ifstream statm("/proc/self/statm");
-  double total = 0.0;
-  double resident = 0.0;
-  statm >> total >> resident;
-  now.megabytes = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-  return now;
-}
-
 /// CARTVO_RECONNECTIONS: as many as a night's work, instead of a test's.
 int reconnectionsWanted() {
   const char* wanted = std::getenv("CARTVO_RECONNECTIONS");
@@ -339,9 +318,9 @@ TEST(RtspFault, ReconnectsForEverWithoutALeakAndTheOtherCameraGoesOn) {
     EXPECT_GE(server.connections(), connections);
   };
   read_until(30);
-  const Resources before = resources();
+  const test::Resources before = test::resourcesInUse();
   read_until(30 + reconnectionsWanted());
-  const Resources after = resources();
+  const test::Resources after = test::resourcesInUse();
   done = true;
   other.join();
   EXPECT_NEAR(static_cast<double>(after.descriptors), static_cast<double>(before.descriptors), 6.0);

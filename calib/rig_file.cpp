@@ -19,6 +19,15 @@ namespace {
 constexpr int kFormatVersion = 1;
 constexpr int kLargestSide = 8192;
 constexpr double kShortestBaseline = 0.005, kLongestBaseline = 10.0;
+constexpr double kShortestFocalLength = 1.0, kLongestFocalLength = 1e5;
+
+/// Where a principal point may lie along a side of the image, px.
+double leastCentre(int length) {
+  return -length;
+}
+double mostCentre(int length) {
+  return 2.0 * length;
+}
 
 LensModel readLens(const StrictYaml& yaml) {
   const std::string name = yaml.text();
@@ -31,10 +40,10 @@ CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
   yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion"});
   CameraModel camera;
   camera.size = size;
-  camera.fx = yaml["fx"].number(1.0, 1e5);
-  camera.fy = yaml["fy"].number(1.0, 1e5);
-  camera.cx = yaml["cx"].number(-size.width, 2.0 * size.width);
-  camera.cy = yaml["cy"].number(-size.height, 2.0 * size.height);
+  camera.fx = yaml["fx"].number(kShortestFocalLength, kLongestFocalLength);
+  camera.fy = yaml["fy"].number(kShortestFocalLength, kLongestFocalLength);
+  camera.cx = yaml["cx"].number(leastCentre(size.width), mostCentre(size.width));
+  camera.cy = yaml["cy"].number(leastCentre(size.height), mostCentre(size.height));
   if (yaml.has("lens")) camera.lens = readLens(yaml["lens"]);
   const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
@@ -129,9 +138,15 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
   check(camera.size.width >= 16 && camera.size.height >= 16, "image size is below 16x16 px");
   check(camera.size.width <= kLargestSide && camera.size.height <= kLargestSide,
         "image side is above 8192 px");
-  check(std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0,
-        "focal lengths must be above 0 px");
-  check(std::isfinite(camera.cx) && std::isfinite(camera.cy), "principal point must be finite");
+  for (const double focal_length : {camera.fx, camera.fy}) {
+    check(focal_length >= kShortestFocalLength && focal_length <= kLongestFocalLength,
+          "focal lengths must lie in 1 to 100000 px");
+  }
+  const auto is_centre = [](double centre, int length) {
+    return centre >= leastCentre(length) && centre <= mostCentre(length);
+  };
+  check(is_centre(camera.cx, camera.size.width) && is_centre(camera.cy, camera.size.height),
+        "principal point must lie within an image's size of the image");
   for (std::size_t i = 0; i < camera.distortion.size(); ++i) {
     check(std::isfinite(camera.distortion[i]), "distortion must be finite");
     check(i < distortionCount(camera.lens) || camera.distortion[i] == 0.0,

@@ -79,6 +79,20 @@ TEST(RigFile, IsNotTouchedByARigThatIsNone) {
   EXPECT_EQ(readRig(folder / "rig.yaml").name, "cart");
 }
 
+TEST(RigFile, IsWrittenOnlyWithWhatItsReaderTakes) {
+  const std::vector<double CameraModel::*> members = {&CameraModel::fx, &CameraModel::fy, &CameraModel::cx,
+                                                      &CameraModel::cy};
+  for (double CameraModel::*const member : members) {
+    for (const double value : {-1e4, 0.5, 2e5, 4e6}) {
+      Rig rig = test::cartRig();
+      rig.right.*member = value;
+      const bool is_valid = test::messageOf([&] { validateRig(rig); }).empty();
+      const bool is_read = test::messageOf([&] { parseRig(rigText(rig), "rig.yaml"); }).empty();
+      EXPECT_EQ(is_valid, is_read) << value;
+    }
+  }
+}
+
 /// One fault in an otherwise good file and the message it must cause.
 struct Fault {
   std::string name;

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -27,6 +28,15 @@ std::optional<std::uint64_t> segmentNumber(const std::string& name) {
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   if (name.size() < kDigits || error != std::errc() || end != name.data() + name.size()) return std::nullopt;
   return number;
+}
+
+/// JSON's numbers may be beyond any integer, and converting such a one is undefined.
+std::int64_t integer(const nlohmann::json& value, const std::string& key, const std::filesystem::path& file) {
+  const bool is_too_large =
+      value.is_number_unsigned() && value.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max();
+  if (!value.is_number_integer() || is_too_large)
+    throw std::runtime_error(file.string() + " is damaged: " + key + " is not an integer that can be");
+  return value.get<std::int64_t>();
 }
 
 }  // namespace
@@ -50,9 +60,11 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
   RecordingInfo info;
   try {
     const nlohmann::json description = nlohmann::json::parse(text);
-    info.format_version = description.at("format_version").get<int>();
+    const std::int64_t version = integer(description.at("format_version"), "format_version", file);
+    info.format_version = static_cast<int>(std::clamp<std::int64_t>(version, -1, 1'000'000));
     info.software_version = description.at("software_version").get<std::string>();
-    info.started_ns = description.value("started_ns", std::int64_t{0});
+    if (description.contains("started_ns"))
+      info.started_ns = integer(description["started_ns"], "started_ns", file);
     info.configuration = description.at("configuration").get<std::string>();
     info.rig = description.at("rig").get<std::string>();
   } catch (const nlohmann::json::exception& error) {

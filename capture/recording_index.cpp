@@ -61,16 +61,18 @@ bool parseName(std::string_view text, const std::array<std::string_view, size>& 
   return false;
 }
 
-/// Instants up to the year 2116 and 99 years of RTP time: what is computed with them stays far from overflow.
+/// Instants of the years 1938 to 2116 and 99 years of RTP time: differences of all these do not overflow.
 bool isPossible(const IndexRow& row) {
   constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
+  constexpr std::int64_t kEarliest_ns = -1'000'000'000'000'000'000;
   constexpr std::int64_t kMostTicks = std::int64_t{1} << 48;
-  const auto instant = [](std::int64_t ns) { return ns >= -kLatest_ns && ns <= kLatest_ns; };
+  const auto instant = [](std::int64_t ns) { return ns >= kEarliest_ns && ns <= kLatest_ns; };
   const std::int64_t reference_us = row.reference_us.value_or(0);
   return row.time_ms >= 0 && row.time_ms <= kLatest_ns / 1'000'000 && row.pts >= -kMostTicks &&
          row.pts <= kMostTicks && reference_us >= 0 && reference_us <= kLatest_ns / 1000 &&
          instant(row.first_arrival_ns) && instant(row.arrival_ns) && instant(row.undelayed_arrival_ns) &&
-         instant(row.exposure_ns) && instant(row.exposure_deviation_ns);
+         instant(row.exposure_ns) && row.exposure_deviation_ns >= 0 &&
+         row.exposure_deviation_ns <= kLatest_ns;
 }
 
 std::string hexadecimal(std::uint32_t value) {

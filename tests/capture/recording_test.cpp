@@ -373,6 +373,22 @@ TEST(Recording, ADamagedDescriptionIsAClearError) {
               HasSubstr("has format 99, but this program reads format 2"));
 }
 
+TEST(Recording, ADescriptionWithNumbersThatAreNoIntegersIsDamaged) {
+  const auto with = [](const std::string& version, const std::string& started) {
+    return test::messageOf([&] {
+      parseRecordingInfo(R"({"format_version": )" + version + R"(, "started_ns": )" + started +
+                             R"(, "software_version": "", "configuration": "", "rig": ""})",
+                         "recording.json");
+    });
+  };
+  EXPECT_EQ(with("2", "17"), "");
+  EXPECT_THAT(with("2", "17e53"), HasSubstr("recording.json is damaged: started_ns is not an integer"));
+  EXPECT_THAT(with("2", "18446744073709551615"), HasSubstr("started_ns is not an integer"));
+  EXPECT_THAT(with("2", "\"17\""), HasSubstr("started_ns is not an integer"));
+  EXPECT_THAT(with("2e99", "17"), HasSubstr("format_version is not an integer"));
+  EXPECT_THAT(with("4294967298", "17"), HasSubstr("but this program reads format 2"));
+}
+
 TEST(RecordingIndex, ARowSurvivesTheRoundTrip) {
   IndexRow row;
   row.number = 7;
@@ -419,10 +435,13 @@ TEST(RecordingIndex, ALineWithTimesThatCannotBeIsNoRow) {
   ASSERT_TRUE(parseIndexRow(toText(row)));
   for (std::int64_t IndexRow::*const member :
        {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::undelayed_arrival_ns,
-        &IndexRow::exposure_ns, &IndexRow::time_ms}) {
+        &IndexRow::exposure_ns, &IndexRow::exposure_deviation_ns, &IndexRow::time_ms}) {
     IndexRow impossible = row;
-    impossible.*member = INT64_MAX;
-    EXPECT_FALSE(parseIndexRow(toText(impossible)));
+    // -2^62 and 2^62 are too far apart for a difference.
+    for (const std::int64_t instant : {INT64_MAX, INT64_MIN, -(std::int64_t{1} << 62)}) {
+      impossible.*member = instant;
+      EXPECT_FALSE(parseIndexRow(toText(impossible))) << instant;
+    }
   }
   row.reference_us = INT64_MAX;
   EXPECT_FALSE(parseIndexRow(toText(row)));

@@ -16,7 +16,8 @@ ImageSequence readCamera(const fs::path& folder) {
     const std::size_t comma = line.text.find(',');
     const auto instant_ns = parseNumber<std::int64_t>(line.text.substr(0, comma));
     const std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);
-    if (!instant_ns || name.empty()) {
+    const bool is_instant = instant_ns && *instant_ns >= -kMostInstant_ns && *instant_ns <= kMostInstant_ns;
+    if (!is_instant || name.empty()) {
       throw std::runtime_error(place(file, line) + "expected 'instant in ns,file name' instead of '" +
                                line.text + "'");
     }

@@ -21,6 +21,9 @@ ImageFolder readKittiFolder(const std::filesystem::path& folder);
 std::optional<std::filesystem::path> findEurocFolder(const std::filesystem::path& folder);
 ImageFolder readEurocFolder(const std::filesystem::path& folder);
 
+/// Instants may lie that far from 0, ns: then their differences do not overflow.
+inline constexpr std::int64_t kMostInstant_ns = 4'000'000'000'000'000'000;
+
 /// One line of a text file with its number, for messages.
 struct TextLine {
   int number = 0;

@@ -36,7 +36,7 @@ std::vector<std::int64_t> readTimes(const fs::path& file) {
   std::vector<std::int64_t> instants;
   for (const TextLine& line : readLines(file)) {
     const std::optional<long double> seconds = parseNumber<long double>(line.text);
-    if (!seconds || !std::isfinite(*seconds) || std::abs(*seconds) > 9e9L) {
+    if (!seconds || !std::isfinite(*seconds) || std::abs(*seconds) > 1e-9L * kMostInstant_ns) {
       throw std::runtime_error(place(file, line) + "expected one number, seconds, instead of '" + line.text +
                                "'");
     }
@@ -49,17 +49,17 @@ std::vector<std::int64_t> readTimes(const fs::path& file) {
 
 /// ", the first one missing is 000007.png" if the images are numbered and a number is left out.
 std::string firstGap(const std::vector<fs::path>& images) {
-  std::optional<long> before;
+  std::uint64_t next = 0;
   for (const fs::path& image : images) {
     const std::string stem = image.stem().string();
-    const std::optional<long> number = parseNumber<long>(stem);
+    const std::optional<std::uint64_t> number = parseNumber<std::uint64_t>(stem);
     if (!number) return "";
-    if (*number != before.value_or(-1) + 1) {
-      std::string missing = std::to_string(before.value_or(-1) + 1);
+    if (*number != next) {
+      std::string missing = std::to_string(next);
       missing.insert(0, stem.size() - std::min(stem.size(), missing.size()), '0');
       return ", the first one missing is " + missing + image.extension().string();
     }
-    before = number;
+    ++next;
   }
   return "";
 }
@@ -117,6 +117,9 @@ RectifiedStereo readCalibration(const fs::path& file) {
         file.string() + ": P0 and P1 are not of rectified cameras, which share their focal length and cy");
   }
   const double baseline = (left[3] - right[3]) / f;  // P1[0,3] = -f b
+  if (!std::isfinite(baseline)) {
+    throw std::runtime_error(file.string() + ": P0 and P1 put the cameras infinitely far apart");
+  }
   if (baseline <= 0.0) {
     throw std::runtime_error(
         file.string() +

@@ -141,9 +141,20 @@ TEST(ImageFolder, NamesTheFileAndWhatIsWrong) {
               HasSubstr("times.txt, line 3: the instant is not after the one before it"));
   write(folder / "times.txt", "0.1\n0.2 x\n");
   EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 2: expected one number, seconds"));
+  write(folder / "times.txt", "-8e9\n8e9\n");  // their difference overflows
+  EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 1: expected one number, seconds"));
   fs::remove(folder / "times.txt");
   EXPECT_THAT(readError(folder.path()),
               HasSubstr("holds no times.txt (nor both times_0.txt and times_1.txt)"));
+}
+
+TEST(ImageFolder, AGapIsFoundAmongTheLargestNumbersToo) {
+  const test::TemporaryFolder folder;
+  writeKitti(folder.path(), 1);
+  write(folder / "image_0/9223372036854775807.jpg", "");
+  write(folder / "image_0/9223372036854775807.png", "");
+  write(folder / "times.txt", "0.1\n0.2\n0.3\n0.4\n");
+  EXPECT_THAT(readError(folder.path()), HasSubstr("the first one missing is 0000000000000000001.jpg"));
 }
 
 TEST(ImageFolder, AnEmptyFolderIsAnError) {
@@ -167,6 +178,8 @@ TEST(ImageFolder, AWrongCalibrationIsAnError) {
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\n"), HasSubstr("must hold the matrices P0: and P1:"));
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\nP1: 700 0 320 80 0 700 240 0 0 0 1 0\n"),
               HasSubstr("puts the right camera to the left"));
+  EXPECT_THAT(with("P0: 700 0 320 1e308 0 700 240 0 0 0 1 0\nP1: 700 0 320 -1e308 0 700 240 0 0 0 1 0\n"),
+              HasSubstr("infinitely far apart"));
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\nP1: 650 0 320 -80 0 650 240 0 0 0 1 0\n"),
               HasSubstr("not of rectified cameras"));
 }
@@ -200,6 +213,10 @@ TEST(ImageFolder, EurocsErrorsNameTheLine) {
   EXPECT_THAT(readError(folder.path()), HasSubstr("line 1: expected 'instant in ns,file name'"));
   write(list, "17,../../../etc/passwd\n");
   EXPECT_THAT(readError(folder.path()), HasSubstr("must be the name of a file in data/"));
+  for (const char* instant : {"-9223372036854775808", "9223372036854775807"}) {
+    write(list, std::string(instant) + ",17.png\n");  // their difference overflows
+    EXPECT_THAT(readError(folder.path()), HasSubstr("line 1: expected 'instant in ns,file name'"));
+  }
   write(list, "# nothing\n");
   EXPECT_THAT(readError(folder.path()), HasSubstr("lists no image"));
 }

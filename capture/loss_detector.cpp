@@ -28,7 +28,7 @@ void skipScalingList(BitReader& bits, int size) {
   int last = 8;
   int next = 8;
   for (int i = 0; i < size && next != 0 && !bits.exhausted(); ++i) {
-    next = (last + bits.signedExpGolomb() + 256) % 256;
+    next = (last + bits.signedExpGolomb() % 256 + 256) % 256;
     if (next != 0) last = next;
   }
 }
@@ -96,7 +96,7 @@ void LossDetector::readSequenceParameters(std::span<const std::uint8_t> nal) {
       }
     }
   }
-  const auto frame_num_bits = static_cast<int>(bits.unsignedExpGolomb()) + 4;
+  const std::uint32_t frame_num_bits_beyond_4 = bits.unsignedExpGolomb();
   const std::uint32_t order_type = bits.unsignedExpGolomb();
   if (order_type == 0) {
     bits.unsignedExpGolomb();  // log2_max_pic_order_cnt_lsb_minus4
@@ -110,8 +110,8 @@ void LossDetector::readSequenceParameters(std::span<const std::uint8_t> nal) {
   }
   bits.unsignedExpGolomb();  // max_num_ref_frames
   const bool gaps_allowed = bits.flag();
-  if (bits.exhausted() || frame_num_bits > 16) return;  // not a parameter set that could be followed
-  frame_num_bits_ = frame_num_bits;
+  if (bits.exhausted() || frame_num_bits_beyond_4 > 12) return;  // not a parameter set that could be followed
+  frame_num_bits_ = static_cast<int>(frame_num_bits_beyond_4) + 4;
   separate_colour_planes_ = separate_colour_planes;
   gaps_allowed_ = gaps_allowed;
 }

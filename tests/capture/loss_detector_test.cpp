@@ -1,5 +1,6 @@
 #include "capture/loss_detector.hpp"
 
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -51,6 +52,41 @@ TEST(LossDetector, InH265AGapInTimeCounts) {
               damaged ? FrameStatus::damaged : FrameStatus::good)
         << unit.sequence;
   }
+}
+
+/// A NAL unit behind a start code, of '0' and '1', with emulation prevention bytes (ITU-T H.264 7.4.1.1).
+std::vector<std::uint8_t> nalUnit(std::uint8_t header, std::string bits) {
+  bits.resize((bits.size() + 7) / 8 * 8, '0');
+  std::vector<std::uint8_t> data = {0, 0, 1, header};
+  int zeros = 0;
+  for (std::size_t i = 0; i < bits.size(); i += 8) {
+    const auto byte = static_cast<std::uint8_t>(std::stoi(bits.substr(i, 8), nullptr, 2));
+    if (zeros >= 2 && byte <= 3) {
+      data.push_back(3);
+      zeros = 0;
+    }
+    zeros = byte == 0 ? zeros + 1 : 0;
+    data.push_back(byte);
+  }
+  return data;
+}
+
+TEST(LossDetector, NumbersThatNoParameterSetHasAreNotFollowed) {
+  const std::string profile_and_level = "010000101100000000001010", zero = "1";
+  const std::string largest = std::string(31, '0') + '1' + std::string(31, '1');  // 2^32 - 2, Exp-Golomb
+  // Taken for log2_max_frame_num_minus4 it would overflow to 2 bits.
+  LossDetector detector(
+      {VideoCodec::h264, nalUnit(0x67, profile_and_level + zero + largest + zero + zero + zero + "01")});
+  for (const char* frame_num : {"00", "10"}) {
+    const std::vector<std::uint8_t> slice = nalUnit(0x41, zero + zero + zero + frame_num + "111111");
+    EXPECT_EQ(detector.inspect(slice, false, 0), FrameStatus::good);
+  }
+
+  // A scaling list of the high profile whose first difference is as large.
+  const std::string high_profile = "011001000000000000001010";
+  LossDetector of_lists({VideoCodec::h264, nalUnit(0x67, high_profile + zero + "010" + zero + zero + "0" +
+                                                             "1" + "1" + largest)});
+  EXPECT_EQ(of_lists.inspect(nalUnit(0x41, "11110000"), false, 0), FrameStatus::good);
 }
 
 TEST(LossDetector, GarbageIsNoReasonToCrash) {

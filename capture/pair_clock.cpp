@@ -79,7 +79,7 @@ StampedInstant PairClock::stamp(CameraSide which, const StampedPacket& packet) {
   Side& side = sides_[static_cast<std::size_t>(which)];
   side.clock.add(packet);
   relate();
-  const std::int64_t exposure_ns = slewed(side);
+  const std::int64_t exposure_ns = slewed(side, packet.arrival_ns);
   const double deviation = std::hypot(offset_.deviation_ns, sides_[1].lag_ns - sides_[0].lag_ns);
   return {exposure_ns, std::llround(deviation / std::sqrt(2.0)), side.clock.undelayedArrivalNs(), source_};
 }
@@ -196,8 +196,9 @@ double PairClock::commonLatencyNs() const {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-/// The exposure of the side's last picture, as far towards its target as a clock may be slewed.
-std::int64_t PairClock::slewed(Side& side) {
+/// The exposure of the side's last picture, which arrived at `arrival_ns`, as far towards its target as a
+/// clock may be slewed.
+std::int64_t PairClock::slewed(Side& side, std::int64_t arrival_ns) {
   const StreamClock& clock = side.clock;
   const std::int64_t target_ns = clock.undelayedArrivalNs() + std::llround(side.target_ns);
   const bool clock_was_set = !side.connected || side.last_restarts != clock.arrivals().restarts();
@@ -214,7 +215,13 @@ std::int64_t PairClock::slewed(Side& side) {
       if (!side.connected) exposure_ns += kLeastStep_ns;
     }
   }
+  // Whatever the camera says: what came later was exposed later, unless the host's clock was set back.
+  const bool is_later =
+      arrival_ns >= side.last_arrival_ns && (!side.connected || clock.rtpNs() > side.last_rtp_ns);
+  if (side.last_exposure_ns && is_later)
+    exposure_ns = std::max(exposure_ns, *side.last_exposure_ns + kLeastStep_ns);
   side.lag_ns = static_cast<double>(exposure_ns - target_ns);
+  side.last_arrival_ns = arrival_ns;
   side.last_exposure_ns = exposure_ns;
   side.last_rtp_ns = clock.rtpNs();
   side.last_restarts = clock.arrivals().restarts();

@@ -81,7 +81,8 @@ class PairClock {
     bool connected = false;                        ///< has a picture of this connection
     std::int64_t last_rtp_ns = 0;                  ///< of the picture before, if connected
     std::uint64_t last_restarts = 0;               ///< of its arrival line, likewise
-    std::optional<std::int64_t> last_exposure_ns;  ///< as given out, also on an earlier connection
+    std::int64_t last_arrival_ns = 0;              ///< of that picture, also on an earlier connection
+    std::optional<std::int64_t> last_exposure_ns;  ///< as given out, likewise
     double target_ns = 0.0;                        ///< exposure minus undelayed arrival as it should be
     double lag_ns = 0.0;                           ///< exposure as given out minus as it should be
   };
@@ -93,7 +94,7 @@ class PairClock {
   void combine(const ClockWitness& arrival);
   std::string problem() const;
   double commonLatencyNs() const;
-  static std::int64_t slewed(Side& side);
+  static std::int64_t slewed(Side& side, std::int64_t arrival_ns);
 
   mutable std::mutex mutex_;
   ClockChoice choice_;

@@ -1,9 +1,12 @@
 #include "capture/stream_clock.hpp"
 
+#include <algorithm>
+
 namespace cartvo {
 namespace {
 
 constexpr double kKnown_ns = 12e6;
+constexpr std::int64_t kMostTicks = std::int64_t{1} << 48;
 constexpr std::int64_t kLatest_us = std::int64_t{1} << 52;  // the year 2112; beyond it a report is garbage
 
 /// A tick is 100000/9 ns.
@@ -17,12 +20,14 @@ void StreamClock::connect() {
   *this = StreamClock(usual_scatter_ns_);
 }
 
-/// The continuation of the last time stamp that agrees with this one in 32 bits and is nearest to it.
+/// The continuation of the last time stamp that agrees with this one in 32 bits and is nearest to it. It
+/// begins with these 32 bits, and what has run 99 years from there is followed no further: no sum of it
+/// overflows.
 std::int64_t StreamClock::unwrapped(std::int64_t pts) {
-  const std::int64_t last = last_pts_.value_or(pts);
+  const std::int64_t last = last_pts_.value_or(static_cast<std::uint32_t>(pts));
   const auto step =
       static_cast<std::int32_t>(static_cast<std::uint32_t>(pts) - static_cast<std::uint32_t>(last));
-  last_pts_ = last + step;
+  last_pts_ = std::clamp(last + step, -kMostTicks, kMostTicks);
   return *last_pts_;
 }
 

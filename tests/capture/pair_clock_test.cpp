@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -278,6 +279,35 @@ TEST(PairClock, AHostClockThatIsSetIsFollowedByBothCameras) {
     EXPECT_NEAR(static_cast<double>(after.second), 0.013e9, 3e6) << set_ns;
     EXPECT_NEAR(static_cast<double>(after.first - before.first), 40e9, 0.1e9) << set_ns;
     before = after;
+  }
+}
+
+TEST(PairClock, WhatArrivesLaterWasExposedLaterWhateverTheCameraSays) {
+  // RTP time at twice the rate, in leaps, and with reports of another day.
+  for (const std::uint32_t ticks : {7200U, 5'000'000U, 0x7fffffffU}) {
+    PairClock clock(ClockChoice::automatic);
+    StampedPacket packet;
+    packet.arrival_ns = ClockSimulation::kEpoch_ns;
+    std::int64_t last = 0;
+    for (int i = 0; i < 1000; ++i) {
+      packet.pts = static_cast<std::uint32_t>(packet.pts) + (i % 50 == 49 ? 3600U : ticks);
+      packet.arrival_ns += 40'000'000;
+      if (i % 25 == 0) packet.reference_us = packet.arrival_ns / 1000 - (i % 2) * 2'000'000 - 80'000;
+      if (i % 300 == 299) clock.connect(CameraSide::left);
+      const StampedInstant instant = clock.stamp(CameraSide::left, packet);
+      ASSERT_GT(instant.exposure_ns, last) << ticks << " " << i;
+      last = instant.exposure_ns;
+    }
+  }
+}
+
+TEST(PairClock, OnlyTheLower32BitsOfAnRtpTimeCount) {
+  PairClock clock(ClockChoice::arrival), of_large(ClockChoice::arrival);
+  for (std::int64_t i = 0; i < 100; ++i) {
+    const std::int64_t pts = 3600 * i, arrival_ns = ClockSimulation::kEpoch_ns + 40'000'000 * i;
+    const std::int64_t large = std::numeric_limits<std::int64_t>::min() + (i % 3 << 40) + pts;
+    ASSERT_EQ(of_large.stamp(CameraSide::left, {large, std::nullopt, arrival_ns}).exposure_ns,
+              clock.stamp(CameraSide::left, {pts, std::nullopt, arrival_ns}).exposure_ns);
   }
 }
 

@@ -1,0 +1,83 @@
+// What cameras send: NAL units, parameter sets, slice headers, and pictures cut into packets.
+//
+// The input: codec, how often all of it is sent, then packets, each with flags, a length and its bytes.
+
+#include "capture/access_unit_assembler.hpp"
+#include "capture/loss_detector.hpp"
+#include "capture/nal_units.hpp"
+#include "tests/fuzz/fuzzing.hpp"
+
+using namespace cartvo;
+
+namespace {
+
+constexpr int kMostRounds = 40;  // more than AccessUnitAssembler needs to prove its rule
+
+struct Packet {
+  std::vector<std::uint8_t> data;
+  bool begins_picture = false;
+  bool data_lost = false;
+};
+
+std::vector<Packet> packetsOf(fuzz::Bytes& bytes) {
+  std::vector<Packet> packets;
+  while (!bytes.empty()) {
+    const std::uint8_t flags = bytes.byte();
+    Packet packet;
+    packet.begins_picture = (flags & 1) != 0;
+    packet.data_lost = (flags & 2) != 0;
+    if ((flags & 4) != 0) packet.data = {0, 0, 0, 1};
+    const auto piece = bytes.piece(bytes.byte());
+    packet.data.insert(packet.data.end(), piece.begin(), piece.end());
+    packets.push_back(std::move(packet));
+  }
+  return packets;
+}
+
+void checkNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
+  std::size_t bytes = 0;
+  std::size_t sets = 0;
+  for (const NalUnit& unit : splitNalUnits(codec, data)) {
+    fuzz::require(unit.bytes.size() >= nalHeaderSize(codec), "a NAL unit has a header");
+    bytes += unit.bytes.size();
+    if (unit.kind == NalKind::parameter_set) ++sets;
+  }
+  fuzz::require(bytes <= data.size(), "NAL units do not overlap");
+  const std::vector<std::uint8_t> extracted = parameterSets(codec, data);
+  fuzz::require(splitNalUnits(codec, extracted).size() == sets, "parameter sets are found again");
+  fuzz::require(parameterSets(codec, extracted) == extracted, "parameter sets are nothing else");
+}
+
+/// Sends the packets round by round and looks at the pictures as they come out.
+void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
+  AccessUnitAssembler assembler(codec);
+  const StreamFormat format{codec, packets.empty() ? std::vector<std::uint8_t>() : packets.front().data};
+  LossDetector detector(format);
+  std::size_t sent = 0, received = 0;
+  std::int64_t pts = 0, now_ns = 0;
+  for (int i = 0; i < rounds; ++i) {
+    for (const Packet& packet : packets) {
+      if (packet.begins_picture) pts += 3600;
+      assembler.add({packet.data, pts, ++now_ns, std::nullopt, packet.data_lost});
+      sent += packet.data.size();
+      while (const std::optional<AssembledUnit> unit = assembler.take()) {
+        received += unit->data.size();
+        fuzz::require(unit->first_arrival_ns <= unit->arrival_ns, "a picture begins before it ends");
+        detector.inspect(unit->data, unit->data_lost, 0);
+        if (i == 0) checkNalUnits(codec, unit->data);
+      }
+    }
+  }
+  fuzz::require(received <= sent, "no picture holds more than was sent");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::Bytes bytes(data, size);
+  const VideoCodec codec = bytes.byte() % 2 == 0 ? VideoCodec::h264 : VideoCodec::h265;
+  const int rounds = 1 + bytes.byte() % kMostRounds;
+  checkNalUnits(codec, {data, size});
+  receive(codec, packetsOf(bytes), rounds);
+  return 0;
+}

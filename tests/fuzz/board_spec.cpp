@@ -1,0 +1,18 @@
+// Calibration boards as people name them on the command line.
+
+#include "calib/board_spec.hpp"
+
+#include "tests/fuzz/fuzzing.hpp"
+
+using namespace cartvo;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text = fuzz::textOf(data, size);
+  if (text.find('\0') != std::string::npos) return 0;  // no argument of a program holds one
+  const auto board = fuzz::accepted([&] { return parseBoardSpec(text); }, text);
+  if (!board) return 0;
+  fuzz::require(parseBoardSpec(boardSpecText(*board)) == *board, "a board is read back to the last bit");
+  fuzz::require(boardExtent(*board).allFinite() && !boardCorners(*board).empty(), "a board has corners");
+  boardMarkers(*board);
+  return 0;
+}

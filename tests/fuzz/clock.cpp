@@ -1,0 +1,135 @@
+// What cameras and networks feed to the clocks: RTP times, sender reports and arrivals in any order and of
+// any size. They must never overflow, lose count or let time run backwards.
+//
+// The input is lines, so that findings can be read:
+//   choice N                     0 to 3, as ClockChoice; only as the first line
+//   left TICKS NS [US]           a picture: RTP time since the camera's last one, host's time since the last
+//   right TICKS NS [US]          line, and what the camera's reports say, against the host's clock
+//   connect left|right
+//   visual [NS NS]               what the pictures say of the offset, and its deviation
+//   again LINES TIMES            the lines before, again
+
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "capture/pair_clock.hpp"
+#include "tests/fuzz/fuzzing.hpp"
+
+using namespace cartvo;
+
+namespace {
+
+constexpr int kMostLines = 300;  // followed, again or not: enough to fill the clocks' windows
+constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // the year 2116
+
+/// The sum within what a host's clock can show; the cameras' may be anything.
+std::int64_t hostTime(std::int64_t now_ns, std::int64_t step_ns) {
+  std::int64_t sum = 0;
+  const bool overflows = __builtin_add_overflow(now_ns, step_ns, &sum);
+  return overflows || sum < 0 || sum > kLatest_ns ? now_ns : sum;
+}
+
+bool isFinite(const ClockWitness& witness) {
+  return std::isfinite(witness.value_ns) && std::isfinite(witness.deviation_ns) &&
+         witness.deviation_ns >= 0.0;
+}
+
+void check(const ClockStatus& status) {
+  for (const ClockStatus::Camera& camera : status.cameras) {
+    fuzz::require(std::isfinite(camera.skew) && std::abs(camera.skew) < 0.001, "a crystal's skew is small");
+    fuzz::require(std::isfinite(camera.latency_ns.value_or(0.0)), "a latency is finite");
+  }
+  fuzz::require(isFinite(status.offset), "the offset is finite");
+  fuzz::require(!status.ntp || isFinite(*status.ntp), "the reports' offset is finite");
+  fuzz::require(!status.visual || isFinite(*status.visual), "the pictures' offset is finite");
+}
+
+class Cameras {
+ public:
+  explicit Cameras(ClockChoice choice) : clock_(choice) {}
+
+  void follow(const std::vector<std::string>& lines, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && lines_++ < kMostLines; ++i) {
+      std::istringstream words(lines[i]);
+      std::string verb;
+      words >> verb;
+      if (verb == "left" || verb == "right") {
+        picture(verb == "left" ? CameraSide::left : CameraSide::right, words);
+      } else if (verb == "connect") {
+        words >> verb;
+        clock_.connect(verb == "left" ? CameraSide::left : CameraSide::right);
+      } else if (verb == "visual") {
+        look(words);
+      } else if (verb == "again") {
+        std::size_t count = 0, times = 0;
+        words >> count >> times;
+        // Lines before this one, so that it ends.
+        for (; times > 0 && lines_++ < kMostLines; --times)
+          follow(lines, i - std::min(count, i - begin), i);
+      }
+    }
+  }
+
+  void check() const { ::check(clock_.status()); }
+
+ private:
+  struct Camera {
+    std::int64_t pts = 0;
+    std::int64_t arrival_ns = 0;
+    std::optional<std::int64_t> exposure_ns;
+  };
+
+  void picture(CameraSide side, std::istringstream& words) {
+    std::int64_t ticks = 0, step_ns = 0, report_us = 0;
+    words >> ticks >> step_ns;
+    Camera& camera = cameras_[static_cast<std::size_t>(side)];
+    now_ns_ = hostTime(now_ns_, step_ns);
+    const auto last_ticks = static_cast<std::uint32_t>(camera.pts);
+    if (__builtin_add_overflow(camera.pts, ticks, &camera.pts)) camera.pts = ticks;
+    const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - last_ticks);
+    StampedPacket packet{camera.pts, std::nullopt, now_ns_};
+    if (words >> report_us && !__builtin_add_overflow(now_ns_ / 1000, report_us, &report_us))
+      packet.reference_us = report_us;
+    const StampedInstant instant = clock_.stamp(side, packet);
+    fuzz::require(instant.deviation_ns >= 0, "a deviation is a number");
+    const bool went_on = now_ns_ >= camera.arrival_ns && step > 0;
+    fuzz::require(!camera.exposure_ns || !went_on || instant.exposure_ns > *camera.exposure_ns,
+                  "time does not run backwards unless a clock is set back");
+    camera.arrival_ns = now_ns_;
+    camera.exposure_ns = instant.exposure_ns;
+  }
+
+  void look(std::istringstream& words) {
+    constexpr std::int64_t kMost_ns = 1'000'000'000;  // what VisualClock can say
+    std::int64_t value_ns = 0, deviation_ns = 0;
+    if (!(words >> value_ns >> deviation_ns)) return clock_.setVisual(std::nullopt);
+    clock_.setVisual(ClockWitness{static_cast<double>(std::clamp(value_ns, -kMost_ns, kMost_ns)),
+                                  static_cast<double>(std::clamp(deviation_ns, std::int64_t{1}, kMost_ns))});
+  }
+
+  PairClock clock_;
+  std::array<Camera, 2> cameras_;
+  std::int64_t now_ns_ = kStart_ns;
+  int lines_ = 0;
+};
+
+ClockChoice choiceOf(const std::vector<std::string>& lines) {
+  constexpr int kChoices = 4;
+  int number = 0;
+  if (!lines.empty() && lines.front().starts_with("choice "))
+    std::istringstream(lines[0].substr(7)) >> number;
+  return static_cast<ClockChoice>(std::clamp(number, 0, kChoices - 1));
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::vector<std::string> lines = fuzz::linesOf(fuzz::textOf(data, size));
+  Cameras cameras(choiceOf(lines));
+  cameras.check();
+  cameras.follow(lines, 0, lines.size());
+  cameras.check();
+  return 0;
+}

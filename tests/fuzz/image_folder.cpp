@@ -1,0 +1,76 @@
+// Folders of images in KITTI's and EuRoC's layouts: their lists, instants and calibration. The images are
+// empty files: what they hold is the image library's.
+//
+// The input is several files: "kitti", the images' names, the right images' names, times.txt, calib.txt; or
+// "euroc", the images' names, both cameras' data.csv.
+
+#include "capture/image_folder.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "tests/fuzz/fuzzing.hpp"
+
+using namespace cartvo;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty files of these names, as far as they can be.
+void makeImages(const fs::path& folder, const std::string& names) {
+  constexpr std::size_t kMostImages = 32, kLongestName = 64;
+  fs::create_directories(fuzz::scratchFolder() / folder);
+  std::vector<std::string> lines = fuzz::linesOf(names);
+  lines.resize(std::min(lines.size(), kMostImages));
+  for (const std::string& name : lines) {
+    const bool is_name = !name.empty() && name.size() <= kLongestName && fs::path(name).filename() == name &&
+                         name != "." && name != ".." && name.find('\0') == std::string::npos;
+    if (is_name) fuzz::writeScratch(folder / name, "");
+  }
+}
+
+void makeKitti(std::vector<std::string> parts) {
+  parts.resize(5);
+  makeImages("sequence/image_0", parts[1]);
+  makeImages("sequence/image_1", parts[2]);
+  fuzz::writeScratch("sequence/times.txt", parts[3]);
+  if (!parts[4].empty()) fuzz::writeScratch("sequence/calib.txt", parts[4]);
+}
+
+void makeEuroc(std::vector<std::string> parts) {
+  parts.resize(4);
+  makeImages("sequence/mav0/cam0/data", parts[1]);
+  makeImages("sequence/mav0/cam1/data", parts[1]);
+  fuzz::writeScratch("sequence/mav0/cam0/data.csv", parts[2]);
+  fuzz::writeScratch("sequence/mav0/cam1/data.csv", parts[3]);
+}
+
+void check(const ImageSequence& sequence) {
+  fuzz::require(!sequence.images.empty() && sequence.images.size() == sequence.instants_ns.size(),
+                "each image has an instant");
+  for (std::size_t i = 1; i < sequence.instants_ns.size(); ++i)
+    fuzz::require(sequence.instants_ns[i] > sequence.instants_ns[i - 1], "instants increase");
+  fuzz::require(sequence.images.size() == 1 || nominalPeriodNs(sequence) > 0, "frames have a period");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::vector<std::string> parts = fuzz::partsOf(fuzz::textOf(data, size));
+  const fs::path folder = fuzz::scratchFolder() / "sequence";
+  fs::remove_all(folder);
+  parts.front() == "euroc\n" ? makeEuroc(parts) : makeKitti(parts);
+  const auto images = fuzz::accepted([&] { return readImageFolder(folder); }, folder.string());
+  if (!images) return 0;
+  check(images->left);
+  check(images->right);
+  if (const auto& rectified = images->rectified) {
+    const bool finite = std::isfinite(rectified->focal_length) && std::isfinite(rectified->cx) &&
+                        std::isfinite(rectified->cy) && std::isfinite(rectified->right_cx) &&
+                        std::isfinite(rectified->baseline);
+    fuzz::require(finite && rectified->focal_length > 0.0 && rectified->baseline > 0.0,
+                  "rectified cameras have a focal length and a baseline");
+  }
+  return 0;
+}

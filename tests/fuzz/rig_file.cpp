@@ -1,0 +1,17 @@
+// cartvo's own rig files, as they are read from disk and out of recordings.
+
+#include "calib/rig_file.hpp"
+
+#include "tests/fuzz/fuzzing.hpp"
+
+using namespace cartvo;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr const char* kName = "rig.yaml";
+  const auto rig = fuzz::accepted([&] { return parseRig(fuzz::textOf(data, size), kName); }, kName);
+  if (!rig) return 0;
+  validateRig(*rig);
+  const std::string text = rigText(*rig);
+  fuzz::require(rigText(parseRig(text, kName)) == text, "a rig is read back to the last bit");
+  return 0;
+}

@@ -1,5 +1,5 @@
-// What the sanitizers cannot see into: the libraries behind the tests' encoders and servers, and behind the letters of
-// printed boards (cairo's fontconfig keeps its patterns for ever).
+// What the sanitizers cannot see into: the libraries behind the tests' encoders and servers, and behind the
+// letters of printed boards (cairo's fontconfig keeps its patterns for ever).
 
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" const char* __lsan_default_suppressions();

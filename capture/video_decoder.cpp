@@ -2,10 +2,13 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "capture/ffmpeg.hpp"
 #include "capture/ffmpeg_log.hpp"
 #include "capture/luma_plane.hpp"
+#include "capture/nal_units.hpp"
 
 namespace cartvo {
 namespace {
@@ -41,45 +44,75 @@ struct VideoDecoder::Pending {
 };
 
 struct VideoDecoder::Implementation {
+  Implementation(const StreamFormat& stream_format, int slice_threads)
+      : format(stream_format), threads(slice_threads) {
+    open();
+  }
+
+  void open();
+  void beginAnew(const EncodedUnit& unit);
+
+  StreamFormat format;  ///< with the latest parameter sets
+  int threads;
   ffmpeg::CodecContext context;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   std::deque<Pending> pending;
   bool send_failed = false;  ///< a unit was rejected since the last frame
   bool damaged = false;      ///< the decoder met errors since the last key frame
+  bool tainted = false;      ///< it was given something damaged since it was opened
 };
 
-VideoDecoder::VideoDecoder(const StreamFormat& format, int threads)
-    : implementation_(std::make_unique<Implementation>()) {
-  keepFfmpegQuiet();
+void VideoDecoder::Implementation::open() {
   const AVCodec* codec = avcodec_find_decoder(ffmpeg::codecId(format.codec));
   if (codec == nullptr) {
     throw std::runtime_error("this FFmpeg has no decoder for " +
                              std::string(avcodec_get_name(ffmpeg::codecId(format.codec))));
   }
-  ffmpeg::CodecContext context(avcodec_alloc_context3(codec));
-  if (!context) throw std::bad_alloc();
-  context->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
-  context->thread_type = FF_THREAD_SLICE;
-  context->thread_count = threads;
+  ffmpeg::CodecContext opened(avcodec_alloc_context3(codec));
+  if (!opened) throw std::bad_alloc();
+  opened->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  opened->thread_type = FF_THREAD_SLICE;
+  opened->thread_count = threads;
   if (!format.parameter_sets.empty()) {
     AVCodecParameters* parameters = avcodec_parameters_alloc();
     if (parameters == nullptr) throw std::bad_alloc();
     parameters->codec_type = AVMEDIA_TYPE_VIDEO;
     parameters->codec_id = codec->id;
     ffmpeg::setExtradata(*parameters, format.parameter_sets);
-    avcodec_parameters_to_context(context.get(), parameters);
+    avcodec_parameters_to_context(opened.get(), parameters);
     avcodec_parameters_free(&parameters);
   }
-  if (const int error = avcodec_open2(context.get(), codec, nullptr); error < 0) {
+  if (const int error = avcodec_open2(opened.get(), codec, nullptr); error < 0) {
     throw std::runtime_error("cannot start the video decoder: " + ffmpeg::errorText(error));
   }
-  implementation_->context = std::move(context);
+  context = std::move(opened);
+}
+
+/// Before a key picture, which needs nothing of those before it. FFmpeg's H.264 decoder leaves coefficients
+/// of a cut picture in its memory and adds them to the next picture's first macroblock, key or not, without a
+/// word; so after damage a new one takes over.
+void VideoDecoder::Implementation::beginAnew(const EncodedUnit& unit) {
+  try {
+    if (tainted) open();
+    tainted = false;
+  } catch (const std::runtime_error&) {
+    // Parameter sets that were garbled without notice: the old decoder goes on.
+  }
+  std::vector<std::uint8_t> sets = parameterSets(format.codec, unit.data);
+  if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
+}
+
+VideoDecoder::VideoDecoder(const StreamFormat& format, int threads) {
+  keepFfmpegQuiet();
+  implementation_ = std::make_unique<Implementation>(format, threads);
 }
 
 VideoDecoder::~VideoDecoder() = default;
 
 void VideoDecoder::send(const EncodedUnit& unit) {
   Implementation& self = *implementation_;
+  if (unit.key) self.beginAnew(unit);
+  if (unit.status == FrameStatus::damaged) self.tainted = true;
   self.pending.push_back({unit.exposure_ns, unit.exposure_deviation_ns, unit.undelayed_arrival_ns,
                           unit.arrival_ns, unit.sequence, unit.order, unit.instant_source, unit.status,
                           unit.key});
@@ -95,7 +128,7 @@ void VideoDecoder::send(const EncodedUnit& unit) {
   self.packet->size = 0;
   if (error < 0) {
     ++failures_;
-    self.send_failed = true;
+    self.send_failed = self.tainted = true;
   }
 }
 
@@ -107,7 +140,7 @@ std::optional<Frame> VideoDecoder::receive() {
     if (error == AVERROR(EAGAIN) || error == AVERROR_EOF) return std::nullopt;
     if (error < 0) {
       ++failures_;
-      self.send_failed = true;
+      self.send_failed = self.tainted = true;
       return std::nullopt;
     }
     const auto sequence = static_cast<std::uint64_t>(picture->pts);
@@ -143,6 +176,7 @@ void VideoDecoder::finish() {
 bool VideoDecoder::damagedSince(const Pending& pending, bool decoder_failed) {
   Implementation& self = *implementation_;
   if (pending.key) self.damaged = false;
+  if (decoder_failed) self.tainted = true;
   if (decoder_failed || (self.send_failed && !pending.key)) self.damaged = true;
   self.send_failed = false;
   return self.damaged || pending.status == FrameStatus::damaged;

@@ -88,6 +88,32 @@ TEST(VideoDecoder, ACutPictureDamagesAllUpToTheNextKeyFrame) {
   }
 }
 
+TEST(VideoDecoder, NothingOfACutPictureIsLeftInTheNextKeyPicture) {
+  const std::vector<EncodedUnit> units =
+      test::encodeSequence(VideoCodec::h264, cv::Size(160, 120), 10, 5, "crf=36");
+  const auto fifth_picture = [&](const std::vector<EncodedUnit>& sent) {
+    VideoDecoder decoder({VideoCodec::h264, {}}, 1);
+    std::uint64_t digest = 0;
+    for (const EncodedUnit& unit : sent) {
+      decoder.send(unit);
+      while (const std::optional<Frame> frame = decoder.receive()) {
+        if (frame->sequence == 5 && frame->status == FrameStatus::good) digest = test::digest(frame->image);
+      }
+    }
+    return digest;
+  };
+  const std::uint64_t whole = fifth_picture(units);
+  for (const std::size_t cut : {0U, 4U}) {
+    for (std::size_t size = units[cut].data.size() - 1; size > 100; size -= 41) {
+      std::vector<EncodedUnit> sent = units;
+      sent[cut].data.resize(size);
+      for (std::size_t i = cut; i < 5; ++i)
+        sent[i].status = FrameStatus::damaged;
+      EXPECT_EQ(fifth_picture(sent), whole) << "picture " << cut << " cut after " << size << " bytes";
+    }
+  }
+}
+
 TEST(VideoDecoder, ADamagedUnitGivesADamagedFrame) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   for (EncodedUnit unit : test::encodeSequence(VideoCodec::h264, kSize, 4, 4, "")) {

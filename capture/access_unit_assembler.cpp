@@ -1,5 +1,6 @@
 #include "capture/access_unit_assembler.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "capture/nal_units.hpp"
@@ -7,7 +8,8 @@
 namespace cartvo {
 
 void AccessUnitAssembler::add(const StreamFragment& fragment) {
-  if (fragment.data.empty()) return;
+  if (fragment.data.empty() || isRepeated(fragment)) return;
+  last_fragment_.assign(fragment.data.begin(), fragment.data.end());
   if (current_ && current_->pts == fragment.pts) {
     if (seems_complete_) refute();
     if (handed_out_) {  // too late for it; what follows cannot be trusted
@@ -36,6 +38,13 @@ std::optional<AssembledUnit> AccessUnitAssembler::take() {
   AssembledUnit unit = std::move(complete_.front());
   complete_.pop_front();
   return unit;
+}
+
+/// A network may deliver a packet twice, and FFmpeg drops a repeated one only if another came between the
+/// two. A fragment that stood twice in a picture would garble it, and the decoder need not notice.
+bool AccessUnitAssembler::isRepeated(const StreamFragment& fragment) const {
+  return current_ && current_->pts == fragment.pts && !fragment.data_lost &&
+         std::ranges::equal(fragment.data, last_fragment_);
 }
 
 void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {

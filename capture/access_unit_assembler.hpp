@@ -61,6 +61,7 @@ class AccessUnitAssembler {
   static constexpr int kPicturesToProve = 24;
   static constexpr std::size_t kLargestUnit = 16U << 20;  ///< bytes; beyond any camera's picture
 
+  bool isRepeated(const StreamFragment& fragment) const;
   void beginPicture(const StreamFragment& fragment);
   void append(const StreamFragment& fragment);
   void learnFromContinuation();
@@ -70,6 +71,7 @@ class AccessUnitAssembler {
   VideoCodec codec_;
   std::deque<AssembledUnit> complete_;
   std::optional<AssembledUnit> current_;
+  std::vector<std::uint8_t> last_fragment_;
   bool handed_out_ = false;  ///< the current picture was taken to be complete
 
   // The current picture as far as it is known.

@@ -25,7 +25,8 @@ Bytes startCode() {
 std::vector<Bytes> packets(std::uint8_t header, std::size_t payload, std::size_t fragment = kMtu - 2) {
   Bytes whole = startCode();
   whole.push_back(header);
-  whole.insert(whole.end(), payload, 0xaa);
+  for (std::size_t i = 0; i < payload; ++i)  // no two fragments alike, and no start code among them
+    whole.push_back(static_cast<std::uint8_t>(0x80U | (i * 31U + i / 128U + payload)));
   if (payload + 1 <= kMtu) return {whole};
   std::vector<Bytes> result;
   std::size_t begin = 0;
@@ -131,6 +132,21 @@ TEST(AccessUnitAssembler, CountsTheSlicesOfEachPicture) {
   const auto results = feeder.feed(picture(false, {800, 900, 700, 100}));
   ASSERT_EQ(results.size(), 1U);
   EXPECT_TRUE(results[0].early);
+}
+
+TEST(AccessUnitAssembler, APacketThatCameTwiceStandsInItsPictureOnce) {
+  Feeder feeder;
+  feeder.warmUp(40, {4000});
+  for (std::size_t repeated = 0; repeated < 3; ++repeated) {
+    std::vector<Bytes> fragments = picture(false, {4000});
+    const Bytes twice = fragments[repeated];
+    fragments.insert(fragments.begin() + static_cast<std::ptrdiff_t>(repeated), twice);
+    const auto results = feeder.feed(fragments);
+    ASSERT_EQ(results.size(), 1U) << repeated;
+    EXPECT_EQ(results[0].data.size(), 4005U) << repeated;
+    EXPECT_FALSE(results[0].data_lost) << repeated;
+  }
+  EXPECT_FALSE(feeder.feed(picture(false, {4000})).at(0).data_lost);
 }
 
 TEST(AccessUnitAssembler, VaryingSlicesAreNeverGuessed) {

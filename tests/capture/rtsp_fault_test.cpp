@@ -125,6 +125,20 @@ TEST(RtspFault, ReorderedPacketsArePutInOrder) {
   EXPECT_EQ(seen.wrong, 0);
 }
 
+TEST(RtspFault, PacketsThatComeTwiceGarbleNothing) {
+  CameraScript repeating = script(VideoCodec::h264);
+  auto random = std::make_shared<std::mt19937>(7);
+  repeating.link = [random](const auto& packet, const auto& send) {
+    send(packet);
+    if ((*random)() % 8 == 0) send(packet);
+  };
+  ScriptedCamera server(repeating);
+  RtspCamera camera(settingsFor(server, RtspTransport::udp));
+  const Seen seen = read(camera, 60, digestsOf(repeating));
+  EXPECT_EQ(seen.wrong, 0);
+  EXPECT_EQ(seen.damaged, 0);
+}
+
 TEST(RtspFault, JitterOfFiftyMillisecondsDelaysPicturesButNotTheirInstants) {
   CameraScript jittery = script(VideoCodec::h264);
   auto random = std::make_shared<std::mt19937>(7);

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # tests/system/boot_vm.sh [WORK-FOLDER]: the installed service under a real systemd. Makes a Debian 12 disk image with
 # the release build installed, boots it in QEMU (no KVM needed) and lets tests/system/in_vm.sh check there. Prints its
-# PASS and FAIL lines, and exits with 0 only if all of them passed. CARTVO_VM_CHECKS=v4l2: only those of V4L2 cameras,
-# in a third of the time. See tests/system/README.md.
+# PASS and FAIL lines, and exits with 0 only if all of them passed. CARTVO_VM_CHECKS=v4l2, netem or "v4l2 netem": only
+# those of V4L2 cameras, or of bad links, in a third of the time each. See tests/system/README.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 work=${1:-/var/tmp/cartvo-vm}
 root=$work/root
-longest=2400 # s, for all the checks; they take about ten minutes
+longest=3600 # s, for all the checks; they take about twenty minutes
 # What the cameras see: little, because an emulated processor is slow.
-content=(--world stop_and_go --seconds 12 --size 240x148 --frame-rate 3)
+# Few packets a picture, so that some come through whole where one in twenty is lost.
+content=(--world stop_and_go --seconds 12 --size 240x148 --frame-rate 3 --bitrate-kbps 200)
 mkdir -p "$work"
 
 for program in debootstrap qemu-system-x86_64 mke2fs; do
@@ -23,7 +24,7 @@ done
 build_programs() {
   tools/setup
   cmake --preset release >"$work/build.log"
-  cmake --build --preset release --target cartvod --target cartvo >>"$work/build.log"
+  cmake --build --preset release --target cartvod --target cartvo --target cartvo_capture_link_tests >>"$work/build.log"
 }
 
 packages_of() { # the Debian packages that own the shared libraries of the programs
@@ -50,6 +51,7 @@ install_cartvo() { # as the README says; nothing is left of an earlier run
 
 install_check() {
   install -m 755 tests/system/in_vm.sh "$root/usr/local/bin/in_vm.sh"
+  install -m 755 build/release/tests/capture/cartvo_capture_link_tests "$root/usr/local/bin/cartvo_capture_link_tests"
   install -m 644 tests/system/in-vm.service "$root/etc/systemd/system/in-vm.service"
   ln -sf ../in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"
   # A getty would hang up the serial line under the console.

@@ -151,6 +151,40 @@ v4l2_checks() {
   use_ip_cameras
 }
 
+# --- links that lose, reorder and delay: the kernel's netem
+
+bad_link() { # bad_link NETEM...: of loopback, but for LCM's messages
+  good_link
+  tc qdisc add dev lo root handle 1: prio bands 2 priomap 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 &&
+    tc filter add dev lo parent 1: protocol ip prio 1 u32 match ip dst 239.255.76.67/32 flowid 1:1 &&
+    tc qdisc add dev lo parent 1:2 handle 20: netem "$@"
+}
+good_link() { tc qdisc delete dev lo root 2>/dev/null; }
+capture_bears_bad_links() { # not one of its tests may be skipped
+  unshare --net sh -c 'ip link set lo up && exec cartvo_capture_link_tests' >"$state/links" 2>&1
+  local status=$?
+  grep -E '^(loss|delay|duplicate)|Failure|^\[ .*(FAILED|SKIPPED|PASSED)' "$state/links" | sed 's/^/     | /'
+  [ $status -eq 0 ] && ! grep SKIPPED "$state/links" >/dev/null
+}
+netem_checks() { # with the cameras on
+  check "netem: pairs go on over UDP, none with a damaged picture" capture_bears_bad_links
+  sed -i 's|^  transport: tcp$|  transport: udp|' $configuration
+  mark
+  systemctl restart --no-block cartvod
+  check "netem: odometry over UDP" await 150 said '^odometry is valid'
+  local process link
+  process=$(pid)
+  for link in 'loss 0.1%' 'loss 1%' 'loss 5%' 'delay 10ms reorder 25% 50%' 'delay 50ms 50ms'; do
+    # shellcheck disable=SC2086  # its words
+    check "netem: a link with $link" bad_link $link
+    check "netem: valid odometry goes on" heard 60 valid -ge 3
+  done
+  good_link
+  check "netem: all that by the same process" is MainPID "$process"
+  systemctl stop cartvod
+  sed -i 's|^  transport: udp$|  transport: tcp|' $configuration
+}
+
 # --- where a password could have got to
 
 places_of() { # places_of FILE: names the places where the password in it can be read
@@ -285,6 +319,7 @@ check "one camera's cable pulled: INVALID, no pair" heard 15 no_pair -gt 20 vali
   sed -i 's|^  level: debug$|  level: info|' $configuration
   systemctl stop cartvod
 
+  netem_checks
   v4l2_checks
 
   ip route delete 239.255.76.67/32 dev lo
@@ -320,9 +355,17 @@ finish() {
 
 if [ ! -e "$state/second" ]; then
   say "first boot, systemd $(systemctl --version | sed -n 's/^systemd \([0-9]*\).*/\1/p'), Linux $(uname -r)"
-  if [ "$(cat $simulation/checks)" = v4l2 ]; then
+  checks=$(cat $simulation/checks)
+  if [ "$checks" != all ]; then
     check "systemd-sysusers makes the service's own user" made_its_user
-    v4l2_checks
+    mark
+    if [[ $checks == *netem* ]]; then
+      check "the steps of cartvod(8) set it up" set_up
+      check "the cameras serve" cameras_on
+      netem_checks
+      cameras_off
+    fi
+    [[ $checks != *v4l2* ]] || v4l2_checks
     journalctl --no-pager -o short-precise -u 'cartv*' -u cameras >/dev/ttyS2
     finish
     exit

@@ -50,7 +50,9 @@ show() { systemctl show --value -p "$1" cartvod; }
 is() { [ "$(show "$1")" = "$2" ]; }
 pid() { show MainPID; }
 is_active() { is ActiveState active; }
-mark() { journal_mark=$(journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p'); }
+mark() { # with -n 0 there is sometimes no cursor
+  until journal_mark=$(journalctl -n 1 -o cat --show-cursor | sed -n 's/^-- cursor: //p') && [ -n "$journal_mark" ]; do sleep 1; done
+}
 journal() { journalctl -u cartvod --after-cursor="$journal_mark" --no-pager "$@"; }
 said() { journal -o cat | grep -E "$1" >/dev/null; } # since the mark; not grep -q, which would break journalctl's pipe
 is_ready_again() { [ "$(pid)" != "$1" ] && [ "$(show NRestarts)" -gt "$2" ] && is_active; } # PID NRESTARTS: before

@@ -81,6 +81,11 @@ class RecordingCommand : public testing::Test {
     return test::runCartvo("recording " + action + " " + (folder_ / "drive").string() + " " + options);
   }
 
+  nlohmann::json told(const std::string& action) const {
+    return nlohmann::json::parse(
+        test::pipeCartvo("recording " + action + " " + (folder_ / "drive").string() + " --json").said);
+  }
+
   test::TemporaryFolder folder_;
 };
 
@@ -90,7 +95,7 @@ TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
   EXPECT_THAT(text.said,
               AllOf(HasSubstr("format 2, by cartvo " CARTVO_VERSION), HasSubstr("2.0 s in 1 segments"),
                     HasSubstr("160x96"), HasSubstr("H.264"), HasSubstr("arrival 100 %")));
-  const auto json = nlohmann::json::parse(run("info", "--json").said);
+  const nlohmann::json json = told("info");
   EXPECT_EQ(json["left"]["pictures"], 40);
   EXPECT_EQ(json["left"]["missed"], 0);
   EXPECT_EQ(json["right"]["pictures"], 39);
@@ -103,7 +108,7 @@ TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
 
 TEST_F(RecordingCommand, InfoSaysThatARecordingWasCutOffAndWhatThatCostAtMost) {
   EXPECT_THAT(run("info", "").said, Not(HasSubstr("NOT ENDED")));
-  EXPECT_TRUE(nlohmann::json::parse(run("info", "--json").said)["unended"].empty());
+  EXPECT_TRUE(told("info")["unended"].empty());
 
   const std::string cut = (folder_ / "cut").string();
   const pid_t child = fork();
@@ -143,7 +148,7 @@ TEST_F(RecordingCommand, VerifyTellsAWholeRecordingFromADamagedOne) {
   EXPECT_EQ(damaged.exit_code, 1);
   EXPECT_THAT(damaged.said,
               AllOf(HasSubstr("000000/right.mkv is damaged or cut short"), HasSubstr("DAMAGED")));
-  const auto json = nlohmann::json::parse(run("verify", "--json").said);
+  const nlohmann::json json = told("verify");
   EXPECT_EQ(json["whole"], false);
   EXPECT_EQ(json["left"]["lost"], 0);
   EXPECT_GT(json["right"]["lost"], 0);

@@ -12,12 +12,11 @@ namespace cartvo::test {
 
 struct Finished {
   int exit_code = -1;
-  std::string said;  ///< on both outputs
+  std::string said;
 };
 
-/// Runs the built `cartvo` as people do, through the shell.
-inline Finished runCartvo(const std::string& arguments) {
-  const std::string command = cartvoProgram().string() + " " + arguments + " 2>&1";
+/// Runs a command as people do, through the shell.
+inline Finished runCommand(const std::string& command) {
   Finished run;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return run;
@@ -27,6 +26,16 @@ inline Finished runCartvo(const std::string& arguments) {
   const int status = pclose(pipe);
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return run;
+}
+
+/// Runs the built `cartvo`, and hears both its outputs.
+inline Finished runCartvo(const std::string& arguments) {
+  return runCommand(cartvoProgram().string() + " " + arguments + " 2>&1");
+}
+
+/// The same for programs, which read its standard output: how far it has come is told on the other.
+inline Finished pipeCartvo(const std::string& arguments) {
+  return runCommand(cartvoProgram().string() + " " + arguments + " 2>/dev/null");
 }
 
 }  // namespace cartvo::test

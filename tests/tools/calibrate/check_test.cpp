@@ -93,7 +93,7 @@ TEST(CalibrateCheckCommand, TakesAFolderOfPairs) {
                 .exit_code,
             0);
   const test::Finished run =
-      test::runCartvo("calibrate check " + rig + " " + folder.string() + " --pairs 3 --json 2>/dev/null");
+      test::pipeCartvo("calibrate check " + rig + " " + folder.string() + " --pairs 3 --json");
   ASSERT_EQ(run.exit_code, 0) << run.said;
   EXPECT_EQ(nlohmann::json::parse(run.said)["pairs"], 3);
 }

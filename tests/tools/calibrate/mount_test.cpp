@@ -144,8 +144,8 @@ TEST(CalibrateMountCommand, FindsTheMountOfARenderedCart) {
   rig.T_body_camera = forwardLookingMount();
   writeRig(folder / "drive/rig.yaml", rig);
   const test::Finished run =
-      test::runCartvo("calibrate mount " + (folder / "drive").string() + " --forward 1.55 --json --output " +
-                      (folder / "out.yaml").string() + " 2>/dev/null");
+      test::pipeCartvo("calibrate mount " + (folder / "drive").string() + " --forward 1.55 --json --output " +
+                       (folder / "out.yaml").string());
   ASSERT_EQ(run.exit_code, 0) << run.said;
   const auto report = nlohmann::json::parse(run.said);
   EXPECT_NEAR(report["height_m"]["value"].get<double>(), 1.9, 0.03) << run.said;

@@ -268,10 +268,17 @@ std::vector<PartOffset> offsetsOfParts(const ImageMotion& left, const ImageMotio
   const double period = medianStep(right.times);
   const double duration = right.times.back() - right.times.front();
   const double reach = 2.0 * period + 0.5 * kMostSkew * duration;
+  // What the left camera did not see while all shifts are tried says nothing.
+  const auto seen_by_both = [&](double time) {
+    return path.covers(time + around - reach) && path.covers(time + around + reach);
+  };
   std::vector<PartOffset> parts;
+  const std::size_t pictures = right.times.size();
   std::size_t first = 0;
-  for (std::size_t i = 1; i < right.times.size(); ++i) {
-    const bool is_last = i + 1 == right.times.size();
+  while (first < pictures && !seen_by_both(right.times[first]))
+    ++first;
+  for (std::size_t i = first + 1; i < pictures && seen_by_both(right.times[i]); ++i) {
+    const bool is_last = i + 1 == pictures || !seen_by_both(right.times[i + 1]);
     const double length = right.times[i] - right.times[first];
     if (length < kPart && !is_last) continue;
     if (length >= kLeastOverlap) {

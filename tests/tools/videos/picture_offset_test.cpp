@@ -86,6 +86,17 @@ TEST(PictureOffset, IsFoundFarBelowAFramesDuration) {
   }
 }
 
+TEST(PictureOffset, IsFoundOfShortVideosThatBeginOrEndTogether) {
+  const Drive drive(1);
+  const auto path = [&](double time) { return drive.at(time); };
+  const ImageMotion left = filmed(path, {.begin = 20.0, .duration = 20.0, .frame_rate = 18.0}, 1);
+  for (const double begin : {20.0, 21.4}) {
+    const ImageMotion right =
+        filmed(path, {.begin = begin, .duration = 40.0 - begin, .frame_rate = 18.0, .shift = begin}, 2);
+    EXPECT_NEAR(findOffset(left, right).offset, begin, 2e-3);
+  }
+}
+
 TEST(PictureOffset, FollowsAClockThatRunsFast) {
   const Drive drive(2);
   const auto path = [&](double time) { return drive.at(time); };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <random>
 #include <set>
@@ -255,21 +256,35 @@ TEST(RtspFault, AFrozenPictureIsNoticedThoughPacketsFlow) {
       camera, [&](ReadOutcome, const Frame&) { return camera.health().state == CameraState::streaming; }));
 }
 
-TEST(RtspFault, AClockThatIsSetByAnHourMovesNoExposure) {
-  CameraScript stepping = script(VideoCodec::h264);
-  stepping.clock_error = [](double time) { return time < 2.0 ? 0.0 : 3600.0; };
-  ScriptedCamera server(stepping);
+/// Reads a camera whose time of day errs by `clock_error` (as CameraScript's), until `done` says so of what
+/// is known of it and of the frames that came.
+void expectSteadyExposures(const std::function<double(double)>& clock_error,
+                           const std::function<bool(const ClockStatus::Camera&, int)>& done) {
+  CameraScript erring = script(VideoCodec::h264);
+  erring.clock_error = clock_error;
+  ScriptedCamera server(erring);
   PairClock clock(ClockChoice::automatic);
   RtspCamera camera(settingsFor(server, RtspTransport::tcp));
   camera.share(clock, CameraSide::left);
   std::int64_t last = 0;
+  int frames = 0;
   EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
     if (outcome != ReadOutcome::frame) return false;
     EXPECT_GT(frame.exposure_ns, last);
     EXPECT_LT(std::abs(frame.exposure_ns - frame.arrival_ns), 2'000'000'000);
     last = frame.exposure_ns;
-    return clock.status().cameras[0].steps > 0;
+    return done(clock.status().cameras[0], ++frames);
   }));
+}
+
+TEST(RtspFault, AClockThatIsSetByAnHourMovesNoExposure) {
+  expectSteadyExposures([](double time) { return time < 2.0 ? 0.0 : 3600.0; },
+                        [](const ClockStatus::Camera& camera, int) { return camera.steps > 0; });
+}
+
+TEST(RtspFault, AReportThatIsWrongByAnHourMovesNoExposure) {
+  expectSteadyExposures([](double time) { return time < 1.0 || time > 1.3 ? 0.0 : 3600.0; },
+                        [](const ClockStatus::Camera&, int frames) { return frames == 75; });
 }
 
 TEST(RtspFault, SaysThatAHostWhoseQueueIsFullDoesNotAnswer) {

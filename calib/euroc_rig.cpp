@@ -51,8 +51,7 @@ Rig readEurocRig(const std::filesystem::path& left_sensor, const std::filesystem
   rig.left = left.model;
   rig.right = right.model;
   rig.T_right_left = right.T_BS.inverse() * left.T_BS;
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, right_sensor);
+  return importedRig(rig, right_sensor);
 }
 
 EurocText eurocText(const Rig& rig) {

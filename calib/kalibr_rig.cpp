@@ -52,8 +52,7 @@ Rig kalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   rig.left = readCamera(yaml["cam0"]);
   rig.right = readCamera(yaml["cam1"]);
   rig.T_right_left = transformFrom(yaml["cam1"]["T_cn_cnm1"].numbers(16), yaml["cam1"]["T_cn_cnm1"]);
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, name);
+  return importedRig(rig, name);
 }
 
 std::string kalibrText(const Rig& rig) {

@@ -68,8 +68,7 @@ Rig readKittiRig(const std::filesystem::path& calibration, cv::Size image_size) 
   const double centre_left = projections.at("P0")[3] / rig.left.fx;
   const double centre_right = projections.at("P1")[3] / rig.right.fx;
   rig.T_right_left.translation().x() = centre_right - centre_left;
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, calibration);
+  return importedRig(rig, calibration);
 }
 
 bool isKittiRig(const Rig& rig) {

@@ -83,8 +83,7 @@ Rig matlabRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   const std::vector<double> t = yaml["TranslationOfCamera2"].numbers(3);
   rig.T_right_left.translation() =
       metresPerUnit(yaml["CameraParameters1"]) * Eigen::Vector3d(t[0], t[1], t[2]);
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, name);
+  return importedRig(rig, name);
 }
 
 std::string matlabText(const Rig& rig) {

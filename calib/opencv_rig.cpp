@@ -51,8 +51,7 @@ Rig openCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   rig.T_right_left.linear() = rotationFrom(readMatrix(yaml["R"], 9), yaml["R"]);
   const std::vector<double> T = readMatrix(yaml["T"], 3);
   rig.T_right_left.translation() = Eigen::Vector3d(T[0], T[1], T[2]);
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, name);
+  return importedRig(rig, name);
 }
 
 std::string openCvText(const Rig& rig) {

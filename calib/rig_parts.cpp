@@ -17,7 +17,8 @@ std::vector<double> rowByRow(const Eigen::Matrix<double, N, N>& matrix) {
 
 }  // namespace
 
-Rig validatedRig(const Rig& rig, const std::filesystem::path& file) {
+Rig importedRig(Rig rig, const std::filesystem::path& file) {
+  rig.T_body_camera = forwardLookingMount();
   try {
     validateRig(rig);
   } catch (const std::invalid_argument& error) {

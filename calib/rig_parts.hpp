@@ -15,8 +15,9 @@ namespace cartvo {
 // What the files of other tools have in common: parts of a rig read from and written as YAML. All readers
 // throw std::runtime_error naming file, line, key and what was expected.
 
-/// Other formats have no rules of their own: what they hold is checked as a rig, under the file's name.
-Rig validatedRig(const Rig& rig, const std::filesystem::path& file);
+/// What a file of another tool holds, as a rig: it knows of no cart, so the camera looks forward; and it has
+/// no rules of its own, so it is checked as a rig is, under the file's name.
+Rig importedRig(Rig rig, const std::filesystem::path& file);
 
 /// Two sides, [width, height] but in MATLAB.
 cv::Size readImageSize(const StrictYaml& yaml);

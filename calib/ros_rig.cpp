@@ -97,8 +97,7 @@ Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::pa
   const Eigen::Matrix3d R_right_rectified = right.R_rectified_camera.transpose();
   rig.T_right_left.linear() = R_right_rectified * left.R_rectified_camera;
   rig.T_right_left.translation() = R_right_rectified * Eigen::Vector3d(left.centre - right.centre, 0.0, 0.0);
-  rig.T_body_camera = forwardLookingMount();
-  return validatedRig(rig, right_file);
+  return importedRig(rig, right_file);
 }
 
 RosText rosText(const Rig& rig) {

@@ -106,6 +106,12 @@ TEST_P(Loss, DamagesFramesUpToTheNextKeyFrameAndNoneIsCalledGoodThatIsNot) {
 
 INSTANTIATE_TEST_SUITE_P(RtspFault, Loss, testing::Values(0.001, 0.01, 0.05));
 
+Seen seenOverUdp(const CameraScript& script) {
+  ScriptedCamera server(script);
+  RtspCamera camera(settingsFor(server, RtspTransport::udp));
+  return read(camera, 60, digestsOf(script));
+}
+
 TEST(RtspFault, ReorderedPacketsArePutInOrder) {
   CameraScript reordering = script(VideoCodec::h264);
   auto held = std::make_shared<CameraScript::Packet>();
@@ -119,9 +125,7 @@ TEST(RtspFault, ReorderedPacketsArePutInOrder) {
     if (!held->empty()) send(*held);
     held->clear();
   };
-  ScriptedCamera server(reordering);
-  RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  const Seen seen = read(camera, 60, digestsOf(reordering));
+  const Seen seen = seenOverUdp(reordering);
   EXPECT_EQ(seen.damaged, 0);
   EXPECT_EQ(seen.wrong, 0);
 }
@@ -133,9 +137,7 @@ TEST(RtspFault, PacketsThatComeTwiceGarbleNothing) {
     send(packet);
     if ((*random)() % 8 == 0) send(packet);
   };
-  ScriptedCamera server(repeating);
-  RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  const Seen seen = read(camera, 60, digestsOf(repeating));
+  const Seen seen = seenOverUdp(repeating);
   EXPECT_EQ(seen.wrong, 0);
   EXPECT_EQ(seen.damaged, 0);
 }

@@ -10,7 +10,8 @@
 #include "tools/benchmark/offset_benchmark.hpp"
 #include "tools/benchmark/offset_plot.hpp"
 #include "tools/benchmark/offset_report.hpp"
-#include "tools/benchmark/tiny_world.hpp"
+#include "tools/benchmark/silent.hpp"
+#include "tools/world/tiny_world.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -14,9 +14,10 @@
 #include "tools/benchmark/encoded_source.hpp"
 #include "tools/benchmark/feature_counts.hpp"
 #include "tools/benchmark/sequence.hpp"
+#include "tools/benchmark/silent.hpp"
 #include "tools/benchmark/stage_times.hpp"
-#include "tools/benchmark/tiny_world.hpp"
 #include "tools/simulate/sequence_content.hpp"
+#include "tools/world/tiny_world.hpp"
 
 namespace cartvo::benchmark {
 namespace {

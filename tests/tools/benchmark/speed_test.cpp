@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.hpp"
+#include "tools/benchmark/silent.hpp"
 #include "tools/benchmark/speed_benchmark.hpp"
 #include "tools/benchmark/speed_report.hpp"
-#include "tools/benchmark/tiny_world.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -15,6 +15,7 @@
 #include "tools/run_cartvo.hpp"
 #include "tools/simulate/content_files.hpp"
 #include "tools/world/rendered_world.hpp"
+#include "tools/world/tiny_world.hpp"
 
 namespace cartvo::calibrate {
 namespace {
@@ -129,13 +130,8 @@ TEST(Mount, WithoutGroundIsRefused) {
 
 /// The whole way: a rendered drive, whose rig file says nothing of the mount.
 TEST(CalibrateMountCommand, FindsTheMountOfARenderedCart) {
-  world::WorldSettings settings;
-  settings.image_size = {340, 210};
-  settings.focal_length = 240.0;
-  settings.frame_rate = 9.0;
-  settings.lead_in_seconds = 0.0;
+  world::WorldSettings settings = test::tinyWorld();
   settings.seconds = 4.0;
-  settings.edge_samples = 0;
   const world::RenderedWorld world(settings);
   const test::TemporaryFolder folder;
   simulate::renderFolder(folder / "drive", world, [](int, int) {});

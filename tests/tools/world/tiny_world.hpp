@@ -1,6 +1,5 @@
 #pragma once
 
-#include "tools/benchmark/accuracy_benchmark.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::test {
@@ -15,10 +14,6 @@ inline world::WorldSettings tinyWorld() {
   settings.seconds = 0.7;
   settings.edge_samples = 0;
   return settings;
-}
-
-inline benchmark::WorkObserver silent() {
-  return {[](const std::string&) {}, [](int, int) {}};
 }
 
 }  // namespace cartvo::test

@@ -1,0 +1,70 @@
+#include "capture/recording_index.hpp"
+
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace cartvo {
+namespace {
+
+TEST(RecordingIndex, ARowSurvivesTheRoundTrip) {
+  IndexRow row;
+  row.number = 7;
+  row.time_ms = 350;
+  row.order = 15;
+  row.connection = 2;
+  row.sequence = 9;
+  row.pts = 40500;
+  row.reference_us = 1'700'000'000'123'456;
+  row.first_arrival_ns = 1'700'000'000'200'000'001;
+  row.arrival_ns = 1'700'000'000'210'000'001;
+  row.undelayed_arrival_ns = 1'700'000'000'199'000'001;
+  row.exposure_ns = 1'700'000'000'123'456'789;
+  row.exposure_deviation_ns = 1'000'000;
+  row.instant_source = InstantSource::sender_report;
+  row.size = 4711;
+  row.checksum = 0xdeadbeef;
+  row.key = true;
+  row.data_lost = true;
+  row.status = FrameStatus::damaged;
+  const std::string text = toText(row);
+  const std::optional<IndexRow> read = parseIndexRow(text);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(toText(*read), text);
+  EXPECT_EQ(read->status, FrameStatus::damaged);
+  row.reference_us.reset();
+  ASSERT_TRUE(parseIndexRow(toText(row)));
+  EXPECT_EQ(parseIndexRow(toText(row))->reference_us, std::nullopt);
+}
+
+TEST(RecordingIndex, ALineThatIsNotAsItWasWrittenIsNoRow) {
+  const std::string text = toText(IndexRow{});
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string changed = text;
+    changed[i] = changed[i] == '7' ? '8' : '7';
+    EXPECT_FALSE(parseIndexRow(changed)) << changed;
+  }
+  EXPECT_FALSE(parseIndexRow("1,2,3"));
+  EXPECT_FALSE(parseIndexRow(""));
+}
+
+TEST(RecordingIndex, ALineWithTimesThatCannotBeIsNoRow) {
+  IndexRow row;
+  ASSERT_TRUE(parseIndexRow(toText(row)));
+  for (std::int64_t IndexRow::*const member :
+       {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::undelayed_arrival_ns,
+        &IndexRow::exposure_ns, &IndexRow::exposure_deviation_ns, &IndexRow::time_ms}) {
+    IndexRow impossible = row;
+    // -2^62 and 2^62 are too far apart for a difference.
+    for (const std::int64_t instant : {INT64_MAX, INT64_MIN, -(std::int64_t{1} << 62)}) {
+      impossible.*member = instant;
+      EXPECT_FALSE(parseIndexRow(toText(impossible))) << instant;
+    }
+  }
+  row.reference_us = INT64_MAX;
+  EXPECT_FALSE(parseIndexRow(toText(row)));
+}
+
+}  // namespace
+}  // namespace cartvo

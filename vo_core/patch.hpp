@@ -6,17 +6,7 @@
 #include <cstring>
 
 #include "vo_core/image_pyramid.hpp"
-
-// The inner loops on patches are compiled twice, for any processor and for AVX2; which one runs is found out
-// at the start. What they call is inlined (flatten), else it would stay as it is. Both do the same operations
-// in the same order (sums have eight fixed lanes, and without FMA nothing is contracted), so that the results
-// are the same bits. Sanitizers cannot stand the choice at start.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define CARTVO_VECTOR_CLONES __attribute__((flatten, target_clones("avx2", "default")))
-#else
-#define CARTVO_VECTOR_CLONES
-#endif
+#include "vo_core/vector_clones.hpp"
 
 namespace cartvo {
 

@@ -1,9 +1,9 @@
 // The last step of tracking: the patch may stretch and shear.
 #include "vo_core/affine_alignment.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vo_core/patch.hpp"
@@ -19,13 +19,14 @@ constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
 constexpr int kParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;
-constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
-constexpr double kMaximumMove = 3.0;     // px from the start
-constexpr int kPatience = 2;             // iterations after which a patch that is still hopeless is given up
-constexpr double kHopeless = 0.5;        // correlation
-constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
+constexpr double kMaximumStretch = 0.6;                   // of any element of the warp against the identity
+constexpr double kMaximumMove = 3.0;                      // px from the start
+constexpr double kShiftShare = 0.5, kStretchShare = 3.0;  // of the step that ends the iterations
+constexpr int kPatience = 2;            // iterations after which a patch that is still hopeless is given up
+constexpr double kHopeless = 0.5;       // correlation
+constexpr double kMinimumPivot = 1e-4;  // relative, of the normal matrix
 using Values = Patch<kSide, kRows>;
-constexpr int kBlocks = Values::kBlocks;
+static_assert(Values::kBlocks == 1, "a row is one vector of lanes");
 
 /// The warp's parameters: shift x, y, then the warp's elements xx, xy, yx, yy, scaled by the patch's half
 /// side so that all six are pixels.
@@ -79,68 +80,125 @@ struct Comparison {
   Parameters right_side;  // of the normal equations
 };
 
+/// Sums over the patch of something times 1 or the scaled row offset, column by column.
+struct ColumnSums {
+  Lanes one{}, y{};
+
+  void add(const Lanes& lanes, float offset_y) {
+    one += lanes;
+    y += lanes * offset_y;
+  }
+};
+
+/// Sums of the six derivatives, in the order of the parameters, from those of the gradients.
+void slopeSums(const ColumnSums& along_x, const ColumnSums& along_y, Parameters& sums) {
+  const Lanes& ramp = kRamp.offset.lanes(0, 0);
+  const Lanes x_by_x = along_x.one * ramp, y_by_x = along_y.one * ramp;
+  std::array<double, 4> first, second;
+  sumsOf(along_x.one, along_y.one, x_by_x, along_x.y, first.data());
+  sumsOf(y_by_x, along_y.y, y_by_x, along_y.y, second.data());
+  sums << first[0], first[1], first[2], first[3], second[0], second[1];
+}
+
+/// Sums of the six derivatives times some values.
+void slopeProducts(const Template& patch, const Values& values, Parameters& sums) {
+  ColumnSums along_x, along_y;
+  for (int row = 0; row < kRows; ++row) {
+    const float offset_y = scaledRowOffset(row);
+    along_x.add(patch.gradient_x.lanes(row, 0) * values.lanes(row, 0), offset_y);
+    along_y.add(patch.gradient_y.lanes(row, 0) * values.lanes(row, 0), offset_y);
+  }
+  slopeSums(along_x, along_y, sums);
+}
+
+/// Grey values and gradients, zero in the padding, and the sums of derivatives.
+template <typename Processor>
+void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
+  sampleGradients<Processor, kRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
+  out.mean = removeMean(out.grey);
+  out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
+  ColumnSums along_x, along_y;
+  for (int row = 0; row < kRows; ++row) {
+    along_x.add(out.gradient_x.lanes(row, 0), scaledRowOffset(row));
+    along_y.add(out.gradient_y.lanes(row, 0), scaledRowOffset(row));
+  }
+  slopeSums(along_x, along_y, out.slope_sums);
+  slopeProducts(out, out.grey, out.slope_greys);
+}
+
 /// Sums over the patch of a b (1, x, y, x^2, x y, y^2), x and y being the scaled offsets.
 struct Moments {
   double one, x, y, xx, xy, yy;
 };
 void momentsOf(const Values& a, const Values& b, Moments& moments) {
-  Lanes one{}, x{}, y{}, xx{}, xy{}, yy{};
+  Lanes one{}, y{}, yy{};
   for (int row = 0; row < kRows; ++row) {
     const float offset_y = scaledRowOffset(row);
-    for (int block = 0; block < kBlocks; ++block) {
-      const Lanes& offset_x = kRamp.offset.lanes(0, block);
-      const Lanes product = a.lanes(row, block) * b.lanes(row, block);
-      const Lanes by_x = product * offset_x;
-      one += product;
-      x += by_x;
-      y += product * offset_y;
-      xx += by_x * offset_x;
-      xy += by_x * offset_y;
-      yy += product * (offset_y * offset_y);
-    }
+    const Lanes product = a.lanes(row, 0) * b.lanes(row, 0);
+    one += product;
+    y += product * offset_y;
+    yy += product * (offset_y * offset_y);
   }
-  moments = {sumOf(one), sumOf(x), sumOf(y), sumOf(xx), sumOf(xy), sumOf(yy)};
+  const Lanes& ramp = kRamp.offset.lanes(0, 0);
+  const Lanes x = one * ramp, xx = x * ramp, xy = y * ramp;
+  std::array<double, 4> first, second;
+  sumsOf(one, x, y, xx, first.data());
+  sumsOf(xy, yy, xy, yy, second.data());
+  moments = {first[0], first[1], first[2], first[3], second[0], second[1]};
 }
 
-/// Sums of the six derivatives times some values.
-void slopeSums(const Template& patch, const Values& values, Parameters& sums) {
-  Lanes x{}, x_by_x{}, x_by_y{}, y{}, y_by_x{}, y_by_y{};
-  for (int row = 0; row < kRows; ++row) {
-    const float offset_y = scaledRowOffset(row);
-    for (int block = 0; block < kBlocks; ++block) {
-      const Lanes& offset_x = kRamp.offset.lanes(0, block);
-      const Lanes along_x = patch.gradient_x.lanes(row, block) * values.lanes(row, block);
-      const Lanes along_y = patch.gradient_y.lanes(row, block) * values.lanes(row, block);
-      x += along_x;
-      x_by_x += along_x * offset_x;
-      x_by_y += along_x * offset_y;
-      y += along_y;
-      y_by_x += along_y * offset_x;
-      y_by_y += along_y * offset_y;
-    }
-  }
-  sums << sumOf(x), sumOf(y), sumOf(x_by_x), sumOf(x_by_y), sumOf(y_by_x), sumOf(y_by_y);
-}
-
-/// Grey values and gradients, zero in the padding.
-void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Template& out) {
-  sampleGradients<kRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
-  out.mean = removeMean(out.grey);
-  out.norm = std::sqrt(sumOfProducts(out.grey, out.grey));
-}
-
-/// Inverts the upper left corner, column by column: Eigen solves for a whole matrix by a routine for large
-/// ones. False if it is nearly singular.
+/// Inverts the upper left corner by L D L^T, written out: Eigen solves for each column anew. False if it is
+/// nearly singular.
 template <int Size>
 bool invert(const ParameterMatrix& matrix, ParameterMatrix& inverse) {
-  using Corner = Eigen::Matrix<double, Size, Size>;
-  const Eigen::LLT<Corner> factor(matrix.topLeftCorner<Size, Size>());
-  if (factor.info() != Eigen::Success) return false;
-  const auto pivots = factor.matrixLLT().diagonal().array().square();
-  if (!(pivots.minCoeff() > kMinimumPivot * pivots.maxCoeff())) return false;
-  for (int column = 0; column < Size; ++column) {
-    const Eigen::Matrix<double, Size, 1> unit = Eigen::Matrix<double, Size, 1>::Unit(column);
-    inverse.col(column).head<Size>() = factor.solve(unit);
+  double lower[Size][Size];  // L without its diagonal of ones, then its inverse
+  double pivot_inverse[Size];
+  double least = 0.0, most = 0.0;
+#pragma GCC unroll 6
+  for (int j = 0; j < Size; ++j) {
+    double scaled[Size];  // the row of L times D
+    double pivot = matrix(j, j);
+#pragma GCC unroll 6
+    for (int k = 0; k < j; ++k) {
+      scaled[k] = lower[j][k];
+      lower[j][k] *= pivot_inverse[k];
+      pivot -= scaled[k] * lower[j][k];
+    }
+    least = j == 0 ? pivot : std::min(least, pivot);
+    most = std::max(most, pivot);
+    pivot_inverse[j] = 1.0 / pivot;
+    // The column below, times its pivot.
+#pragma GCC unroll 6
+    for (int i = j + 1; i < Size; ++i) {
+      double element = matrix(i, j);
+#pragma GCC unroll 6
+      for (int k = 0; k < j; ++k)
+        element -= lower[i][k] * lower[j][k];
+      lower[i][j] = element;
+    }
+  }
+  if (!(least > kMinimumPivot * most)) return false;
+#pragma GCC unroll 6
+  for (int j = 0; j < Size; ++j) {
+#pragma GCC unroll 6
+    for (int i = j + 1; i < Size; ++i) {
+      double element = -lower[i][j];
+#pragma GCC unroll 6
+      for (int k = j + 1; k < i; ++k)
+        element -= lower[i][k] * lower[k][j];
+      lower[i][j] = element;
+    }
+  }
+#pragma GCC unroll 6
+  for (int i = 0; i < Size; ++i) {
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) {
+      double element = (i == j ? 1.0 : lower[i][j]) * pivot_inverse[i];
+#pragma GCC unroll 6
+      for (int k = i + 1; k < Size; ++k)
+        element += lower[k][i] * lower[k][j] * pivot_inverse[k];
+      inverse(i, j) = inverse(j, i) = element;
+    }
   }
   return true;
 }
@@ -159,7 +217,7 @@ bool invertHessian(WarpModel model, Template& out) {
       p.y, q.y, p.xy, p.yy, q.xy, q.yy,         //
       q.x, r.x, q.xx, q.xy, r.xx, r.xy,         //
       q.y, r.y, q.xy, q.yy, r.xy, r.yy;
-  hessian -= out.slope_sums * out.slope_sums.transpose() / Values::kSize;
+  hessian.noalias() -= out.slope_sums * (out.slope_sums / Values::kSize).transpose();
   if (model == WarpModel::stereo) {
     out.inverse.setZero();
     return invert<kStereoParameters>(hessian, out.inverse);
@@ -167,19 +225,49 @@ bool invertHessian(WarpModel model, Template& out) {
   return invert<kParameters>(hessian, out.inverse);
 }
 
-bool makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, WarpModel model, Template& out) {
-  sampleTemplate(level, centre, out);
-  Values ones;
-  for (int y = 0; y < kRows; ++y)
-    for (int block = 0; block < kBlocks; ++block)
-      ones.lanes(y, block) = kMask.lanes(0, block);
-  slopeSums(out, ones, out.slope_sums);
-  slopeSums(out, out.grey, out.slope_greys);
-  return invertHessian(model, out);
+/// Of sixteen pixels in a row of the patch the bytes at them, right of them, below them and below to the
+/// right, lowest first. `offset`: of the pixels from `corner`; the last one's is not used.
+void fetchQuads(const std::uint8_t* corner, std::ptrdiff_t stride, const IntLanes& offset, IntLanes& quads) {
+  alignas(64) std::int32_t from[kLanes];
+  alignas(64) std::uint32_t fetched[kLanes];
+  std::memcpy(from, &offset, sizeof from);
+  for (int x = 0; x < kSide; ++x) {
+    std::uint16_t above, below;
+    std::memcpy(&above, corner + from[x], sizeof above);
+    std::memcpy(&below, corner + from[x] + stride, sizeof below);
+    fetched[x] = above | static_cast<std::uint32_t>(below) << 16;
+    asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
+  }
+  fetched[kSide] = 0;
+  std::memcpy(&quads, fetched, sizeof quads);
 }
 
-/// Samples the level under the warp, by bilinear interpolation, in three passes: where, which pixels, what.
-/// In between the numbers lie in memory, so that all but the gathering is done in lanes.
+/// The same from four rows of 32 pixels, where those hold them all.
+template <typename Processor>
+void shuffleQuads(const std::uint8_t* first, std::ptrdiff_t stride, const IntLanes& place, IntLanes& quads) {
+  constexpr int kWidth = 32;
+  QuadBytes low, high;
+  Processor::loadPair(first, first + stride, low);
+  Processor::loadPair(first + 2 * stride, first + 3 * stride, high);
+  const IntLanes twice = place | place << 8;
+  const IntLanes places = (twice | twice << 16) + ((kWidth + 1) << 24 | kWidth << 16 | 1 << 8);
+  Processor::shuffle(low, high, reinterpret_cast<const QuadBytes&>(places),
+                     reinterpret_cast<QuadBytes&>(quads));
+}
+
+/// Between four pixels each, by bilinear interpolation.
+void interpolateQuads(const IntLanes& quads, const Lanes& fraction_x, const Lanes& fraction_y, Lanes& out) {
+  const Lanes above_left = __builtin_convertvector(quads & 0xff, Lanes);
+  const Lanes above_right = __builtin_convertvector(quads >> 8 & 0xff, Lanes);
+  const Lanes below_left = __builtin_convertvector(quads >> 16 & 0xff, Lanes);
+  const Lanes below_right = __builtin_convertvector(quads >> 24 & 0xff, Lanes);
+  const Lanes top = above_left + fraction_x * (above_right - above_left);
+  const Lanes bottom = below_left + fraction_x * (below_right - below_left);
+  out = top + fraction_y * (bottom - top);
+}
+
+/// Samples the level under the warp.
+template <typename Processor>
 void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, Values& out) {
   // Counted from a pixel left of and above all that is read: positive numbers are rounded down when
   // converted.
@@ -192,118 +280,107 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
   const std::ptrdiff_t stride = level.stride();
   const std::uint8_t* const corner = level.at(centre_x, centre_y) - kBias * stride - kBias;
   const float row_step = static_cast<float>(stride);
+  const Lanes x = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-  constexpr int kPadded = kRows * Values::kStride;
-  alignas(64) std::int32_t offset[kPadded];
-  alignas(64) float fraction_x[kPadded], fraction_y[kPadded];
   for (int y = 0; y < kRows; ++y) {
     const Eigen::Vector2f start =
         fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(kRowStep * y - kHalf));
-    for (int block = 0; block < kBlocks; ++block) {
-      const Lanes x = Lanes{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<float>(kLanes * block);
-      const Lanes at_x = start.x() + warp(0, 0) * x;
-      const Lanes at_y = start.y() + warp(1, 0) * x;
-      const Lanes column = __builtin_convertvector(__builtin_convertvector(at_x, IntLanes), Lanes);
-      const Lanes row = __builtin_convertvector(__builtin_convertvector(at_y, IntLanes), Lanes);
-      const int at = y * Values::kStride + kLanes * block;
-      *reinterpret_cast<Lanes*>(fraction_x + at) = at_x - column;
-      *reinterpret_cast<Lanes*>(fraction_y + at) = at_y - row;
+    const Lanes at_x = start.x() + warp(0, 0) * x;
+    const Lanes at_y = start.y() + warp(1, 0) * x;
+    const IntLanes columns = __builtin_convertvector(at_x, IntLanes);
+    const IntLanes rows = __builtin_convertvector(at_y, IntLanes);
+    const Lanes column = __builtin_convertvector(columns, Lanes);
+    const Lanes row = __builtin_convertvector(rows, Lanes);
+    IntLanes quads;
+    const auto fetch = [&] {
       // Below 2^24, so that the product is exact.
-      *reinterpret_cast<IntLanes*>(offset + at) = __builtin_convertvector(row * row_step + column, IntLanes);
+      const IntLanes offset = __builtin_convertvector(row * row_step + column, IntLanes);
+      fetchQuads(corner, stride, offset, quads);
+    };
+    if constexpr (Processor::kShufflesBytes) {
+      const int first = static_cast<int>(start.y());
+      const int last = static_cast<int>(start.y() + warp(1, 0) * static_cast<float>(kSide - 1));
+      const int top = std::min(first, last), left = static_cast<int>(start.x());
+      constexpr int kMostRows = 2;  // below the first
+      if (std::max(first, last) - top <= kMostRows)
+        shuffleQuads<Processor>(corner + top * stride + left, stride, ((rows - top) << 5) + (columns - left),
+                                quads);
+      else
+        fetch();
+    } else {
+      fetch();
     }
-  }
-
-  // Two neighbours each. What is read for the padding would lie beyond the border.
-  alignas(64) std::uint16_t upper[kPadded], lower[kPadded];
-  for (int y = 0; y < kRows; ++y) {
-    std::uint16_t* const above = upper + y * Values::kStride;
-    std::uint16_t* const below = lower + y * Values::kStride;
-    for (int x = 0; x < kSide; ++x) {
-      const std::uint8_t* const pixel = corner + offset[y * Values::kStride + x];
-      std::memcpy(above + x, pixel, 2);
-      std::memcpy(below + x, pixel + stride, 2);
-      asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
-    }
-    above[kSide] = below[kSide] = 0;
-  }
-
-  for (int i = 0; i < kPadded; i += kLanes) {
-    const IntLanes above = __builtin_convertvector(*reinterpret_cast<ShortLanes*>(upper + i), IntLanes);
-    const IntLanes below = __builtin_convertvector(*reinterpret_cast<ShortLanes*>(lower + i), IntLanes);
-    const Lanes above_left = __builtin_convertvector(above & 0xff, Lanes);
-    const Lanes above_right = __builtin_convertvector(above >> 8, Lanes);
-    const Lanes below_left = __builtin_convertvector(below & 0xff, Lanes);
-    const Lanes below_right = __builtin_convertvector(below >> 8, Lanes);
-    const Lanes& fx = *reinterpret_cast<Lanes*>(fraction_x + i);
-    const Lanes top = above_left + fx * (above_right - above_left);
-    const Lanes bottom = below_left + fx * (below_right - below_left);
-    *reinterpret_cast<Lanes*>(out.value + i) =
-        top + *reinterpret_cast<Lanes*>(fraction_y + i) * (bottom - top);
+    interpolateQuads(quads, at_x - column, at_y - row, out.lanes(y, 0));
   }
 }
 
 /// The patch's gain is taken out, else a darker image would shorten each step.
+template <typename Processor>
 void compare(const Template& before, const PyramidLevel& after, const AffineAlignment& alignment,
              Comparison& out) {
-  sampleWarped(after, alignment, out.now);
-  Lanes sums{}, squares{}, products{};
+  sampleWarped<Processor>(after, alignment, out.now);
+  Lanes sum{}, squares{}, products{};
+  ColumnSums along_x, along_y;
   for (int y = 0; y < kRows; ++y) {
-    for (int block = 0; block < kBlocks; ++block) {
-      Lanes& value = out.now.lanes(y, block);
-      value = (value - before.mean) * kMask.lanes(0, block);  // small numbers, so that little is rounded
-      sums += value;
-      squares += value * value;
-      products += value * before.grey.lanes(y, block);
-    }
+    Lanes& value = out.now.lanes(y, 0);
+    value = (value - before.mean) * kMask.lanes(0, 0);  // small numbers, so that little is rounded
+    sum += value;
+    squares += value * value;
+    products += value * before.grey.lanes(y, 0);
+    along_x.add(before.gradient_x.lanes(y, 0) * value, scaledRowOffset(y));
+    along_y.add(before.gradient_y.lanes(y, 0) * value, scaledRowOffset(y));
   }
-  out.mean = sumOf(sums) / Values::kSize;
-  const double variance = sumOf(squares) - Values::kSize * out.mean * out.mean;
-  const double product = sumOf(products);
+  std::array<double, 4> sums;
+  sumsOf(sum, squares, products, products, sums.data());
+  const double product = sums[2];
+  out.mean = sums[0] / Values::kSize;
+  const double variance = sums[1] - Values::kSize * out.mean * out.mean;
   out.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
   out.gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
   Parameters slopes;
-  slopeSums(before, out.now, slopes);
+  slopeSums(along_x, along_y, slopes);
   out.right_side = (slopes - out.mean * before.slope_sums) / out.gain - before.slope_greys;
 }
+
+/// Sums of products of a patch's slopes with each other and with an error.
+struct ShiftEquations {
+  Lanes xx{}, xy{}, yy{}, x{}, y{};
+
+  void add(const Lanes& slope_x, const Lanes& slope_y, const Lanes& error) {
+    xx += slope_x * slope_x;
+    xy += slope_x * slope_y;
+    yy += slope_y * slope_y;
+    x += slope_x * error;
+    y += slope_y * error;
+  }
+  Eigen::Vector2d solve() const {
+    std::array<double, 4> sums;
+    sumsOf(xx, xy, yy, x, sums.data());
+    const double right_x = sums[3], right_y = sumOf(y);
+    return Eigen::Vector2d(sums[2] * right_x - sums[1] * right_y, sums[0] * right_y - sums[1] * right_x) /
+           (sums[0] * sums[2] - sums[1] * sums[1]);
+  }
+};
 
 /// px between the shift that the template's gradients ask for and that by the gradients of the patch after:
 /// backwards, from the patch after to the template, one would miss the start by so much.
 double returnMissOf(const Template& before, const Comparison& at) {
-  Lanes xx{}, xy{}, yy{}, x{}, y{}, forward_xx{}, forward_xy{}, forward_yy{}, forward_x{}, forward_y{};
+  ShiftEquations backward, forward;
   const float gain = static_cast<float>(at.gain), mean = static_cast<float>(at.mean);
+  const Lanes& mask = kInner.one.lanes(0, 0);
   for (int row = 1; row < kRows - 1; ++row) {
-    for (int block = 0; block < kBlocks; ++block) {
-      const float* const here = at.now.row(row) + kLanes * block;
-      Lanes left, right;
-      std::memcpy(&left, here - 1, sizeof left);
-      std::memcpy(&right, here + 1, sizeof right);
-      const Lanes& mask = kInner.one.lanes(0, block);
-      const Lanes slope_x = mask * (right - left);
-      const Lanes slope_y =
-          mask / (1.0F * kRowStep) * (at.now.lanes(row + 1, block) - at.now.lanes(row - 1, block));
-      const Lanes error = at.now.lanes(row, block) - mean - gain * before.grey.lanes(row, block);
-      xx += slope_x * slope_x;
-      xy += slope_x * slope_y;
-      yy += slope_y * slope_y;
-      x += slope_x * error;
-      y += slope_y * error;
-      const Lanes before_x = mask * before.gradient_x.lanes(row, block);
-      const Lanes before_y =
-          mask * (0.5F / kRowStep) * (before.grey.lanes(row + 1, block) - before.grey.lanes(row - 1, block));
-      forward_xx += before_x * before_x;
-      forward_xy += before_x * before_y;
-      forward_yy += before_y * before_y;
-      forward_x += before_x * error;
-      forward_y += before_y * error;
-    }
+    const float* const here = at.now.row(row);
+    Lanes left, right;
+    std::memcpy(&left, here - 1, sizeof left);
+    std::memcpy(&right, here + 1, sizeof right);
+    const Lanes error = at.now.lanes(row, 0) - mean - gain * before.grey.lanes(row, 0);
+    backward.add(mask * (right - left),
+                 mask / (1.0F * kRowStep) * (at.now.lanes(row + 1, 0) - at.now.lanes(row - 1, 0)), error);
+    forward.add(mask * before.gradient_x.lanes(row, 0),
+                mask * (0.5F / kRowStep) * (before.grey.lanes(row + 1, 0) - before.grey.lanes(row - 1, 0)),
+                error);
   }
-  Eigen::Matrix2d backward_structure, forward_structure;
-  backward_structure << sumOf(xx), sumOf(xy), sumOf(xy), sumOf(yy);
-  forward_structure << sumOf(forward_xx), sumOf(forward_xy), sumOf(forward_xy), sumOf(forward_yy);
-  const Eigen::Vector2d backward = 2.0 * backward_structure.inverse() * Eigen::Vector2d(sumOf(x), sumOf(y));
-  const Eigen::Vector2d forward =
-      forward_structure.inverse() * Eigen::Vector2d(sumOf(forward_x), sumOf(forward_y)) / at.gain;
-  const double miss = (backward - forward).norm();
+  const double miss = (2.0 * backward.solve() - forward.solve() / at.gain).norm();
   return miss < kMaximumMove ? miss : kMaximumMove;
 }
 
@@ -312,22 +389,38 @@ bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, c
          (alignment.position - start).norm() <= kMaximumMove && after.contains(alignment.position);
 }
 
-}  // namespace
+/// Whether a step is too short for another to be worth it. What stretches the patch moves its edge and not
+/// its centre, so that less is asked of it.
+bool settled(const Parameters& step, double convergence) {
+  return step.head<2>().norm() < kShiftShare * convergence &&
+         step.tail<4>().norm() < kStretchShare * convergence;
+}
 
-CARTVO_VECTOR_CLONES
-std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
-                                           const Eigen::Vector2d& from, const AffineAlignment& start,
-                                           WarpModel model, int iterations, double convergence) {
+/// What alignAffine is asked.
+struct Question {
+  const PyramidLevel& before;
+  const PyramidLevel& after;
+  const Eigen::Vector2d& from;
+  const AffineAlignment& start;
+  WarpModel model;
+  int iterations;
+  double convergence;
+};
+
+template <typename Processor>
+std::optional<AffineAlignment> answer(const Question& asked) {
   // Warped by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
   static_assert(kHalf * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
-  if (!plausible(start, start.position, after)) return std::nullopt;
+  const AffineAlignment& start = asked.start;
+  if (!plausible(start, start.position, asked.after)) return std::nullopt;
   Template patch;
-  if (!makeTemplate(before, from, model, patch)) return std::nullopt;
+  sampleTemplate<Processor>(asked.before, asked.from, patch);
+  if (!invertHessian(asked.model, patch)) return std::nullopt;
 
   Comparison at;
   AffineAlignment alignment = start;
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    compare(patch, after, alignment, at);
+  for (int iteration = 0; iteration < asked.iterations; ++iteration) {
+    compare<Processor>(patch, asked.after, alignment, at);
     if (iteration >= kPatience && at.correlation < kHopeless) return std::nullopt;
     const Parameters step = patch.inverse * at.right_side;
     Eigen::Matrix2d stretch;
@@ -335,13 +428,37 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
     const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + stretch / (0.5 * kSide)).inverse();
     alignment.warp = alignment.warp * change;
     alignment.position -= alignment.warp * step.head<2>();
-    if (!plausible(alignment, start.position, after)) return std::nullopt;
+    if (!plausible(alignment, start.position, asked.after)) return std::nullopt;
     // A step so short hardly changes the correlation that was found before it.
-    if (step.squaredNorm() < convergence * convergence) break;
+    if (settled(step, asked.convergence)) break;
   }
   alignment.correlation = at.correlation;
   alignment.return_miss = returnMissOf(patch, at);
   return alignment;
+}
+
+CARTVO_VECTOR_CLONES
+std::optional<AffineAlignment> answerAnywhere(const Question& asked) {
+  return answer<AnyProcessor>(asked);
+}
+
+#ifdef CARTVO_BYTE_SHUFFLES
+CARTVO_BYTE_SHUFFLES
+std::optional<AffineAlignment> answerByShuffles(const Question& asked) {
+  return answer<ByteShufflingProcessor>(asked);
+}
+#endif
+
+}  // namespace
+
+std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
+                                           const Eigen::Vector2d& from, const AffineAlignment& start,
+                                           WarpModel model, int iterations, double convergence) {
+  const Question asked{before, after, from, start, model, iterations, convergence};
+#ifdef CARTVO_BYTE_SHUFFLES
+  if (shufflesBytes()) return answerByShuffles(asked);
+#endif
+  return answerAnywhere(asked);
 }
 
 }  // namespace cartvo

@@ -6,23 +6,9 @@
 #include <cstring>
 
 #include "vo_core/image_pyramid.hpp"
-#include "vo_core/vector_clones.hpp"
+#include "vo_core/lanes.hpp"
 
 namespace cartvo {
-
-/// Eight numbers that are worked on at once: the vector extension of GCC and Clang, which becomes AVX, two
-/// times SSE or two times NEON. Never passed by value, as how that is done depends on the processor.
-constexpr int kLanes = 8;
-using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
-using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
-using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
-using WideBytes = std::uint8_t __attribute__((vector_size(2 * kLanes), may_alias));
-using WideShorts = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
-
-inline double sumOf(const Lanes& lanes) {
-  return static_cast<double>(((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
-                             ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7])));
-}
 
 /// A small window of grey values around a sub-pixel centre. Rows are padded to whole lanes; the padding is
 /// read from the image as well.
@@ -51,56 +37,46 @@ struct Patch {
   }
 };
 
-/// Between each of sixteen bytes and its neighbour to the right, by `fraction` / 256, times 256: exact, and
-/// twice as many at once as in floating point.
-inline void interpolateBytes(const std::uint8_t* from, std::uint16_t fraction, Lanes& first, Lanes& second) {
-  WideBytes here, next;
-  std::memcpy(&here, from, sizeof here);
-  std::memcpy(&next, from + 1, sizeof next);
-  const WideShorts left = __builtin_convertvector(here, WideShorts);
-  const WideShorts right = __builtin_convertvector(next, WideShorts);
-  const WideShorts between = (left << 8) + fraction * (right - left);  // modulo 2^16; the sum is less
-  const ShortLanes low = __builtin_shufflevector(between, between, 0, 1, 2, 3, 4, 5, 6, 7);
-  const ShortLanes high = __builtin_shufflevector(between, between, 8, 9, 10, 11, 12, 13, 14, 15);
-  first = __builtin_convertvector(__builtin_convertvector(low, IntLanes), Lanes);
-  second = __builtin_convertvector(__builtin_convertvector(high, IntLanes), Lanes);
-}
-
 /// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation, its x
-/// rounded to 1/256 px. Columns and rows must be odd.
-template <int Columns, int Rows>
+/// rounded to 1/256 px: between two neighbours in a row by integers, which is exact, then between two rows.
+/// Columns must be odd. Of a window of an odd number of rows the first and each RowStep-th after it are kept.
+template <typename Processor = AnyProcessor, int RowStep = 1, int Columns, int Rows>
 void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Columns, Rows>& patch) {
   using P = Patch<Columns, Rows>;
-  static_assert(P::kStride - Columns / 2 < PyramidLevel::kBorder && Rows / 2 + 1 < PyramidLevel::kBorder);
+  constexpr int kHalfHeight = (Rows - 1) * RowStep / 2;
+  static_assert(P::kStride - Columns / 2 <= PyramidLevel::kBorder && kHalfHeight + 1 < PyramidLevel::kBorder);
   const double floor_x = std::floor(centre.x());
   const double floor_y = std::floor(centre.y());
   constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
   const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - floor_x) + kHalfAStep);
   const float fy = static_cast<float>(centre.y() - floor_y);
   const std::uint8_t* source =
-      level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - Rows / 2);
+      level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - kHalfHeight);
   const std::ptrdiff_t stride = level.stride();
 
   // What is read beyond the padding lies in the border, or in that of the next row.
-  constexpr int kPairs = (P::kBlocks + 1) / 2;
   const auto interpolate_row = [fx](const std::uint8_t* from, Lanes* out) {
 #pragma GCC unroll 4
-    for (int pair = 0; pair < kPairs; ++pair)
-      interpolateBytes(from + 2 * kLanes * pair, fx, out[2 * pair], out[2 * pair + 1]);
+    for (int block = 0; block < P::kBlocks; ++block) {
+      ShortLanes here, next;
+      Processor::load(from + kLanes * block, here);
+      Processor::load(from + kLanes * block + 1, next);
+      const ShortLanes between = (here << 8) + fx * (next - here);  // modulo 2^16; the sum is less
+      Processor::convert(between, out[block]);
+    }
   };
   const float upper_share = (1.0F - fy) / 256.0F, lower_share = fy / 256.0F;
-  Lanes upper[2 * kPairs];
+  Lanes upper[P::kBlocks], lower[P::kBlocks];
   interpolate_row(source, upper);
   for (int y = 0; y < Rows; ++y) {
-    source += stride;
-    Lanes lower[2 * kPairs];
-    interpolate_row(source, lower);
+    if (RowStep > 1) interpolate_row(source, upper);
+    interpolate_row(source + stride, lower);
+    source += RowStep * stride;
 #pragma GCC unroll 4
-    for (int block = 0; block < P::kBlocks; ++block)
+    for (int block = 0; block < P::kBlocks; ++block) {
       patch.lanes(y, block) = upper_share * upper[block] + lower_share * lower[block];
-#pragma GCC unroll 4
-    for (int block = 0; block < 2 * kPairs; ++block)
-      upper[block] = lower[block];
+      if (RowStep == 1) upper[block] = lower[block];
+    }
   }
 }
 
@@ -133,13 +109,13 @@ double sumOfProducts(const Patch<Columns, Rows>& a, const Patch<Columns, Rows>& 
 
 /// Grey values and their gradients, by central differences, around `centre`; all zero in the padding. Of the
 /// window's Side rows the first and each RowStep-th after it are kept, which are Rows.
-template <int RowStep = 1, int Side, int Rows>
+template <typename Processor = AnyProcessor, int RowStep = 1, int Side, int Rows>
 void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Rows>& grey,
                      Patch<Side, Rows>& gradient_x, Patch<Side, Rows>& gradient_y) {
   static_assert(Rows == (Side + RowStep - 1) / RowStep);
   static constexpr Patch<Side, 1> kMask = Patch<Side, Rows>::mask();
   Patch<Side + 2, Side + 2> wide;
-  samplePatch(level, centre, wide);
+  samplePatch<Processor>(level, centre, wide);
   for (int kept = 0; kept < Rows; ++kept) {
     const int y = RowStep * kept;
     for (int block = 0; block < Patch<Side, Rows>::kBlocks; ++block) {

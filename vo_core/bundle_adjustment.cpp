@@ -2,10 +2,9 @@
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 #include "vo_core/late_right.hpp"
-#include "vo_core/median.hpp"
+#include "vo_core/residual_sizes.hpp"
 #include "vo_core/rig_system.hpp"
 
 namespace cartvo {
@@ -14,94 +13,106 @@ namespace {
 constexpr double kSettled = 1e-5;  // m and rad: the step that ends the iterations
 constexpr double kNotSeen = 1e3;   // error of a landmark behind a camera
 
-void applyStep(const Eigen::VectorXd& step, const std::vector<DepthEquation>& depths,
-               BundleProblem& problem) {
-  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i) {
-    Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
-    pose = orthonormalised(
-        pose * motionFromVector(step.segment<6>(6 * (static_cast<Eigen::Index>(i) - problem.fixed))));
+/// An iteration needs nothing but the equations.
+struct NoVisit {
+  void begin(const LandmarkBlock&) {}
+  void add(const BlockView&, const SightingRows&) {}
+  void eliminate(const LandmarkBlock&, const DepthBlock&, const PoseLanes*) {}
+};
+
+/// What is asked of the residuals at the end.
+struct Conclusions {
+  RigSystem rig;
+  LateRight late_right;
+  ResidualSizes sizes;
+
+  void begin(const LandmarkBlock& block) {
+    rig.begin();
+    late_right.begin(block);
+    sizes.begin();
   }
-  for (std::size_t i = 0; i < depths.size(); ++i) {
-    const DepthEquation& depth = depths[i];
-    if (depth.hessian > 0.0)
-      problem.landmarks[i].inverse_depth += (depth.gradient - depth.by_poses.dot(step)) / depth.hessian;
+  void add(const BlockView& view, const SightingRows& rows) {
+    rig.add(view, rows.row[SightingRows::kDisparity]);
+    late_right.add(view, rows);
+    sizes.add(view, rows);
+  }
+  void eliminate(const LandmarkBlock&, const DepthBlock& depth, const PoseLanes* by_poses) {
+    rig.eliminate(depth, by_poses);
+    late_right.eliminate(depth, by_poses);
+  }
+};
+
+CARTVO_VECTOR_CLONES
+void buildEquations(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system) {
+  NoVisit visit;
+  system.build(blocks, residuals, visit);
+}
+
+CARTVO_VECTOR_CLONES
+void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system,
+                      Conclusions& conclusions) {
+  system.build(blocks, residuals, conclusions);
+}
+
+CARTVO_VECTOR_CLONES
+void takeStep(const ReducedSystem& system, const Eigen::VectorXd& step, BundleBlocks& blocks) {
+  system.takeStep(step, blocks);
+}
+
+void movePoses(const Eigen::VectorXd& step, BundleProblem& problem) {
+  for (std::size_t i = problem.fixed; i < problem.poses.size(); ++i) {
+    Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
+    pose = orthonormalised(pose * motionFromVector(step.segment<6>(6 * (i - problem.fixed))));
   }
 }
 
-/// How large the residuals are, of all landmarks and of each one's last sighting.
-class ResidualSizes {
- public:
-  /// The landmark's rows come in the order of its sightings: two of the left position, but for the host, and
-  /// one of the disparity.
-  void add(const std::vector<BundleRow>& rows, BundleLandmark& landmark) {
-    std::size_t next = 0;
-    double squares = 0.0;
-    int count = 0;
-    for (std::size_t i = 0; i < landmark.sightings.size(); ++i) {
-      squares = 0.0;
-      count = 0;
-      const auto take = [&](std::vector<double>& into) {
-        const double residual = rows[next++].residual;
-        into.push_back(std::abs(residual));
-        squares += residual * residual;
-        ++count;
-      };
-      if (i > 0) {
-        take(pixels_);
-        take(pixels_);
-      }
-      if (landmark.sightings[i].stereo) take(disparities_);
+/// The blocks' results, to where their landmarks came from.
+void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const ResidualSizes& sizes,
+              BundleProblem& problem) {
+  for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
+    const LandmarkBlock& block = blocks.landmarks[i];
+    for (int lane = 0; lane < block.count; ++lane) {
+      BundleLandmark& landmark = problem.landmarks[block.landmark[lane]];
+      const bool in_front = system.depths[i].in_front[lane] > 0.0;
+      landmark.inverse_depth = block.place.inverse_depth[lane];
+      landmark.information = system.depths[i].hessian[lane];
+      landmark.error = in_front ? sizes.lastError(i, lane) : kNotSeen;
     }
-    landmark.error = count > 0 ? std::sqrt(squares / count) : 0.0;
   }
-
-  void conclude(BundleResult& result) {
-    result.pixel_scale = scaleOf(pixels_);
-    result.disparity_scale = scaleOf(disparities_);
-  }
-
- private:
-  static double scaleOf(std::vector<double>& absolute) {
-    return absolute.empty() ? 1.0 : deviationOf(absolute);
-  }
-  std::vector<double> pixels_, disparities_;
-};
+}
 
 }  // namespace
 
 BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
   BundleResult result;
-  ReducedSystem system(problem);
+  BundleBlocks blocks(problem);
+  BundleCameras cameras(problem);
+  ReducedSystem system(problem, blocks);
+  const BlockResiduals residuals(problem, cameras, settings.robust_width);
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
-    const BundleCameras cameras(problem.poses, problem.camera.baseline);
-    system.build(problem, cameras, settings.robust_width, [](auto&&...) {});
+    buildEquations(blocks, residuals, system);
+    system.conclude();
     const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
     const auto pivots = factor.vectorD();
     if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
     const Eigen::VectorXd step = factor.solve(system.gradient);
     if (!step.allFinite()) return result;
-    applyStep(step, system.depths, problem);
+    takeStep(system, step, blocks);
+    movePoses(step, problem);
+    cameras.update(problem);
     if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
   }
-  for (BundleLandmark& landmark : problem.landmarks)
-    landmark.error = kNotSeen;
-  RigSystem rig(problem);
-  LateRight late_right(problem);
-  ResidualSizes sizes;
-  const BundleCameras cameras(problem.poses, problem.camera.baseline);
-  system.build(problem, cameras, settings.robust_width,
-               [&](std::size_t i, const std::vector<BundleRow>& rows, const DepthEquation& depth) {
-                 problem.landmarks[i].information = depth.hessian;
-                 sizes.add(rows, problem.landmarks[i]);
-                 rig.add(rows, depth);
-                 late_right.add(i, rows, depth);
-               });
+  Conclusions conclusions{RigSystem(problem), LateRight(problem, cameras, blocks.landmarks.size()),
+                          ResidualSizes(blocks)};
+  buildConclusions(blocks, residuals, system, conclusions);
+  system.conclude();
+  handBack(blocks, system, conclusions.sizes, problem);
   const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
   result.covariance = factor.solve(Eigen::MatrixXd::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return result;
-  sizes.conclude(result);
-  rig.conclude(system, factor, result);
-  late_right.conclude(factor, system.depths, problem);
+  conclusions.sizes.conclude(result);
+  conclusions.rig.conclude(system, factor, result);
+  conclusions.late_right.conclude(factor, system, blocks, problem);
   result.converged = true;
   return result;
 }

@@ -1,86 +1,167 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <array>
-#include <vector>
 
-#include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/bundle_blocks.hpp"
+#include "vo_core/bundle_cameras.hpp"
 
-// The residuals of a bundle, linearised. Not for use outside the bundle adjustment.
+// The residuals of a bundle, linearised, eight landmarks at a time. All inline: their callers are compiled
+// per processor. Not for use outside the bundle adjustment.
 
 namespace cartvo {
 
 constexpr int kRowPoses = 4;  // poses that one residual depends on at most
 
-/// What all landmarks share: the rig's correction, and the window's scale.
-constexpr int kShared = RigCorrection::kSize + 1;
-using SharedVector = Eigen::Matrix<double, kShared, 1>;
-using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
-using RowVector6d = Eigen::Matrix<double, 1, 6>;
-
-/// One residual, linearised: its derivative by some poses and by the landmark's inverse depth.
-struct BundleRow {
-  double residual = 0.0;  // measured minus predicted, in standard deviations
-  double weight = 0.0;
-  double by_inverse_depth = 0.0;
-  SharedVector by_shared = SharedVector::Zero();
-  double by_late_right = 0.0;  ///< the right camera's later exposure itself, not what it did to earlier poses
+/// One residual of each of a block's landmarks: its derivative by the inverse depth and by the free poses.
+struct RowLanes {
+  DoubleLanes residual;  // measured minus predicted, in standard deviations
+  DoubleLanes weight;    // zero where there is none
+  DoubleLanes by_inverse_depth;
   int poses = 0;
-  std::array<int, kRowPoses> pose{};
-  std::array<RowVector6d, kRowPoses> by_pose{RowVector6d::Zero(), RowVector6d::Zero(), RowVector6d::Zero(),
-                                             RowVector6d::Zero()};
+  std::array<int, kRowPoses> pose{};  // counted from the first free one
+  PoseLanes by_pose[kRowPoses];       // of these, the first `poses`
 
-  void add(int index, const RowVector6d& derivative) {
-    for (int i = 0; i < poses; ++i) {
-      if (pose[i] != index) continue;
-      by_pose[i] += derivative;
-      return;
+  void add(int index, const DoubleLanes& factor, const PoseLanes& derivative) {
+    int at = 0;
+    while (at < poses && pose[at] != index)
+      ++at;
+    if (at == poses) {
+      pose[poses++] = index;
+      by_pose[at] = {};
     }
-    pose[poses] = index;
-    by_pose[poses++] = derivative;
+#pragma GCC unroll 1
+    for (int i = 0; i < 6; ++i)
+      by_pose[at].value[i] += factor * derivative.value[i];
   }
 };
 
-/// The cameras of a problem, each left and right one as seen from each left one.
-class BundleCameras {
- public:
-  BundleCameras(const std::vector<TimedPose>& poses, double baseline);
-
-  const Eigen::Isometry3d& leftFromHost(int camera, int host) const {
-    return T_left_host_[camera * count_ + host];
-  }
-  const Eigen::Isometry3d& rightFromHost(int camera, int host) const {
-    return T_right_host_[camera * count_ + host];
-  }
-  const RightCamera& right(int camera) const { return right_[camera]; }
-
- private:
-  int count_;
-  std::vector<RightCamera> right_;
-  std::vector<Eigen::Isometry3d> T_left_host_, T_right_host_;
+/// The residuals of one sighting.
+struct SightingRows {
+  enum Index { kColumn, kRow, kDisparity, kCount };
+  RowLanes row[kCount];  // the first two, of the left position, not at the host, which defines it
 };
 
-/// The residuals of one landmark.
-class LandmarkRows {
+/// What one pair sees of a block, and where it should.
+struct BlockView {
+  const SightingBlock& sighting;
+  const PlaceLanes& place;
+  int host;
+  DoubleLanes seen, stereo;  ///< 1 where it counts, else 0
+  ViewLanes left, right;
+
+  bool isHost() const { return sighting.pose == host; }
+};
+
+/// derivative * matrix
+inline PoseLanes timesMatrix(const PoseLanes& derivative, const Matrix6d& matrix) {
+  PoseLanes product{};
+  for (int j = 0; j < 6; ++j)
+#pragma GCC unroll 1
+    for (int i = 0; i < 6; ++i)
+      product.value[j] += matrix(i, j) * derivative.value[i];
+  return product;
+}
+
+class BlockResiduals {
  public:
-  LandmarkRows(const BundleProblem& problem, const BundleCameras& cameras, double robust_width)
-      : problem_(problem), cameras_(cameras), robust_width_(robust_width) {}
+  BlockResiduals(const BundleProblem& problem, const BundleCameras& cameras, double robust_width)
+      : camera_(problem.camera),
+        cameras_(cameras),
+        fixed_(problem.fixed),
+        pixel_precision_(1.0 / problem.noise.pixel),
+        robustness_(1.0 / (robust_width * robust_width)) {}
 
-  /// False if a camera has the landmark behind it.
-  bool linearise(const BundleLandmark& landmark);
+  /// 1 where all cameras that see a landmark have it in front of them, else 0.
+  void findInFront(const LandmarkBlock& block, const SightingBlock* sightings, DoubleLanes& in_front) const {
+    constexpr double kFar = 1e30;  // what is not seen counts as far ahead
+    DoubleLanes least = kFar + DoubleLanes{};
+    const auto regard = [&](const RayLanes& ray, const DoubleLanes& seen) {
+      const DoubleLanes z = seen * ray.z + kFar * (1.0 - seen);
+      least = least > z ? z : least;
+    };
+    for (std::size_t i = block.first_sighting; i < block.last_sighting; ++i) {
+      const SightingBlock& sighting = sightings[i];
+      regard(rayOf(cameras_.leftFromHost(sighting.pose, block.host), block.place), sighting.seen);
+      regard(rayOf(cameras_.rightFromHost(sighting.pose, block.host), block.place), sighting.stereo);
+    }
+    in_front = least > kNearestRay ? 1.0 + DoubleLanes{} : DoubleLanes{};
+  }
 
-  /// In the order of the sightings: two of the left position, but for the host, and one of the disparity.
-  const std::vector<BundleRow>& rows() const { return rows_; }
+  BlockView viewBy(const SightingBlock& sighting, int host, const PlaceLanes& place,
+                   const DoubleLanes& in_front) const {
+    return {sighting,
+            place,
+            host,
+            in_front * sighting.seen,
+            in_front * sighting.stereo,
+            viewOf(rayOf(cameras_.leftFromHost(sighting.pose, host), place)),
+            viewOf(rayOf(cameras_.rightFromHost(sighting.pose, host), place))};
+  }
+
+  void linearise(const BlockView& view, const DoubleLanes& weight, SightingRows& rows) const {
+    if (!view.isHost())
+      linearisePosition(view, weight, rows.row[SightingRows::kColumn], rows.row[SightingRows::kRow]);
+    lineariseDisparity(view, weight, rows.row[SightingRows::kDisparity]);
+  }
 
  private:
-  bool addSighting(const BundleLandmark& landmark, const BundleSighting& sighting, int host, bool is_host);
-  bool addDisparity(const BundleLandmark& landmark, const BundleSighting& sighting, int host, bool is_host,
-                    const Projection& left, const ProjectionJacobians& by_left);
+  void linearisePosition(const BlockView& view, const DoubleLanes& weight, RowLanes& column,
+                         RowLanes& row) const {
+    const double f = pixel_precision_ * camera_.focal_length;
+    const SightingBlock& sighting = view.sighting;
+    column.residual = pixel_precision_ * (sighting.left[0] - camera_.cx) - f * view.left.x;
+    row.residual = pixel_precision_ * (sighting.left[1] - camera_.cy) - f * view.left.y;
+    const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
+    column.weight = row.weight = weight * view.seen / (1.0 + robustness_ * square);
+    const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
+    const PixelLanes by_depth = viewByRay(view.left, T.translation());
+    column.by_inverse_depth = f * by_depth.x;
+    row.by_inverse_depth = f * by_depth.y;
+    column.poses = row.poses = 0;
+    const DoubleLanes factor = f + DoubleLanes{};
+    if (const int free = sighting.pose - fixed_; free >= 0) {
+      column.add(free, factor, columnByCamera(view.left, view.place));
+      row.add(free, factor, rowByCamera(view.left, view.place));
+    }
+    if (const int free = view.host - fixed_; free >= 0) {
+      column.add(free, factor, columnByHost(T, view.left, view.place));
+      row.add(free, factor, rowByHost(T, view.left, view.place));
+    }
+  }
 
-  const BundleProblem& problem_;
+  void lineariseDisparity(const BlockView& view, const DoubleLanes& weight, RowLanes& row) const {
+    const SightingBlock& sighting = view.sighting;
+    const DoubleLanes f = camera_.focal_length * sighting.precision;
+    row.residual =
+        sighting.precision * (sighting.left[0] - sighting.right[0]) - f * (view.left.x - view.right.x);
+    row.weight = weight * view.stereo / (1.0 + robustness_ * (row.residual * row.residual));
+    const Eigen::Isometry3d& T_left = cameras_.leftFromHost(sighting.pose, view.host);
+    const Eigen::Isometry3d& T_right = cameras_.rightFromHost(sighting.pose, view.host);
+    row.by_inverse_depth =
+        f * (viewByRay(view.left, T_left.translation()).x - viewByRay(view.right, T_right.translation()).x);
+    row.poses = 0;
+    if (const int free = sighting.pose - fixed_; free >= 0 && !view.isHost())
+      row.add(free, f, columnByCamera(view.left, view.place));
+    if (cameras_.rightIsFree(sighting.pose)) {
+      const RightCamera& right = cameras_.right(sighting.pose);
+      const PoseLanes by_right = columnByCamera(view.right, view.place);
+      const auto by_pose = [&](int pose, const Matrix6d& by_it) {
+        if (pose >= fixed_) row.add(pose - fixed_, -f, timesMatrix(by_right, by_it));
+      };
+      by_pose(sighting.pose, right.by_own);
+      by_pose(right.neighbour, right.by_neighbour);
+      by_pose(right.third, right.by_third);
+    }
+    if (const int free = view.host - fixed_; free >= 0) {
+      if (!view.isHost()) row.add(free, f, columnByHost(T_left, view.left, view.place));
+      row.add(free, -f, columnByHost(T_right, view.right, view.place));
+    }
+  }
+
+  const StereoCamera& camera_;
   const BundleCameras& cameras_;
-  double robust_width_;
-  std::vector<BundleRow> rows_;
+  int fixed_;
+  double pixel_precision_, robustness_;
 };
 
 }  // namespace cartvo

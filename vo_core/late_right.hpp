@@ -21,18 +21,60 @@ namespace cartvo {
 /// navigation problems", 1966).
 class LateRight {
  public:
-  explicit LateRight(const BundleProblem& problem);
+  LateRight(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks);
 
-  void add(std::size_t landmark, const std::vector<BundleRow>& rows, const DepthEquation& depth);
+  // Visits of ReducedSystem::build().
+  void begin(const LandmarkBlock& block) { by_depth_ = block.prior_information * block.prior_by_late_right; }
+
+  void add(const BlockView& view, const SightingRows& rows) {
+    const Change& change = changes_[view.sighting.pose * count_ + view.host];
+    const PixelLanes left = viewByRay(view.left, rayOf(change.left, view.place));
+    const PixelLanes right = viewByRay(view.right, rayOf(change.right, view.place));
+    const DoubleLanes by_delay[SightingRows::kCount] = {
+        pixel_factor_ * left.x, pixel_factor_ * left.y,
+        focal_length_ * view.sighting.precision * (left.x - right.x)};
+#pragma GCC unroll 1
+    for (int i = view.isHost() ? SightingRows::kDisparity : 0; i < SightingRows::kCount; ++i)
+      add(rows.row[i], by_delay[i]);
+  }
+
+  void eliminate(const DepthBlock& depth, const PoseLanes* by_poses) {
+    const DoubleLanes weighted = depth.variance * by_depth_;
+    for (int pose = 0; pose < static_cast<int>(by_poses_.size()); ++pose)
+#pragma GCC unroll 1
+      for (int axis = 0; axis < 6; ++axis)
+        by_poses_[pose].value[axis] -= weighted * by_poses[pose].value[axis];
+    by_depths_.push_back({by_depth_});
+  }
 
   /// Writes `by_late_right` of the free poses and of the landmarks.
-  void conclude(const Eigen::LDLT<Eigen::MatrixXd>& factor, const std::vector<DepthEquation>& depths,
-                BundleProblem& problem) const;
+  void conclude(const Eigen::LDLT<Eigen::MatrixXd>& factor, const ReducedSystem& system,
+                const BundleBlocks& blocks, BundleProblem& problem) const;
 
  private:
-  const BundleProblem& problem_;
-  Eigen::VectorXd by_poses_;
-  std::vector<double> by_depth_;
+  struct Change {
+    BundleCameras::Change left, right;
+  };
+  struct DepthLanes {
+    DoubleLanes value;
+  };
+
+  void add(const RowLanes& row, const DoubleLanes& by_delay) {
+    const DoubleLanes weighted = row.weight * by_delay;
+    by_depth_ += weighted * row.by_inverse_depth;
+#pragma GCC unroll 1
+    for (int a = 0; a < row.poses; ++a)
+#pragma GCC unroll 1
+      for (int axis = 0; axis < 6; ++axis)
+        by_poses_[row.pose[a]].value[axis] += weighted * row.by_pose[a].value[axis];
+  }
+
+  int count_;
+  double focal_length_, pixel_factor_;
+  std::vector<Change> changes_;  // of each camera, seen from each host
+  PoseSums by_poses_;
+  DoubleLanes by_depth_{};  // of the present block
+  std::vector<DepthLanes> by_depths_;
 };
 
 }  // namespace cartvo

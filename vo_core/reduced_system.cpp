@@ -1,40 +1,44 @@
-// The depths' elimination by the Schur complement.
+// The lanes of the normal equations, added up.
 #include "vo_core/reduced_system.hpp"
 
+#include <algorithm>
+
 namespace cartvo {
-namespace {
 
-constexpr double kLeastDepthInformation = 1e-9;
+Eigen::VectorXd sumOf(const PoseSums& sums) {
+  Eigen::VectorXd total(6 * static_cast<Eigen::Index>(sums.size()));
+  for (int pose = 0; pose < static_cast<int>(sums.size()); ++pose)
+    for (int i = 0; i < 6; ++i)
+      total[6 * pose + i] = sumOf(sums[pose].value[i]);
+  return total;
+}
 
-}  // namespace
+ReducedSystem::ReducedSystem(const BundleProblem& problem, const BundleBlocks& blocks)
+    : depths(blocks.landmarks.size()),
+      free_(static_cast<int>(problem.poses.size()) - problem.fixed),
+      hessian_sums_(free_ * (free_ + 1) / 2),
+      gradient_sums_(free_),
+      by_poses_(free_ * blocks.landmarks.size()) {}
 
-void ReducedSystem::add(const BundleLandmark& landmark, const std::vector<BundleRow>& rows,
-                        DepthEquation& depth) {
-  depth.by_poses = Eigen::VectorXd::Zero(size_);
-  depth.hessian = landmark.prior_information;
-  depth.gradient = landmark.prior_information * (landmark.prior_inverse_depth - landmark.inverse_depth);
-  for (const BundleRow& row : rows) {
-    depth.hessian += row.weight * row.by_inverse_depth * row.by_inverse_depth;
-    depth.gradient += row.weight * row.by_inverse_depth * row.residual;
-    for (int a = 0; a < row.poses; ++a) {
-      const int at_a = 6 * (row.pose[a] - fixed_);
-      if (at_a < 0) continue;
-      const RowVector6d weighted = row.weight * row.by_pose[a];
-      gradient.segment<6>(at_a) += weighted.transpose() * row.residual;
-      depth.by_poses.segment<6>(at_a) += weighted.transpose() * row.by_inverse_depth;
-      for (int b = 0; b < row.poses; ++b) {
-        const int at_b = 6 * (row.pose[b] - fixed_);
-        if (at_b < 0 || at_b > at_a) continue;
-        hessian.block<6, 6>(at_a, at_b).noalias() += weighted.transpose() * row.by_pose[b];
-      }
+void ReducedSystem::clear() {
+  std::fill(hessian_sums_.begin(), hessian_sums_.end(), MatrixLanes{});
+  std::fill(gradient_sums_.begin(), gradient_sums_.end(), PoseLanes{});
+}
+
+void ReducedSystem::conclude() {
+  const Eigen::Index size = 6 * free_;
+  hessian.resize(size, size);
+  for (int a = 0; a < free_; ++a)
+    for (int b = 0; b <= a; ++b) {
+      const MatrixLanes& lanes = hessianOf(a, b);
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < (a == b ? i + 1 : 6); ++j) {
+          const int at_a = 6 * a + i;
+          const int at_b = 6 * b + j;
+          hessian(at_a, at_b) = hessian(at_b, at_a) = sumOf(lanes.value[i][j]);
+        }
     }
-  }
-  if (depth.hessian < kLeastDepthInformation) {
-    depth.hessian = 0.0;
-    return;
-  }
-  hessian.selfadjointView<Eigen::Lower>().rankUpdate(depth.by_poses, -1.0 / depth.hessian);
-  gradient -= depth.by_poses * (depth.gradient / depth.hessian);
+  gradient = sumOf(gradient_sums_);
 }
 
 }  // namespace cartvo

@@ -9,44 +9,139 @@
 
 namespace cartvo {
 
-/// How one landmark's inverse depth hangs together with the poses.
-struct DepthEquation {
-  double hessian = 0.0;
-  double gradient = 0.0;
-  Eigen::VectorXd by_poses;
+/// How the inverse depths of a block hang together with the poses.
+struct DepthBlock {
+  DoubleLanes in_front{};  ///< 1 or 0: what a camera has behind it takes no part
+  DoubleLanes hessian{}, gradient{};
+  DoubleLanes variance{};  ///< 1 / hessian, or zero where the depth is left open
 };
+
+/// What is added up over landmarks, times the free poses: a lane's each by itself.
+using PoseSums = std::vector<PoseLanes>;
+Eigen::VectorXd sumOf(const PoseSums& sums);
 
 /// The normal equations, the inverse depths eliminated.
 class ReducedSystem {
  public:
-  explicit ReducedSystem(const BundleProblem& problem)
-      : fixed_(problem.fixed), size_(6 * (static_cast<int>(problem.poses.size()) - problem.fixed)) {}
+  ReducedSystem(const BundleProblem& problem, const BundleBlocks& blocks);
 
-  /// `visit(i, rows, depth)` sees each landmark's residuals, and none of one behind a camera.
+  /// Builds the equations of all blocks; `visit` sees, of each block,
+  ///   begin(block), add(view, rows) for each sighting, and eliminate(block, depth, by_poses).
+  /// Inline: the callers are compiled per processor; what is not unrolled keeps them small.
   template <typename Visit>
-  void build(const BundleProblem& problem, const BundleCameras& cameras, double robust_width,
-             const Visit& visit) {
-    hessian = Eigen::MatrixXd::Zero(size_, size_);
-    gradient = Eigen::VectorXd::Zero(size_);
-    depths.assign(problem.landmarks.size(), {});
-    LandmarkRows rows(problem, cameras, robust_width);
-    for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
-      if (!rows.linearise(problem.landmarks[i])) continue;
-      add(problem.landmarks[i], rows.rows(), depths[i]);
-      visit(i, rows.rows(), depths[i]);
+  void build(const BundleBlocks& blocks, const BlockResiduals& residuals, Visit& visit) {
+    clear();
+    for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
+      const LandmarkBlock& block = blocks.landmarks[i];
+      DepthBlock& depth = depths[i];
+      PoseLanes* const by_poses = by_poses_.data() + free_ * i;
+      begin(block, residuals, blocks.sightings.data(), depth, by_poses);
+      PlaceLanes place = block.place;
+      place.inverse_depth = depth.in_front > 0.0 ? place.inverse_depth : DoubleLanes{};
+      visit.begin(block);
+      for (std::size_t j = block.first_sighting; j < block.last_sighting; ++j) {
+        const BlockView view = residuals.viewBy(blocks.sightings[j], block.host, place, depth.in_front);
+        SightingRows rows;
+        residuals.linearise(view, block.weight, rows);
+        for (int row = view.isHost() ? SightingRows::kDisparity : 0; row < SightingRows::kCount; ++row)
+          add(rows.row[row], depth, by_poses);
+        visit.add(view, rows);
+      }
+      eliminate(depth, by_poses);
+      visit.eliminate(block, depth, by_poses);
     }
-    hessian.triangularView<Eigen::StrictlyUpper>() = hessian.transpose();
   }
+
+  /// What has been built, added up.
+  void conclude();
+
+  /// The poses' step, applied to the inverse depths. Inline, as build().
+  void takeStep(const Eigen::VectorXd& step, BundleBlocks& blocks) const {
+    for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
+      DoubleLanes change = depths[i].gradient;
+      for (int pose = 0; pose < free_; ++pose)
+        for (int axis = 0; axis < 6; ++axis)
+          change -= step[6 * pose + axis] * by_poses_[free_ * i + pose].value[axis];
+      blocks.landmarks[i].place.inverse_depth += depths[i].variance * change;
+    }
+  }
+
+  const PoseLanes* byPoses(std::size_t block) const { return by_poses_.data() + free_ * block; }
 
   Eigen::MatrixXd hessian;
   Eigen::VectorXd gradient;
-  std::vector<DepthEquation> depths;
+  std::vector<DepthBlock> depths;
 
  private:
-  void add(const BundleLandmark& landmark, const std::vector<BundleRow>& rows, DepthEquation& depth);
+  struct MatrixLanes {
+    DoubleLanes value[6][6];
+  };
+  /// a >= b. Of a diagonal block, the lower triangle is used.
+  MatrixLanes& hessianOf(int a, int b) { return hessian_sums_[a * (a + 1) / 2 + b]; }
 
-  int fixed_;
-  int size_;
+  void clear();
+
+  void begin(const LandmarkBlock& block, const BlockResiduals& residuals, const SightingBlock* sightings,
+             DepthBlock& depth, PoseLanes* by_poses) const {
+    residuals.findInFront(block, sightings, depth.in_front);
+    depth.hessian = depth.in_front * block.prior_information;
+    const DoubleLanes away = block.prior_inverse_depth - block.place.inverse_depth;
+    depth.gradient = depth.hessian * (depth.in_front > 0.0 ? away : DoubleLanes{});
+    for (int pose = 0; pose < free_; ++pose)
+      by_poses[pose] = {};
+  }
+
+  void addProduct(int a, int b, const PoseLanes& weighted, const PoseLanes& other) {
+    MatrixLanes& into = hessianOf(a, b);
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < (a == b ? i + 1 : 6); ++j)
+        into.value[i][j] += weighted.value[i] * other.value[j];
+  }
+
+  void add(const RowLanes& row, DepthBlock& depth, PoseLanes* by_poses) {
+    const DoubleLanes weighted_depth = row.weight * row.by_inverse_depth;
+    depth.hessian += weighted_depth * row.by_inverse_depth;
+    depth.gradient += weighted_depth * row.residual;
+    const DoubleLanes weighted_residual = row.weight * row.residual;
+#pragma GCC unroll 1
+    for (int a = 0; a < row.poses; ++a) {
+      const int pose = row.pose[a];
+      PoseLanes weighted;
+#pragma GCC unroll 1
+      for (int i = 0; i < 6; ++i) {
+        const DoubleLanes& derivative = row.by_pose[a].value[i];
+        weighted.value[i] = row.weight * derivative;
+        gradient_sums_[pose].value[i] += weighted_residual * derivative;
+        by_poses[pose].value[i] += weighted_depth * derivative;
+      }
+#pragma GCC unroll 1
+      for (int b = 0; b < row.poses; ++b)
+        if (row.pose[b] <= row.pose[a]) addProduct(pose, row.pose[b], weighted, row.by_pose[b]);
+    }
+  }
+
+  /// The Schur complement.
+  void eliminate(DepthBlock& depth, const PoseLanes* by_poses) {
+    constexpr double kLeastInformation = 1e-9;
+    const DoubleLanes told = depth.hessian > kLeastInformation ? 1.0 + DoubleLanes{} : DoubleLanes{};
+    depth.hessian *= told;
+    depth.variance = told / (depth.hessian + (1.0 - told));
+    for (int a = 0; a < free_; ++a) {
+      PoseLanes weighted;
+#pragma GCC unroll 1
+      for (int i = 0; i < 6; ++i) {
+        weighted.value[i] = -depth.variance * by_poses[a].value[i];
+        gradient_sums_[a].value[i] += weighted.value[i] * depth.gradient;
+      }
+      for (int b = 0; b <= a; ++b)
+        addProduct(a, b, weighted, by_poses[b]);
+    }
+  }
+
+  int free_;
+  std::vector<MatrixLanes> hessian_sums_;
+  PoseSums gradient_sums_;
+  std::vector<PoseLanes> by_poses_;
 };
 
 }  // namespace cartvo

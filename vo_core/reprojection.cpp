@@ -7,7 +7,6 @@ namespace cartvo {
 namespace {
 
 constexpr double kSimultaneous = 1e-7;  // s
-constexpr double kNearestRay = 1e-3;  // of a ray's z: what is nearer than a thousandth of its depth is behind
 
 /// The pair that the right camera of poses[index] leans on; -1 if it is alone.
 int neighbourOf(const std::vector<TimedPose>& poses, int index) {

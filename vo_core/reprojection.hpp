@@ -42,6 +42,9 @@ RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double
 /// Robotics", 2017, eq. 7.77, 7.78).
 Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation);
 
+constexpr double kNearestRay =
+    1e-3;  ///< of a ray's z: what is nearer than a thousandth of its depth is behind
+
 /// Pixel of a landmark in a camera at T_camera_host: y = R b + rho t, with its bearing b (z = 1) and its
 /// inverse depth rho in the host camera, both up to the scale rho, so that rho = 0 is a point at infinity.
 struct Projection {

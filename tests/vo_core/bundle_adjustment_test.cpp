@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -114,6 +115,92 @@ TEST(BundleAdjustment, PassesOnWhatLateRightCamerasDidToPosesAndPriors) {
   ASSERT_TRUE(adjustBundle(late, {.iterations = 10, .robust_width = kPlain}).converged);
   const Vector6d expected = test::poseErrors(late) / kDelay;
   EXPECT_LT((late.poses.back().by_late_right - expected).norm(), 0.01 * expected.norm());
+}
+
+/// Residuals in standard deviations, plainly: of each sighting the left position, but at the host, and the
+/// disparity.
+Eigen::VectorXd residualsOf(const BundleProblem& problem) {
+  std::vector<double> residuals;
+  for (const BundleLandmark& landmark : problem.landmarks) {
+    const Eigen::Isometry3d& T_world_host = problem.poses[landmark.sightings.front().pose].T_world_camera;
+    const auto pixel_by = [&](const Eigen::Isometry3d& T_world_camera) {
+      return projectLandmark(problem.camera, T_world_camera.inverse() * T_world_host, landmark.bearing,
+                             landmark.inverse_depth)
+          .pixel;
+    };
+    for (const BundleSighting& sighting : landmark.sightings) {
+      const Eigen::Vector2d left = pixel_by(problem.poses[sighting.pose].T_world_camera);
+      if (&sighting != &landmark.sightings.front())
+        for (int axis = 0; axis < 2; ++axis)
+          residuals.push_back((sighting.left[axis] - left[axis]) / problem.noise.pixel);
+      if (!sighting.stereo) continue;
+      const Eigen::Vector2d right =
+          pixel_by(rightCameraOf(problem.poses, sighting.pose, problem.camera.baseline).T_world_camera);
+      const double deviation =
+          problem.noise.disparity + problem.noise.stretch * std::abs(sighting.disparity());
+      residuals.push_back((sighting.disparity() - (left.x() - right.x())) / deviation);
+    }
+  }
+  return Eigen::Map<Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size()));
+}
+
+/// Their derivatives by the free poses and all inverse depths, by central differences.
+Eigen::MatrixXd derivativesOf(const BundleProblem& problem) {
+  constexpr double kStep = 1e-6;
+  const int of_poses = 6 * (static_cast<int>(problem.poses.size()) - problem.fixed);
+  const int unknowns = of_poses + static_cast<int>(problem.landmarks.size());
+  Eigen::MatrixXd derivatives(residualsOf(problem).size(), unknowns);
+  for (int i = 0; i < unknowns; ++i) {
+    const auto moved = [&](double step) {
+      BundleProblem changed = problem;
+      if (i < of_poses) {
+        Eigen::Isometry3d& pose = changed.poses[problem.fixed + i / 6].T_world_camera;
+        pose = pose * motionFromVector(step * Vector6d::Unit(i % 6));
+      } else {
+        changed.landmarks[i - of_poses].inverse_depth += step;
+      }
+      return residualsOf(changed);
+    };
+    derivatives.col(i) = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);
+  }
+  return derivatives;
+}
+
+TEST(BundleAdjustment, SolvesThePlainEquationsOfAllPosesAndDepths) {
+  for (const int free_frames : {1, 3, 6}) {
+    for (const double offset : kOffsets) {
+      BundleProblem problem =
+          test::seenBy({.free_frames = free_frames, .landmarks = 25, .offset = offset, .noise = 1.0}, 1);
+      for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
+        problem.landmarks[i].weight = 0.5 + 0.02 * static_cast<double>(i);
+        if (i % 3 == 0) problem.landmarks[i].sightings.back().stereo = false;
+      }
+      const BundleResult result = adjustBundle(problem, {.iterations = 20, .robust_width = kPlain});
+      ASSERT_TRUE(result.converged);
+      Eigen::VectorXd weights(residualsOf(problem).size());
+      Eigen::Index row = 0;
+      for (const BundleLandmark& landmark : problem.landmarks)
+        for (const BundleSighting& sighting : landmark.sightings) {
+          const bool is_host = &sighting == &landmark.sightings.front();
+          const int rows = (is_host ? 0 : 2) + (sighting.stereo ? 1 : 0);
+          weights.segment(row, rows).setConstant(landmark.weight);
+          row += rows;
+        }
+      const Eigen::MatrixXd J = derivativesOf(problem);
+      const Eigen::MatrixXd H = J.transpose() * weights.asDiagonal() * J;
+      const Eigen::VectorXd step =
+          H.ldlt().solve(J.transpose() * weights.asDiagonal() * residualsOf(problem));
+      EXPECT_LT(step.cwiseAbs().maxCoeff(), 1e-6) << free_frames << " free, " << offset << " s";
+      const Eigen::Index of_poses = result.covariance.rows();
+      const Eigen::MatrixXd covariance = H.inverse().topLeftCorner(of_poses, of_poses);
+      EXPECT_LT((result.covariance - covariance).norm(), 1e-4 * covariance.norm())
+          << free_frames << " free, " << offset << " s";
+      for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
+        const Eigen::Index at = of_poses + static_cast<Eigen::Index>(i);
+        EXPECT_NEAR(problem.landmarks[i].information, H(at, at), 1e-5 * H(at, at));
+      }
+    }
+  }
 }
 
 constexpr int kTrials = 200;

@@ -1,0 +1,67 @@
+// Landmarks sorted by their hosts and laid side by side.
+#include "vo_core/bundle_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cartvo {
+
+BundleBlocks::BundleBlocks(const BundleProblem& problem) {
+  // A counting sort, which leaves those of one host in their order.
+  const auto host_of = [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; };
+  std::vector<int> begin(problem.poses.size() + 1, 0);
+  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
+    ++begin[host_of(i) + 1];
+  for (std::size_t host = 1; host < begin.size(); ++host)
+    begin[host] += begin[host - 1];
+  std::vector<int> order(problem.landmarks.size());
+  std::vector<int> next = begin;
+  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
+    order[next[host_of(i)]++] = static_cast<int>(i);
+  for (std::size_t host = 0; host < problem.poses.size(); ++host)
+    for (int at = begin[host]; at < begin[host + 1]; at += kDoubleLanes)
+      add(problem, static_cast<int>(host), &order[at], std::min(begin[host + 1] - at, kDoubleLanes));
+}
+
+void BundleBlocks::add(const BundleProblem& problem, int host, const int* first, int count) {
+  LandmarkBlock& block = landmarks.emplace_back();
+  block.host = host;
+  block.count = count;
+  block.first_sighting = sightings.size();
+  std::vector<int> slot(problem.poses.size(), -1);
+  for (int lane = 0; lane < count; ++lane)
+    for (const BundleSighting& sighting : problem.landmarks[first[lane]].sightings)
+      slot[sighting.pose] = 0;
+  for (std::size_t pose = 0; pose < slot.size(); ++pose) {
+    if (slot[pose] < 0) continue;
+    slot[pose] = static_cast<int>(sightings.size());
+    sightings.emplace_back().pose = static_cast<int>(pose);
+  }
+  block.last_sighting = sightings.size();
+
+  block.place.bearing[2] = 1.0 + DoubleLanes{};
+  for (int lane = 0; lane < count; ++lane) {
+    const BundleLandmark& landmark = problem.landmarks[first[lane]];
+    block.landmark[lane] = first[lane];
+    block.place.bearing[0][lane] = landmark.bearing.x();
+    block.place.bearing[1][lane] = landmark.bearing.y();
+    block.place.inverse_depth[lane] = landmark.inverse_depth;
+    block.weight[lane] = landmark.weight;
+    block.prior_inverse_depth[lane] = landmark.prior_inverse_depth;
+    block.prior_information[lane] = landmark.prior_information;
+    block.prior_by_late_right[lane] = landmark.prior_by_late_right;
+    for (const BundleSighting& sighting : landmark.sightings) {
+      SightingBlock& into = sightings[slot[sighting.pose]];
+      into.seen[lane] = 1.0;
+      into.stereo[lane] = sighting.stereo ? 1.0 : 0.0;
+      into.precision[lane] =
+          1.0 / (problem.noise.disparity + problem.noise.stretch * std::abs(sighting.disparity()));
+      for (int axis = 0; axis < 2; ++axis) {
+        into.left[axis][lane] = sighting.left[axis];
+        into.right[axis][lane] = sighting.right[axis];
+      }
+    }
+  }
+}
+
+}  // namespace cartvo

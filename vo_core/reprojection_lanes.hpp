@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "vo_core/double_lanes.hpp"
+#include "vo_core/reprojection.hpp"
+
+// reprojection.hpp for eight landmarks of one host at once: the same definitions of projections, and of
+// perturbations (on the right).
+
+namespace cartvo {
+
+/// Bearings and inverse depths in the host.
+struct PlaceLanes {
+  DoubleLanes bearing[3];
+  DoubleLanes inverse_depth;
+};
+
+/// R b + rho t.
+struct RayLanes {
+  DoubleLanes x, y, z;
+};
+template <typename Transform>  // of which three rows of R and t can be read
+inline RayLanes rayOf(const Transform& T, const PlaceLanes& place) {
+  const auto& [x, y, z] = place.bearing;
+  const DoubleLanes& rho = place.inverse_depth;
+  return {T(0, 0) * x + T(0, 1) * y + T(0, 2) * z + T(0, 3) * rho,
+          T(1, 0) * x + T(1, 1) * y + T(1, 2) * z + T(1, 3) * rho,
+          T(2, 0) * x + T(2, 1) * y + T(2, 2) * z + T(2, 3) * rho};
+}
+
+/// Where a camera sees the landmarks. What is not in front of it comes out as some finite number.
+struct ViewLanes {
+  DoubleLanes x, y;       ///< of the ray, at z = 1
+  DoubleLanes inverse_z;  ///< of the ray as it is
+};
+inline ViewLanes viewOf(const RayLanes& ray) {
+  const DoubleLanes z = ray.z > kNearestRay ? ray.z : kNearestRay + DoubleLanes{};
+  const DoubleLanes inverse_z = 1.0 / z;
+  return {ray.x * inverse_z, ray.y * inverse_z, inverse_z};
+}
+
+/// How the view of a ray that changes by `change` changes, at z = 1.
+struct PixelLanes {
+  DoubleLanes x, y;
+};
+inline PixelLanes viewByRay(const ViewLanes& view, const RayLanes& change) {
+  return {view.inverse_z * (change.x - view.x * change.z), view.inverse_z * (change.y - view.y * change.z)};
+}
+template <typename Vector>
+inline PixelLanes viewByRay(const ViewLanes& view, const Vector& change) {
+  return {view.inverse_z * (change.x() - view.x * change.z()),
+          view.inverse_z * (change.y() - view.y * change.z())};
+}
+
+/// Derivatives of the view's column and row, at z = 1, by the camera's pose.
+inline PoseLanes columnByCamera(const ViewLanes& view, const PlaceLanes& place) {
+  const DoubleLanes nearness = place.inverse_depth * view.inverse_z;
+  return {{-nearness, DoubleLanes{}, nearness * view.x, view.x * view.y, -1.0 - view.x * view.x, view.y}};
+}
+inline PoseLanes rowByCamera(const ViewLanes& view, const PlaceLanes& place) {
+  const DoubleLanes nearness = place.inverse_depth * view.inverse_z;
+  return {{DoubleLanes{}, -nearness, nearness * view.y, 1.0 + view.y * view.y, -view.x * view.y, -view.x}};
+}
+
+/// The same by the host's pose, given the view's derivative by the bearing.
+inline PoseLanes byHost(const DoubleLanes (&by_bearing)[3], const PlaceLanes& place) {
+  const auto& [x, y, z] = place.bearing;
+  const auto& [a, b, c] = by_bearing;
+  const DoubleLanes& rho = place.inverse_depth;
+  return {{rho * a, rho * b, rho * c, y * c - z * b, z * a - x * c, x * b - y * a}};
+}
+template <typename Transform>
+inline PoseLanes columnByHost(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
+  const DoubleLanes by_bearing[3] = {view.inverse_z * (T(0, 0) - view.x * T(2, 0)),
+                                     view.inverse_z * (T(0, 1) - view.x * T(2, 1)),
+                                     view.inverse_z * (T(0, 2) - view.x * T(2, 2))};
+  return byHost(by_bearing, place);
+}
+template <typename Transform>
+inline PoseLanes rowByHost(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
+  const DoubleLanes by_bearing[3] = {view.inverse_z * (T(1, 0) - view.y * T(2, 0)),
+                                     view.inverse_z * (T(1, 1) - view.y * T(2, 1)),
+                                     view.inverse_z * (T(1, 2) - view.y * T(2, 2))};
+  return byHost(by_bearing, place);
+}
+
+}  // namespace cartvo

@@ -2,69 +2,132 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+
+#include "vo_core/lanes.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr int kBlock =
-    64;  // pixels gathered at a time: small enough to stay in registers' reach, the first cache
-
-/// The four raw pixels around each source of a block.
-struct Neighbours {
-  std::array<std::uint8_t, kBlock> top_left, top_right, bottom_left, bottom_right;
+/// The places of sixteen pixels, and how many of them are wanted.
+struct Places {
+  const std::uint16_t *column, *row;
+  const std::uint8_t *column_fraction, *row_fraction;
 };
 
-/// Gathering is what no compiler vectorises without processor-specific instructions; it stands alone.
-void gather(const cv::Mat& source, const std::uint16_t* column, const std::uint16_t* row, int count,
-            Neighbours& neighbours) {
+/// Of each place the raw pixel, those right of it, below it and below to the right, lowest byte first.
+void fetchOneByOne(const cv::Mat& source, const Places& places, IntLanes& quads) {
   const std::size_t stride = source.step[0];
-  for (int i = 0; i < count; ++i) {
-    const std::uint8_t* const top = source.data + row[i] * stride + column[i];
-    const std::uint8_t* const bottom = top + stride;
-    neighbours.top_left[i] = top[0];
-    neighbours.top_right[i] = top[1];
-    neighbours.bottom_left[i] = bottom[0];
-    neighbours.bottom_right[i] = bottom[1];
+  alignas(64) std::uint32_t fetched[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    const std::uint8_t* const pixel = source.data + places.row[i] * stride + places.column[i];
+    std::uint16_t above, below;
+    std::memcpy(&above, pixel, sizeof above);
+    std::memcpy(&below, pixel + stride, sizeof below);
+    fetched[i] = above | static_cast<std::uint32_t>(below) << 16;
+    asm volatile("");  // Else the compiler gathers into registers first, which takes longer.
+  }
+  std::memcpy(&quads, fetched, sizeof quads);
+}
+
+/// The same out of four rows of 32 pixels; false if those do not hold them all, or the image not those.
+template <typename Processor>
+bool fetchTogether(const cv::Mat& source, const Places& places, IntLanes& quads) {
+  constexpr int kRows = 4, kWidth = 32;
+  const int first_row = std::min(places.row[0], places.row[kLanes - 1]);
+  const int first_column = std::min(places.column[0], places.column[kLanes - 1]);
+  if (first_row + kRows > source.rows || first_column + kWidth > source.cols) return false;
+  ShortLanes row, column;
+  std::memcpy(&row, places.row, sizeof row);
+  std::memcpy(&column, places.column, sizeof column);
+  row -= static_cast<std::uint16_t>(first_row);
+  column -= static_cast<std::uint16_t>(first_column);  // what is negative becomes large
+  if (!Processor::allBelow(row, kRows - 1) || !Processor::allBelow(column, kWidth - 1)) return false;
+  const ShortLanes place = (row << 5) + column;
+  Processor::fetchQuads(source.data + first_row * source.step[0] + first_column,
+                        static_cast<std::ptrdiff_t>(source.step[0]), __builtin_convertvector(place, IntLanes),
+                        quads);
+  return true;
+}
+
+/// Between four pixels each, rounded once.
+template <typename Processor>
+void blend(const IntLanes& quads, const Places& places, std::uint8_t* target) {
+  ShortLanes x16, y16;
+  Processor::load(places.column_fraction, x16);
+  Processor::load(places.row_fraction, y16);
+  const IntLanes x = __builtin_convertvector(x16, IntLanes), y = __builtin_convertvector(y16, IntLanes);
+  const IntLanes above_left = quads & 0xff, above_right = quads >> 8 & 0xff;
+  const IntLanes below_left = quads >> 16 & 0xff, below_right = quads >> 24 & 0xff;
+  const IntLanes top = (above_left << 8) + x * (above_right - above_left);
+  const IntLanes bottom = (below_left << 8) + x * (below_right - below_left);
+  const IntLanes sum = (top << 8) + y * (bottom - top);
+  Processor::storeBytes((sum + (1 << 15)) >> 16, target);
+}
+
+template <typename Processor>
+void remapSixteen(const cv::Mat& source, const Places& places, std::uint8_t* target) {
+  IntLanes quads;
+  if constexpr (Processor::kShufflesBytes) {
+    if (!fetchTogether<Processor>(source, places, quads)) fetchOneByOne(source, places, quads);
+  } else {
+    fetchOneByOne(source, places, quads);
+  }
+  blend<Processor>(quads, places, target);
+}
+
+/// The last ones of a row: some places are there twice.
+template <typename Processor>
+void remapRest(const cv::Mat& source, const Places& places, int count, std::uint8_t* target) {
+  std::array<std::uint16_t, kLanes> column, row;
+  std::array<std::uint8_t, kLanes> x, y, blended;
+  for (int i = 0; i < kLanes; ++i) {
+    const int from = std::min(i, count - 1);
+    column[i] = places.column[from];
+    row[i] = places.row[from];
+    x[i] = places.column_fraction[from];
+    y[i] = places.row_fraction[from];
+  }
+  remapSixteen<Processor>(source, {column.data(), row.data(), x.data(), y.data()}, blended.data());
+  std::copy_n(blended.data(), count, target);
+}
+
+template <typename Processor>
+void remapAll(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
+  for (int row = 0; row < target.rows; ++row) {
+    std::uint8_t* const out = target.ptr<std::uint8_t>(row);
+    const std::size_t first = static_cast<std::size_t>(row) * target.cols;
+    for (int column = 0; column < target.cols; column += kLanes) {
+      const std::size_t at = first + column;
+      const Places places{sources.column.data() + at, sources.row.data() + at,
+                          sources.column_fraction.data() + at, sources.row_fraction.data() + at};
+      if (const int count = target.cols - column; count < kLanes)
+        remapRest<Processor>(source, places, count, out + column);
+      else
+        remapSixteen<Processor>(source, places, out + column);
+    }
   }
 }
 
-/// Vectorised by the compiler: no branch, no index but i, always a whole block.
-void blend(const Neighbours& neighbours, const std::uint8_t* __restrict column_fraction,
-           const std::uint8_t* __restrict row_fraction, std::uint8_t* __restrict target) {
-  for (int i = 0; i < kBlock; ++i) {
-    const std::uint16_t x = column_fraction[i], y = row_fraction[i];
-    const auto top =
-        static_cast<std::uint16_t>(neighbours.top_left[i] * (256 - x) + neighbours.top_right[i] * x);
-    const auto bottom =
-        static_cast<std::uint16_t>(neighbours.bottom_left[i] * (256 - x) + neighbours.bottom_right[i] * x);
-    const std::uint32_t sum = std::uint32_t{top} * (256u - y) + std::uint32_t{bottom} * y;
-    target[i] = static_cast<std::uint8_t>((sum + (1u << 15)) >> 16);
-  }
+CARTVO_VECTOR_CLONES
+void remapAnywhere(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
+  remapAll<AnyProcessor>(source, sources, target);
 }
+
+#ifdef CARTVO_BYTE_SHUFFLES
+CARTVO_BYTE_SHUFFLES
+void remapByShuffles(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
+  remapAll<ByteShufflingProcessor>(source, sources, target);
+}
+#endif
 
 }  // namespace
 
 void remap(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
-  Neighbours neighbours{};
-  for (int row = 0; row < target.rows; ++row) {
-    std::uint8_t* const out = target.ptr<std::uint8_t>(row);
-    const std::size_t first = static_cast<std::size_t>(row) * target.cols;
-    for (int column = 0; column < target.cols; column += kBlock) {
-      const std::size_t at = first + column;
-      const int count = std::min(kBlock, target.cols - column);
-      gather(source, sources.column.data() + at, sources.row.data() + at, count, neighbours);
-      if (count == kBlock) {
-        blend(neighbours, sources.column_fraction.data() + at, sources.row_fraction.data() + at,
-              out + column);
-        continue;
-      }
-      std::array<std::uint8_t, kBlock> x{}, y{}, blended{};
-      std::copy_n(sources.column_fraction.data() + at, count, x.data());
-      std::copy_n(sources.row_fraction.data() + at, count, y.data());
-      blend(neighbours, x.data(), y.data(), blended.data());
-      std::copy_n(blended.data(), count, out + column);
-    }
-  }
+#ifdef CARTVO_BYTE_SHUFFLES
+  if (shufflesBytes()) return remapByShuffles(source, sources, target);
+#endif
+  remapAnywhere(source, sources, target);
 }
 
 }  // namespace cartvo

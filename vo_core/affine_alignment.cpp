@@ -242,19 +242,6 @@ void fetchQuads(const std::uint8_t* corner, std::ptrdiff_t stride, const IntLane
   std::memcpy(&quads, fetched, sizeof quads);
 }
 
-/// The same from four rows of 32 pixels, where those hold them all.
-template <typename Processor>
-void shuffleQuads(const std::uint8_t* first, std::ptrdiff_t stride, const IntLanes& place, IntLanes& quads) {
-  constexpr int kWidth = 32;
-  QuadBytes low, high;
-  Processor::loadPair(first, first + stride, low);
-  Processor::loadPair(first + 2 * stride, first + 3 * stride, high);
-  const IntLanes twice = place | place << 8;
-  const IntLanes places = (twice | twice << 16) + ((kWidth + 1) << 24 | kWidth << 16 | 1 << 8);
-  Processor::shuffle(low, high, reinterpret_cast<const QuadBytes&>(places),
-                     reinterpret_cast<QuadBytes&>(quads));
-}
-
 /// Between four pixels each, by bilinear interpolation.
 void interpolateQuads(const IntLanes& quads, const Lanes& fraction_x, const Lanes& fraction_y, Lanes& out) {
   const Lanes above_left = __builtin_convertvector(quads & 0xff, Lanes);
@@ -303,8 +290,8 @@ void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, V
       const int top = std::min(first, last), left = static_cast<int>(start.x());
       constexpr int kMostRows = 2;  // below the first
       if (std::max(first, last) - top <= kMostRows)
-        shuffleQuads<Processor>(corner + top * stride + left, stride, ((rows - top) << 5) + (columns - left),
-                                quads);
+        Processor::fetchQuads(corner + top * stride + left, stride, ((rows - top) << 5) + (columns - left),
+                              quads);
       else
         fetch();
     } else {

@@ -21,8 +21,6 @@ using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes), may_alias));
-/// The bytes of sixteen 32-bit numbers.
-using QuadBytes = std::uint8_t __attribute__((vector_size(4 * kLanes), may_alias));
 
 namespace lanes_detail {
 using Half = float __attribute__((vector_size(2 * kLanes)));
@@ -70,6 +68,10 @@ struct AnyProcessor {
   static void convert(const ShortLanes& from, Lanes& to) {
     to = __builtin_convertvector(__builtin_convertvector(from, IntLanes), Lanes);
   }
+  static void storeBytes(const IntLanes& from, std::uint8_t* to) {
+    const ByteLanes bytes = __builtin_convertvector(__builtin_convertvector(from, ShortLanes), ByteLanes);
+    std::memcpy(to, &bytes, sizeof bytes);
+  }
 };
 
 #ifdef CARTVO_BYTE_SHUFFLES
@@ -84,17 +86,29 @@ struct ByteShufflingProcessor {
     const auto wide = IntLanes(_mm512_maskz_cvtepu16_epi32(0xffff, __m256i(from)));
     to = __builtin_convertvector(wide, Lanes);
   }
-  /// 32 bytes from each of two places.
-  CARTVO_BYTE_SHUFFLES static void loadPair(const std::uint8_t* first, const std::uint8_t* second,
-                                            QuadBytes& to) {
+  /// Of sixteen pixels their bytes, those right of them, below them and below to the right, lowest first, out
+  /// of four rows of 32 pixels that begin at `first`. `place`: row times 32 plus column, at most 94.
+  CARTVO_BYTE_SHUFFLES static void fetchQuads(const std::uint8_t* first, std::ptrdiff_t stride,
+                                              const IntLanes& place, IntLanes& quads) {
+    const __m512i upper = rowPair(first, first + stride);
+    const __m512i lower = rowPair(first + 2 * stride, first + 3 * stride);
+    const IntLanes twice = place | place << 8;
+    const IntLanes places = (twice | twice << 16) + (33 << 24 | 32 << 16 | 1 << 8);
+    quads = IntLanes(_mm512_permutex2var_epi8(upper, __m512i(places), lower));
+  }
+  CARTVO_BYTE_SHUFFLES static bool allBelow(const ShortLanes& lanes, std::uint16_t bound) {
+    return _mm256_cmplt_epu16_mask(__m256i(lanes), _mm256_set1_epi16(static_cast<short>(bound))) == 0xffff;
+  }
+  /// The lowest bytes of sixteen numbers.
+  CARTVO_BYTE_SHUFFLES static void storeBytes(const IntLanes& from, std::uint8_t* to) {
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm512_maskz_cvtepi32_epi8(0xffff, __m512i(from)));
+  }
+
+ private:
+  CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
     const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
     const __m256i high = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(second));
-    to = QuadBytes(_mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(low), high, 1));
-  }
-  /// Bytes of `low` and `high`, 128 in all, by their places.
-  CARTVO_BYTE_SHUFFLES static void shuffle(const QuadBytes& low, const QuadBytes& high,
-                                           const QuadBytes& places, QuadBytes& to) {
-    to = QuadBytes(_mm512_permutex2var_epi8(__m512i(low), __m512i(places), __m512i(high)));
+    return _mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(low), high, 1);
   }
 };
 

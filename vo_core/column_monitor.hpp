@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vo_core/evidence_span.hpp"
 #include "vo_core/rig_correction.hpp"
 
 namespace cartvo {
@@ -10,9 +11,9 @@ class ColumnMonitor {
   ColumnMonitor();
 
   /// `information`, `gradient`: of one pair (BundleResult), whose disparities had been corrected by
-  /// `applied`. `time_step`: s since the pair before.
+  /// `applied`.
   void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
-           const RigCorrection& applied, double time_step);
+           const RigCorrection& applied, const EvidenceSpan& span);
 
   /// The right camera was seen, by other means, to turn by so much yaw, rad: what was gathered is of before.
   void turn(double yaw);

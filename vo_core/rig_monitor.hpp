@@ -2,6 +2,7 @@
 
 #include "vo_core/bundle_adjustment.hpp"
 #include "vo_core/column_monitor.hpp"
+#include "vo_core/evidence_span.hpp"
 #include "vo_core/rig_check.hpp"
 #include "vo_core/row_monitor.hpp"
 
@@ -11,10 +12,8 @@ namespace cartvo {
 class RigMonitor {
  public:
   /// Takes in the newest pair of an adjusted problem, whose right pixels had been corrected by `applied`.
-  /// `way`: m driven within the window; what disparities tell of the rig shows by driving only. `time_step`:
-  /// s since the pair before.
   void add(const BundleProblem& adjusted, const BundleResult& result, const RigCorrection& applied,
-           double way, double time_step);
+           const EvidenceSpan& span);
 
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch) { rows_.suspectPitch(pitch); }
@@ -22,11 +21,11 @@ class RigMonitor {
   /// What is to be corrected, of rotation and bend.
   RigCorrection correction() const;
 
-  /// From the right camera's axes as they are, as far as is known, to those of the rig file: where matches
-  /// are to be looked for.
-  Eigen::Matrix3d expectedRotation() const;
+  /// The same where it is likely but not beyond doubt: how the right camera is turned where matches are to
+  /// be looked for. No bend.
+  RigCorrection expected() const;
 
-  /// `applied`: what is corrected at present.
+  /// `applied`: what of it is corrected at present in the images that landmarks are followed in.
   RigCheck check(const RigCorrection& applied) const;
 
  private:

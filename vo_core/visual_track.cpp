@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/bundle_noise.hpp"
 #include "vo_core/pitch_search.hpp"
 #include "vo_core/plausible_motion.hpp"
+#include "vo_core/triangulation.hpp"
 #include "vo_core/window_problems.hpp"
 #include "vo_core/window_uncertainty.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kUnknownSpeed = 3.0;                   // m/s that the cart may have at the first pair
-constexpr double kNoiseMemory = 0.9;                    // of the noise's running estimate, from pair to pair
-constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
+constexpr double kUnknownSpeed = 3.0;        // m/s that the cart may have at the first pair
 constexpr double kNoticeable = 0.02;         // px that a change of the rig's correction moves points
 constexpr int kPairsBetweenSuspicions = 20;  // that the right camera was bumped
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
@@ -46,19 +46,14 @@ void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
-/// First depth of a landmark whose only sighting is in stereo: the inverse depth at which the right camera,
-/// where it was at its own instant, sees it where it did. From y = R b + rho t, linear in rho.
+/// First depth of a landmark whose only sighting is in stereo.
 void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                const Eigen::Vector2d& right_pixel, const BundleNoise& noise) {
-  const Eigen::Vector3d turned = T_right_left.linear() * bearingOf(camera, landmark.host().left);
-  const Eigen::Vector3d t = T_right_left.translation();
-  const Eigen::Vector2d seen = bearingOf(camera, right_pixel).head<2>();
-  const Eigen::Vector2d lever = t.head<2>() - seen * t.z();
-  const double square = lever.squaredNorm();
-  if (!(square > 1e-8)) return;
-  landmark.inverse_depth = lever.dot(seen * turned.z() - turned.head<2>()) / square;
+  const auto found = triangulate(camera, T_right_left, landmark.host().left, right_pixel);
+  if (!found) return;
+  landmark.inverse_depth = found->inverse_depth;
   const double deviation = (noise.disparity + noise.stretch * std::abs(landmark.host().parallax.x())) /
-                           (camera.focal_length * std::sqrt(square));
+                           (camera.focal_length * found->lever);
   landmark.information = 1.0 / (deviation * deviation);
 }
 
@@ -71,6 +66,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       tracker_(camera, settings),
       random_(settings.seed),
       rig_(rig),
+      rig_witness_(camera, settings, first.left_exposure_ns),
       standstill_(settings.standstill),
       last_exposure_ns_(first.left_exposure_ns) {
   {
@@ -93,8 +89,12 @@ Matrix6d VisualTrack::poseCovariance() const {
   return poseCovarianceOf(window_.back());
 }
 
+bool VisualTrack::corrects() const {
+  return settings_.rig_refinement == RigRefinement::correct;
+}
+
 RigCorrection VisualTrack::correctionBy(const RigMonitor& rig) const {
-  return settings_.rig_refinement == RigRefinement::correct ? rig.correction() : RigCorrection{};
+  return corrects() ? rig.correction() : RigCorrection{};
 }
 
 std::optional<RigCheck> VisualTrack::rigCheck() const {
@@ -248,11 +248,16 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
   const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * T_world_camera;
   const auto match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
-    const Eigen::Isometry3d turned(rig.expectedRotation().transpose());
+    const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
     tracker_.matchStereo(wanted, window, pair.left, pair.right, turned * T_right_left, T_world_camera);
   };
-  match(landmarks, rig_);
-  if (suspectPitch(landmarks, match)) match(landmarks, rig_);
+  match(landmarks, corrects() ? rig_ : RigMonitor());
+  if (suspectPitch(landmarks, match) && corrects()) {
+    // The matches there are, are by chance.
+    for (Landmark& landmark : landmarks)
+      landmark.sightings.back().stereo = false;
+    match(landmarks, rig_);
+  }
 
   const RigCorrection rig = correctionBy(rig_);
   for (Landmark& landmark : landmarks) {
@@ -264,22 +269,27 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
 }
 
 /// Where hardly a match is found, looks whether the right camera has been bumped. If so, what is known of the
-/// rig says so, and the matches, which are by chance, are undone.
-bool VisualTrack::suspectPitch(std::vector<Landmark>& landmarks, const MatchBy& match) {
+/// rig says so.
+bool VisualTrack::suspectPitch(const std::vector<Landmark>& landmarks, const MatchBy& match) {
   if (pairs_until_suspicion_ > 0) --pairs_until_suspicion_;
   if (settings_.rig_refinement == RigRefinement::off || pairs_until_suspicion_ > 0 ||
       !hardlyMatched(landmarks))
     return false;
   pairs_until_suspicion_ = kPairsBetweenSuspicions;
-  const auto pitch = findPitch(landmarks, camera_.focal_length, [&](std::vector<Landmark>& tried, double by) {
+  std::vector<Landmark> sought = landmarks;
+  if (const RigCorrection known = rig_.expected(); !corrects() && std::hypot(known.pitch, known.roll) > 0.0) {
+    // These were matched as if nothing was known. What is, may explain it.
+    forgetStereo(sought);
+    match(sought, rig_);
+    if (!hardlyMatched(sought)) return false;
+  }
+  const auto pitch = findPitch(sought, camera_.focal_length, [&](std::vector<Landmark>& tried, double by) {
     RigMonitor bumped = rig_;
     bumped.suspectPitch(by);
     match(tried, bumped);
   });
   if (!pitch) return false;
   rig_.suspectPitch(*pitch);
-  for (Landmark& landmark : landmarks)
-    landmark.sightings.back().stereo = false;
   return true;
 }
 
@@ -329,8 +339,10 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid()) return;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  adaptNoise(result);
+  noise_ = adapted(noise_, result, 1);
   rig_ = learned;
+  if (settings_.rig_refinement == RigRefinement::monitor)
+    rig_witness_.take({tracker_, pair.left, pair.right, draft.landmarks, draft.window}, rig_);
   accept(pair, draft);
 }
 
@@ -359,25 +371,14 @@ OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
   return OdometryReason::none;
 }
 
-/// What is known of the rig once an adjusted pair's residuals, with `applied` corrected, are taken in.
+/// What is known of the rig once the residuals of an adjusted pair, with `applied` corrected, are taken in.
 RigMonitor VisualTrack::rigAfter(const BundleProblem& adjusted, const BundleResult& result,
                                  const Draft& draft, const RigCorrection& applied) const {
   RigMonitor rig = rig_;
-  if (!result.converged || settings_.rig_refinement == RigRefinement::off) return rig;
-  const Eigen::Isometry3d way =
-      adjusted.poses.front().T_world_camera.inverse() * adjusted.poses.back().T_world_camera;
+  if (!result.converged || !corrects()) return rig;
   const double time_step = seconds(draft.window.back().exposure_ns - window_.back().exposure_ns);
-  rig.add(adjusted, result, applied, way.translation().norm(), time_step);
+  rig.add(adjusted, result, applied, {time_step});
   return rig;
-}
-
-/// What the residuals tell of the images' noise.
-void VisualTrack::adaptNoise(const BundleResult& result) {
-  const auto adapt = [](double noise, double scale) {
-    return std::clamp(noise * (kNoiseMemory + (1.0 - kNoiseMemory) * scale), kLeastNoise, kMostNoise);
-  };
-  noise_.pixel = adapt(noise_.pixel, result.pixel_scale);
-  noise_.disparity = adapt(noise_.disparity, result.disparity_scale);
 }
 
 }  // namespace cartvo

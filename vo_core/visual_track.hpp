@@ -10,6 +10,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/pose_search.hpp"
 #include "vo_core/rig_monitor.hpp"
+#include "vo_core/rig_witness.hpp"
 #include "vo_core/standstill.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
@@ -67,6 +68,7 @@ class VisualTrack {
   /// Matches landmarks with a right camera that is turned as a monitor says.
   using MatchBy = std::function<void(std::vector<Landmark>& landmarks, const RigMonitor& rig)>;
 
+  bool corrects() const;
   RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
@@ -75,7 +77,7 @@ class VisualTrack {
                           std::vector<std::size_t>& chosen) const;
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    std::vector<Landmark>& landmarks);
-  bool suspectPitch(std::vector<Landmark>& landmarks, const MatchBy& match);
+  bool suspectPitch(const std::vector<Landmark>& landmarks, const MatchBy& match);
   BundleProblem bundleProblem(const Draft& draft, const RigCorrection& rig,
                               std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
@@ -83,7 +85,6 @@ class VisualTrack {
   OdometryReason judge(const TrackedMotion& motion) const;
   RigMonitor rigAfter(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
                       const RigCorrection& applied) const;
-  void adaptNoise(const BundleResult& result);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);
@@ -94,6 +95,7 @@ class VisualTrack {
   SubsetRandom random_;
   BundleNoise noise_;
   RigMonitor rig_;
+  RigWitness rig_witness_;
   int pairs_until_suspicion_ = 0;
   StandstillDetector standstill_;
   bool standing_ = false;

@@ -15,7 +15,7 @@ const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kTolerance = 0.03 * kDegree;
-constexpr int kPairs = 16;
+constexpr int kPairs = 16, kMostPairs = 32;
 
 /// 3 m/s, swinging from side to side and nodding.
 Eigen::Isometry3d drive(double time) {
@@ -29,39 +29,51 @@ Eigen::Isometry3d drive(double time) {
 const cv::Mat& leftImage(const test::CorridorWorld& world, int i) {
   static const std::vector<cv::Mat> images = [&world] {
     std::vector<cv::Mat> rendered;
-    for (int frame = 0; frame < kPairs; ++frame)
+    for (int frame = 0; frame < kMostPairs; ++frame)
       rendered.push_back(world.view(kCamera, drive(frame * kPeriod)));
     return rendered;
   }();
   return images[i];
 }
 
+/// What both cameras say they see, the right one turned by `turned` and exposed `late` s later than it says.
+std::vector<StereoImages> drivenWith(const RigCorrection& turned, double late, int count) {
+  const test::CorridorWorld world(1);
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < count; ++i) {
+    const double time = i * kPeriod;
+    Eigen::Isometry3d right = drive(time + late) * Eigen::Translation3d(kCamera.baseline, 0.0, 0.0);
+    right.rotate(turned.rotation());
+    const std::int64_t stamp = std::llround(1e9 * time);
+    pairs.push_back({leftImage(world, i), world.view(kCamera, right), stamp, stamp});
+  }
+  return pairs;
+}
+
 struct Driven {
   RigCheck check;
   double path = 0.0;  ///< m, of what was estimated
+  std::vector<OdometryEstimate> estimates;
 };
 
-/// With a right camera that is turned by `turned` and exposed `late` s later than it says.
-Driven driven(const RigCorrection& turned, double late, RigRefinement refinement) {
-  const test::CorridorWorld world(1);
+Driven estimated(const std::vector<StereoImages>& pairs, RigRefinement refinement) {
   OdometrySettings settings;
   settings.features = 400;
   settings.rig_refinement = refinement;
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
   Driven result;
-  for (int i = 0; i < kPairs; ++i) {
-    const double time = i * kPeriod;
-    Eigen::Isometry3d right = drive(time + late) * Eigen::Translation3d(kCamera.baseline, 0.0, 0.0);
-    right.rotate(turned.rotation());
-    const std::int64_t stamp = std::llround(1e9 * time);
-    const OdometryEstimate estimate =
-        odometry.process({leftImage(world, i), world.view(kCamera, right), stamp, stamp}, observer);
-    EXPECT_TRUE(estimate.rig.has_value());
+  for (const StereoImages& pair : pairs) {
+    const OdometryEstimate& estimate = result.estimates.emplace_back(odometry.process(pair, observer));
+    EXPECT_EQ(estimate.rig.has_value(), refinement != RigRefinement::off);
     result.check = estimate.rig.value_or(RigCheck{});
     result.path += estimate.T_previous_current.translation().norm();
   }
   return result;
+}
+
+Driven driven(const RigCorrection& turned, double late, RigRefinement refinement) {
+  return estimated(drivenWith(turned, late, kPairs), refinement);
 }
 
 constexpr double kTruePath = 3.0 * kPeriod * (kPairs - 1);  // m, without the swing
@@ -92,6 +104,49 @@ TEST(RigCheck, FindsMostOfAYawWithinThreeMetres) {
 TEST(RigCheck, FindsARollWhereItOnlyWatches) {
   const RigCheck check = driven({.roll = 0.3 * kDegree}, 0.0, RigRefinement::monitor).check;
   EXPECT_NEAR(check.roll.value, 0.3 * kDegree, kTolerance);
+}
+
+TEST(RigCheck, FindsMostOfAYawWithinFiveMetresWhereItOnlyWatches) {
+  for (const double yaw : {-0.3 * kDegree, 0.3 * kDegree}) {
+    const RigCheck check = estimated(drivenWith({.yaw = yaw}, 0.0, kMostPairs), RigRefinement::monitor).check;
+    EXPECT_GT(check.yaw.value / yaw, 0.8);
+    EXPECT_LT(check.yaw.value / yaw, 1.1);
+    EXPECT_NEAR(check.yaw.value, yaw, 3.0 * check.yaw.deviation);
+    EXPECT_GT(std::abs(check.yaw.value), 3.0 * check.yaw.deviation);
+    EXPECT_NEAR(check.pitch.value, 0.0, kTolerance);
+    EXPECT_NEAR(check.roll.value, 0.0, kTolerance);
+  }
+}
+
+/// All that is published of the motion, to the bit.
+void expectSameMotions(const std::vector<OdometryEstimate>& a, const std::vector<OdometryEstimate>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].reasons, b[i].reasons) << i;
+    EXPECT_EQ(a[i].reset_counter, b[i].reset_counter) << i;
+    EXPECT_EQ(a[i].counts.matched, b[i].counts.matched) << i;
+    EXPECT_EQ(a[i].T_world_camera.matrix(), b[i].T_world_camera.matrix()) << i;
+    EXPECT_EQ(a[i].pose_covariance, b[i].pose_covariance) << i;
+    EXPECT_EQ(a[i].T_previous_current.matrix(), b[i].T_previous_current.matrix()) << i;
+    EXPECT_EQ(a[i].motion_covariance, b[i].motion_covariance) << i;
+    EXPECT_EQ(a[i].motion_offset_error, b[i].motion_offset_error) << i;
+  }
+}
+
+TEST(RigCheck, WatchingChangesNoMotion) {
+  // The pitch is more than rows are searched by: what is learnt of it would find other matches.
+  for (const RigCorrection& turned :
+       {RigCorrection{.yaw = 0.3 * kDegree}, RigCorrection{.pitch = 0.5 * kDegree, .roll = 0.3 * kDegree}}) {
+    const std::vector<StereoImages> pairs = drivenWith(turned, 0.002, kPairs);
+    const Driven watched = estimated(pairs, RigRefinement::monitor);
+    EXPECT_GT(std::abs(watched.check.yaw.value) + std::abs(watched.check.pitch.value), 0.2 * kDegree);
+    expectSameMotions(watched.estimates, estimated(pairs, RigRefinement::off).estimates);
+  }
+}
+
+TEST(RigCheck, FindsAPitchThatHidesNearlyAllMatchesWhereItOnlyWatches) {
+  const RigCheck check = driven({.pitch = -0.5 * kDegree}, 0.0, RigRefinement::monitor).check;
+  EXPECT_NEAR(check.pitch.value, -0.5 * kDegree, kTolerance);
 }
 
 TEST(RigCheck, FindsARightCameraThatIsLateOrEarly) {

@@ -22,6 +22,10 @@ bool stronger(const Corner& a, const Corner& b) {
   return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
 
+bool weaker(const Corner& a, const Corner& b) {
+  return stronger(b, a);
+}
+
 }  // namespace
 
 AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int features,
@@ -30,7 +34,9 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
       features_(0),
       corner_target_(0.0),
       image_size_(image_size),
-      first_looks_(kFirstLooks) {
+      first_looks_(kFirstLooks),
+      window_thresholds_(image_size, settings.window_rows),
+      finders_(static_cast<std::size_t>(settings.window_rows)) {
   const int columns = settings.window_columns;
   const int rows = settings.window_rows;
   for (int row = 0; row < rows; ++row) {
@@ -45,7 +51,8 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
   corner_counts_.assign(windows_.size(), 0);
   tried_.assign(windows_.size(), kDoubt);
   followed_.assign(windows_.size(), 0.5 * kDoubt);
-  scores_ = cv::Mat::zeros(image_size, CV_16UC1);
+  corners_.resize(windows_.size());
+  wanted_.resize(windows_.size());
 }
 
 void AdaptiveDetector::aimAt(int features) {
@@ -81,71 +88,75 @@ void AdaptiveDetector::learn(const Eigen::Vector2d& pixel, bool followed) {
   followed_[index] = kept * followed_[index] + (followed ? 1.0 : 0.0);
 }
 
-std::vector<int> AdaptiveDetector::shares() const {
-  std::vector<double> worth(windows_.size());
+double AdaptiveDetector::worth(int index) const {
+  return std::max(followed_[index] / tried_[index], kLeastWorth);
+}
+
+void AdaptiveDetector::share() {
   double sum = 0.0;
-  for (std::size_t i = 0; i < worth.size(); ++i)
-    sum += worth[i] = std::max(followed_[i] / tried_[i], kLeastWorth);
-  std::vector<int> share(windows_.size());
+  for (int i = 0; i < windowCount(); ++i)
+    sum += worth(i);
   double before = 0.0;  // so that they add up to features_ exactly
-  for (std::size_t i = 0; i < worth.size(); ++i) {
-    const double after = before + features_ * worth[i] / sum;
-    share[i] = static_cast<int>(std::lround(after) - std::lround(before));
+  for (int i = 0; i < windowCount(); ++i) {
+    const double after = before + features_ * worth(i) / sum;
+    wanted_[i] = static_cast<int>(std::lround(after) - std::lround(before));
     before = after;
   }
-  return share;
 }
 
-std::vector<std::vector<Corner>> AdaptiveDetector::strongestCorners(const cv::Mat& image,
-                                                                    const std::vector<int>& wanted) {
-  std::vector<std::vector<Corner>> found(windows_.size()), corners(windows_.size());
-  forEachIndex(windows_.size(), [&](std::size_t i) {
-    if (wanted[i] > 0) found[i] = findCorners(image, windows_[i], threshold(static_cast<int>(i)), scores_);
-  });
-  forEachIndex(windows_.size(), [&](std::size_t i) {
-    corners[i] = localMaxima(scores_, found[i]);
-    std::sort(corners[i].begin(), corners[i].end(), stronger);
-  });
+void AdaptiveDetector::findCorners(const cv::Mat& image) {
   for (int i = 0; i < windowCount(); ++i) {
-    if (wanted[i] > 0) adaptThreshold(i, static_cast<int>(corners[i].size()));
-    for (const Corner& corner : found[i])
-      scores_.at<std::uint16_t>(corner.y, corner.x) = 0;
+    window_thresholds_.set(windows_[i],
+                           wanted_[i] > 0 ? static_cast<std::uint8_t>(threshold(i)) : kNoCorners);
+    corners_[i].clear();
   }
-  return corners;
+  forEachIndex(finders_.size(), [&](std::size_t row) {
+    const std::size_t first = row * settings_.window_columns;
+    const cv::Range rows(windows_[first].y, windows_[first].br().y);
+    for (const Corner& corner : finders_[row].find(image, rows, window_thresholds_))
+      corners_[windowAt(corner.x, corner.y)].push_back(corner);
+    for (std::size_t i = first; i < first + settings_.window_columns; ++i)
+      std::sort(corners_[i].begin(), corners_[i].end(), stronger);
+  });
+  for (int i = 0; i < windowCount(); ++i)
+    if (wanted_[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
 }
 
-std::vector<Corner> AdaptiveDetector::detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
-                                             SpacingGrid& spacing) {
-  const int count = windowCount();
-  std::vector<int> wanted = shares();
+const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
+                                                    const std::vector<Eigen::Vector2d>& alive,
+                                                    SpacingGrid& spacing) {
+  share();
   for (const Eigen::Vector2d& pixel : alive)
-    --wanted[windowAt(pixel.x(), pixel.y())];
+    --wanted_[windowAt(pixel.x(), pixel.y())];
   for (; first_looks_ > 0; --first_looks_)
-    strongestCorners(image, wanted);
-  const std::vector<std::vector<Corner>> corners = strongestCorners(image, wanted);
+    findCorners(image);
+  findCorners(image);
 
   int room = std::max(features_ - static_cast<int>(alive.size()), 0);
-  std::vector<Corner> chosen;
-  std::vector<Corner> left_over;
-  for (int i = 0; i < count; ++i) {
-    for (const Corner& corner : corners[i]) {
-      if (wanted[i] <= 0 || room <= 0) {
-        left_over.push_back(corner);
+  chosen_.clear();
+  left_over_.clear();
+  for (int i = 0; i < windowCount(); ++i) {
+    for (const Corner& corner : corners_[i]) {
+      if (wanted_[i] <= 0 || room <= 0) {
+        left_over_.push_back(corner);
       } else if (spacing.insert({corner.x, corner.y})) {
-        chosen.push_back(corner);
-        --wanted[i];
+        chosen_.push_back(corner);
+        --wanted_[i];
         --room;
       }
     }
   }
-  std::sort(left_over.begin(), left_over.end(), stronger);
-  for (const Corner& corner : left_over) {
-    if (room <= 0) break;
+  // A heap, as few of them are wanted.
+  std::make_heap(left_over_.begin(), left_over_.end(), weaker);
+  while (room > 0 && !left_over_.empty()) {
+    std::pop_heap(left_over_.begin(), left_over_.end(), weaker);
+    const Corner corner = left_over_.back();
+    left_over_.pop_back();
     if (!spacing.insert({corner.x, corner.y})) continue;
-    chosen.push_back(corner);
+    chosen_.push_back(corner);
     --room;
   }
-  return chosen;
+  return chosen_;
 }
 
 }  // namespace cartvo

@@ -19,9 +19,10 @@ class AdaptiveDetector {
 
   /// New corners that bring the number of features to its target, strongest first: window by window, then
   /// wherever strong corners are left. `alive`: features the image holds already, all in `spacing`; new ones
-  /// keep its distance and are entered into it. Adapts the thresholds for the next image.
-  std::vector<Corner> detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
-                             SpacingGrid& spacing);
+  /// keep its distance and are entered into it. Adapts the thresholds for the next image. Valid until the
+  /// next call.
+  const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
+                                    SpacingGrid& spacing);
 
   /// From the next image on, so many features are aimed at.
   void aimAt(int features);
@@ -40,10 +41,11 @@ class AdaptiveDetector {
   double cornerTarget() const { return corner_target_; }
 
  private:
-  /// How many of the features are each window's share.
-  std::vector<int> shares() const;
-  /// Of each window that wants some, strongest first; adapts the thresholds.
-  std::vector<std::vector<Corner>> strongestCorners(const cv::Mat& image, const std::vector<int>& wanted);
+  double worth(int index) const;
+  /// Makes wanted_ each window's share of the features.
+  void share();
+  /// Makes corners_ those of each window that wants some, strongest first; adapts the thresholds.
+  void findCorners(const cv::Mat& image);
   void adaptThreshold(int index, int corners);
   int windowAt(double x, double y) const;
 
@@ -56,7 +58,13 @@ class AdaptiveDetector {
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;
   std::vector<double> tried_, followed_;  ///< new corners of late, and those of them that could be followed
-  cv::Mat scores_;                        ///< of the image's corners while they are looked for, else zero
+
+  // Kept so that no image allocates anew.
+  WindowThresholds window_thresholds_;
+  std::vector<CornerFinder> finders_;  ///< one for each row of windows
+  std::vector<std::vector<Corner>> corners_;
+  std::vector<int> wanted_;
+  std::vector<Corner> chosen_, left_over_;
 };
 
 }  // namespace cartvo

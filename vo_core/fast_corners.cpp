@@ -2,47 +2,32 @@
 #include "vo_core/fast_corners.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cstddef>
+#include <cstring>
 
-#include <opencv2/features2d.hpp>
+#include "vo_core/fast_block.hpp"
+#include "vo_core/vector_widths.hpp"
 
 namespace cartvo {
 namespace {
 
-/// Offsets of the circle of radius 3, clockwise from the top, in an image of a given row length.
-std::array<std::ptrdiff_t, 16> circle(std::ptrdiff_t step) {
-  return {-3 * step, -3 * step + 1, -2 * step + 2, -step + 3, 3,  step + 3,  2 * step + 2,  3 * step + 1,
-          3 * step,  3 * step - 1,  2 * step - 2,  step - 3,  -3, -step - 3, -2 * step - 2, -3 * step - 1};
-}
-
 /// Whether nine neighbours of the ring of sixteen bits are set.
 bool hasArc(std::uint32_t bits) {
-  const std::uint32_t ring = bits | bits << 16;
+  const std::uint32_t ring = bits | bits << kCircle;
   std::uint32_t run = ring & ring >> 1;  // runs of 2, 4, 8
   run &= run >> 2;
   run &= run >> 4;
   return (run & ring >> 8) != 0;
 }
 
-std::uint16_t scoreAt(const unsigned char* centre, const std::array<std::ptrdiff_t, 16>& offsets,
-                      int threshold) {
-  const int grey = *centre;
-  // An arc of nine covers one of the top and bottom, and one of the left and right pixel.
-  const int top = centre[offsets[0]] - grey;
-  const int bottom = centre[offsets[8]] - grey;
-  const int right = centre[offsets[4]] - grey;
-  const int left = centre[offsets[12]] - grey;
-  const bool bright = std::max(top, bottom) > threshold && std::max(right, left) > threshold;
-  const bool dark = std::min(top, bottom) < -threshold && std::min(right, left) < -threshold;
-  if (!bright && !dark) return 0;
-
+std::uint16_t scoreAt(const std::uint8_t* centre, const Circle& offsets, int threshold) {
   std::uint32_t bright_bits = 0;
   std::uint32_t dark_bits = 0;
   int bright_sum = 0;
   int dark_sum = 0;
-  for (int i = 0; i < 16; ++i) {
-    const int difference = centre[offsets[i]] - grey;
+  for (int i = 0; i < kCircle; ++i) {
+    const int difference = centre[offsets[i]] - *centre;
     if (difference > threshold) {
       bright_bits |= 1u << i;
       bright_sum += difference;
@@ -56,44 +41,142 @@ std::uint16_t scoreAt(const unsigned char* centre, const std::array<std::ptrdiff
   return 0;
 }
 
+/// A row of an image, whose columns [kFastRadius, width - kFastRadius) are to be scored.
+struct ImageRow {
+  const std::uint8_t* pixels;
+  std::ptrdiff_t step;  ///< to the next one
+  int width;
+  const std::uint8_t* thresholds;
+};
+
+/// Writes the scores, and where blocks of kSize columns with corners begin; returns how many these are.
+template <int kSize>
+int scoreBlocks(const ImageRow& row, std::uint16_t* scores, int* blocks) {
+  const Circle offsets = circle(row.step);
+  const int last = row.width - kFastRadius - kSize;
+  if (last < kFastRadius) {
+    for (int x = kFastRadius; x < row.width - kFastRadius; ++x)
+      scores[x] = scoreAt(row.pixels + x, offsets, row.thresholds[x]);
+    blocks[0] = kFastRadius;
+    return 1;
+  }
+  int count = 0;
+  for (int next = kFastRadius; next < last + kSize; next += kSize) {
+    const int x = std::min(next, last);  // the last block overlaps the one before
+    PixelBlock<kSize> block(row.pixels + x, row.thresholds + x, offsets);
+    if (block.findCorners()) {
+      block.score(scores + x);
+      blocks[count++] = x;
+    } else {
+      std::memset(scores + x, 0, kSize * sizeof *scores);
+    }
+  }
+  return count;
+}
+
+/// Which of a block's scores are the greatest of their 3x3 neighbours': bits.
+template <int kSize>
+std::uint64_t maximaOf(const std::uint16_t* above, const std::uint16_t* row, const std::uint16_t* below) {
+  using Shorts = typename ByteVectors<kSize>::Shorts;
+  using HalfBytes = typename ByteVectors<kSize / 2>::Bytes;
+  HalfBytes are_maxima[2];
+  for (int half = 0; half < 2; ++half) {
+    const int at = half * kSize / 2;
+    Shorts score, before, after, other;
+    std::memcpy(&score, row + at, sizeof score);
+    std::memcpy(&before, row + at - 1, sizeof before);
+    std::memcpy(&after, row + at + 1, sizeof after);
+#pragma GCC unroll 3
+    for (int side = -1; side <= 1; ++side) {
+      std::memcpy(&other, above + at + side, sizeof other);
+      before = before < other ? other : before;
+      std::memcpy(&other, below + at + side, sizeof other);
+      after = after < other ? other : after;
+    }
+    // No less than those after it is more than one less than they.
+    const Shorts one_less = (after < 1 ? Shorts{} + 1 : after) - 1;
+    const Shorts is_maximum = score > (before < one_less ? one_less : before);
+    are_maxima[half] = __builtin_convertvector(is_maximum, HalfBytes);
+  }
+  typename ByteVectors<kSize>::Bytes both;
+  std::memcpy(&both, are_maxima, sizeof both);
+  return bitsOf<kSize>(both);
+}
+
+/// The columns of a row's local maxima, which lie in its blocks with corners; and how many.
+template <int kSize>
+int maximaOfBlocks(const std::uint16_t* above, const std::uint16_t* row, const std::uint16_t* below,
+                   const int* blocks, int block_count, int* columns) {
+  int count = 0;
+  int next = 0;
+  for (int i = 0; i < block_count; ++i) {
+    const int x = blocks[i];
+    const int known = std::max(next - x, 0);  // of the last block, which overlaps the one before
+    for (std::uint64_t left = maximaOf<kSize>(above + x, row + x, below + x) >> known << known; left != 0;
+         left &= left - 1)
+      columns[count++] = x + std::countr_zero(left);
+    next = x + kSize;
+  }
+  return count;
+}
+
+CARTVO_BY_VECTOR_WIDTH(int scoreRow(const ImageRow& row, std::uint16_t* scores, int* blocks),
+                       return scoreBlocks<kSize>(row, scores, blocks);)
+CARTVO_BY_VECTOR_WIDTH(int findMaxima(const std::uint16_t* above, const std::uint16_t* row,
+                                      const std::uint16_t* below, const int* blocks, int block_count,
+                                      int* columns),
+                       return maximaOfBlocks<kSize>(above, row, below, blocks, block_count, columns);)
+
 }  // namespace
 
 std::uint16_t fastScore(const cv::Mat& image, int x, int y, int threshold) {
   return scoreAt(image.ptr(y) + x, circle(static_cast<std::ptrdiff_t>(image.step)), threshold);
 }
 
-std::vector<Corner> findCorners(const cv::Mat& image, const cv::Rect& window, int threshold,
-                                cv::Mat& scores) {
-  // What OpenCV is given, it searches but for a margin of the circle's radius.
-  const cv::Rect searched = cv::Rect(window.x - kFastRadius, window.y - kFastRadius,
-                                     window.width + 2 * kFastRadius, window.height + 2 * kFastRadius) &
-                            cv::Rect(cv::Point(), image.size());
-  std::vector<cv::KeyPoint> found;
-  cv::FAST(image(searched), found, threshold, false, cv::FastFeatureDetector::TYPE_9_16);
-  const auto offsets = circle(static_cast<std::ptrdiff_t>(image.step));
-  std::vector<Corner> corners;
-  corners.reserve(found.size());
-  for (const cv::KeyPoint& point : found) {
-    const int x = searched.x + static_cast<int>(point.pt.x);
-    const int y = searched.y + static_cast<int>(point.pt.y);
-    const std::uint16_t score = scoreAt(image.ptr(y) + x, offsets, threshold);
-    scores.at<std::uint16_t>(y, x) = score;
-    corners.push_back({x, y, score});
-  }
-  return corners;
+WindowThresholds::WindowThresholds(const cv::Size& image_size, int window_rows)
+    : thresholds_(static_cast<std::size_t>(window_rows) * image_size.width, kNoCorners) {
+  for (int y = 0; y < image_size.height; ++y)
+    begin_.push_back(((y + 1) * window_rows - 1) / image_size.height * image_size.width);
 }
 
-std::vector<Corner> localMaxima(const cv::Mat& scores, const std::vector<Corner>& corners) {
-  std::vector<Corner> maxima;
-  for (const Corner& corner : corners) {
-    const auto* above = scores.ptr<std::uint16_t>(corner.y - 1) + corner.x;
-    const auto* row = scores.ptr<std::uint16_t>(corner.y) + corner.x;
-    const auto* below = scores.ptr<std::uint16_t>(corner.y + 1) + corner.x;
-    const int before = std::max({above[-1], above[0], above[1], row[-1]});
-    const int after = std::max({row[1], below[-1], below[0], below[1]});
-    if (corner.score > before && corner.score >= after) maxima.push_back(corner);
+void WindowThresholds::set(const cv::Rect& window, std::uint8_t threshold) {
+  std::fill_n(&thresholds_[static_cast<std::size_t>(begin_[window.y] + window.x)], window.width, threshold);
+}
+
+void CornerFinder::score(const cv::Mat& image, int y, const WindowThresholds& thresholds) {
+  ScoredRow& row = at(y);
+  // A block with corners is read whole, however narrow the image.
+  constexpr int kWidestBlock = 64, kNarrowestBlock = 16;
+  const int width = std::max(image.cols, kWidestBlock + 2 * kFastRadius);
+  const bool empty = y < kFastRadius || y >= image.rows - kFastRadius;
+  if (empty || width > image.cols || static_cast<int>(row.scores.size()) != width)
+    row.scores.assign(width, 0);
+  row.blocks.resize(width / kNarrowestBlock + 1);
+  row.block_count = 0;
+  if (empty) return;
+  const ImageRow pixels{image.ptr(y), static_cast<std::ptrdiff_t>(image.step), image.cols, thresholds.row(y)};
+  row.block_count = scoreRow(pixels, row.scores.data(), row.blocks.data());
+}
+
+void CornerFinder::suppress(int y) {
+  const ScoredRow& row = at(y);
+  columns_.resize(row.scores.size());
+  const int count = findMaxima(at(y - 1).scores.data(), row.scores.data(), at(y + 1).scores.data(),
+                               row.blocks.data(), row.block_count, columns_.data());
+  for (int i = 0; i < count; ++i)
+    maxima_.push_back({columns_[i], y, row.scores[columns_[i]]});
+}
+
+const std::vector<Corner>& CornerFinder::find(const cv::Mat& image, const cv::Range& rows,
+                                              const WindowThresholds& thresholds) {
+  maxima_.clear();
+  score(image, rows.start - 1, thresholds);
+  score(image, rows.start, thresholds);
+  for (int y = rows.start; y < rows.end; ++y) {
+    score(image, y + 1, thresholds);
+    suppress(y);
   }
-  return maxima;
+  return maxima_;
 }
 
 }  // namespace cartvo

@@ -7,7 +7,6 @@
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/klt.hpp"
 #include "vo_core/parallel_loop.hpp"
-#include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_matcher.hpp"
 
 namespace cartvo {
@@ -200,19 +199,24 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
 }
 
 void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame) {
-  SpacingGrid spacing(camera_.width, camera_.height,
-                      minimumDistance(settings_, camera_.width, camera_.height));
-  std::stable_sort(landmarks.begin(), landmarks.end(), [](const Landmark& a, const Landmark& b) {
-    return a.trust * std::min(a.age, 10) > b.trust * std::min(b.age, 10);
-  });
-  std::erase_if(landmarks, [&](const Landmark& landmark) { return !spacing.insert(landmark.last().left); });
-  if (const auto most = static_cast<std::size_t>(settings_.features); landmarks.size() > most)
-    landmarks.resize(most);
+  Renewal& now = renewal_;
+  now.spacing.reset(camera_.width, camera_.height, minimumDistance(settings_, camera_.width, camera_.height));
+  now.order.clear();
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    now.order.emplace_back(-landmarks[i].trust * std::min(landmarks[i].age, 10), i);
+  std::sort(now.order.begin(), now.order.end());
+  now.kept.clear();
+  now.alive.clear();
+  for (const auto& [merit, index] : now.order) {
+    const Eigen::Vector2d pixel = landmarks[index].last().left;
+    if (!now.spacing.insert(pixel) || now.kept.size() >= static_cast<std::size_t>(settings_.features))
+      continue;
+    now.kept.push_back(std::move(landmarks[index]));
+    now.alive.push_back(pixel);
+  }
+  landmarks.swap(now.kept);
 
-  std::vector<Eigen::Vector2d> alive;
-  for (const Landmark& landmark : landmarks)
-    alive.push_back(landmark.last().left);
-  for (const Corner& corner : detector_.detect(left, alive, spacing)) {
+  for (const Corner& corner : detector_.detect(left, now.alive, now.spacing)) {
     if (corner.score < settings_.tracking.minimum_score) continue;
     Landmark landmark;
     landmark.age = 1;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "vo_core/adaptive_detector.hpp"
@@ -11,6 +12,7 @@
 #include "vo_core/landmark.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/reprojection.hpp"
+#include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_camera.hpp"
 
 namespace cartvo {
@@ -72,6 +74,14 @@ class LandmarkTracker {
   StereoCamera camera_;
   OdometrySettings settings_;
   AdaptiveDetector detector_;
+
+  /// What renew() works with, kept so that no pair allocates it anew.
+  struct Renewal {
+    SpacingGrid spacing;
+    std::vector<std::pair<double, std::size_t>> order;  ///< of the landmarks, by merit, negative
+    std::vector<Landmark> kept;
+    std::vector<Eigen::Vector2d> alive;
+  } renewal_;
 };
 
 /// Where the window has the pair of that index, or -1; and that pair, or nullptr.

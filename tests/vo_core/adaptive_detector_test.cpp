@@ -1,5 +1,7 @@
-// FAST, its score, its suppression and the thresholds that adapt.
+// The thresholds that adapt, and the distance between features.
 #include "vo_core/adaptive_detector.hpp"
+
+#include <algorithm>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -8,58 +10,6 @@
 
 namespace cartvo {
 namespace {
-
-TEST(FastCorners, ScoreIsTheSumOfAbsoluteDifferencesOnTheCircle) {
-  cv::Mat image(20, 20, CV_8UC1, cv::Scalar(50));
-  image.at<unsigned char>(10, 10) = 200;  // a bright dot: all sixteen pixels of its circle are darker by 150
-  EXPECT_EQ(fastScore(image, 10, 10, 40), 16 * 150);
-  EXPECT_EQ(fastScore(image, 10, 10, 150), 0);
-  EXPECT_EQ(fastScore(image, 5, 5, 40), 0);
-}
-
-TEST(FastCorners, NeedsNineContiguousPixels) {
-  cv::Mat half(20, 20, CV_8UC1, cv::Scalar(50));
-  half(cv::Rect(10, 0, 10, 20))
-      .setTo(200);  // on a straight edge seven to nine pixels differ, not an arc of nine
-  EXPECT_EQ(fastScore(half, 10, 10, 40), 0);
-  cv::Mat corner(20, 20, CV_8UC1, cv::Scalar(50));
-  corner(cv::Rect(10, 10, 10, 10)).setTo(200);
-  EXPECT_GT(fastScore(corner, 10, 10, 40), 0);
-}
-
-TEST(FastCorners, AreFoundInTheirWindowAndScored) {
-  test::Noise noise(3);
-  cv::Mat image(60, 80, CV_8UC1);
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x)
-      image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(noise.uniform() * 255.0);
-  const cv::Rect window(20, 0, 30, 40);
-  cv::Mat scores(image.size(), CV_16UC1, cv::Scalar(0));
-  const auto corners = findCorners(image, window, 50, scores);
-  int expected = 0;
-  for (int y = kFastRadius; y < window.br().y; ++y)  // the window touches the upper edge of the image
-    for (int x = window.x; x < window.br().x; ++x) {
-      const std::uint16_t score = fastScore(image, x, y, 50);
-      EXPECT_EQ(scores.at<std::uint16_t>(y, x), score);
-      if (score > 0) ++expected;
-    }
-  EXPECT_GT(expected, 10);
-  EXPECT_EQ(static_cast<int>(corners.size()), expected);
-}
-
-TEST(FastCorners, SuppressionKeepsTheStrongestOfNeighbours) {
-  // Of the last two, which are equal, the first stays.
-  const std::vector<Corner> corners = {{8, 8, 100}, {9, 8, 200}, {9, 9, 150}, {5, 14, 70}, {6, 14, 70}};
-  cv::Mat scores(20, 20, CV_16UC1, cv::Scalar(0));
-  for (const Corner& corner : corners)
-    scores.at<std::uint16_t>(corner.y, corner.x) = corner.score;
-  const auto maxima = localMaxima(scores, corners);
-  ASSERT_EQ(maxima.size(), 2U);
-  EXPECT_EQ(maxima[0].x, 9);
-  EXPECT_EQ(maxima[0].y, 8);
-  EXPECT_EQ(maxima[0].score, 200);
-  EXPECT_EQ(maxima[1].x, 5);
-}
 
 TEST(AdaptiveDetector, DarkAndBrightHalvesConvergeToTheirTargets) {
   test::Noise noise(7);
@@ -127,6 +77,24 @@ TEST(AdaptiveDetector, FillsUpToTheAimedNumberAndKeepsTheDistance) {
   for (std::size_t i = 0; i < alive.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       ASSERT_GE((alive[i] - alive[j]).norm(), 8.0);
+}
+
+TEST(SpacingGrid, KeepsTheDistanceAndRefusesNothingElse) {
+  test::Noise noise(4);
+  SpacingGrid spacing(50, 40, 20.0);
+  for (const double distance : {8.0, 5.3}) {
+    spacing.reset(90, 60, distance);
+    std::vector<Eigen::Vector2d> kept;
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector2d point(90.0 * noise.uniform(), 60.0 * noise.uniform());
+      const bool free = std::none_of(kept.begin(), kept.end(), [&](const Eigen::Vector2d& other) {
+        return (other - point).norm() < distance;
+      });
+      ASSERT_EQ(spacing.insert(point), free) << point.transpose();
+      if (free) kept.push_back(point);
+    }
+    EXPECT_GT(kept.size(), 30U);
+  }
 }
 
 TEST(SpacingGrid, RefusesPointsOutsideTheImage) {

@@ -5,6 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "vo_core/patch.hpp"
 #include "vo_core/subpixel_fit.hpp"
@@ -30,17 +35,39 @@ bool contains(const PyramidLevel& level, const LevelPixel& pixel) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < level.width() && pixel.y < level.height();
 }
 
-int sumOfAbsoluteDifferences(const PyramidLevel& left, const LevelPixel& left_pixel,
-                             const PyramidLevel& right, const LevelPixel& right_pixel) {
-  int sum = 0;
-  for (int row = -kSadRows / 2; row <= kSadRows / 2; ++row) {
-    const unsigned char* a = left.at(left_pixel.x - kSadColumns / 2, left_pixel.y + row);
-    const unsigned char* b = right.at(right_pixel.x - kSadColumns / 2, right_pixel.y + row);
-    for (int column = 0; column < kSadColumns; ++column)
-      sum += std::abs(a[column] - b[column]);
+/// Compares a window of the left image with windows of the right one.
+class SadWindow {
+ public:
+  SadWindow(const PyramidLevel& left, const LevelPixel& pixel) {
+    for (int row = 0; row < kSadRows; ++row)
+      std::memcpy(&rows_[row], left.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2 + row), kSadColumns);
   }
-  return sum;
-}
+
+  int sumOfAbsoluteDifferences(const PyramidLevel& right, const LevelPixel& pixel) const {
+    const std::uint8_t* from = right.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2);
+#ifdef __SSE2__
+    __m128i sum = _mm_setzero_si128();
+#pragma GCC unroll 9
+    for (int row = 0; row < kSadRows; ++row, from += right.stride())
+      sum = _mm_add_epi32(sum, _mm_sad_epu8(rows_[row], _mm_loadu_si128(reinterpret_cast<const Row*>(from))));
+    return _mm_cvtsi128_si32(sum) + _mm_extract_epi16(sum, 4);
+#else
+    int sum = 0;
+    for (int row = 0; row < kSadRows; ++row, from += right.stride())
+      for (int column = 0; column < kSadColumns; ++column)
+        sum += std::abs(rows_[row][column] - from[column]);
+    return sum;
+#endif
+  }
+
+ private:
+#ifdef __SSE2__  // whose sum of sixteen absolute differences GCC does not always find by itself
+  using Row = __m128i;
+#else
+  using Row = std::array<std::uint8_t, kSadColumns>;
+#endif
+  Row rows_[kSadRows];
+};
 
 struct Candidates {
   std::array<int, kCandidates> disparity{};
@@ -78,17 +105,16 @@ class LevelLine {
 };
 
 /// The deepest local minima of the sum of absolute differences over the whole range of disparity.
-Candidates searchCoarsest(const PyramidLevel& left, const PyramidLevel& right, const LevelPixel& pixel,
-                          const LevelLine& line, int maximum_disparity) {
+Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, const LevelLine& line,
+                          int maximum_disparity) {
   constexpr int kFar = 1 << 30;
   std::array<int, kCandidates> best_sad;
   best_sad.fill(kFar);
   Candidates candidates;
   const auto difference = [&](int disparity) {
     const LevelPixel at = line.at(disparity);
-    return disparity <= maximum_disparity && contains(right, at)
-               ? sumOfAbsoluteDifferences(left, pixel, right, at)
-               : kFar;
+    return disparity <= maximum_disparity && contains(right, at) ? left.sumOfAbsoluteDifferences(right, at)
+                                                                 : kFar;
   };
   int previous = kFar;
   int current = difference(0);
@@ -111,14 +137,14 @@ Candidates searchCoarsest(const PyramidLevel& left, const PyramidLevel& right, c
 }
 
 /// The best disparity around one, and its sum of absolute differences.
-int searchAround(const PyramidLevel& left, const PyramidLevel& right, const LevelPixel& pixel,
-                 const LevelLine& line, int disparity, int& best_sad) {
+int searchAround(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int disparity,
+                 int& best_sad) {
   int best = disparity;
   best_sad = 1 << 30;
   for (int trial = disparity - kSearchRadius; trial <= disparity + kSearchRadius; ++trial) {
     const LevelPixel at = line.at(trial);
     if (!contains(right, at)) continue;
-    const int sad = sumOfAbsoluteDifferences(left, pixel, right, at);
+    const int sad = left.sumOfAbsoluteDifferences(right, at);
     if (sad < best_sad) {
       best_sad = sad;
       best = trial;
@@ -127,11 +153,17 @@ int searchAround(const PyramidLevel& left, const PyramidLevel& right, const Leve
   return best;
 }
 
+constexpr int kMostRows = 3;                     // of StereoSettings::rows
+constexpr int kNccSamples = 2 * kNccRadius + 3;  // one more on each side, for the sub-pixel fit
 using NccPatch = Patch<kNccColumns, kNccRows>;
-using NccStrip = Patch<kNccColumns + 2 * (kNccRadius + 1), kNccRows + 2 * 3>;  // room for rows <= 3
-constexpr Patch<kNccColumns, 1> kMask = NccPatch::mask();
+using NccStrip = Patch<kNccColumns + kNccSamples - 1, kNccRows + 2 * kMostRows>;
 
-/// The left patch with its mean removed, zero in the padding, its mean and its norm.
+/// One number for each sample, which are windows side by side, and one more.
+using Samples = float __attribute__((vector_size(32), may_alias));
+constexpr int kSampleLanes = 8;
+static_assert(kNccSamples <= kSampleLanes && NccStrip::kStride >= kNccColumns + kSampleLanes - 1);
+
+/// The left patch with its mean removed, its mean and its norm.
 struct NccTemplate {
   NccPatch centred;
   float mean = 0.0F;
@@ -144,22 +176,121 @@ void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTe
   out.norm = std::sqrt(sumOfProducts(out.centred, out.centred));
 }
 
-/// Normalised cross-correlation of the template with the strip's window whose upper left corner is (x0, y0).
-double correlate(const NccTemplate& left, const NccStrip& strip, int x0, int y0) {
-  Lanes products{}, sums{}, squares{};
-  for (int y = 0; y < kNccRows; ++y) {
-    for (int block = 0; block < NccPatch::kBlocks; ++block) {
-      Lanes value;
-      std::memcpy(&value, strip.row(y0 + y) + x0 + kLanes * block, sizeof value);
-      const Lanes masked = (value - left.mean) * kMask.lanes(0, block);
-      products += left.centred.lanes(y, block) * masked;
-      sums += masked;
-      squares += masked * masked;
+/// By sample; of squared correlations with their sign, so that no root is drawn of those that are no peak.
+using SquaredCorrelations = std::array<double, kSampleLanes>;
+
+/// As they lie anywhere in a row.
+using SamplesInRow = float __attribute__((vector_size(32), aligned(4), may_alias));
+const SamplesInRow& samplesFrom(const float* row) {
+  return *reinterpret_cast<const SamplesInRow*>(row);
+}
+
+/// Sums over the window's rows, by column of the strip.
+struct ColumnSums {
+  alignas(64) std::array<float, NccStrip::kStride> values, squares;
+};
+
+void sumColumns(const NccStrip& strip, int first_row, ColumnSums& sums) {
+  sums.values.fill(0.0F);
+  sums.squares.fill(0.0F);
+  for (int y = first_row; y < first_row + kNccRows; ++y) {
+    const float* values = strip.row(y);
+    for (int x = 0; x < NccStrip::kStride; ++x) {
+      sums.values[x] += values[x];
+      sums.squares[x] += values[x] * values[x];
     }
   }
-  const double sum = sumOf(sums);
-  const double variance = sumOf(squares) - sum * sum / NccPatch::kSize;
-  return variance > 1.0 ? sumOf(products) / (left.norm * std::sqrt(variance)) : 0.0;
+}
+
+/// Sums over the window's columns, by sample.
+void sumSamples(const std::array<float, NccStrip::kStride>& columns, Samples& sums) {
+  sums = Samples{};
+  for (int x = 0; x < kNccColumns; ++x)
+    sums += samplesFrom(&columns[x]);
+}
+
+/// The samples' sums of products with the template, in the rows from -Rows to Rows.
+template <int Rows>
+void sumProducts(const NccTemplate& left, const NccStrip& strip, Samples (&products)[2 * Rows + 1]) {
+  constexpr int kCount = 2 * Rows + 1;
+  Samples even[kCount] = {}, odd[kCount] = {};  // two sums of each, so that they need not wait for each other
+  for (int x = 0; x < kNccColumns; ++x) {
+#pragma GCC unroll 16
+    for (int y = 0; y < kNccRows + 2 * Rows; ++y) {
+      const Samples right = samplesFrom(strip.row(kMostRows - Rows + y) + x);
+#pragma GCC unroll 8
+      for (int row = 0; row < kCount; ++row)
+        if (y >= row && y < row + kNccRows)
+          (y % 2 == 0 ? even : odd)[row] += left.centred.row(y - row)[x] * right;
+    }
+  }
+  for (int row = 0; row < kCount; ++row)
+    products[row] = even[row] + odd[row];
+}
+
+/// Of the windows of the strip that lie in the rows from -Rows to Rows, with the template.
+template <int Rows>
+void correlate(const NccTemplate& left, NccStrip& strip, SquaredCorrelations* correlations) {
+  for (int y = kMostRows - Rows; y < kMostRows + Rows + kNccRows; ++y)
+    for (int x = 0; x < NccStrip::kStride; ++x)
+      strip.row(y)[x] -= left.mean;  // about equal to the right mean, which saves digits
+  constexpr int kCount = 2 * Rows + 1;
+  ColumnSums columns[kCount];
+  for (int row = 0; row < kCount; ++row)
+    sumColumns(strip, kMostRows - Rows + row, columns[row]);
+  Samples products[kCount];
+  sumProducts<Rows>(left, strip, products);
+  for (int row = 0; row < kCount; ++row) {
+    Samples sums, squares;
+    sumSamples(columns[row].values, sums);
+    sumSamples(columns[row].squares, squares);
+    for (int sample = 0; sample < kSampleLanes; ++sample) {
+      const auto sum = static_cast<double>(sums[sample]);
+      const auto product = static_cast<double>(products[row][sample]);
+      const double variance = static_cast<double>(squares[sample]) - sum * sum / NccPatch::kSize;
+      correlations[row][sample] = variance > 1.0 ? product * std::abs(product) / variance : 0.0;
+    }
+  }
+}
+
+void correlate(const NccTemplate& left, NccStrip& strip, int rows, SquaredCorrelations* correlations) {
+  switch (rows) {
+    case 0:
+      return correlate<0>(left, strip, correlations);
+    case 1:
+      return correlate<1>(left, strip, correlations);
+    case 2:
+      return correlate<2>(left, strip, correlations);
+    default:
+      return correlate<kMostRows>(left, strip, correlations);
+  }
+}
+
+/// Three neighbouring correlations, the greatest in the middle.
+struct NccPeak {
+  int row = 0, sample = 0;
+  double left = 0.0, middle = 0.0, right = 0.0;
+  double height = 0.0;
+};
+
+NccPeak highestPeak(const SquaredCorrelations* correlations, int rows, double norm) {
+  const auto root = [norm](double squared) {
+    return std::copysign(std::sqrt(std::abs(squared)), squared) / norm;
+  };
+  NccPeak best;
+  for (int row = 0; row <= 2 * rows; ++row) {
+    const SquaredCorrelations& squared = correlations[row];
+    for (int sample = 1; sample < kNccSamples - 1; ++sample) {
+      const double middle = squared[sample];
+      if (middle <= 0.0 || middle < squared[sample - 1] || middle < squared[sample + 1]) continue;
+      // Peaks are compared, not samples: between two columns the right row's samples may be lower than those
+      // of a wrong row whose texture happens to meet a column.
+      NccPeak peak{row - rows, sample, root(squared[sample - 1]), root(middle), root(squared[sample + 1])};
+      peak.height = sinusoidalHeight(peak.left, peak.middle, peak.right);
+      if (peak.height > best.height) best = peak;
+    }
+  }
+  return best;
 }
 
 /// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
@@ -168,30 +299,21 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
                             const EpipolarLine& line, int disparity, int rows) {
   StereoMatch best;
   const Eigen::Vector2d centre = line.at(pixel, disparity);
-  // Near the epipole a column is many disparities.
-  const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
   if (!right.contains(centre)) return best;
   NccStrip strip;
   samplePatch(right, centre, strip);
-  constexpr int kSamples = 2 * kNccRadius + 3;  // one more on each side, for the sub-pixel fit
-  for (int row = -rows; row <= rows; ++row) {
-    std::array<double, kSamples> correlation{};
-    for (int sample = 0; sample < kSamples; ++sample)
-      correlation[sample] = correlate(left, strip, sample, 3 + row);
-    for (int sample = 1; sample < kSamples - 1; ++sample) {
-      const double middle = correlation[sample];
-      if (middle <= 0.0 || middle < correlation[sample - 1] || middle < correlation[sample + 1]) continue;
-      // Peaks are compared, not samples: between two columns the right row's samples may be lower than those
-      // of a wrong row whose texture happens to meet a column.
-      const Peak peak = sinusoidalPeak(correlation[sample - 1], middle, correlation[sample + 1]);
-      if (peak.height <= best.correlation) continue;
-      best.correlation = peak.height;
-      best.row_offset = row;
-      const double columns = sample - (kNccRadius + 1) + peak.offset;
-      best.disparity = disparity - columns * per_column;  // to the right is less disparity
-      best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, row);
-    }
-  }
+  std::array<SquaredCorrelations, 2 * kMostRows + 1> correlations;
+  correlate(left, strip, rows, correlations.data());
+  const NccPeak peak = highestPeak(correlations.data(), rows, left.norm);
+  if (peak.height <= 0.0) return best;
+  // Near the epipole a column is many disparities.
+  const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
+  const double columns =
+      peak.sample - (kNccRadius + 1) + sinusoidalOffset(peak.left, peak.middle, peak.right);
+  best.correlation = peak.height;
+  best.row_offset = peak.row;
+  best.disparity = disparity - columns * per_column;  // to the right is less disparity
+  best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, peak.row);
   return best;
 }
 
@@ -207,17 +329,18 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   const PyramidLevel& coarse = left_image.dog.back();
   const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
   Candidates candidates =
-      searchCoarsest(coarse, right_image.dog.back(), coarse_pixel, LevelLine(coarse_pixel, line, coarsest),
-                     (settings.maximum_disparity >> coarsest) + 1);
+      searchCoarsest(SadWindow(coarse, coarse_pixel), right_image.dog.back(),
+                     LevelLine(coarse_pixel, line, coarsest), (settings.maximum_disparity >> coarsest) + 1);
   if (candidates.count == 0) return std::nullopt;
   std::array<int, kCandidates> difference{};
   for (int level = coarsest - 1; level >= kFinestDog; --level) {
     const PyramidLevel& left_level = left_image.dog[level - kFinestDog];
     const LevelPixel pixel = pixelAt(left_level, left, level);
+    const SadWindow window(left_level, pixel);
     const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
-      candidates.disparity[i] = searchAround(left_level, right_image.dog[level - kFinestDog], pixel,
-                                             level_line, 2 * candidates.disparity[i], difference[i]);
+      candidates.disparity[i] = searchAround(window, right_image.dog[level - kFinestDog], level_line,
+                                             2 * candidates.disparity[i], difference[i]);
   }
   const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 

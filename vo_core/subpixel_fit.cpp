@@ -6,12 +6,29 @@
 
 namespace cartvo {
 
-Peak sinusoidalPeak(double left, double middle, double right) {
+namespace {
+
+/// Whether a sinusoid fits, of which `cosine` is that of a step.
+bool fits(double middle, double cosine) {
+  return middle > 0.0 && cosine < 1.0 && cosine > -1.0;
+}
+
+}  // namespace
+
+double sinusoidalHeight(double left, double middle, double right) {
   const double cosine = (left + right) / (2.0 * middle);
-  if (!(middle > 0.0) || !(cosine < 1.0) || !(cosine > -1.0)) return {0.0, middle};
+  if (!fits(middle, cosine)) return middle;
+  // middle / cos p = middle sqrt(1 + tan^2 p)
+  const double slope = (left - right) / (2.0 * middle);
+  return middle * std::sqrt(1.0 + slope * slope / (1.0 - cosine * cosine));
+}
+
+double sinusoidalOffset(double left, double middle, double right) {
+  const double cosine = (left + right) / (2.0 * middle);
+  if (!fits(middle, cosine)) return 0.0;
   const double frequency = std::acos(cosine);
   const double phase = std::atan((left - right) / (2.0 * middle * std::sin(frequency)));
-  return {std::clamp(-phase / frequency, -0.5, 0.5), middle / std::cos(phase)};
+  return std::clamp(-phase / frequency, -0.5, 0.5);
 }
 
 }  // namespace cartvo

@@ -97,14 +97,14 @@ TEST(StereoMatcher, StaysInsideTheImages) {
 TEST(SinusoidalPeak, FindsThePeakOfASinusoidExactly) {
   for (const double offset : {-0.49, -0.3, 0.0, 0.2, 0.45}) {
     const auto value = [&](double x) { return 0.97 * std::cos(0.7 * (x - offset)); };
-    const Peak peak = sinusoidalPeak(value(-1), value(0), value(1));
-    EXPECT_NEAR(peak.offset, offset, 1e-12);
-    EXPECT_NEAR(peak.height, 0.97, 1e-12);
+    EXPECT_NEAR(sinusoidalOffset(value(-1), value(0), value(1)), offset, 1e-12);
+    EXPECT_NEAR(sinusoidalHeight(value(-1), value(0), value(1)), 0.97, 1e-12);
   }
 }
 
 TEST(SinusoidalPeak, StaysAtTheMiddleOfAFlatTop) {
-  EXPECT_EQ(sinusoidalPeak(0.9, 0.9, 0.9).offset, 0.0);
+  EXPECT_EQ(sinusoidalOffset(0.9, 0.9, 0.9), 0.0);
+  EXPECT_EQ(sinusoidalHeight(0.9, 0.9, 0.9), 0.9);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "vo_core/patch.hpp"
+#include "vo_core/small_inverse.hpp"
+#include "vo_core/warped_patch.hpp"
 
 namespace cartvo {
 namespace {
@@ -147,62 +149,6 @@ void momentsOf(const Values& a, const Values& b, Moments& moments) {
   moments = {first[0], first[1], first[2], first[3], second[0], second[1]};
 }
 
-/// Inverts the upper left corner by L D L^T, written out: Eigen solves for each column anew. False if it is
-/// nearly singular.
-template <int Size>
-bool invert(const ParameterMatrix& matrix, ParameterMatrix& inverse) {
-  double lower[Size][Size];  // L without its diagonal of ones, then its inverse
-  double pivot_inverse[Size];
-  double least = 0.0, most = 0.0;
-#pragma GCC unroll 6
-  for (int j = 0; j < Size; ++j) {
-    double scaled[Size];  // the row of L times D
-    double pivot = matrix(j, j);
-#pragma GCC unroll 6
-    for (int k = 0; k < j; ++k) {
-      scaled[k] = lower[j][k];
-      lower[j][k] *= pivot_inverse[k];
-      pivot -= scaled[k] * lower[j][k];
-    }
-    least = j == 0 ? pivot : std::min(least, pivot);
-    most = std::max(most, pivot);
-    pivot_inverse[j] = 1.0 / pivot;
-    // The column below, times its pivot.
-#pragma GCC unroll 6
-    for (int i = j + 1; i < Size; ++i) {
-      double element = matrix(i, j);
-#pragma GCC unroll 6
-      for (int k = 0; k < j; ++k)
-        element -= lower[i][k] * lower[j][k];
-      lower[i][j] = element;
-    }
-  }
-  if (!(least > kMinimumPivot * most)) return false;
-#pragma GCC unroll 6
-  for (int j = 0; j < Size; ++j) {
-#pragma GCC unroll 6
-    for (int i = j + 1; i < Size; ++i) {
-      double element = -lower[i][j];
-#pragma GCC unroll 6
-      for (int k = j + 1; k < i; ++k)
-        element -= lower[i][k] * lower[k][j];
-      lower[i][j] = element;
-    }
-  }
-#pragma GCC unroll 6
-  for (int i = 0; i < Size; ++i) {
-#pragma GCC unroll 6
-    for (int j = 0; j <= i; ++j) {
-      double element = (i == j ? 1.0 : lower[i][j]) * pivot_inverse[i];
-#pragma GCC unroll 6
-      for (int k = i + 1; k < Size; ++k)
-        element += lower[k][i] * lower[k][j] * pivot_inverse[k];
-      inverse(i, j) = inverse(j, i) = element;
-    }
-  }
-  return true;
-}
-
 /// The Gauss-Newton matrix, of gradients' moments, and its inverse; false if the texture does not hold the
 /// warp.
 bool invertHessian(WarpModel model, Template& out) {
@@ -220,92 +166,16 @@ bool invertHessian(WarpModel model, Template& out) {
   hessian.noalias() -= out.slope_sums * (out.slope_sums / Values::kSize).transpose();
   if (model == WarpModel::stereo) {
     out.inverse.setZero();
-    return invert<kStereoParameters>(hessian, out.inverse);
+    return invertCorner<kStereoParameters>(hessian, kMinimumPivot, out.inverse);
   }
-  return invert<kParameters>(hessian, out.inverse);
-}
-
-/// Of sixteen pixels in a row of the patch the bytes at them, right of them, below them and below to the
-/// right, lowest first. `offset`: of the pixels from `corner`; the last one's is not used.
-void fetchQuads(const std::uint8_t* corner, std::ptrdiff_t stride, const IntLanes& offset, IntLanes& quads) {
-  alignas(64) std::int32_t from[kLanes];
-  alignas(64) std::uint32_t fetched[kLanes];
-  std::memcpy(from, &offset, sizeof from);
-  for (int x = 0; x < kSide; ++x) {
-    std::uint16_t above, below;
-    std::memcpy(&above, corner + from[x], sizeof above);
-    std::memcpy(&below, corner + from[x] + stride, sizeof below);
-    fetched[x] = above | static_cast<std::uint32_t>(below) << 16;
-    asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
-  }
-  fetched[kSide] = 0;
-  std::memcpy(&quads, fetched, sizeof quads);
-}
-
-/// Between four pixels each, by bilinear interpolation.
-void interpolateQuads(const IntLanes& quads, const Lanes& fraction_x, const Lanes& fraction_y, Lanes& out) {
-  const Lanes above_left = __builtin_convertvector(quads & 0xff, Lanes);
-  const Lanes above_right = __builtin_convertvector(quads >> 8 & 0xff, Lanes);
-  const Lanes below_left = __builtin_convertvector(quads >> 16 & 0xff, Lanes);
-  const Lanes below_right = __builtin_convertvector(quads >> 24 & 0xff, Lanes);
-  const Lanes top = above_left + fraction_x * (above_right - above_left);
-  const Lanes bottom = below_left + fraction_x * (below_right - below_left);
-  out = top + fraction_y * (bottom - top);
-}
-
-/// Samples the level under the warp.
-template <typename Processor>
-void sampleWarped(const PyramidLevel& level, const AffineAlignment& alignment, Values& out) {
-  // Counted from a pixel left of and above all that is read: positive numbers are rounded down when
-  // converted.
-  constexpr int kBias = PyramidLevel::kBorder;
-  const int centre_x = static_cast<int>(std::floor(alignment.position.x()));
-  const int centre_y = static_cast<int>(std::floor(alignment.position.y()));
-  const Eigen::Vector2f fraction =
-      (alignment.position - Eigen::Vector2d(centre_x, centre_y)).cast<float>().array() + kBias;
-  const Eigen::Matrix2f warp = alignment.warp.cast<float>();
-  const std::ptrdiff_t stride = level.stride();
-  const std::uint8_t* const corner = level.at(centre_x, centre_y) - kBias * stride - kBias;
-  const float row_step = static_cast<float>(stride);
-  const Lanes x = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-
-  for (int y = 0; y < kRows; ++y) {
-    const Eigen::Vector2f start =
-        fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(kRowStep * y - kHalf));
-    const Lanes at_x = start.x() + warp(0, 0) * x;
-    const Lanes at_y = start.y() + warp(1, 0) * x;
-    const IntLanes columns = __builtin_convertvector(at_x, IntLanes);
-    const IntLanes rows = __builtin_convertvector(at_y, IntLanes);
-    const Lanes column = __builtin_convertvector(columns, Lanes);
-    const Lanes row = __builtin_convertvector(rows, Lanes);
-    IntLanes quads;
-    const auto fetch = [&] {
-      // Below 2^24, so that the product is exact.
-      const IntLanes offset = __builtin_convertvector(row * row_step + column, IntLanes);
-      fetchQuads(corner, stride, offset, quads);
-    };
-    if constexpr (Processor::kShufflesBytes) {
-      const int first = static_cast<int>(start.y());
-      const int last = static_cast<int>(start.y() + warp(1, 0) * static_cast<float>(kSide - 1));
-      const int top = std::min(first, last), left = static_cast<int>(start.x());
-      constexpr int kMostRows = 2;  // below the first
-      if (std::max(first, last) - top <= kMostRows)
-        Processor::fetchQuads(corner + top * stride + left, stride, ((rows - top) << 5) + (columns - left),
-                              quads);
-      else
-        fetch();
-    } else {
-      fetch();
-    }
-    interpolateQuads(quads, at_x - column, at_y - row, out.lanes(y, 0));
-  }
+  return invertCorner<kParameters>(hessian, kMinimumPivot, out.inverse);
 }
 
 /// The patch's gain is taken out, else a darker image would shorten each step.
 template <typename Processor>
 void compare(const Template& before, const PyramidLevel& after, const AffineAlignment& alignment,
              Comparison& out) {
-  sampleWarped<Processor>(after, alignment, out.now);
+  sampleWarped<Processor, kRowStep>(after, alignment.position, alignment.warp, out.now);
   Lanes sum{}, squares{}, products{};
   ColumnSums along_x, along_y;
   for (int y = 0; y < kRows; ++y) {

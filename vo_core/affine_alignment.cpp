@@ -21,12 +21,12 @@ constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
 constexpr int kParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;
-constexpr double kMaximumStretch = 0.6;                   // of any element of the warp against the identity
-constexpr double kMaximumMove = 3.0;                      // px from the start
-constexpr double kShiftShare = 0.5, kStretchShare = 3.0;  // of the step that ends the iterations
-constexpr int kPatience = 2;            // iterations after which a patch that is still hopeless is given up
-constexpr double kHopeless = 0.5;       // correlation
-constexpr double kMinimumPivot = 1e-4;  // relative, of the normal matrix
+constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
+constexpr double kMaximumMove = 3.0;     // px from the start
+constexpr double kStretchShare = 4.0;    // times what a shift that ends the iterations may be
+constexpr int kPatience = 1;             // iterations after which a patch that is still hopeless is given up
+constexpr double kHopeless = 0.6;        // correlation
+constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
 using Values = Patch<kSide, kRows>;
 static_assert(Values::kBlocks == 1, "a row is one vector of lanes");
 
@@ -249,8 +249,7 @@ bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, c
 /// Whether a step is too short for another to be worth it. What stretches the patch moves its edge and not
 /// its centre, so that less is asked of it.
 bool settled(const Parameters& step, double convergence) {
-  return step.head<2>().norm() < kShiftShare * convergence &&
-         step.tail<4>().norm() < kStretchShare * convergence;
+  return step.head<2>().norm() < convergence && step.tail<4>().norm() < kStretchShare * convergence;
 }
 
 /// What alignAffine is asked.

@@ -125,16 +125,41 @@ void LandmarkTracker::aimAt(int features) {
   detector_.aimAt(features);
 }
 
-/// A shift from the last image, then the alignment with the host's patch.
-std::optional<AffineAlignment> LandmarkTracker::alignFrom(const Landmark& landmark, const WindowFrame& host,
-                                                          const WindowFrame& last, const ImagePyramid& left,
-                                                          const Eigen::Vector2d& guess,
-                                                          PyramidLevels levels) const {
-  const auto shifted = trackShift(last.left, left, landmark.last().left, guess, levels, kShiftCorrelation);
-  if (!shifted) return std::nullopt;
+LandmarkTracker::Scene::Scene(const std::vector<WindowFrame>& in, const ImagePyramid& image,
+                              std::int64_t index, const std::optional<Eigen::Isometry3d>& T_world_camera)
+    : window(in), left(image), frame(index) {
+  if (!T_world_camera) return;
+  const Eigen::Isometry3d T_camera_world = T_world_camera->inverse();
+  for (const WindowFrame& seen : window)
+    T_camera_frame.push_back(T_camera_world * seen.T_world_camera);
+}
+
+/// Where the landmark should be seen; nothing if that is outside the image.
+std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& landmark, int host,
+                                                              const Scene& scene) const {
+  Eigen::Vector2d pixel = landmark.last().left;
+  if (scene.poseExpected()) {
+    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
+    const Projection predicted =
+        projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(host)],
+                        bearingOf(camera_, landmark.host().left), inverse_depth);
+    if (!predicted.valid) return std::nullopt;
+    pixel = predicted.pixel;
+  }
+  if (pixel.x() < -kOutside || pixel.y() < -kOutside || pixel.x() > camera_.width + kOutside ||
+      pixel.y() > camera_.height + kOutside)
+    return std::nullopt;
+  return pixel;
+}
+
+/// The landmark's position in the image by the host's patch, beginning at a position.
+std::optional<AffineAlignment> LandmarkTracker::alignWithHost(const Landmark& landmark,
+                                                              const WindowFrame& host,
+                                                              const ImagePyramid& left,
+                                                              const Eigen::Vector2d& position) const {
   const TrackingSettings& tracking = settings_.tracking;
   AffineAlignment start;
-  start.position = *shifted;
+  start.position = position;
   start.warp = landmark.warp;
   auto aligned = alignAffine(host.left.grey.front(), left.grey.front(), landmark.host().left, start,
                              WarpModel::affine, tracking.iterations, tracking.convergence);
@@ -143,38 +168,30 @@ std::optional<AffineAlignment> LandmarkTracker::alignFrom(const Landmark& landma
   return aligned;
 }
 
-bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFrame>& window,
-                                const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
-                                const std::optional<Eigen::Isometry3d>& T_world_camera) const {
-  const WindowFrame* last = findFrame(window, landmark.last().frame);
+bool LandmarkTracker::followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const {
+  const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
   if (last == nullptr) return false;
-  if (landmark.host().frame < oldest_host || stretched(landmark.warp)) moveHost(landmark, camera_, window);
-  const WindowFrame* host = findFrame(window, landmark.host().frame);
-  if (host == nullptr) return false;
+  if (landmark.host().frame < oldest_host || stretched(landmark.warp))
+    moveHost(landmark, camera_, scene.window);
+  const int host = placeOf(scene.window, landmark.host().frame);
+  if (host < 0) return false;
+  const auto expected = expectedPixel(landmark, host, scene);
+  if (!expected) return false;
 
-  Eigen::Vector2d guess = landmark.last().left;
-  if (T_world_camera) {
-    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
-    const Projection predicted = projectLandmark(camera_, T_world_camera->inverse() * host->T_world_camera,
-                                                 bearingOf(camera_, landmark.host().left), inverse_depth);
-    if (!predicted.valid) return false;
-    guess = predicted.pixel;
-  }
-  if (guess.x() < -kOutside || guess.y() < -kOutside || guess.x() > camera_.width + kOutside ||
-      guess.y() > camera_.height + kOutside)
-    return false;
-
-  const bool predicted = T_world_camera && landmark.hasDepth();
+  const bool predicted = scene.poseExpected() && landmark.hasDepth();
   const PyramidLevels levels = predicted ? kNearLevels : PyramidLevels{1, settings_.tracking.levels - 1};
-  auto aligned = alignFrom(landmark, *host, *last, left, guess, levels);
+  const auto shifted =
+      trackShift(last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
+  if (!shifted) return false;
+  auto aligned = alignWithHost(landmark, scene.window[static_cast<std::size_t>(host)], scene.left, *shifted);
   if (!aligned && landmark.sightings.size() > 1) {
-    moveHost(landmark, camera_, window);
-    aligned = alignFrom(landmark, *last, *last, left, guess, levels);
+    moveHost(landmark, camera_, scene.window);
+    aligned = alignWithHost(landmark, *last, scene.left, *shifted);
   }
   if (!aligned) return false;
   landmark.warp = aligned->warp;
   Sighting sighting;
-  sighting.frame = frame;
+  sighting.frame = scene.frame;
   sighting.left = aligned->position;
   landmark.sightings.push_back(sighting);
   ++landmark.age;
@@ -184,14 +201,14 @@ bool LandmarkTracker::followOne(Landmark& landmark, const std::vector<WindowFram
 void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                              const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
                              const std::optional<Eigen::Isometry3d>& T_world_camera) {
-  std::vector<unsigned char> found(landmarks.size(), 0);
-  forEachIndex(landmarks.size(), [&](std::size_t i) {
-    found[i] = followOne(landmarks[i], window, left, frame, oldest_host, T_world_camera) ? 1 : 0;
-  });
+  const Scene scene(window, left, frame, T_world_camera);
+  found_.assign(landmarks.size(), 0);
+  forEachIndex(landmarks.size(),
+               [&](std::size_t i) { found_[i] = followOne(landmarks[i], scene, oldest_host) ? 1 : 0; });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (wasNew(landmarks[i], found[i] != 0)) detector_.learn(landmarks[i].host().left, found[i] != 0);
-    if (found[i] == 0) continue;
+    if (wasNew(landmarks[i], found_[i] != 0)) detector_.learn(landmarks[i].host().left, found_[i] != 0);
+    if (found_[i] == 0) continue;
     if (kept != i) landmarks[kept] = std::move(landmarks[i]);
     ++kept;
   }
@@ -263,13 +280,14 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const ImagePyramid& left, const ImagePyramid& right,
                                   const Eigen::Isometry3d& T_right_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
+  const Scene scene(window, left, window.back().index, T_world_camera);
   forEachIndex(landmarks.size(), [&](std::size_t i) {
     Landmark& landmark = landmarks[i];
     double inverse_depth = 0.0;
-    const WindowFrame* host = findFrame(window, landmark.host().frame);
-    if (landmark.hasDepth() && host != nullptr) {
+    const int host = placeOf(window, landmark.host().frame);
+    if (landmark.hasDepth() && host >= 0) {
       const Projection seen =
-          projectLandmark(camera_, T_world_camera.inverse() * host->T_world_camera,
+          projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(host)],
                           bearingOf(camera_, landmark.host().left), landmark.inverse_depth);
       if (seen.valid) inverse_depth = std::max(landmark.inverse_depth, 1e-4) / seen.ray.z();
     }

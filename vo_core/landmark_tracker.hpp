@@ -61,12 +61,23 @@ class LandmarkTracker {
                    const Eigen::Isometry3d& T_world_camera) const;
 
  private:
-  bool followOne(Landmark& landmark, const std::vector<WindowFrame>& window, const ImagePyramid& left,
-                 std::int64_t frame, std::int64_t oldest_host,
-                 const std::optional<Eigen::Isometry3d>& T_world_camera) const;
-  std::optional<AffineAlignment> alignFrom(const Landmark& landmark, const WindowFrame& host,
-                                           const WindowFrame& last, const ImagePyramid& left,
-                                           const Eigen::Vector2d& guess, PyramidLevels levels) const;
+  /// What landmarks are looked for in.
+  struct Scene {
+    Scene(const std::vector<WindowFrame>& in, const ImagePyramid& image, std::int64_t index,
+          const std::optional<Eigen::Isometry3d>& T_world_camera);
+    bool poseExpected() const { return !T_camera_frame.empty(); }
+
+    const std::vector<WindowFrame>& window;
+    const ImagePyramid& left;                       ///< of the pair
+    std::int64_t frame;                             ///< the pair's index
+    std::vector<Eigen::Isometry3d> T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
+  };
+
+  bool followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;
+  std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int host, const Scene& scene) const;
+  std::optional<AffineAlignment> alignWithHost(const Landmark& landmark, const WindowFrame& host,
+                                               const ImagePyramid& left,
+                                               const Eigen::Vector2d& position) const;
   void matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
                 const Eigen::Isometry3d& T_right_left, double inverse_depth,
                 const Eigen::Vector2d& carried) const;
@@ -74,6 +85,7 @@ class LandmarkTracker {
   StereoCamera camera_;
   OdometrySettings settings_;
   AdaptiveDetector detector_;
+  std::vector<unsigned char> found_;  ///< by follow(), of each landmark; kept for its memory
 
   /// What renew() works with, kept so that no pair allocates it anew.
   struct Renewal {

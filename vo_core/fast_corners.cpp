@@ -140,7 +140,7 @@ WindowThresholds::WindowThresholds(const cv::Size& image_size, int window_rows)
 }
 
 void WindowThresholds::set(const cv::Rect& window, std::uint8_t threshold) {
-  std::fill_n(&thresholds_[static_cast<std::size_t>(begin_[window.y] + window.x)], window.width, threshold);
+  std::fill_n(&thresholds_[begin_[window.y]] + window.x, window.width, threshold);
 }
 
 void CornerFinder::score(const cv::Mat& image, int y, const WindowThresholds& thresholds) {

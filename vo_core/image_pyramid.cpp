@@ -1,58 +1,194 @@
 // Gaussian and difference-of-Gaussian pyramids (P. Burt, E. Adelson, "The Laplacian pyramid as a compact
-// image code", 1983), one of each for all stages that need them.
+// image code", 1983), one of each for all stages that need them. In integers, as OpenCV computes them.
 #include "vo_core/image_pyramid.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
-#include <opencv2/imgproc.hpp>
+#include "vo_core/vector_widths.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kDogSigma = 1.0;  // px, of the wider Gaussian against the level itself
-constexpr int kLeastToHalve = 8;   // px
-constexpr double kDogGain = 3.0;   // so that weak texture uses the range of a byte; strong texture saturates
+constexpr int kTaps = 5;          // of both filters
+constexpr int kLeastToHalve = 8;  // px
+constexpr int kDogGain = 3;       // so that weak texture uses the range of a byte; strong texture saturates
+// Of the Gaussian with sigma 1 px, times 128; from the outermost one.
+constexpr std::uint16_t kGaussian[] = {7, 31, 52};
 
-void differenceOfGaussians(const cv::Mat& level, cv::Mat& scratch, PyramidLevel& out) {
-  cv::GaussianBlur(level, scratch, cv::Size(5, 5), kDogSigma);
-  cv::addWeighted(level, kDogGain, scratch, -kDogGain, 128.0, out.image());
-  out.writeBorder();
+int wholeBlocks(int width) {
+  return (width + PyramidLevel::kBlock - 1) / PyramidLevel::kBlock * PyramidLevel::kBlock;
 }
 
-ImagePyramid emptyPyramid(const cv::Size& size, int grey_levels) {
-  ImagePyramid pyramid;
-  cv::Size level = size;
-  for (int index = 0; index < std::max(grey_levels, kFinestDog + kDogLevels); ++index) {
-    if (index > 0) {
-      if (std::min(level.width, level.height) < kLeastToHalve) break;
-      level = cv::Size((level.width + 1) / 2, (level.height + 1) / 2);
+/// The pixel that is shown at place i outside an image of n pixels (0 is mirrored at 0, not doubled).
+int mirrored(int i, int n) {
+  if (n == 1) return 0;
+  const int period = 2 * (n - 1);
+  const int place = (i % period + period) % period;
+  return std::min(place, period - place);
+}
+
+void mirrorEight(const std::uint8_t* from, std::uint8_t* to) {
+  std::uint64_t pixels;
+  std::memcpy(&pixels, from, sizeof pixels);
+  pixels = __builtin_bswap64(pixels);
+  std::memcpy(to, &pixels, sizeof pixels);
+}
+
+/// Every other column of a row, blurred by the binomial filter 1 4 6 4 1, times 16.
+template <int kSize>
+void halveAcross(const std::uint8_t* row, int half_width, std::uint16_t* sums) {
+  using Pairs = typename ByteVectors<kSize>::Shorts;  // of an even and an odd column
+  static_assert(std::endian::native == std::endian::little);
+  for (int x = 0; x < half_width; x += kSize / 2) {
+    Pairs before, here, after;
+    std::memcpy(&before, row + 2 * x - 2, sizeof before);
+    std::memcpy(&here, row + 2 * x, sizeof here);
+    std::memcpy(&after, row + 2 * x + 2, sizeof after);
+    const Pairs odd = (before >> 8) + (here >> 8);
+    const Pairs even = here & 255;
+    const Pairs sum = (before & 255) + (after & 255) + (odd << 2) + (even << 2) + (even << 1);
+    std::memcpy(sums + x, &sum, sizeof sum);
+  }
+}
+
+using RowSums = std::array<const std::uint16_t*, kTaps>;  // from the upmost one
+
+/// The same across rows; the sum of all weights is 256, and no sum exceeds sixteen bits.
+template <int kSize>
+void halveDown(const RowSums& rows, int half_width, std::uint8_t* out) {
+  using Shorts = typename ByteVectors<kSize>::Shorts;
+  using HalfBytes = typename ByteVectors<kSize / 2>::Bytes;
+  for (int x = 0; x < half_width; x += kSize / 2) {
+    Shorts row[kTaps];
+#pragma GCC unroll 5
+    for (int tap = 0; tap < kTaps; ++tap)
+      std::memcpy(&row[tap], rows[tap] + x, sizeof row[tap]);
+    const Shorts sum =
+        row[0] + row[4] + ((row[1] + row[3]) << 2) + (row[2] << 2) + (row[2] << 1) + std::uint16_t{128};
+    const HalfBytes rounded = __builtin_convertvector(sum >> 8, HalfBytes);
+    std::memcpy(out + x, &rounded, sizeof rounded);
+  }
+}
+
+/// A row blurred by the Gaussian, times 128.
+template <int kSize>
+void blurAcross(const std::uint8_t* row, int width, std::uint16_t* sums) {
+  using Shorts = typename ByteVectors<kSize>::Shorts;
+  using HalfBytes = typename ByteVectors<kSize / 2>::Bytes;
+  for (int x = 0; x < width; x += kSize / 2) {
+    Shorts pixel[kTaps];
+#pragma GCC unroll 5
+    for (int tap = 0; tap < kTaps; ++tap) {
+      HalfBytes bytes;
+      std::memcpy(&bytes, row + x + tap - kTaps / 2, sizeof bytes);
+      pixel[tap] = __builtin_convertvector(bytes, Shorts);
     }
-    if (index < grey_levels) pyramid.grey.emplace_back(level);
-    if (index >= kFinestDog && index < kFinestDog + kDogLevels) pyramid.dog.emplace_back(level);
+    const Shorts sum =
+        kGaussian[0] * (pixel[0] + pixel[4]) + kGaussian[1] * (pixel[1] + pixel[3]) + kGaussian[2] * pixel[2];
+    std::memcpy(sums + x, &sum, sizeof sum);
+  }
+}
+
+/// The same across rows, and how much the row itself differs from that.
+template <int kSize>
+void differenceDown(const RowSums& rows, const std::uint8_t* row, int width, std::uint8_t* out) {
+  using Shorts = typename ByteVectors<kSize>::Shorts;
+  using SignedShorts = typename ByteVectors<kSize>::SignedShorts;
+  using HalfBytes = typename ByteVectors<kSize / 2>::Bytes;
+  for (int x = 0; x < width; x += kSize / 2) {
+    // Weighed sums take 22 bits. Of 128 h + l, h and l are summed apart, each in sixteen.
+    Shorts high{}, low{};
+#pragma GCC unroll 5
+    for (int tap = 0; tap <= kTaps / 2; ++tap) {
+      Shorts sum, other{};
+      std::memcpy(&sum, rows[tap] + x, sizeof sum);
+      if (tap != kTaps / 2) std::memcpy(&other, rows[kTaps - 1 - tap] + x, sizeof other);
+      sum += other;
+      high += kGaussian[tap] * (sum >> 7);
+      low += kGaussian[tap] * (sum & 127);
+    }
+    const Shorts blurred = (high + ((low + std::uint16_t{64 * 128}) >> 7)) >> 7;  // rounded
+    HalfBytes bytes;
+    std::memcpy(&bytes, row + x, sizeof bytes);
+    const Shorts grey = __builtin_convertvector(bytes, Shorts);
+    SignedShorts difference = kDogGain * (reinterpret_cast<const SignedShorts&>(grey) -
+                                          reinterpret_cast<const SignedShorts&>(blurred)) +
+                              128;
+    difference = difference < 0 ? SignedShorts{} : difference;
+    difference = difference > 255 ? SignedShorts{} + 255 : difference;
+    bytes = __builtin_convertvector(difference, HalfBytes);
+    std::memcpy(out + x, &bytes, sizeof bytes);
+  }
+}
+
+CARTVO_BY_VECTOR_WIDTH(void halveRow(const std::uint8_t* row, int half_width, std::uint16_t* sums),
+                       halveAcross<kSize>(row, half_width, sums);)
+CARTVO_BY_VECTOR_WIDTH(void halveRows(const RowSums& rows, int half_width, std::uint8_t* out),
+                       halveDown<kSize>(rows, half_width, out);)
+CARTVO_BY_VECTOR_WIDTH(void blurRow(const std::uint8_t* row, int width, std::uint16_t* sums),
+                       blurAcross<kSize>(row, width, sums);)
+CARTVO_BY_VECTOR_WIDTH(void differFromBlur(const RowSums& rows, const std::uint8_t* row, int width,
+                                           std::uint8_t* out),
+                       differenceDown<kSize>(rows, row, width, out);)
+
+/// Filters images by rows, then by columns, of which it keeps the last few rows.
+class RowFilter {
+ public:
+  RowFilter(std::vector<std::uint16_t>& memory, int width) : width_(wholeBlocks(width)) {
+    memory.resize(std::max(memory.size(), static_cast<std::size_t>(kTaps) * width_));
+    memory_ = memory.data();
+  }
+  /// Where the sums of row y are kept, in place of those of row y - kTaps.
+  std::uint16_t* of(int y) const { return memory_ + (y + kTaps) % kTaps * width_; }
+  RowSums around(int y) const { return {of(y - 2), of(y - 1), of(y), of(y + 1), of(y + 2)}; }
+
+ private:
+  std::uint16_t* memory_;
+  int width_;
+};
+
+/// cv::pyrDown, of a level with its border.
+void halve(const PyramidLevel& level, std::vector<std::uint16_t>& memory, PyramidLevel& half) {
+  const RowFilter sums(memory, half.width());
+  int next = -kTaps / 2;  // row to be filtered
+  for (int y = 0; y < half.height(); ++y) {
+    for (; next <= 2 * y + kTaps / 2; ++next)
+      halveRow(level.at(0, next), half.width(), sums.of(next));
+    halveRows(sums.around(2 * y), half.width(), half.row(y));
+  }
+  half.writeBorder();
+}
+
+/// kDogGain times how much a level with its border differs from its cv::GaussianBlur.
+void differenceOfGaussians(const PyramidLevel& level, std::vector<std::uint16_t>& memory, PyramidLevel& dog) {
+  const RowFilter sums(memory, level.width());
+  int next = -kTaps / 2;
+  for (int y = 0; y < level.height(); ++y) {
+    for (; next <= y + kTaps / 2; ++next)
+      blurRow(level.at(0, next), level.width(), sums.of(next));
+    differFromBlur(sums.around(y), level.at(0, y), level.width(), dog.row(y));
+  }
+  dog.writeBorder();
+}
+
+/// The sizes of the levels, from the image's own.
+std::vector<cv::Size> levelSizes(const cv::Size& image, int most) {
+  std::vector<cv::Size> sizes{image};
+  while (static_cast<int>(sizes.size()) < most &&
+         std::min(sizes.back().width, sizes.back().height) >= kLeastToHalve)
+    sizes.emplace_back((sizes.back().width + 1) / 2, (sizes.back().height + 1) / 2);
+  return sizes;
+}
+
+ImagePyramid emptyPyramid(const std::vector<cv::Size>& sizes, int grey_levels) {
+  ImagePyramid pyramid;
+  for (int index = 0; index < static_cast<int>(sizes.size()); ++index) {
+    if (index < grey_levels) pyramid.grey.emplace_back(sizes[index]);
+    if (index >= kFinestDog && index < kFinestDog + kDogLevels) pyramid.dog.emplace_back(sizes[index]);
   }
   return pyramid;
-}
-
-/// Levels that have no grey of their own are halved in `scratch`.
-void fill(const cv::Mat& image, ImagePyramid& pyramid, cv::Mat& scratch) {
-  cv::Mat level = image;
-  const std::size_t levels = std::max(pyramid.grey.size(), kFinestDog + pyramid.dog.size());
-  for (std::size_t index = 0; index < levels; ++index) {
-    const bool grey = index < pyramid.grey.size();
-    if (index == 0) {
-      level.copyTo(pyramid.grey[0].image());
-    } else {
-      cv::Mat half = grey ? pyramid.grey[index].image() : cv::Mat();
-      cv::pyrDown(level, half);
-      level = half;
-    }
-    if (grey) {
-      pyramid.grey[index].writeBorder();
-      level = pyramid.grey[index].image();
-    }
-    if (index >= kFinestDog && index - kFinestDog < pyramid.dog.size())
-      differenceOfGaussians(level, scratch, pyramid.dog[index - kFinestDog]);
-  }
 }
 
 bool inUse(const ImagePyramid& pyramid) {
@@ -63,19 +199,66 @@ bool inUse(const ImagePyramid& pyramid) {
 
 }  // namespace
 
-PyramidLevel::PyramidLevel(const cv::Size& size)
-    : padded_(size.height + 2 * kBorder, size.width + 2 * kBorder, CV_8UC1) {}
+PyramidLevel::PyramidLevel(const cv::Size& size) : width_(size.width), height_(size.height) {
+  // Pixel (0, 0) begins a block. Behind the end of a row there is room for one before the next row's border.
+  static_assert(kBorder < kBlock);
+  stride_ = wholeBlocks(kBlock + width_ + kBlock);
+  const std::ptrdiff_t size_in_pixels = stride_ * (height_ + 2 * kBorder) + 2 * kBlock;
+  memory_ = std::shared_ptr<Block[]>(new Block[static_cast<std::size_t>(size_in_pixels / kBlock)]);
+  origin_ = memory_[0].pixels.data() + kBorder * stride_ + kBlock;
+}
 
 void PyramidLevel::writeBorder() {
-  cv::copyMakeBorder(image(), padded_, kBorder, kBorder, kBorder, kBorder,
-                     cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
+  for (int y = 0; y < height_; ++y) {
+    std::uint8_t* const first = row(y);
+    std::uint8_t* const last = first + width_ - 1;
+    if (width_ > kBorder) {
+      static_assert(kBorder % 8 == 0);
+      for (int i = 0; i < kBorder; i += 8) {
+        mirrorEight(first + 1 + i, first - 8 - i);
+        mirrorEight(last - 8 - i, last + 1 + i);
+      }
+    } else {
+      for (int i = 1; i <= kBorder; ++i) {
+        first[-i] = first[mirrored(-i, width_)];
+        last[i] = first[mirrored(width_ - 1 + i, width_)];
+      }
+    }
+  }
+  const auto copy_row = [this](int from, int to) {
+    std::memcpy(row(to) - kBorder, row(from) - kBorder, static_cast<std::size_t>(width_ + 2 * kBorder));
+  };
+  for (int i = 1; i <= kBorder; ++i) {
+    copy_row(mirrored(-i, height_), -i);
+    copy_row(mirrored(height_ - 1 + i, height_), height_ - 1 + i);
+  }
 }
 
 ImagePyramid PyramidPool::build(const cv::Mat& image) {
   auto free = std::find_if_not(pyramids_.begin(), pyramids_.end(), inUse);
-  if (free == pyramids_.end()) free = pyramids_.insert(free, emptyPyramid(image.size(), grey_levels_));
-  fill(image, *free, scratch_);
+  if (free == pyramids_.end()) {
+    const auto sizes = levelSizes(image.size(), std::max(grey_levels_, kFinestDog + kDogLevels));
+    free = pyramids_.insert(free, emptyPyramid(sizes, grey_levels_));
+    for (std::size_t level = free->grey.size() + halves_.size(); level < sizes.size(); ++level)
+      halves_.emplace_back(sizes[level]);
+  }
+  fill(image, *free);
   return *free;
+}
+
+void PyramidPool::fill(const cv::Mat& image, ImagePyramid& pyramid) {
+  PyramidLevel* level = &pyramid.grey.front();
+  for (int y = 0; y < image.rows; ++y)
+    std::memcpy(level->row(y), image.ptr(y), static_cast<std::size_t>(image.cols));
+  level->writeBorder();
+  const std::size_t greys = pyramid.grey.size();
+  for (std::size_t index = 1; index < greys + halves_.size(); ++index) {
+    PyramidLevel& half = index < greys ? pyramid.grey[index] : halves_[index - greys];
+    halve(*level, row_sums_, half);
+    level = &half;
+    if (index >= kFinestDog && index - kFinestDog < pyramid.dog.size())
+      differenceOfGaussians(half, row_sums_, pyramid.dog[index - kFinestDog]);
+  }
 }
 
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,6 +13,7 @@ namespace cartvo {
 
 /// One image of a pyramid with a mirrored border around it, so that a patch whose centre lies inside the
 /// image can be read without asking at each pixel. Level l holds pixel (x, y) of the image at (x, y) / 2^l.
+/// Copies have the same pixels.
 class PyramidLevel {
  public:
   static constexpr int kBorder = 24;  ///< px
@@ -19,24 +22,33 @@ class PyramidLevel {
   /// The image is to be written, then the border.
   explicit PyramidLevel(const cv::Size& size);
 
-  cv::Mat image() const { return padded_({kBorder, kBorder, width(), height()}); }
+  /// The pixels of a row, to be written; up to kBlock more than the width, which mean nothing.
+  std::uint8_t* row(int y) { return origin_ + y * stride_; }
+  static constexpr int kBlock = 64;  ///< px, worked on at once at most: what is read and written past an end
   void writeBorder();
   /// Whether another copy of this level has the same pixels.
-  bool shared() const { return padded_.u != nullptr && padded_.u->refcount > 1; }
+  bool shared() const { return memory_.use_count() > 1; }
 
-  int width() const { return padded_.cols - 2 * kBorder; }
-  int height() const { return padded_.rows - 2 * kBorder; }
+  int width() const { return width_; }
+  int height() const { return height_; }
   bool contains(const Eigen::Vector2d& pixel) const {
-    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= width() - 1 && pixel.y() <= height() - 1;
+    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= width_ - 1 && pixel.y() <= height_ - 1;
   }
 
   /// The pixel (x, y), which may lie up to kBorder outside the image; the row goes on to its right.
-  const std::uint8_t* at(int x, int y) const { return padded_.ptr(y + kBorder) + x + kBorder; }
+  const std::uint8_t* at(int x, int y) const { return origin_ + y * stride_ + x; }
   /// From one row to the next, in pixels.
-  std::ptrdiff_t stride() const { return static_cast<std::ptrdiff_t>(padded_.step); }
+  std::ptrdiff_t stride() const { return stride_; }
 
  private:
-  cv::Mat padded_;
+  struct alignas(kBlock) Block {
+    std::array<std::uint8_t, kBlock> pixels;
+  };
+
+  std::shared_ptr<Block[]> memory_;
+  std::uint8_t* origin_ = nullptr;  ///< pixel (0, 0)
+  std::ptrdiff_t stride_ = 0;
+  int width_ = 0, height_ = 0;
 };
 
 /// What one image of a pair is turned into, once, for all stages.
@@ -50,7 +62,7 @@ constexpr int kFinestDog = 1;
 constexpr int kDogLevels = 3;
 
 /// `image`: CV_8UC1. `grey_levels` >= 1 levels of grey (fewer if the image is too small to be halved
-/// further).
+/// further): each is the one before blurred by a binomial filter of 5x5, every other row and column.
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
 
 /// Builds pyramids of images of one size in memory that it keeps: what is built is valid for as long as
@@ -61,9 +73,12 @@ class PyramidPool {
   ImagePyramid build(const cv::Mat& image);
 
  private:
+  void fill(const cv::Mat& image, ImagePyramid& pyramid);
+
   int grey_levels_;
   std::vector<ImagePyramid> pyramids_;
-  cv::Mat scratch_;
+  std::vector<PyramidLevel> halves_;     ///< levels that are wanted for their difference of Gaussians only
+  std::vector<std::uint16_t> row_sums_;  ///< five rows, filtered along them
 };
 
 }  // namespace cartvo

@@ -18,18 +18,21 @@ template <>
 struct ByteVectors<16> {
   using Bytes = std::uint8_t __attribute__((vector_size(16), may_alias));
   using Shorts = std::uint16_t __attribute__((vector_size(16), may_alias));
+  using SignedShorts = std::int16_t __attribute__((vector_size(16), may_alias));
   using Ints = std::uint32_t __attribute__((vector_size(16), may_alias));
 };
 template <>
 struct ByteVectors<32> {
   using Bytes = std::uint8_t __attribute__((vector_size(32), may_alias));
   using Shorts = std::uint16_t __attribute__((vector_size(32), may_alias));
+  using SignedShorts = std::int16_t __attribute__((vector_size(32), may_alias));
   using Ints = std::uint32_t __attribute__((vector_size(32), may_alias));
 };
 template <>
 struct ByteVectors<64> {
   using Bytes = std::uint8_t __attribute__((vector_size(64), may_alias));
   using Shorts = std::uint16_t __attribute__((vector_size(64), may_alias));
+  using SignedShorts = std::int16_t __attribute__((vector_size(64), may_alias));
   using Ints = std::uint32_t __attribute__((vector_size(64), may_alias));
 };
 

@@ -1,7 +1,11 @@
-// Pyramids keep their pixels for as long as somebody has them, and no memory beyond that.
+// Pyramids are what OpenCV makes of an image. They keep their pixels for as long as somebody has them, and no
+// memory beyond that.
 #include "vo_core/image_pyramid.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "vo_core/synthetic_texture.hpp"
 
@@ -20,6 +24,54 @@ void expectEqual(const PyramidLevel& a, const PyramidLevel& b) {
   for (int y = -PyramidLevel::kBorder; y < a.height() + PyramidLevel::kBorder; ++y)
     for (int x = -PyramidLevel::kBorder; x < a.width() + PyramidLevel::kBorder; ++x)
       ASSERT_EQ(*a.at(x, y), *b.at(x, y)) << x << ", " << y;
+}
+
+/// With a border as cv::copyMakeBorder makes it.
+void expectEqual(const PyramidLevel& level, const cv::Mat& expected) {
+  constexpr int kBorder = PyramidLevel::kBorder;
+  ASSERT_EQ(level.width(), expected.cols);
+  ASSERT_EQ(level.height(), expected.rows);
+  cv::Mat padded;
+  cv::copyMakeBorder(expected, padded, kBorder, kBorder, kBorder, kBorder, cv::BORDER_REFLECT_101);
+  for (int y = 0; y < padded.rows; ++y)
+    for (int x = 0; x < padded.cols; ++x)
+      ASSERT_EQ(*level.at(x - kBorder, y - kBorder), padded.at<std::uint8_t>(y, x)) << x << ", " << y;
+}
+
+cv::Mat differenceOfGaussians(const cv::Mat& grey) {
+  cv::Mat blurred, difference;
+  cv::GaussianBlur(grey, blurred, cv::Size(5, 5), 1.0);
+  cv::addWeighted(grey, 3.0, blurred, -3.0, 128.0, difference);
+  return difference;
+}
+
+TEST(ImagePyramid, IsThatOfOpenCV) {
+  test::Noise noise(6);
+  for (const cv::Size& size :
+       {cv::Size(1, 1), cv::Size(7, 30), cv::Size(8, 8), cv::Size(9, 25), cv::Size(26, 11), cv::Size(63, 40),
+        cv::Size(130, 65), cv::Size(257, 98), cv::Size(340, 211)}) {
+    SCOPED_TRACE(testing::Message() << size);
+    // Black and white, grey noise; part of a larger image, which must not be looked at.
+    const cv::Mat parent = test::draw(size.width + 9, size.height + 5, [&](int x, int) {
+      return x % 2 == 0 ? 255.0 * noise.uniform() : noise.uniform() < 0.5 ? 0.0 : 255.0;
+    });
+    cv::Mat level = parent(cv::Rect(cv::Point(5, 3), size)).clone();
+    const ImagePyramid pyramid = buildPyramid(parent(cv::Rect(cv::Point(5, 3), size)), 3);
+    for (std::size_t index = 0; index < 4; ++index) {
+      if (index > 0) {
+        if (std::min(level.cols, level.rows) < 8) {
+          EXPECT_EQ(pyramid.grey.size(), std::min<std::size_t>(index, 3));
+          EXPECT_EQ(pyramid.dog.size(), index - 1);
+          break;
+        }
+        cv::Mat half;
+        cv::pyrDown(level, half);
+        level = half;
+      }
+      if (index < 3) expectEqual(pyramid.grey[index], level);
+      if (index > 0) expectEqual(pyramid.dog[index - 1], differenceOfGaussians(level));
+    }
+  }
 }
 
 TEST(ImagePyramid, APoolsPyramidsAreAsFreshOnes) {

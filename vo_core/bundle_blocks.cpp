@@ -1,26 +1,16 @@
 // Landmarks sorted by their hosts and laid side by side.
 #include "vo_core/bundle_blocks.hpp"
 
-#include <algorithm>
 #include <cmath>
+
+#include "vo_core/lane_order.hpp"
 
 namespace cartvo {
 
 BundleBlocks::BundleBlocks(const BundleProblem& problem) {
-  // A counting sort, which leaves those of one host in their order.
-  const auto host_of = [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; };
-  std::vector<int> begin(problem.poses.size() + 1, 0);
-  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
-    ++begin[host_of(i) + 1];
-  for (std::size_t host = 1; host < begin.size(); ++host)
-    begin[host] += begin[host - 1];
-  std::vector<int> order(problem.landmarks.size());
-  std::vector<int> next = begin;
-  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
-    order[next[host_of(i)]++] = static_cast<int>(i);
-  for (std::size_t host = 0; host < problem.poses.size(); ++host)
-    for (int at = begin[host]; at < begin[host + 1]; at += kDoubleLanes)
-      add(problem, static_cast<int>(host), &order[at], std::min(begin[host + 1] - at, kDoubleLanes));
+  const LaneOrder order(problem.poses.size(), problem.landmarks.size(),
+                        [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; });
+  order.forEachBlock([&](int host, const int* first, int count) { add(problem, host, first, count); });
 }
 
 void BundleBlocks::add(const BundleProblem& problem, int host, const int* first, int count) {

@@ -114,7 +114,7 @@ class BlockResiduals {
     const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
     column.weight = row.weight = weight * view.seen / (1.0 + robustness_ * square);
     const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
-    const PixelLanes by_depth = viewByRay(view.left, T.translation());
+    const PixelLanes by_depth = viewByInverseDepth(T, view.left);
     column.by_inverse_depth = f * by_depth.x;
     row.by_inverse_depth = f * by_depth.y;
     column.poses = row.poses = 0;
@@ -138,7 +138,7 @@ class BlockResiduals {
     const Eigen::Isometry3d& T_left = cameras_.leftFromHost(sighting.pose, view.host);
     const Eigen::Isometry3d& T_right = cameras_.rightFromHost(sighting.pose, view.host);
     row.by_inverse_depth =
-        f * (viewByRay(view.left, T_left.translation()).x - viewByRay(view.right, T_right.translation()).x);
+        f * (viewByInverseDepth(T_left, view.left).x - viewByInverseDepth(T_right, view.right).x);
     row.poses = 0;
     if (const int free = sighting.pose - fixed_; free >= 0 && !view.isHost())
       row.add(free, f, columnByCamera(view.left, view.place));

@@ -3,7 +3,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "vo_core/pose_residuals.hpp"
 
 namespace cartvo {
 namespace {
@@ -11,148 +14,159 @@ namespace {
 constexpr int kSubset = 4;         // points; three would do, the fourth steadies the steps
 constexpr int kSubsetSteps = 4;    // Gauss-Newton steps of a subset
 constexpr int kPolishSteps = 4;    // and of all that a pose explains
-constexpr int kScored = 300;       // points that a subset's pose is judged by
 constexpr double kSettled = 1e-5;  // m and rad
 constexpr double kNeverExplained = 1e3;
 
-/// Residual of one point, measured minus predicted, whitened, and its derivative by the current pose.
-struct PointResidual {
-  bool valid = false;
-  Eigen::Vector2d residual = Eigen::Vector2d::Zero();
-  Eigen::Matrix<double, 2, 6> by_pose = Eigen::Matrix<double, 2, 6>::Zero();
+using Transforms = std::vector<Eigen::Isometry3d>;
 
-  double error() const { return valid ? residual.norm() / std::sqrt(2.0) : kNeverExplained; }
-};
-
-/// The points under one current pose.
-class PointModel {
- public:
-  PointModel(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) : problem_(problem) {
-    const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
-    for (const Eigen::Isometry3d& host : problem.hosts)
-      T_camera_host_.push_back(T_camera_world * host);
-  }
-
-  PointResidual at(const PosePoint& point) const {
-    PointResidual result;
-    const Eigen::Isometry3d& T = T_camera_host_[point.host];
-    const Projection seen = projectLandmark(problem_.camera, T, point.bearing, point.inverse_depth);
-    if (!seen.valid) return result;
-    const ProjectionJacobians by =
-        projectionJacobians(problem_.camera, T, point.bearing, point.inverse_depth, seen);
-    result.valid = true;
-    // Whitened by the Cholesky factor of the covariance, that of the depth included.
-    const double noise = problem_.pixel_noise * problem_.pixel_noise;
-    const Eigen::Vector2d by_depth = by.by_inverse_depth * point.inverse_depth_deviation;
-    const double first = std::sqrt(noise + by_depth.x() * by_depth.x());
-    const double both = by_depth.x() * by_depth.y() / first;
-    const double second = std::sqrt(noise + by_depth.y() * by_depth.y() - both * both);
-    const Eigen::Vector2d error = point.left - seen.pixel;
-    result.residual.x() = error.x() / first;
-    result.residual.y() = (error.y() - both * result.residual.x()) / second;
-    result.by_pose.row(0) = by.by_camera.row(0) / first;
-    result.by_pose.row(1) = (by.by_camera.row(1) - both * result.by_pose.row(0)) / second;
-    return result;
-  }
-
- private:
-  const PoseProblem& problem_;
-  std::vector<Eigen::Isometry3d> T_camera_host_;
-};
-
-/// One Gauss-Newton step on some of the points; nothing if they leave the pose open.
-std::optional<Eigen::Isometry3d> step(const PoseProblem& problem, const std::vector<int>& chosen,
-                                      const Eigen::Isometry3d& pose, double gate, Vector6d& change) {
-  const PointModel model(problem, pose);
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
-  for (const int index : chosen) {
-    const PosePoint& point = problem.points[index];
-    const PointResidual at = model.at(point);
-    if (!at.valid) continue;
-    const double error = at.error();
-    if (gate > 0.0 && error > gate) continue;
-    const double weight = gate > 0.0 ? point.weight / (1.0 + error * error / (gate * gate)) : 1.0;
-    hessian.noalias() += weight * at.by_pose.transpose() * at.by_pose;
-    gradient.noalias() += weight * at.by_pose.transpose() * at.residual;
-  }
-  const Eigen::LDLT<Matrix6d> factor(hessian);
-  const auto pivots = factor.vectorD();
-  if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff()))
-    return std::nullopt;
-  change = factor.solve(gradient);
-  if (!change.allFinite()) return std::nullopt;
-  return orthonormalised(pose * motionFromVector(change));
+/// A pose as the blocks need it.
+Transforms fromHosts(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
+  const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
+  Transforms T_camera_host;
+  T_camera_host.reserve(problem.hosts.size());
+  for (const Eigen::Isometry3d& T_world_host : problem.hosts)
+    T_camera_host.push_back(T_camera_world * T_world_host);
+  return T_camera_host;
 }
 
-std::optional<Eigen::Isometry3d> iterate(const PoseProblem& problem, const std::vector<int>& chosen,
-                                         Eigen::Isometry3d pose, double gate, int steps) {
+/// Of all points within the gate.
+CARTVO_VECTOR_CLONES
+void addEquations(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                  const Transforms& T_camera_host, double gate, PoseEquations& equations) {
+  const double gentleness = 1.0 / (gate * gate);
+  for (const PointBlock& block : blocks) {
+    const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
+    const DoubleLanes scaled = gentleness * at.square;
+    const DoubleLanes weight = at.in_front * block.weight / (1.0 + scaled);
+    equations.add(problem, block, at, scaled > 1.0 ? DoubleLanes{} : weight);
+  }
+}
+
+/// Of a few points of any hosts, which count alike.
+CARTVO_VECTOR_CLONES
+void addEquations(const PoseProblem& problem, const PointBlock& block, const TransformLanes& T_camera_host,
+                  PoseEquations& equations) {
+  const PointResiduals at = residualsOf(problem, T_camera_host, block);
+  equations.add(problem, block, at, at.in_front * (block.weight > 0.0 ? 1.0 + DoubleLanes{} : DoubleLanes{}));
+}
+
+/// Weight of what a pose explains, a point counting the less the worse it fits.
+CARTVO_VECTOR_CLONES
+double supportOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                 const Transforms& T_camera_host, double gate) {
+  DoubleLanes sum{};
+  for (const PointBlock& block : blocks) {
+    const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
+    const DoubleLanes fit = at.in_front * (1.0 - at.square / (gate * gate));
+    sum += block.weight * (fit > 0.0 ? fit : DoubleLanes{});
+  }
+  return sumOf(sum);
+}
+
+/// One number of each lane of the blocks.
+struct SquareLanes {
+  DoubleLanes value;
+};
+
+CARTVO_VECTOR_CLONES
+void findSquares(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                 const Transforms& T_camera_host, std::vector<SquareLanes>& squares) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const PointResiduals at = residualsOf(problem, T_camera_host[blocks[i].host], blocks[i]);
+    squares[i].value = at.in_front > 0.0 ? at.square : kNeverExplained * kNeverExplained + DoubleLanes{};
+  }
+}
+
+std::vector<double> errorsOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                             const Eigen::Isometry3d& T_world_camera) {
+  std::vector<SquareLanes> squares(blocks.size());
+  findSquares(problem, blocks, fromHosts(problem, T_world_camera), squares);
+  std::vector<double> errors(problem.points.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    for (int lane = 0; lane < blocks[i].count; ++lane)
+      errors[blocks[i].point[lane]] = std::sqrt(squares[i].value[lane]);
+  return errors;
+}
+
+/// Gauss-Newton steps from a pose, nothing if the points leave it open. `build(pose, equations)`.
+template <typename Build>
+std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, const Build& build) {
   for (int i = 0; i < steps; ++i) {
-    Vector6d change;
-    const auto next = step(problem, chosen, pose, gate, change);
-    if (!next) return std::nullopt;
-    pose = *next;
+    PoseEquations equations;
+    build(pose, equations);
+    const Eigen::LDLT<Matrix6d> factor(equations.hessian());
+    const auto pivots = factor.vectorD();
+    if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff()))
+      return std::nullopt;
+    const Vector6d change = factor.solve(equations.gradient());
+    if (!change.allFinite()) return std::nullopt;
+    pose = orthonormalised(pose * motionFromVector(change));
     if (change.lpNorm<Eigen::Infinity>() < kSettled) break;
   }
   return pose;
 }
 
-/// Weight of what a pose explains, a point counting the less the worse it fits.
-double support(const PoseProblem& problem, const std::vector<int>& judges, const Eigen::Isometry3d& pose,
-               double gate) {
-  const PointModel model(problem, pose);
-  double sum = 0.0;
-  for (const int index : judges) {
-    const double error = model.at(problem.points[index]).error();
-    sum += problem.points[index].weight * std::max(0.0, 1.0 - error * error / (gate * gate));
-  }
-  return sum;
-}
-
 class Search {
  public:
   Search(const PoseProblem& problem, const PoseSearchSettings& settings, SubsetRandom& random)
-      : problem_(problem), settings_(settings), random_(random), start_(problem.start) {
-    const int count = static_cast<int>(problem.points.size());
-    for (int i = 0; i < count; ++i) {
-      all_.push_back(i);
-      weight_ += problem.points[i].weight;
-    }
-    const int stride = std::max(count / kScored, 1);
-    for (int i = 0; i < count; i += stride)
-      judges_.push_back(i);
+      : problem_(problem),
+        settings_(settings),
+        random_(random),
+        start_(problem.start),
+        blocks_(blocksByHost(problem)) {
+    for (const PosePoint& point : problem.points)
+      weight_ += point.weight;
   }
 
   std::optional<FoundPose> run() {
     consider(start_);
-    if (const auto polished = iterate(problem_, all_, start_, 3.0 * settings_.gate, kPolishSteps))
-      consider(*polished);
-    if (best_support_ < settings_.enough * judgesWeight()) drawSubsets();
+    if (const auto polished = polish(start_, 3.0 * settings_.gate)) consider(*polished);
+    if (best_support_ < settings_.enough * weight_) drawSubsets();
     if (best_support_ < 0.0) return std::nullopt;
     for (const double gate : {2.0 * settings_.gate, settings_.gate})
-      if (const auto polished = iterate(problem_, all_, best_, gate, kPolishSteps);
-          polished && admissible(*polished))
-        best_ = *polished;
+      if (const auto polished = polish(best_, gate); polished && admissible(*polished)) best_ = *polished;
     return conclude();
   }
 
  private:
+  /// On all points within the gate.
+  std::optional<Eigen::Isometry3d> polish(const Eigen::Isometry3d& pose, double gate) const {
+    return iterate(pose, kPolishSteps, [&](const Eigen::Isometry3d& T, PoseEquations& equations) {
+      addEquations(problem_, blocks_, fromHosts(problem_, T), gate, equations);
+    });
+  }
+
   void drawSubsets() {
-    std::vector<int> subset;
+    const int count = static_cast<int>(problem_.points.size());
+    std::array<int, kSubset> subset;
     for (int i = 0; i < settings_.subsets; ++i) {
-      subset.clear();
-      while (static_cast<int>(subset.size()) < kSubset) {
-        const int index = std::min(static_cast<int>(random_.uniform() * static_cast<double>(all_.size())),
-                                   static_cast<int>(all_.size()) - 1);
-        if (std::find(subset.begin(), subset.end(), index) == subset.end()) subset.push_back(index);
+      for (auto next = subset.begin(); next != subset.end();) {
+        *next = std::min(static_cast<int>(random_.uniform() * count), count - 1);
+        if (std::find(subset.begin(), next, *next) == next) ++next;
       }
-      if (const auto pose = iterate(problem_, subset, start_, 0.0, kSubsetSteps)) consider(*pose);
+      if (const auto pose = poseOf(subset)) consider(*pose);
     }
+  }
+
+  std::optional<Eigen::Isometry3d> poseOf(const std::array<int, kSubset>& subset) const {
+    const PointBlock block = blockOf(problem_, subset.data(), kSubset);
+    return iterate(start_, kSubsetSteps, [&](const Eigen::Isometry3d& pose, PoseEquations& equations) {
+      const Eigen::Isometry3d T_camera_world = pose.inverse();
+      TransformLanes T_camera_host{};
+      for (int lane = 0; lane < kSubset; ++lane) {
+        const Eigen::Isometry3d T = T_camera_world * problem_.hosts[problem_.points[subset[lane]].host];
+        for (int row = 0; row < 3; ++row)
+          for (int column = 0; column < 4; ++column)
+            T_camera_host.value[row][column][lane] = T(row, column);
+      }
+      addEquations(problem_, block, T_camera_host, equations);
+    });
   }
 
   void consider(const Eigen::Isometry3d& pose) {
     if (!admissible(pose)) return;
-    const double found = support(problem_, judges_, pose, 2.0 * settings_.gate);  // a subset's pose is blunt
+    const double gate = 2.0 * settings_.gate;  // a subset's pose is blunt
+    const double found = supportOf(problem_, blocks_, fromHosts(problem_, pose), gate);
     if (found <= best_support_) return;
     best_support_ = found;
     best_ = pose;
@@ -164,17 +178,10 @@ class Search {
     return (change.cwiseAbs().array() <= problem_.admissible_change->array()).all();
   }
 
-  double judgesWeight() const {
-    double sum = 0.0;
-    for (const int index : judges_)
-      sum += problem_.points[index].weight;
-    return sum;
-  }
-
   FoundPose conclude() const {
     FoundPose found;
     found.T_world_camera = best_;
-    const std::vector<double> errors = pointErrors(problem_, best_);
+    const std::vector<double> errors = errorsOf(problem_, blocks_, best_);
     double explained = 0.0;
     for (std::size_t i = 0; i < errors.size(); ++i) {
       found.inlier.push_back(errors[i] < settings_.gate);
@@ -190,7 +197,7 @@ class Search {
   const PoseSearchSettings& settings_;
   SubsetRandom& random_;
   Eigen::Isometry3d start_;
-  std::vector<int> all_, judges_;
+  std::vector<PointBlock> blocks_;
   double weight_ = 0.0;
   double best_support_ = -1.0;
   Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
@@ -199,12 +206,7 @@ class Search {
 }  // namespace
 
 std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
-  const PointModel model(problem, T_world_camera);
-  std::vector<double> errors;
-  errors.reserve(problem.points.size());
-  for (const PosePoint& point : problem.points)
-    errors.push_back(model.at(point).error());
-  return errors;
+  return errorsOf(problem, blocksByHost(problem), T_world_camera);
 }
 
 std::optional<FoundPose> findPose(const PoseProblem& problem, const PoseSearchSettings& settings,

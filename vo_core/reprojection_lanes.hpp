@@ -20,7 +20,7 @@ struct PlaceLanes {
 struct RayLanes {
   DoubleLanes x, y, z;
 };
-template <typename Transform>  // of which three rows of R and t can be read
+template <typename Transform>  // of which T(row, column) can be read, one for all lanes or one of each
 inline RayLanes rayOf(const Transform& T, const PlaceLanes& place) {
   const auto& [x, y, z] = place.bearing;
   const DoubleLanes& rho = place.inverse_depth;
@@ -47,10 +47,9 @@ struct PixelLanes {
 inline PixelLanes viewByRay(const ViewLanes& view, const RayLanes& change) {
   return {view.inverse_z * (change.x - view.x * change.z), view.inverse_z * (change.y - view.y * change.z)};
 }
-template <typename Vector>
-inline PixelLanes viewByRay(const ViewLanes& view, const Vector& change) {
-  return {view.inverse_z * (change.x() - view.x * change.z()),
-          view.inverse_z * (change.y() - view.y * change.z())};
+template <typename Transform>
+inline PixelLanes viewByInverseDepth(const Transform& T, const ViewLanes& view) {
+  return {view.inverse_z * (T(0, 3) - view.x * T(2, 3)), view.inverse_z * (T(1, 3) - view.y * T(2, 3))};
 }
 
 /// Derivatives of the view's column and row, at z = 1, by the camera's pose.

@@ -73,7 +73,7 @@ TEST(ReprojectionLanes, DerivativesAreThoseOfProjections) {
   const PoseLanes column_by_camera = columnByCamera(view, lanes), row_by_camera = rowByCamera(view, lanes);
   const PoseLanes column_by_host = columnByHost(T_camera_host, view, lanes);
   const PoseLanes row_by_host = rowByHost(T_camera_host, view, lanes);
-  const PixelLanes by_depth = viewByRay(view, T_camera_host.translation());
+  const PixelLanes by_depth = viewByInverseDepth(T_camera_host, view);
   for (int lane = 0; lane + 1 < kDoubleLanes; ++lane) {
     const auto& [bearing, inverse_depth] = known[lane];
     const Projection seen = projectLandmark(kRigCamera, T_camera_host, bearing, inverse_depth);

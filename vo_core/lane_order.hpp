@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "vo_core/double_lanes.hpp"
+
+namespace cartvo {
+
+/// Things with a host each, sorted by it: lanes side by side share one.
+class LaneOrder {
+ public:
+  /// `host_of(i)`: less than `hosts`. Those of one host stay in their order.
+  template <typename HostOf>
+  LaneOrder(std::size_t hosts, std::size_t count, const HostOf& host_of)
+      : begin_(hosts + 1, 0), order_(count) {
+    for (std::size_t i = 0; i < count; ++i)
+      ++begin_[host_of(i) + 1];
+    for (std::size_t host = 0; host < hosts; ++host)
+      begin_[host + 1] += begin_[host];
+    std::vector<int> next = begin_;
+    for (std::size_t i = 0; i < count; ++i)
+      order_[next[host_of(i)]++] = static_cast<int>(i);
+  }
+
+  std::size_t blocks() const {
+    std::size_t count = 0;
+    forEachBlock([&](int, const int*, int) { ++count; });
+    return count;
+  }
+
+  /// `use(host, indices, count)` gets up to so many as there are lanes.
+  template <typename Use>
+  void forEachBlock(const Use& use) const {
+    for (std::size_t host = 0; host + 1 < begin_.size(); ++host)
+      for (int at = begin_[host]; at < begin_[host + 1]; at += kDoubleLanes)
+        use(static_cast<int>(host), &order_[at], std::min(begin_[host + 1] - at, kDoubleLanes));
+  }
+
+ private:
+  std::vector<int> begin_;  // of each host, and the end
+  std::vector<int> order_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,51 @@
+// Points sorted by their hosts and laid side by side.
+#include "vo_core/pose_residuals.hpp"
+
+#include "vo_core/lane_order.hpp"
+
+namespace cartvo {
+
+PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
+  PointBlock block;
+  block.count = count;
+  for (int lane = 0; lane < count; ++lane) {
+    const PosePoint& point = problem.points[points[lane]];
+    block.point[lane] = points[lane];
+    for (int axis = 0; axis < 3; ++axis)
+      block.place.bearing[axis][lane] = point.bearing[axis];
+    block.place.inverse_depth[lane] = point.inverse_depth;
+    block.deviation[lane] = point.inverse_depth_deviation;
+    for (int axis = 0; axis < 2; ++axis)
+      block.left[axis][lane] = point.left[axis];
+    block.weight[lane] = point.weight;
+  }
+  return block;
+}
+
+std::vector<PointBlock> blocksByHost(const PoseProblem& problem) {
+  const LaneOrder order(problem.hosts.size(), problem.points.size(),
+                        [&](std::size_t i) { return problem.points[i].host; });
+  std::vector<PointBlock> blocks;
+  order.forEachBlock([&](int host, const int* points, int count) {
+    blocks.push_back(blockOf(problem, points, count));
+    blocks.back().host = host;
+  });
+  return blocks;
+}
+
+Matrix6d PoseEquations::hessian() const {
+  Matrix6d sums;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j)
+      sums(i, j) = sums(j, i) = sumOf(hessian_[i][j]);
+  return sums;
+}
+
+Vector6d PoseEquations::gradient() const {
+  Vector6d sums;
+  for (int i = 0; i < 6; ++i)
+    sums[i] = sumOf(gradient_.value[i]);
+  return sums;
+}
+
+}  // namespace cartvo

@@ -6,11 +6,11 @@
 #include "vo_core/bundle_adjustment.hpp"
 #include "vo_core/reprojection_lanes.hpp"
 
-// A bundle's landmarks, eight at a time. Not for use outside the bundle adjustment.
+// A bundle's landmarks, four at a time. Not for use outside the bundle adjustment.
 
 namespace cartvo {
 
-/// Up to eight landmarks of one host, a lane each. Lanes beyond `count` see nothing and weigh nothing.
+/// Up to four landmarks of one host, a lane each. Lanes beyond `count` see nothing and weigh nothing.
 struct LandmarkBlock {
   int host = 0;
   int count = 0;

@@ -5,7 +5,7 @@
 #include "vo_core/bundle_blocks.hpp"
 #include "vo_core/bundle_cameras.hpp"
 
-// The residuals of a bundle, linearised, eight landmarks at a time. All inline: their callers are compiled
+// The residuals of a bundle, linearised, four landmarks at a time. All inline: their callers are compiled
 // per processor. Not for use outside the bundle adjustment.
 
 namespace cartvo {
@@ -73,18 +73,18 @@ class BlockResiduals {
 
   /// 1 where all cameras that see a landmark have it in front of them, else 0.
   void findInFront(const LandmarkBlock& block, const SightingBlock* sightings, DoubleLanes& in_front) const {
-    constexpr double kFar = 1e30;  // what is not seen counts as far ahead
-    DoubleLanes least = kFar + DoubleLanes{};
+    BitLanes behind{};
     const auto regard = [&](const RayLanes& ray, const DoubleLanes& seen) {
-      const DoubleLanes z = seen * ray.z + kFar * (1.0 - seen);
-      least = least > z ? z : least;
+      const DoubleLanes beyond = seen * (ray.z - kNearestRay);
+      behind |= reinterpret_cast<const BitLanes&>(beyond);
     };
     for (std::size_t i = block.first_sighting; i < block.last_sighting; ++i) {
       const SightingBlock& sighting = sightings[i];
       regard(rayOf(cameras_.leftFromHost(sighting.pose, block.host), block.place), sighting.seen);
       regard(rayOf(cameras_.rightFromHost(sighting.pose, block.host), block.place), sighting.stereo);
     }
-    in_front = least > kNearestRay ? 1.0 + DoubleLanes{} : DoubleLanes{};
+    findNegative(reinterpret_cast<const DoubleLanes&>(behind), behind);
+    onesWhere(~behind, in_front);
   }
 
   BlockView viewBy(const SightingBlock& sighting, int host, const PlaceLanes& place,

@@ -1,21 +1,51 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "vo_core/vector_clones.hpp"
 
 namespace cartvo {
 
-/// Eight numbers that are worked on at once, as Lanes of patch.hpp; of these, double: normal equations need
-/// it. Never passed or returned by value alone, as how that is done depends on the processor; so would the
-/// alignment, were it not given.
-constexpr int kDoubleLanes = 8;
+/// Four numbers that are worked on at once, as Lanes are; of these, double: normal equations need it. Four
+/// are a register of AVX2; eight, one of AVX-512, GCC 12 takes there through memory, which costs three times
+/// as much as they save here. Never passed or returned by value alone, as how that is done depends on the
+/// processor; so would the alignment, were it not given.
+constexpr int kDoubleLanes = 4;
 using DoubleLanes =
     double __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 
+/// GCC 12 compares and chooses lane by lane where they do not fit into one register; with bits it does not.
+using BitLanes =
+    std::uint64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
+
+/// All bits where a number is negative, else none.
+inline void findNegative(const DoubleLanes& numbers, BitLanes& where) {
+  where = -(reinterpret_cast<const BitLanes&>(numbers) >> 63);
+}
+/// The numbers there, and zero elsewhere.
+inline void keepWhere(const BitLanes& where, DoubleLanes& numbers) {
+  reinterpret_cast<BitLanes&>(numbers) &= where;
+}
+/// 1 there, and 0 elsewhere.
+inline void onesWhere(const BitLanes& where, DoubleLanes& ones) {
+  ones = 1.0 + DoubleLanes{};
+  keepWhere(where, ones);
+}
+/// The numbers, but at least so much.
+inline void raiseTo(double least, DoubleLanes& numbers) {
+  DoubleLanes missing = numbers - least;
+  BitLanes below;
+  findNegative(missing, below);
+  DoubleLanes floor = least + DoubleLanes{};
+  keepWhere(below, floor);
+  keepWhere(~below, numbers);
+  numbers += floor;
+}
+
 /// In an order of its own, the same on each processor.
 inline double sumOf(const DoubleLanes& lanes) {
-  return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+  return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
 }
 
 /// So many blocks of lanes hold so many numbers.

@@ -6,11 +6,11 @@
 #include "vo_core/pose_search.hpp"
 #include "vo_core/reprojection_lanes.hpp"
 
-// The residuals of a pose search, eight points at a time. Not for use outside of it.
+// The residuals of a pose search, four points at a time. Not for use outside of it.
 
 namespace cartvo {
 
-/// Up to eight points, a lane each. Lanes beyond `count` weigh nothing.
+/// Up to four points, a lane each. Lanes beyond `count` weigh nothing.
 struct PointBlock {
   int host = 0;  ///< of all
   int count = 0;
@@ -52,7 +52,9 @@ inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T
   const double noise = problem.pixel_noise * problem.pixel_noise;
   PointResiduals at;
   const RayLanes ray = rayOf(T_camera_host, block.place);
-  at.in_front = ray.z > kNearestRay ? 1.0 + DoubleLanes{} : DoubleLanes{};
+  BitLanes behind;
+  findNegative(ray.z - kNearestRay, behind);
+  onesWhere(~behind, at.in_front);
   at.view = viewOf(ray);
   const PixelLanes by_depth = viewByInverseDepth(T_camera_host, at.view);
   const DoubleLanes vague = camera.focal_length * block.deviation;

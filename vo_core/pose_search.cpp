@@ -37,17 +37,20 @@ void addEquations(const PoseProblem& problem, const std::vector<PointBlock>& blo
   for (const PointBlock& block : blocks) {
     const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
     const DoubleLanes scaled = gentleness * at.square;
-    const DoubleLanes weight = at.in_front * block.weight / (1.0 + scaled);
-    equations.add(problem, block, at, scaled > 1.0 ? DoubleLanes{} : weight);
+    DoubleLanes weight = at.in_front * block.weight / (1.0 + scaled);
+    BitLanes within;
+    findNegative(scaled - 1.0, within);
+    keepWhere(within, weight);
+    equations.add(problem, block, at, weight);
   }
 }
 
-/// Of a few points of any hosts, which count alike.
+/// Of a few points of any hosts.
 CARTVO_VECTOR_CLONES
 void addEquations(const PoseProblem& problem, const PointBlock& block, const TransformLanes& T_camera_host,
                   PoseEquations& equations) {
   const PointResiduals at = residualsOf(problem, T_camera_host, block);
-  equations.add(problem, block, at, at.in_front * (block.weight > 0.0 ? 1.0 + DoubleLanes{} : DoubleLanes{}));
+  equations.add(problem, block, at, at.in_front * block.weight);
 }
 
 /// Weight of what a pose explains, a point counting the less the worse it fits.
@@ -57,8 +60,9 @@ double supportOf(const PoseProblem& problem, const std::vector<PointBlock>& bloc
   DoubleLanes sum{};
   for (const PointBlock& block : blocks) {
     const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
-    const DoubleLanes fit = at.in_front * (1.0 - at.square / (gate * gate));
-    sum += block.weight * (fit > 0.0 ? fit : DoubleLanes{});
+    DoubleLanes fit = 1.0 - at.square / (gate * gate);
+    raiseTo(0.0, fit);
+    sum += block.weight * at.in_front * fit;
   }
   return sumOf(sum);
 }
@@ -149,7 +153,9 @@ class Search {
   }
 
   std::optional<Eigen::Isometry3d> poseOf(const std::array<int, kSubset>& subset) const {
-    const PointBlock block = blockOf(problem_, subset.data(), kSubset);
+    PointBlock block = blockOf(problem_, subset.data(), kSubset);
+    for (int lane = 0; lane < kSubset; ++lane)
+      block.weight[lane] = 1.0;  // they count alike
     return iterate(start_, kSubsetSteps, [&](const Eigen::Isometry3d& pose, PoseEquations& equations) {
       const Eigen::Isometry3d T_camera_world = pose.inverse();
       TransformLanes T_camera_host{};

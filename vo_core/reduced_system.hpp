@@ -37,7 +37,7 @@ class ReducedSystem {
       PoseLanes* const by_poses = by_poses_.data() + free_ * i;
       begin(block, residuals, blocks.sightings.data(), depth, by_poses);
       PlaceLanes place = block.place;
-      place.inverse_depth = depth.in_front > 0.0 ? place.inverse_depth : DoubleLanes{};
+      place.inverse_depth *= depth.in_front;
       visit.begin(block);
       for (std::size_t j = block.first_sighting; j < block.last_sighting; ++j) {
         const BlockView view = residuals.viewBy(blocks.sightings[j], block.host, place, depth.in_front);
@@ -86,7 +86,7 @@ class ReducedSystem {
     residuals.findInFront(block, sightings, depth.in_front);
     depth.hessian = depth.in_front * block.prior_information;
     const DoubleLanes away = block.prior_inverse_depth - block.place.inverse_depth;
-    depth.gradient = depth.hessian * (depth.in_front > 0.0 ? away : DoubleLanes{});
+    depth.gradient = depth.hessian * away;
     for (int pose = 0; pose < free_; ++pose)
       by_poses[pose] = {};
   }
@@ -123,7 +123,10 @@ class ReducedSystem {
   /// The Schur complement.
   void eliminate(DepthBlock& depth, const PoseLanes* by_poses) {
     constexpr double kLeastInformation = 1e-9;
-    const DoubleLanes told = depth.hessian > kLeastInformation ? 1.0 + DoubleLanes{} : DoubleLanes{};
+    BitLanes little;
+    findNegative(depth.hessian - kLeastInformation, little);
+    DoubleLanes told;
+    onesWhere(~little, told);
     depth.hessian *= told;
     depth.variance = told / (depth.hessian + (1.0 - told));
     for (int a = 0; a < free_; ++a) {

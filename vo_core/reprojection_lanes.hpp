@@ -5,7 +5,7 @@
 #include "vo_core/double_lanes.hpp"
 #include "vo_core/reprojection.hpp"
 
-// reprojection.hpp for eight landmarks of one host at once: the same definitions of projections, and of
+// reprojection.hpp for four landmarks of one host at once: the same definitions of projections, and of
 // perturbations (on the right).
 
 namespace cartvo {
@@ -35,7 +35,8 @@ struct ViewLanes {
   DoubleLanes inverse_z;  ///< of the ray as it is
 };
 inline ViewLanes viewOf(const RayLanes& ray) {
-  const DoubleLanes z = ray.z > kNearestRay ? ray.z : kNearestRay + DoubleLanes{};
+  DoubleLanes z = ray.z;
+  raiseTo(kNearestRay, z);
   const DoubleLanes inverse_z = 1.0 / z;
   return {ray.x * inverse_z, ray.y * inverse_z, inverse_z};
 }

@@ -29,8 +29,8 @@ class ResidualSizes {
       const DoubleLanes& row = rows.row[SightingRows::kRow].residual;
       add(view.seen, column, pixels_);
       add(view.seen, row, pixels_);
-      last.squares = view.seen > 0.0 ? column * column + row * row : last.squares;
-      last.count = view.seen > 0.0 ? 2.0 + DoubleLanes{} : last.count;
+      last.squares += view.seen * (column * column + row * row - last.squares);
+      last.count += view.seen * (2.0 - last.count);
     }
     const DoubleLanes& disparity = rows.row[SightingRows::kDisparity].residual;
     add(view.stereo, disparity, disparities_);

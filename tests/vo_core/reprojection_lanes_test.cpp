@@ -1,4 +1,4 @@
-// Projections of eight landmarks at once, held against those of one.
+// Projections of four landmarks at once, held against those of one.
 #include "vo_core/reprojection_lanes.hpp"
 
 #include <cmath>
@@ -27,7 +27,7 @@ struct Place {
 std::vector<Place> places() {
   std::vector<Place> all;
   for (int i = 0; i < kDoubleLanes; ++i)
-    all.push_back({Eigen::Vector3d(-0.7 + 0.2 * i, 0.4 - 0.1 * i, 1.0), 0.12 * i});
+    all.push_back({Eigen::Vector3d(-0.7 + 0.4 * i, 0.4 - 0.25 * i, 1.0), 0.3 * i});
   all.back().inverse_depth = 2.0;
   return all;
 }

@@ -130,7 +130,7 @@ BundleProblem RigWitness::problemOf(const TrackedPair& pair, const std::vector<L
   problem.noise = noise_;
   problem.poses = timedPoses(window);
   problem.fixed = 1;
-  problem.landmarks = bundleLandmarks(hosted, window, camera_, rig, chosen);
+  takeLandmarks(hosted, window, camera_, rig, problem.landmarks, chosen);
   for (BundleLandmark& landmark : problem.landmarks)
     landmark.prior_information = 0.0;
   return problem;

@@ -115,7 +115,9 @@ Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
 TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
   TrackedMotion motion;
   motion.time_step = secondsSinceLast(pair);
-  Draft draft{landmarks_, window_};
+  Draft& draft = draft_;
+  draft.landmarks = landmarks_;
+  draft.window = window_;
   draft.window.push_back(frameOf(pair, settings_.offset_model));
   {
     const StageScope stage(observer, Stage::optical_flow);
@@ -177,8 +179,9 @@ void VisualTrack::renewStand(const PreparedPair& pair, Draft& draft, const Track
 void VisualTrack::accept(const PreparedPair& pair, Draft& draft) {
   if (static_cast<int>(draft.window.size()) > settings_.bundle.frames)
     draft.window.erase(draft.window.begin());
-  window_ = std::move(draft.window);
-  landmarks_ = std::move(draft.landmarks);
+  window_.swap(draft.window);
+  landmarks_.swap(draft.landmarks);
+  draft.window.clear();  // it would keep the images
   last_exposure_ns_ = pair.left_exposure_ns;
 }
 
@@ -293,22 +296,21 @@ bool VisualTrack::suspectPitch(const std::vector<Landmark>& landmarks, const Mat
   return true;
 }
 
-BundleProblem VisualTrack::bundleProblem(const Draft& draft, const RigCorrection& rig,
-                                         std::vector<std::size_t>& chosen) const {
-  BundleProblem problem;
+void VisualTrack::stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
+                               std::vector<std::size_t>& chosen) const {
   problem.camera = camera_;
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
   problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
-  problem.landmarks = bundleLandmarks(draft.landmarks, draft.window, camera_, rig, chosen);
-  return problem;
+  takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen);
 }
 
 /// The least squares over the window; if its result is believed, the draft becomes what is known.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   std::vector<std::size_t> chosen;
   RigCorrection rig = correctionBy(rig_);
-  BundleProblem problem = bundleProblem(draft, rig, chosen);
+  BundleProblem& problem = bundle_;
+  stateProblem(draft, rig, problem, chosen);
   BundleResult result = adjustBundle(problem, settings_.bundle);
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
@@ -316,7 +318,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (const RigCorrection better = correctionBy(learned);
       kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
-    problem = bundleProblem(draft, rig, chosen);
+    stateProblem(draft, rig, problem, chosen);
     result = adjustBundle(problem, settings_.bundle);
     learned = rigAfter(problem, result, draft, rig);
   }

@@ -78,8 +78,8 @@ class VisualTrack {
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    std::vector<Landmark>& landmarks);
   bool suspectPitch(const std::vector<Landmark>& landmarks, const MatchBy& match);
-  BundleProblem bundleProblem(const Draft& draft, const RigCorrection& rig,
-                              std::vector<std::size_t>& chosen) const;
+  void stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
+                    std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
   OdometryReason judge(const TrackedMotion& motion) const;
@@ -104,6 +104,9 @@ class VisualTrack {
   std::vector<WindowFrame> window_;    ///< oldest first; never empty
   std::optional<Vector6d> velocity_;   ///< m/s and rad/s of the camera, in its axes
   std::int64_t last_exposure_ns_ = 0;  ///< of the last pair that was explained
+  // Of the present pair only; kept for their memory.
+  Draft draft_;
+  BundleProblem bundle_;
 };
 
 }  // namespace cartvo

@@ -42,16 +42,19 @@ std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
   return points;
 }
 
-std::vector<BundleLandmark> bundleLandmarks(const std::vector<Landmark>& landmarks,
-                                            const std::vector<WindowFrame>& window,
-                                            const StereoCamera& camera, const RigCorrection& rig,
-                                            std::vector<std::size_t>& chosen) {
-  std::vector<BundleLandmark> items;
+void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                   const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
+                   std::vector<std::size_t>& chosen) {
   chosen.clear();
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const Landmark& landmark = landmarks[i];
-    if (landmark.sightings.size() < 2) continue;
-    BundleLandmark item;
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    if (landmarks[i].sightings.size() > 1) chosen.push_back(i);
+  items.resize(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const Landmark& landmark = landmarks[chosen[i]];
+    std::vector<BundleSighting> sightings = std::move(items[i].sightings);
+    sightings.clear();
+    BundleLandmark& item = items[i] = {};
+    item.sightings = std::move(sightings);
     item.bearing = bearingOf(camera, landmark.host().left);
     item.weight = landmark.trust;
     item.inverse_depth = landmark.inverse_depth;
@@ -67,10 +70,7 @@ std::vector<BundleLandmark> bundleLandmarks(const std::vector<Landmark>& landmar
       if (const int pose = placeOf(window, sighting.frame); pose >= 0)
         item.sightings.push_back({pose, sighting.left, sighting.stereo,
                                   correctedRight(camera, rig, sighting.left - sighting.parallax)});
-    items.push_back(std::move(item));
-    chosen.push_back(i);
   }
-  return items;
 }
 
 bool tellsDepth(const BundleLandmark& adjusted) {

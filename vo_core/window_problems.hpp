@@ -21,11 +21,10 @@ std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
                                   std::vector<std::size_t>& chosen);
 
 /// The landmarks seen by more than one pair, their right pixels corrected by `rig`; `window` ends with the
-/// current pair. `chosen`: which landmarks they are.
-std::vector<BundleLandmark> bundleLandmarks(const std::vector<Landmark>& landmarks,
-                                            const std::vector<WindowFrame>& window,
-                                            const StereoCamera& camera, const RigCorrection& rig,
-                                            std::vector<std::size_t>& chosen);
+/// current pair. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.
+void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                   const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
+                   std::vector<std::size_t>& chosen);
 
 /// Whether an adjusted landmark's depth has come from what was seen, rather than from what is expected of any
 /// landmark.

@@ -17,14 +17,12 @@ constexpr double kLeastWorth = 0.05;       // of a window in which nothing lasts
 constexpr double kTriesRemembered = 60.0;  // of a window
 constexpr int kFirstLooks = 6;             // at the first image, before its corners are taken
 
-bool stronger(const Corner& a, const Corner& b) {
+// Not functions, so that sorting inlines them.
+constexpr auto kStronger = [](const Corner& a, const Corner& b) {
   if (a.score != b.score) return a.score > b.score;
   return a.y != b.y ? a.y < b.y : a.x < b.x;
-}
-
-bool weaker(const Corner& a, const Corner& b) {
-  return stronger(b, a);
-}
+};
+constexpr auto kWeaker = [](const Corner& a, const Corner& b) { return kStronger(b, a); };
 
 }  // namespace
 
@@ -116,7 +114,7 @@ void AdaptiveDetector::findCorners(const cv::Mat& image) {
     for (const Corner& corner : finders_[row].find(image, rows, window_thresholds_))
       corners_[windowAt(corner.x, corner.y)].push_back(corner);
     for (std::size_t i = first; i < first + settings_.window_columns; ++i)
-      std::sort(corners_[i].begin(), corners_[i].end(), stronger);
+      std::sort(corners_[i].begin(), corners_[i].end(), kStronger);
   });
   for (int i = 0; i < windowCount(); ++i)
     if (wanted_[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
@@ -147,9 +145,9 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
     }
   }
   // A heap, as few of them are wanted.
-  std::make_heap(left_over_.begin(), left_over_.end(), weaker);
+  std::make_heap(left_over_.begin(), left_over_.end(), kWeaker);
   while (room > 0 && !left_over_.empty()) {
-    std::pop_heap(left_over_.begin(), left_over_.end(), weaker);
+    std::pop_heap(left_over_.begin(), left_over_.end(), kWeaker);
     const Corner corner = left_over_.back();
     left_over_.pop_back();
     if (!spacing.insert({corner.x, corner.y})) continue;

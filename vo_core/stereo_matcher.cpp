@@ -11,8 +11,7 @@
 #include <emmintrin.h>
 #endif
 
-#include "vo_core/patch.hpp"
-#include "vo_core/subpixel_fit.hpp"
+#include "vo_core/ncc_search.hpp"
 
 namespace cartvo {
 namespace {
@@ -20,8 +19,6 @@ namespace {
 constexpr int kCandidates = 3;    // of the coarsest level
 constexpr int kSearchRadius = 3;  // px at each finer level
 constexpr int kSadColumns = 16, kSadRows = 9;
-constexpr int kNccColumns = 15, kNccRows = 9;
-constexpr int kNccRadius = 2;           // px around the disparity of the SAD
 constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
 constexpr double kLeastColumns = 0.05;  // px per px of disparity
 constexpr int kNoRival = 2;             // times the least difference: a candidate that is none
@@ -43,20 +40,26 @@ class SadWindow {
       std::memcpy(&rows_[row], left.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2 + row), kSadColumns);
   }
 
-  int sumOfAbsoluteDifferences(const PyramidLevel& right, const LevelPixel& pixel) const {
+  /// Sums of absolute differences to Count windows side by side, from that around `pixel` to the left.
+  template <int Count>
+  void compare(const PyramidLevel& right, const LevelPixel& pixel, int* sums) const {
     const std::uint8_t* from = right.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2);
 #ifdef __SSE2__
-    __m128i sum = _mm_setzero_si128();
+    __m128i sum[Count] = {};
 #pragma GCC unroll 9
     for (int row = 0; row < kSadRows; ++row, from += right.stride())
-      sum = _mm_add_epi32(sum, _mm_sad_epu8(rows_[row], _mm_loadu_si128(reinterpret_cast<const Row*>(from))));
-    return _mm_cvtsi128_si32(sum) + _mm_extract_epi16(sum, 4);
+#pragma GCC unroll 8
+      for (int i = 0; i < Count; ++i)
+        sum[i] = _mm_add_epi32(
+            sum[i], _mm_sad_epu8(rows_[row], _mm_loadu_si128(reinterpret_cast<const Row*>(from - i))));
+    for (int i = 0; i < Count; ++i)
+      sums[i] = _mm_cvtsi128_si32(sum[i]) + _mm_extract_epi16(sum[i], 4);
 #else
-    int sum = 0;
+    std::fill_n(sums, Count, 0);
     for (int row = 0; row < kSadRows; ++row, from += right.stride())
-      for (int column = 0; column < kSadColumns; ++column)
-        sum += std::abs(rows_[row][column] - from[column]);
-    return sum;
+      for (int i = 0; i < Count; ++i)
+        for (int column = 0; column < kSadColumns; ++column)
+          sums[i] += std::abs(rows_[row][column] - from[column - i]);
 #endif
   }
 
@@ -104,17 +107,35 @@ class LevelLine {
   Eigen::Vector2d infinity_, slope_;
 };
 
+constexpr int kFar = 1 << 30;  // a difference where the right image shows nothing
+constexpr int kRun = 2 * kSearchRadius + 1;
+using Differences = std::array<int, kRun>;
+
+/// At kRun disparities from `first` on.
+void compareAlong(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int first,
+                  Differences& differences) {
+  const LevelPixel from = line.at(first);
+  const LevelPixel to = line.at(first + kRun - 1);
+  // As steps are rounded, they are all one pixel if they are so together: nearly always.
+  if (from.y == to.y && from.x - to.x == kRun - 1 && contains(right, from) && contains(right, to))
+    return left.compare<kRun>(right, from, differences.data());
+  for (int i = 0; i < kRun; ++i) {
+    const LevelPixel at = line.at(first + i);
+    differences[i] = kFar;
+    if (contains(right, at)) left.compare<1>(right, at, &differences[i]);
+  }
+}
+
 /// The deepest local minima of the sum of absolute differences over the whole range of disparity.
 Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, const LevelLine& line,
                           int maximum_disparity) {
-  constexpr int kFar = 1 << 30;
   std::array<int, kCandidates> best_sad;
   best_sad.fill(kFar);
   Candidates candidates;
+  Differences differences;
   const auto difference = [&](int disparity) {
-    const LevelPixel at = line.at(disparity);
-    return disparity <= maximum_disparity && contains(right, at) ? left.sumOfAbsoluteDifferences(right, at)
-                                                                 : kFar;
+    if (disparity % kRun == 0) compareAlong(left, right, line, disparity, differences);
+    return disparity <= maximum_disparity ? differences[disparity % kRun] : kFar;
   };
   int previous = kFar;
   int current = difference(0);
@@ -139,158 +160,12 @@ Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, cons
 /// The best disparity around one, and its sum of absolute differences.
 int searchAround(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int disparity,
                  int& best_sad) {
-  int best = disparity;
-  best_sad = 1 << 30;
-  for (int trial = disparity - kSearchRadius; trial <= disparity + kSearchRadius; ++trial) {
-    const LevelPixel at = line.at(trial);
-    if (!contains(right, at)) continue;
-    const int sad = left.sumOfAbsoluteDifferences(right, at);
-    if (sad < best_sad) {
-      best_sad = sad;
-      best = trial;
-    }
-  }
-  return best;
-}
-
-constexpr int kMostRows = 3;                     // of StereoSettings::rows
-constexpr int kNccSamples = 2 * kNccRadius + 3;  // one more on each side, for the sub-pixel fit
-using NccPatch = Patch<kNccColumns, kNccRows>;
-using NccStrip = Patch<kNccColumns + kNccSamples - 1, kNccRows + 2 * kMostRows>;
-
-/// One number for each sample, which are windows side by side, and one more.
-using Samples = float __attribute__((vector_size(32), may_alias));
-constexpr int kSampleLanes = 8;
-static_assert(kNccSamples <= kSampleLanes && NccStrip::kStride >= kNccColumns + kSampleLanes - 1);
-
-/// The left patch with its mean removed, its mean and its norm.
-struct NccTemplate {
-  NccPatch centred;
-  float mean = 0.0F;
-  double norm = 0.0;
-};
-
-void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
-  samplePatch(level, pixel, out.centred);
-  out.mean = removeMean(out.centred);
-  out.norm = std::sqrt(sumOfProducts(out.centred, out.centred));
-}
-
-/// By sample; of squared correlations with their sign, so that no root is drawn of those that are no peak.
-using SquaredCorrelations = std::array<double, kSampleLanes>;
-
-/// As they lie anywhere in a row.
-using SamplesInRow = float __attribute__((vector_size(32), aligned(4), may_alias));
-const SamplesInRow& samplesFrom(const float* row) {
-  return *reinterpret_cast<const SamplesInRow*>(row);
-}
-
-/// Sums over the window's rows, by column of the strip.
-struct ColumnSums {
-  alignas(64) std::array<float, NccStrip::kStride> values, squares;
-};
-
-void sumColumns(const NccStrip& strip, int first_row, ColumnSums& sums) {
-  sums.values.fill(0.0F);
-  sums.squares.fill(0.0F);
-  for (int y = first_row; y < first_row + kNccRows; ++y) {
-    const float* values = strip.row(y);
-    for (int x = 0; x < NccStrip::kStride; ++x) {
-      sums.values[x] += values[x];
-      sums.squares[x] += values[x] * values[x];
-    }
-  }
-}
-
-/// Sums over the window's columns, by sample.
-void sumSamples(const std::array<float, NccStrip::kStride>& columns, Samples& sums) {
-  sums = Samples{};
-  for (int x = 0; x < kNccColumns; ++x)
-    sums += samplesFrom(&columns[x]);
-}
-
-/// The samples' sums of products with the template, in the rows from -Rows to Rows.
-template <int Rows>
-void sumProducts(const NccTemplate& left, const NccStrip& strip, Samples (&products)[2 * Rows + 1]) {
-  constexpr int kCount = 2 * Rows + 1;
-  Samples even[kCount] = {}, odd[kCount] = {};  // two sums of each, so that they need not wait for each other
-  for (int x = 0; x < kNccColumns; ++x) {
-#pragma GCC unroll 16
-    for (int y = 0; y < kNccRows + 2 * Rows; ++y) {
-      const Samples right = samplesFrom(strip.row(kMostRows - Rows + y) + x);
-#pragma GCC unroll 8
-      for (int row = 0; row < kCount; ++row)
-        if (y >= row && y < row + kNccRows)
-          (y % 2 == 0 ? even : odd)[row] += left.centred.row(y - row)[x] * right;
-    }
-  }
-  for (int row = 0; row < kCount; ++row)
-    products[row] = even[row] + odd[row];
-}
-
-/// Of the windows of the strip that lie in the rows from -Rows to Rows, with the template.
-template <int Rows>
-void correlate(const NccTemplate& left, NccStrip& strip, SquaredCorrelations* correlations) {
-  for (int y = kMostRows - Rows; y < kMostRows + Rows + kNccRows; ++y)
-    for (int x = 0; x < NccStrip::kStride; ++x)
-      strip.row(y)[x] -= left.mean;  // about equal to the right mean, which saves digits
-  constexpr int kCount = 2 * Rows + 1;
-  ColumnSums columns[kCount];
-  for (int row = 0; row < kCount; ++row)
-    sumColumns(strip, kMostRows - Rows + row, columns[row]);
-  Samples products[kCount];
-  sumProducts<Rows>(left, strip, products);
-  for (int row = 0; row < kCount; ++row) {
-    Samples sums, squares;
-    sumSamples(columns[row].values, sums);
-    sumSamples(columns[row].squares, squares);
-    for (int sample = 0; sample < kSampleLanes; ++sample) {
-      const auto sum = static_cast<double>(sums[sample]);
-      const auto product = static_cast<double>(products[row][sample]);
-      const double variance = static_cast<double>(squares[sample]) - sum * sum / NccPatch::kSize;
-      correlations[row][sample] = variance > 1.0 ? product * std::abs(product) / variance : 0.0;
-    }
-  }
-}
-
-void correlate(const NccTemplate& left, NccStrip& strip, int rows, SquaredCorrelations* correlations) {
-  switch (rows) {
-    case 0:
-      return correlate<0>(left, strip, correlations);
-    case 1:
-      return correlate<1>(left, strip, correlations);
-    case 2:
-      return correlate<2>(left, strip, correlations);
-    default:
-      return correlate<kMostRows>(left, strip, correlations);
-  }
-}
-
-/// Three neighbouring correlations, the greatest in the middle.
-struct NccPeak {
-  int row = 0, sample = 0;
-  double left = 0.0, middle = 0.0, right = 0.0;
-  double height = 0.0;
-};
-
-NccPeak highestPeak(const SquaredCorrelations* correlations, int rows, double norm) {
-  const auto root = [norm](double squared) {
-    return std::copysign(std::sqrt(std::abs(squared)), squared) / norm;
-  };
-  NccPeak best;
-  for (int row = 0; row <= 2 * rows; ++row) {
-    const SquaredCorrelations& squared = correlations[row];
-    for (int sample = 1; sample < kNccSamples - 1; ++sample) {
-      const double middle = squared[sample];
-      if (middle <= 0.0 || middle < squared[sample - 1] || middle < squared[sample + 1]) continue;
-      // Peaks are compared, not samples: between two columns the right row's samples may be lower than those
-      // of a wrong row whose texture happens to meet a column.
-      NccPeak peak{row - rows, sample, root(squared[sample - 1]), root(middle), root(squared[sample + 1])};
-      peak.height = sinusoidalHeight(peak.left, peak.middle, peak.right);
-      if (peak.height > best.height) best = peak;
-    }
-  }
-  return best;
+  Differences differences;
+  compareAlong(left, right, line, disparity - kSearchRadius, differences);
+  const auto least = std::min_element(differences.begin(), differences.end());
+  best_sad = *least;
+  return best_sad == kFar ? disparity
+                          : disparity - kSearchRadius + static_cast<int>(least - differences.begin());
 }
 
 /// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
@@ -300,19 +175,13 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
   StereoMatch best;
   const Eigen::Vector2d centre = line.at(pixel, disparity);
   if (!right.contains(centre)) return best;
-  NccStrip strip;
-  samplePatch(right, centre, strip);
-  std::array<SquaredCorrelations, 2 * kMostRows + 1> correlations;
-  correlate(left, strip, rows, correlations.data());
-  const NccPeak peak = highestPeak(correlations.data(), rows, left.norm);
+  const NccPeak peak = highestPeak(left, right, centre, rows);
   if (peak.height <= 0.0) return best;
   // Near the epipole a column is many disparities.
   const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
-  const double columns =
-      peak.sample - (kNccRadius + 1) + sinusoidalOffset(peak.left, peak.middle, peak.right);
   best.correlation = peak.height;
   best.row_offset = peak.row;
-  best.disparity = disparity - columns * per_column;  // to the right is less disparity
+  best.disparity = disparity - peak.column() * per_column;  // to the right is less disparity
   best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, peak.row);
   return best;
 }

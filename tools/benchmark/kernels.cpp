@@ -9,6 +9,7 @@
 #include "calib/rectifier.hpp"
 #include "vo_core/adaptive_detector.hpp"
 #include "vo_core/affine_alignment.hpp"
+#include "vo_core/fast_corners.hpp"
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/klt.hpp"
 #include "vo_core/stereo_matcher.hpp"
@@ -70,10 +71,20 @@ class Places {
 };
 
 void pyramid(State& state) {
+  PyramidPool pool(kGreyLevels);
   for (auto _ : state)
-    ::benchmark::DoNotOptimize(buildPyramid(kImage, kGreyLevels));
+    ::benchmark::DoNotOptimize(pool.build(kImage));
 }
 BENCHMARK(pyramid)->Unit(::benchmark::kMicrosecond);
+
+void corners(State& state) {
+  WindowThresholds thresholds(kImage.size(), 1);
+  thresholds.set({0, 0, kWidth, kHeight}, static_cast<std::uint8_t>(state.range()));
+  CornerFinder finder;
+  for (auto _ : state)
+    ::benchmark::DoNotOptimize(finder.find(kImage, {0, kHeight}, thresholds).data());
+}
+BENCHMARK(corners)->Arg(10)->Arg(40)->Unit(::benchmark::kMicrosecond);
 
 void detect(State& state) {
   const cv::Size size = kImage.size();

@@ -225,8 +225,9 @@ void PyramidLevel::writeBorder() {
       }
     }
   }
-  const auto copy_row = [this](int from, int to) {
-    std::memcpy(row(to) - kBorder, row(from) - kBorder, static_cast<std::size_t>(width_ + 2 * kBorder));
+  const std::size_t padded_width = static_cast<std::size_t>(width_) + 2 * kBorder;
+  const auto copy_row = [&](int from, int to) {
+    std::memcpy(row(to) - kBorder, row(from) - kBorder, padded_width);
   };
   for (int i = 1; i <= kBorder; ++i) {
     copy_row(mirrored(-i, height_), -i);

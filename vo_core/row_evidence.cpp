@@ -7,7 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "vo_core/lane_order.hpp"
 #include "vo_core/median.hpp"
+#include "vo_core/reprojection_lanes.hpp"
 
 namespace cartvo {
 namespace {
@@ -25,72 +27,156 @@ const Vector kConceivable(1e-2, 1e-2, 1e-2, 1e-1);
 // turns by this times the offset more or less than the poses say.
 constexpr double kRateDoubt = 0.02;
 
-/// One stereo match.
-struct RowDifference {
-  double residual = 0.0;  // px, measured vertical disparity minus predicted
-  double weight = 0.0;
-  Vector by_errors = Vector::Zero();
+/// Stereo matches of one host, a lane each.
+struct RowBlock {
+  int host = 0;
+  PlaceLanes place{};
+  DoubleLanes x{}, y{};    // where the right camera saw them, at z = 1
+  DoubleLanes residual{};  // px, measured vertical disparity minus predicted
+  DoubleLanes counted{};   // 1 for what both cameras have in front of them
+  DoubleLanes weight{};    // zero for the rest
+  DoubleLanes by_errors[RowErrors::kSize]{};
 };
 
-std::vector<RowDifference> rowDifferences(const BundleProblem& problem) {
-  const StereoCamera& camera = problem.camera;
+/// The newest pair's, with what was measured alone for a residual.
+std::vector<RowBlock> matchesOf(const BundleProblem& problem) {
   const int newest = static_cast<int>(problem.poses.size()) - 1;
-  const RightCamera right_camera = rightCameraOf(problem.poses, newest, camera.baseline);
-  const Eigen::Isometry3d left_inverse = problem.poses.back().T_world_camera.inverse();
-  const Eigen::Isometry3d right_inverse = right_camera.T_world_camera.inverse();
-  std::vector<RowDifference> differences;
-  differences.reserve(problem.landmarks.size());
-  for (const BundleLandmark& landmark : problem.landmarks) {
-    const BundleSighting& sighting = landmark.sightings.back();
-    if (sighting.pose != newest || !sighting.stereo) continue;
-    const Eigen::Isometry3d& T_world_host = problem.poses[landmark.sightings.front().pose].T_world_camera;
-    const Eigen::Isometry3d T_right_host = right_inverse * T_world_host;
-    const Projection left =
-        projectLandmark(camera, left_inverse * T_world_host, landmark.bearing, landmark.inverse_depth);
-    const Projection right = projectLandmark(camera, T_right_host, landmark.bearing, landmark.inverse_depth);
-    if (!left.valid || !right.valid) continue;
-    const ProjectionJacobians by =
-        projectionJacobians(camera, T_right_host, landmark.bearing, landmark.inverse_depth, right);
-    const double f = camera.focal_length;
-    const double x = (sighting.right.x() - camera.cx) / f;
-    const double y = (sighting.right.y() - camera.cy) / f;
-    RowDifference& difference = differences.emplace_back();
-    difference.residual = sighting.left.y() - sighting.right.y() - (left.pixel.y() - right.pixel.y());
-    difference.weight = landmark.weight;
-    difference.by_errors << -f * (1.0 + y * y), f * x, f * x * y,
-        -by.by_camera.row(1).dot(right_camera.by_offset.transpose());
-  }
-  return differences;
+  std::vector<const BundleLandmark*> matched;
+  matched.reserve(problem.landmarks.size());
+  for (const BundleLandmark& landmark : problem.landmarks)
+    if (const BundleSighting& last = landmark.sightings.back(); last.pose == newest && last.stereo)
+      matched.push_back(&landmark);
+  const LaneOrder order(problem.poses.size(), matched.size(),
+                        [&](std::size_t i) { return matched[i]->sightings.front().pose; });
+  std::vector<RowBlock> blocks;
+  blocks.reserve(order.blocks());
+  order.forEachBlock([&](int host, const int* indices, int count) {
+    RowBlock& block = blocks.emplace_back();
+    block.host = host;
+    for (int lane = 0; lane < count; ++lane) {
+      const BundleLandmark& landmark = *matched[indices[lane]];
+      const BundleSighting& sighting = landmark.sightings.back();
+      for (int axis = 0; axis < 3; ++axis)
+        block.place.bearing[axis][lane] = landmark.bearing[axis];
+      block.place.inverse_depth[lane] = landmark.inverse_depth;
+      const Eigen::Vector3d seen = bearingOf(problem.camera, sighting.right);
+      block.x[lane] = seen.x();
+      block.y[lane] = seen.y();
+      block.residual[lane] = sighting.left.y() - sighting.right.y();
+      block.weight[lane] = landmark.weight;
+      block.counted[lane] = 1.0;
+    }
+  });
+  return blocks;
 }
 
-double noiseOf(const std::vector<RowDifference>& differences, const Vector& errors) {
-  std::vector<double> absolute;
-  absolute.reserve(differences.size());
-  for (const RowDifference& difference : differences)
-    absolute.push_back(std::abs(difference.residual - difference.by_errors.dot(errors)));
-  return std::max(deviationOf(absolute), kLeastNoise);
+/// The two cameras as seen from a host.
+struct RowCameras {
+  Eigen::Isometry3d T_left_host, T_right_host;
+};
+
+CARTVO_VECTOR_CLONES
+void linearise(double f, const std::vector<RowCameras>& cameras, const Vector6d& right_by_offset,
+               std::vector<RowBlock>& blocks) {
+  for (RowBlock& block : blocks) {
+    const RayLanes left_ray = rayOf(cameras[block.host].T_left_host, block.place);
+    const RayLanes right_ray = rayOf(cameras[block.host].T_right_host, block.place);
+    for (const RayLanes* ray : {&left_ray, &right_ray}) {
+      BitLanes behind;
+      findNegative(ray->z - kNearestRay, behind);
+      keepWhere(~behind, block.counted);
+    }
+    block.weight *= block.counted;
+    const ViewLanes left = viewOf(left_ray), right = viewOf(right_ray);
+    block.residual -= f * (left.y - right.y);
+    block.by_errors[RowErrors::kPitch] = -f * (1.0 + block.y * block.y);
+    block.by_errors[RowErrors::kRoll] = f * block.x;
+    block.by_errors[RowErrors::kKeystone] = f * block.x * block.y;
+    const PoseLanes by_right = rowByCamera(right, block.place);
+    DoubleLanes& by_delay = block.by_errors[RowErrors::kDelay] = DoubleLanes{};
+    for (int i = 0; i < 6; ++i)
+      by_delay -= f * right_by_offset[i] * by_right.value[i];
+  }
+}
+
+std::vector<RowBlock> rowBlocks(const BundleProblem& problem) {
+  const int newest = static_cast<int>(problem.poses.size()) - 1;
+  const RightCamera right = rightCameraOf(problem.poses, newest, problem.camera.baseline);
+  const Eigen::Isometry3d left_inverse = problem.poses.back().T_world_camera.inverse();
+  const Eigen::Isometry3d right_inverse = right.T_world_camera.inverse();
+  std::vector<RowCameras> cameras;
+  for (const TimedPose& host : problem.poses)
+    cameras.push_back({left_inverse * host.T_world_camera, right_inverse * host.T_world_camera});
+  std::vector<RowBlock> blocks = matchesOf(problem);
+  linearise(problem.camera.focal_length, cameras, right.by_offset, blocks);
+  return blocks;
+}
+
+/// What the errors leave over, px.
+inline void findRest(const RowBlock& block, const Vector& errors, DoubleLanes& rest) {
+  rest = block.residual;
+  for (int i = 0; i < RowErrors::kSize; ++i)
+    rest -= errors[i] * block.by_errors[i];
+}
+
+CARTVO_VECTOR_CLONES
+void collectSizes(const std::vector<RowBlock>& blocks, const Vector& errors, std::vector<double>& sizes) {
+  for (const RowBlock& block : blocks) {
+    DoubleLanes rest;
+    findRest(block, errors, rest);
+    for (int lane = 0; lane < kDoubleLanes; ++lane)
+      if (block.counted[lane] > 0.0) sizes.push_back(std::abs(rest[lane]));
+  }
+}
+
+/// Normal equations, in px.
+struct RowSums {
+  DoubleLanes products[RowErrors::kSize][RowErrors::kSize]{};  // the lower triangle
+  DoubleLanes gradient[RowErrors::kSize]{};
+  DoubleLanes weights{};
+};
+
+CARTVO_VECTOR_CLONES
+void addRows(const std::vector<RowBlock>& blocks, const Vector& errors, double noise, RowSums& sums) {
+  const double gentleness = 1.0 / (kRobustWidth * kRobustWidth * noise * noise);
+  for (const RowBlock& block : blocks) {
+    DoubleLanes rest;
+    findRest(block, errors, rest);
+    const DoubleLanes weight = block.weight / (1.0 + gentleness * (rest * rest));
+    sums.weights += weight;
+    for (int i = 0; i < RowErrors::kSize; ++i) {
+      const DoubleLanes weighted = weight * block.by_errors[i];
+      sums.gradient[i] += weighted * block.residual;
+      for (int j = 0; j <= i; ++j)
+        sums.products[i][j] += weighted * block.by_errors[j];
+    }
+  }
 }
 
 }  // namespace
 
 RowEvidence rowEvidence(const BundleProblem& adjusted) {
   RowEvidence evidence;
-  const std::vector<RowDifference> differences = rowDifferences(adjusted);
-  if (differences.size() < kFewestMatches) return evidence;
+  const std::vector<RowBlock> blocks = rowBlocks(adjusted);
   const Matrix prior = kConceivable.cwiseAbs2().cwiseInverse().asDiagonal();
+  std::vector<double> sizes;
+  sizes.reserve(kDoubleLanes * blocks.size());
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const double noise = noiseOf(differences, evidence.errors);
-    Matrix products = Matrix::Zero();
-    Vector gradient = Vector::Zero();
-    double weights = 0.0;
-    for (const RowDifference& difference : differences) {
-      const double error = (difference.residual - difference.by_errors.dot(evidence.errors)) / noise;
-      const double weight = difference.weight / (1.0 + error * error / (kRobustWidth * kRobustWidth));
-      weights += weight;
-      products.noalias() += weight * difference.by_errors * difference.by_errors.transpose();
-      gradient += weight * difference.residual * difference.by_errors;
-    }
+    sizes.clear();
+    collectSizes(blocks, evidence.errors, sizes);
+    if (sizes.size() < kFewestMatches) return {};
+    const double noise = std::max(deviationOf(sizes), kLeastNoise);
+    RowSums sums;
+    addRows(blocks, evidence.errors, noise, sums);
+    const double weights = sumOf(sums.weights);
     if (!(weights > 0.0)) return {};
+    Matrix products;
+    Vector gradient;
+    for (int i = 0; i < RowErrors::kSize; ++i) {
+      gradient[i] = sumOf(sums.gradient[i]);
+      for (int j = 0; j <= i; ++j)
+        products(i, j) = products(j, i) = sumOf(sums.products[i][j]);
+    }
     evidence.information = products / (noise * noise);
     evidence.leverage = products / weights;
     evidence.errors = (evidence.information + prior).ldlt().solve(gradient / (noise * noise));

@@ -16,6 +16,7 @@ constexpr int kSubsetSteps = 4;    // Gauss-Newton steps of a subset
 constexpr int kPolishSteps = 4;    // and of all that a pose explains
 constexpr double kSettled = 1e-5;  // m and rad
 constexpr double kNeverExplained = 1e3;
+static_assert(kSubset <= kDoubleLanes);
 
 using Transforms = std::vector<Eigen::Isometry3d>;
 

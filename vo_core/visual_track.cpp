@@ -355,7 +355,8 @@ void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::siz
     Landmark& landmark = draft.landmarks[chosen[i]];
     const BundleLandmark& adjusted = problem.landmarks[i];
     const double ratio = adjusted.error / settings_.history.deviation;
-    landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + std::pow(ratio, 4)));
+    const double square = ratio * ratio;
+    landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
     if (!landmark.hasDepth() && !tellsDepth(adjusted)) continue;
     landmark.inverse_depth = adjusted.inverse_depth;
     landmark.information = adjusted.information;

@@ -28,6 +28,8 @@ constexpr int kPatience = 1;             // iterations after which a patch that 
 constexpr double kHopeless = 0.6;        // correlation
 constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
 using Values = Patch<kSide, kRows>;
+constexpr double kPerPixel = 1.0 / Values::kSize;  // dividing takes long, and much waits for it
+constexpr double kPerHalfSide = 2.0 / kSide;
 static_assert(Values::kBlocks == 1, "a row is one vector of lanes");
 
 /// The warp's parameters: shift x, y, then the warp's elements xx, xy, yx, yy, scaled by the patch's half
@@ -163,7 +165,7 @@ bool invertHessian(WarpModel model, Template& out) {
       p.y, q.y, p.xy, p.yy, q.xy, q.yy,         //
       q.x, r.x, q.xx, q.xy, r.xx, r.xy,         //
       q.y, r.y, q.xy, q.yy, r.xy, r.yy;
-  hessian.noalias() -= out.slope_sums * (out.slope_sums / Values::kSize).transpose();
+  hessian.noalias() -= out.slope_sums * (kPerPixel * out.slope_sums).transpose();
   if (model == WarpModel::stereo) {
     out.inverse.setZero();
     return invertCorner<kStereoParameters>(hessian, kMinimumPivot, out.inverse);
@@ -175,12 +177,16 @@ bool invertHessian(WarpModel model, Template& out) {
 template <typename Processor>
 void compare(const Template& before, const PyramidLevel& after, const AffineAlignment& alignment,
              Comparison& out) {
-  sampleWarped<Processor, kRowStep>(after, alignment.position, alignment.warp, out.now);
+  using Rows = WarpedRows<Processor, kSide, kRowStep>;
+  Rows rows(after, alignment.position, alignment.warp);
   Lanes sum{}, squares{}, products{};
   ColumnSums along_x, along_y;
   for (int y = 0; y < kRows; ++y) {
-    Lanes& value = out.now.lanes(y, 0);
-    value = (value - before.mean) * kMask.lanes(0, 0);  // small numbers, so that little is rounded
+    Lanes sampled;
+    rows.sample(sampled);
+    // Small numbers, so that little is rounded.
+    const Lanes value = (sampled * Rows::kUnit - before.mean) * kMask.lanes(0, 0);
+    out.now.lanes(y, 0) = value;
     sum += value;
     squares += value * value;
     products += value * before.grey.lanes(y, 0);
@@ -190,13 +196,13 @@ void compare(const Template& before, const PyramidLevel& after, const AffineAlig
   std::array<double, 4> sums;
   sumsOf(sum, squares, products, products, sums.data());
   const double product = sums[2];
-  out.mean = sums[0] / Values::kSize;
+  out.mean = sums[0] * kPerPixel;
   const double variance = sums[1] - Values::kSize * out.mean * out.mean;
   out.correlation = product / (before.norm * std::sqrt(std::max(variance, 1e-6)) + 1e-12);
   out.gain = std::max(product / (before.norm * before.norm + 1e-12), kMinimumGain);
   Parameters slopes;
   slopeSums(along_x, along_y, slopes);
-  out.right_side = (slopes - out.mean * before.slope_sums) / out.gain - before.slope_greys;
+  out.right_side = (slopes - out.mean * before.slope_sums) * (1.0 / out.gain) - before.slope_greys;
 }
 
 /// Sums of products of a patch's slopes with each other and with an error.
@@ -243,13 +249,16 @@ double returnMissOf(const Template& before, const Comparison& at) {
 
 bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, const PyramidLevel& after) {
   return (alignment.warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() <= kMaximumStretch &&
-         (alignment.position - start).norm() <= kMaximumMove && after.contains(alignment.position);
+         (alignment.position - start).squaredNorm() <= kMaximumMove * kMaximumMove &&
+         after.contains(alignment.position);
 }
 
 /// Whether a step is too short for another to be worth it. What stretches the patch moves its edge and not
 /// its centre, so that less is asked of it.
 bool settled(const Parameters& step, double convergence) {
-  return step.head<2>().norm() < convergence && step.tail<4>().norm() < kStretchShare * convergence;
+  const double square = convergence * convergence;
+  return step.head<2>().squaredNorm() < square &&
+         step.tail<4>().squaredNorm() < kStretchShare * kStretchShare * square;
 }
 
 /// What alignAffine is asked.
@@ -281,7 +290,7 @@ std::optional<AffineAlignment> answer(const Question& asked) {
     const Parameters step = patch.inverse * at.right_side;
     Eigen::Matrix2d stretch;
     stretch << step[2], step[3], step[4], step[5];
-    const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + stretch / (0.5 * kSide)).inverse();
+    const Eigen::Matrix2d change = (Eigen::Matrix2d::Identity() + kPerHalfSide * stretch).inverse();
     alignment.warp = alignment.warp * change;
     alignment.position -= alignment.warp * step.head<2>();
     if (!plausible(alignment, start.position, asked.after)) return std::nullopt;

@@ -68,6 +68,11 @@ struct AnyProcessor {
   static void convert(const ShortLanes& from, Lanes& to) {
     to = __builtin_convertvector(__builtin_convertvector(from, IntLanes), Lanes);
   }
+  /// The second lowest byte of each number, in both its halves.
+  static void secondBytes(const IntLanes& from, IntLanes& to) {
+    const IntLanes byte = from >> 8 & 0xff;
+    to = byte | byte << 16;
+  }
   static void storeBytes(const IntLanes& from, std::uint8_t* to) {
     const ByteLanes bytes = __builtin_convertvector(__builtin_convertvector(from, ShortLanes), ByteLanes);
     std::memcpy(to, &bytes, sizeof bytes);
@@ -92,9 +97,11 @@ struct ByteShufflingProcessor {
                                               const IntLanes& place, IntLanes& quads) {
     const __m512i upper = rowPair(first, first + stride);
     const __m512i lower = rowPair(first + 2 * stride, first + 3 * stride);
-    const IntLanes twice = place | place << 8;
-    const IntLanes places = (twice | twice << 16) + (33 << 24 | 32 << 16 | 1 << 8);
+    const IntLanes places = shuffled<0, 0, 0, 0>(place) + (33 << 24 | 32 << 16 | 1 << 8);
     quads = IntLanes(_mm512_permutex2var_epi8(upper, __m512i(places), lower));
+  }
+  CARTVO_BYTE_SHUFFLES static void secondBytes(const IntLanes& from, IntLanes& to) {
+    to = shuffled<1, kZero, 1, kZero>(from);
   }
   CARTVO_BYTE_SHUFFLES static bool allBelow(const ShortLanes& lanes, std::uint16_t bound) {
     return _mm256_cmplt_epu16_mask(__m256i(lanes), _mm256_set1_epi16(static_cast<short>(bound))) == 0xffff;
@@ -105,6 +112,16 @@ struct ByteShufflingProcessor {
   }
 
  private:
+  static constexpr int kZero = 0x80;
+  /// Four bytes of each number by their places in it, the lowest first.
+  template <int A, int B, int C, int D>
+  CARTVO_BYTE_SHUFFLES static IntLanes shuffled(const IntLanes& from) {
+    constexpr int kPattern = static_cast<int>(std::uint32_t{D} << 24 | C << 16 | B << 8 | A);
+    // Four numbers are shuffled together, so that each one's bytes have places of their own.
+    const IntLanes number = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+    const IntLanes places = number * 0x04040404 + kPattern;
+    return IntLanes(_mm512_maskz_shuffle_epi8(~__mmask64{0}, __m512i(from), __m512i(places)));
+  }
   CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
     const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
     const __m256i high = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(second));

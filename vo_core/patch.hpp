@@ -37,8 +37,8 @@ struct Patch {
   }
 };
 
-/// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation, its x
-/// rounded to 1/256 px: between two neighbours in a row by integers, which is exact, then between two rows.
+/// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation,
+/// rounded to 1/256 px: between two neighbours in a row, then between two rows, both exactly.
 /// Columns must be odd. Of a window of an odd number of rows the first and each RowStep-th after it are kept.
 template <typename Processor = AnyProcessor, int RowStep = 1, int Columns, int Rows>
 void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Columns, Rows>& patch) {
@@ -49,7 +49,7 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   const double floor_y = std::floor(centre.y());
   constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
   const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - floor_x) + kHalfAStep);
-  const float fy = static_cast<float>(centre.y() - floor_y);
+  const float fy = static_cast<float>(static_cast<int>(256.0 * (centre.y() - floor_y) + kHalfAStep)) / 256.0F;
   const std::uint8_t* source =
       level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - kHalfHeight);
   const std::ptrdiff_t stride = level.stride();

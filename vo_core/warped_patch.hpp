@@ -28,70 +28,81 @@ inline void fetchQuads(const std::uint8_t* corner, std::ptrdiff_t stride, const 
   std::memcpy(&quads, fetched, sizeof quads);
 }
 
-/// Between four pixels each, by bilinear interpolation.
-inline void interpolateQuads(const IntLanes& quads, const Lanes& fraction_x, const Lanes& fraction_y,
-                             Lanes& out) {
-  const Lanes above_left = __builtin_convertvector(quads & 0xff, Lanes);
-  const Lanes above_right = __builtin_convertvector(quads >> 8 & 0xff, Lanes);
-  const Lanes below_left = __builtin_convertvector(quads >> 16 & 0xff, Lanes);
-  const Lanes below_right = __builtin_convertvector(quads >> 24 & 0xff, Lanes);
-  const Lanes top = above_left + fraction_x * (above_right - above_left);
-  const Lanes bottom = below_left + fraction_x * (below_right - below_left);
-  out = top + fraction_y * (bottom - top);
-}
+/// The rows of a window around `position`, which must lie inside the level, under a warp from offsets in the
+/// window to offsets in the level. All integers: places in 1/65536 px, from which pixels are interpolated by
+/// 1/256 px, exactly.
+template <typename Processor, int Side, int RowStep>
+class WarpedRows {
+ public:
+  static constexpr float kUnit = 1.0F / 65536.0F;  ///< of what is sampled, in grey values
 
-/// Samples the window around `position`, which must lie inside the level, under a warp from offsets in the
-/// window to offsets in the level, by bilinear interpolation in floating point. Of the window's Side rows the
-/// first and each RowStep-th after it are kept. No element of the warp may reach more than the level's
-/// border.
-template <typename Processor, int RowStep, int Side, int Rows>
-void sampleWarped(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp_by,
-                  Patch<Side, Rows>& out) {
-  static_assert(Patch<Side, Rows>::kBlocks == 1, "a row is one vector of lanes");
-  constexpr int kHalf = Side / 2;
-  // Counted from a pixel left of and above all that is read: positive numbers are rounded down when
-  // converted.
-  constexpr int kBias = PyramidLevel::kBorder;
-  const int centre_x = static_cast<int>(std::floor(position.x()));
-  const int centre_y = static_cast<int>(std::floor(position.y()));
-  const Eigen::Vector2f fraction =
-      (position - Eigen::Vector2d(centre_x, centre_y)).cast<float>().array() + kBias;
-  const Eigen::Matrix2f warp = warp_by.cast<float>();
-  const std::ptrdiff_t stride = level.stride();
-  const std::uint8_t* const corner = level.at(centre_x, centre_y) - kBias * stride - kBias;
-  const float row_step = static_cast<float>(stride);
-  const Lanes x = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-
-  for (int y = 0; y < Rows; ++y) {
-    const Eigen::Vector2f start =
-        fraction + warp * Eigen::Vector2f(-kHalf, static_cast<float>(RowStep * y - kHalf));
-    const Lanes at_x = start.x() + warp(0, 0) * x;
-    const Lanes at_y = start.y() + warp(1, 0) * x;
-    const IntLanes columns = __builtin_convertvector(at_x, IntLanes);
-    const IntLanes rows = __builtin_convertvector(at_y, IntLanes);
-    const Lanes column = __builtin_convertvector(columns, Lanes);
-    const Lanes row = __builtin_convertvector(rows, Lanes);
-    IntLanes quads;
-    const auto fetch = [&] {
-      // Below 2^24, so that the product is exact.
-      const IntLanes offset = __builtin_convertvector(row * row_step + column, IntLanes);
-      fetchQuads(corner, stride, offset, Side, quads);
-    };
-    if constexpr (Processor::kShufflesBytes) {
-      const int first = static_cast<int>(start.y());
-      const int last = static_cast<int>(start.y() + warp(1, 0) * static_cast<float>(Side - 1));
-      const int top = std::min(first, last), left = static_cast<int>(start.x());
-      constexpr int kMostRows = 2;  // below the first
-      if (std::max(first, last) - top <= kMostRows)
-        Processor::fetchQuads(corner + top * stride + left, stride, ((rows - top) << 5) + (columns - left),
-                              quads);
-      else
-        fetch();
-    } else {
-      fetch();
-    }
-    interpolateQuads(quads, at_x - column, at_y - row, out.lanes(y, 0));
+  /// No element of the warp may reach more than the level's border, nor turn columns around.
+  WarpedRows(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp)
+      : stride_(level.stride()) {
+    // Counted from a pixel left of and above all that is read, as positive numbers shift to whole pixels
+    // below.
+    constexpr int kBias = PyramidLevel::kBorder;
+    constexpr double kOne = 65536.0, kRounding = 128.0;  // the latter for what is cut off below 1/256 px
+    const int whole_x = static_cast<int>(position.x()), whole_y = static_cast<int>(position.y());
+    corner_ = level.at(whole_x, whole_y) - kBias * stride_ - kBias;
+    const Eigen::Vector2d first = position - Eigen::Vector2d(whole_x - kBias, whole_y - kBias) -
+                                  (Side / 2) * (warp.col(0) + warp.col(1));
+    x_ = static_cast<int>(kOne * first.x() + kRounding);
+    y_ = static_cast<int>(kOne * first.y() + kRounding);
+    x_by_row_ = static_cast<int>(kOne * RowStep * warp(0, 1));
+    y_by_row_ = static_cast<int>(kOne * RowStep * warp(1, 1));
+    y_by_column_ = static_cast<int>(kOne * warp(1, 0));
+    const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    x_ramp_ = column * static_cast<int>(kOne * warp(0, 0));
+    y_ramp_ = column * y_by_column_;
   }
-}
+
+  /// The next row, first the upmost one and then each RowStep-th below it.
+  void sample(Lanes& out) {
+    const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
+    IntLanes quads, fraction_x;
+    fetch(x, y, quads);
+    Processor::secondBytes(x, fraction_x);
+    blend(quads, fraction_x, y >> 8 & 0xff, out);
+    x_ += x_by_row_;
+    y_ += y_by_row_;
+  }
+
+ private:
+  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
+
+  void fetch(const IntLanes& x, const IntLanes& y, IntLanes& quads) const {
+    if constexpr (Processor::kShufflesBytes) {
+      constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
+      const int first = y_ >> 16, last = (y_ + (Side - 1) * y_by_column_) >> 16;
+      const int top = std::min(first, last), left = x_ >> 16;
+      if (std::max(first, last) - top <= kMostRows) {
+        const IntLanes row_times_32 = y >> 11 & ~31;
+        Processor::fetchQuads(corner_ + top * stride_ + left, stride_,
+                              row_times_32 + (x >> 16) - (32 * top + left), quads);
+        return;
+      }
+    }
+    fetchQuads(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), Side, quads);
+  }
+
+  /// By bilinear interpolation; `fraction_x` twice in each number.
+  static void blend(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& fraction_y,
+                    Lanes& out) {
+    const IntLanes left = quads & 0x00ff00ff, right = quads >> 8 & 0x00ff00ff;  // above and below
+    const Pairs& from = reinterpret_cast<const Pairs&>(left);
+    const Pairs between = (from << 8) + reinterpret_cast<const Pairs&>(fraction_x) *
+                                            (reinterpret_cast<const Pairs&>(right) - from);  // modulo 2^16
+    const IntLanes both = reinterpret_cast<const IntLanes&>(between);
+    const IntLanes top = both & 0xffff, bottom = both >> 16 & 0xffff;
+    out = __builtin_convertvector((top << 8) + fraction_y * (bottom - top), Lanes);
+  }
+
+  std::ptrdiff_t stride_;
+  const std::uint8_t* corner_;
+  int x_, y_;  // of the next row's first pixel, 1/65536 px from the corner
+  int x_by_row_, y_by_row_, y_by_column_;
+  IntLanes x_ramp_, y_ramp_;
+};
 
 }  // namespace cartvo

@@ -75,7 +75,7 @@ class BlockResiduals {
   void findInFront(const LandmarkBlock& block, const SightingBlock* sightings, DoubleLanes& in_front) const {
     BitLanes behind{};
     const auto regard = [&](const RayLanes& ray, const DoubleLanes& seen) {
-      const DoubleLanes beyond = seen * (ray.z - kNearestRay);
+      const DoubleLanes beyond = seen * (ray.z - kNearestRay) + (1.0 - seen);  // what is not seen, anywhere
       behind |= reinterpret_cast<const BitLanes&>(beyond);
     };
     for (std::size_t i = block.first_sighting; i < block.last_sighting; ++i) {

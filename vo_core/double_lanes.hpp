@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "vo_core/vector_clones.hpp"
@@ -34,9 +33,8 @@ inline void onesWhere(const BitLanes& where, DoubleLanes& ones) {
 }
 /// The numbers, but at least so much.
 inline void raiseTo(double least, DoubleLanes& numbers) {
-  DoubleLanes missing = numbers - least;
   BitLanes below;
-  findNegative(missing, below);
+  findNegative(numbers - least, below);
   DoubleLanes floor = least + DoubleLanes{};
   keepWhere(below, floor);
   keepWhere(~below, numbers);
@@ -46,11 +44,6 @@ inline void raiseTo(double least, DoubleLanes& numbers) {
 /// In an order of its own, the same on each processor.
 inline double sumOf(const DoubleLanes& lanes) {
   return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
-}
-
-/// So many blocks of lanes hold so many numbers.
-constexpr std::size_t blocksFor(std::size_t numbers) {
-  return (numbers + kDoubleLanes - 1) / kDoubleLanes;
 }
 
 /// Six numbers of each lane, as derivatives by a pose.

@@ -46,11 +46,4 @@ inline Eigen::Vector2d correctedRight(const StereoCamera& camera, const RigCorre
                              (yaw + 2.0 * bend) * x * y - pitch * (1.0 + y * y) + roll * x);
 }
 
-/// Derivative of the corrected column by yaw and bend.
-inline RigCorrection::Vector columnByCorrection(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
-  const double x = (pixel.x() - camera.cx) / camera.focal_length;
-  const double y = (pixel.y() - camera.cy) / camera.focal_length;
-  return camera.focal_length * RigCorrection::Vector(1.0 + x * x, 3.0 * x * x + y * y);
-}
-
 }  // namespace cartvo

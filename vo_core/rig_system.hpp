@@ -27,6 +27,7 @@ class RigSystem {
     const DoubleLanes f = camera_.focal_length * view.sighting.precision;
     const DoubleLanes x = (view.sighting.right[0] - camera_.cx) / camera_.focal_length;
     const DoubleLanes y = (view.sighting.right[1] - camera_.cy) / camera_.focal_length;
+    // Of the column as correctedRight() has it, by yaw and bend; and by the scale.
     // The scale's is predicted, not measured: the noise of what is measured would take part in its own
     // derivative, and a bias come of it. Of the disparity, what the baseline makes; what the motion since the
     // left exposure makes scales with the window.

@@ -313,6 +313,29 @@ TEST(BundleAdjustment, ALandmarkBehindTheCameraIsLeftOut) {
   EXPECT_LT(test::poseErrors(problem).norm(), 1e-6);
 }
 
+TEST(BundleAdjustment, ALandmarkCountsThatIsBehindCamerasWhichNoLongerSeeIt) {
+  BundleProblem problem = test::seenBy({}, 1);
+  BundleLandmark& passed = problem.landmarks.front();
+  ASSERT_EQ(passed.sightings.front().pose, 0);
+  passed.bearing = {0.1, 0.1, 1.0};
+  passed.inverse_depth = 2.0;  // 0.5 m ahead of its host; the last one has moved on by 0.9 m
+  passed.sightings.resize(2);
+  for (BundleSighting& sighting : passed.sightings) {
+    const Eigen::Isometry3d& T_world_camera = problem.poses[sighting.pose].T_world_camera;
+    const auto pixel_by = [&](const Eigen::Isometry3d& camera) {
+      return projectLandmark(problem.camera, camera.inverse() * problem.poses[0].T_world_camera,
+                             passed.bearing, passed.inverse_depth)
+          .pixel;
+    };
+    sighting.left = pixel_by(T_world_camera);
+    sighting.right = pixel_by(test::rightOf(T_world_camera));
+  }
+  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_GT(passed.information, 0.0);
+  EXPECT_NEAR(passed.inverse_depth, 2.0, 1e-6);
+  EXPECT_LT(passed.error, 1e-3);
+}
+
 TEST(BundleAdjustment, SaysWhenThePoseIsLeftOpen) {
   BundleProblem problem = test::seenBy({}, 1);
   problem.landmarks.resize(1);

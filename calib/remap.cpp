@@ -33,7 +33,7 @@ void fetchOneByOne(const cv::Mat& source, const Places& places, IntLanes& quads)
 /// The same out of four rows of 32 pixels; false if those do not hold them all, or the image not those.
 template <typename Processor>
 bool fetchTogether(const cv::Mat& source, const Places& places, IntLanes& quads) {
-  constexpr int kRows = 4, kWidth = 32;
+  constexpr int kRows = 4, kWidth = 32, kRowsAhead = 12;
   const int first_row = std::min(places.row[0], places.row[kLanes - 1]);
   const int first_column = std::min(places.column[0], places.column[kLanes - 1]);
   if (first_row + kRows > source.rows || first_column + kWidth > source.cols) return false;
@@ -44,9 +44,11 @@ bool fetchTogether(const cv::Mat& source, const Places& places, IntLanes& quads)
   column -= static_cast<std::uint16_t>(first_column);  // what is negative becomes large
   if (!Processor::allBelow(row, kRows - 1) || !Processor::allBelow(column, kWidth - 1)) return false;
   const ShortLanes place = (row << 5) + column;
-  Processor::fetchQuads(source.data + first_row * source.step[0] + first_column,
-                        static_cast<std::ptrdiff_t>(source.step[0]), __builtin_convertvector(place, IntLanes),
-                        quads);
+  const std::uint8_t* const first = source.data + first_row * source.step[0] + first_column;
+  // What is wanted some rows later: an image that has just arrived is in no cache.
+  __builtin_prefetch(first + kRowsAhead * source.step[0]);
+  Processor::fetchQuads(first, static_cast<std::ptrdiff_t>(source.step[0]),
+                        __builtin_convertvector(place, IntLanes), quads);
   return true;
 }
 

@@ -21,12 +21,12 @@ constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
 constexpr int kParameters = 6;
 constexpr int kStereoParameters = 4;  // the first four of the six
 constexpr double kMinimumGain = 0.05;
-constexpr double kMaximumStretch = 0.6;  // of any element of the warp against the identity
-constexpr double kMaximumMove = 3.0;     // px from the start
-constexpr double kStretchShare = 4.0;    // times what a shift that ends the iterations may be
-constexpr int kPatience = 1;             // iterations after which a patch that is still hopeless is given up
-constexpr double kHopeless = 0.6;        // correlation
-constexpr double kMinimumPivot = 1e-4;   // relative, of the normal matrix
+constexpr double kMaximumStretch = 0.6;                   // of any element of the warp against the identity
+constexpr double kMaximumMove = 3.0;                      // px from the start
+constexpr double kShiftShare = 0.5, kStretchShare = 3.0;  // of the step that ends the iterations
+constexpr int kPatience = 1;            // iterations after which a patch that is still hopeless is given up
+constexpr double kHopeless = 0.6;       // correlation
+constexpr double kMinimumPivot = 1e-4;  // relative, of the normal matrix
 using Values = Patch<kSide, kRows>;
 constexpr double kPerPixel = 1.0 / Values::kSize;  // dividing takes long, and much waits for it
 constexpr double kPerHalfSide = 2.0 / kSide;
@@ -256,9 +256,8 @@ bool plausible(const AffineAlignment& alignment, const Eigen::Vector2d& start, c
 /// Whether a step is too short for another to be worth it. What stretches the patch moves its edge and not
 /// its centre, so that less is asked of it.
 bool settled(const Parameters& step, double convergence) {
-  const double square = convergence * convergence;
-  return step.head<2>().squaredNorm() < square &&
-         step.tail<4>().squaredNorm() < kStretchShare * kStretchShare * square;
+  const double shift = kShiftShare * convergence, stretch = kStretchShare * convergence;
+  return step.head<2>().squaredNorm() < shift * shift && step.tail<4>().squaredNorm() < stretch * stretch;
 }
 
 /// What alignAffine is asked.

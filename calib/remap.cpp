@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "vo_core/lanes.hpp"
+#include "vo_core/quads.hpp"
 
 namespace cartvo {
 namespace {
@@ -16,18 +16,14 @@ struct Places {
 };
 
 /// Of each place the raw pixel, those right of it, below it and below to the right, lowest byte first.
-void fetchOneByOne(const cv::Mat& source, const Places& places, IntLanes& quads) {
-  const std::size_t stride = source.step[0];
-  alignas(64) std::uint32_t fetched[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    const std::uint8_t* const pixel = source.data + places.row[i] * stride + places.column[i];
-    std::uint16_t above, below;
-    std::memcpy(&above, pixel, sizeof above);
-    std::memcpy(&below, pixel + stride, sizeof below);
-    fetched[i] = above | static_cast<std::uint32_t>(below) << 16;
-    asm volatile("");  // Else the compiler gathers into registers first, which takes longer.
-  }
-  std::memcpy(&quads, fetched, sizeof quads);
+void fetchApart(const cv::Mat& source, const Places& places, IntLanes& quads) {
+  ShortLanes row, column;
+  std::memcpy(&row, places.row, sizeof row);
+  std::memcpy(&column, places.column, sizeof column);
+  const auto stride = static_cast<int>(source.step[0]);
+  const IntLanes offset =
+      __builtin_convertvector(row, IntLanes) * stride + __builtin_convertvector(column, IntLanes);
+  fetchQuadsOneByOne(source.data, stride, offset, kLanes, quads);
 }
 
 /// The same out of four rows of 32 pixels; false if those do not hold them all, or the image not those.
@@ -59,11 +55,8 @@ void blend(const IntLanes& quads, const Places& places, std::uint8_t* target) {
   Processor::load(places.column_fraction, x16);
   Processor::load(places.row_fraction, y16);
   const IntLanes x = __builtin_convertvector(x16, IntLanes), y = __builtin_convertvector(y16, IntLanes);
-  const IntLanes above_left = quads & 0xff, above_right = quads >> 8 & 0xff;
-  const IntLanes below_left = quads >> 16 & 0xff, below_right = quads >> 24 & 0xff;
-  const IntLanes top = (above_left << 8) + x * (above_right - above_left);
-  const IntLanes bottom = (below_left << 8) + x * (below_right - below_left);
-  const IntLanes sum = (top << 8) + y * (bottom - top);
+  IntLanes sum;
+  blendQuads(quads, x | x << 16, y, sum);
   Processor::storeBytes((sum + (1 << 15)) >> 16, target);
 }
 
@@ -71,9 +64,9 @@ template <typename Processor>
 void remapSixteen(const cv::Mat& source, const Places& places, std::uint8_t* target) {
   IntLanes quads;
   if constexpr (Processor::kShufflesBytes) {
-    if (!fetchTogether<Processor>(source, places, quads)) fetchOneByOne(source, places, quads);
+    if (!fetchTogether<Processor>(source, places, quads)) fetchApart(source, places, quads);
   } else {
-    fetchOneByOne(source, places, quads);
+    fetchApart(source, places, quads);
   }
   blend<Processor>(quads, places, target);
 }

@@ -4,29 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
-#include "vo_core/lanes.hpp"
 #include "vo_core/patch.hpp"
+#include "vo_core/quads.hpp"
 
 namespace cartvo {
-
-/// Of sixteen pixels the bytes at them, right of them, below them and below to the right, lowest first.
-/// `offset`: of the pixels from `corner`; only the first `count` are read.
-inline void fetchQuads(const std::uint8_t* corner, std::ptrdiff_t stride, const IntLanes& offset, int count,
-                       IntLanes& quads) {
-  alignas(64) std::int32_t from[kLanes];
-  alignas(64) std::uint32_t fetched[kLanes] = {};
-  std::memcpy(from, &offset, sizeof from);
-  for (int x = 0; x < count; ++x) {
-    std::uint16_t above, below;
-    std::memcpy(&above, corner + from[x], sizeof above);
-    std::memcpy(&below, corner + from[x] + stride, sizeof below);
-    fetched[x] = above | static_cast<std::uint32_t>(below) << 16;
-    asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
-  }
-  std::memcpy(&quads, fetched, sizeof quads);
-}
 
 /// The rows of a window around `position`, which must lie inside the level, under a warp from offsets in the
 /// window to offsets in the level. All integers: places in 1/65536 px, from which pixels are interpolated by
@@ -60,17 +42,16 @@ class WarpedRows {
   /// The next row, first the upmost one and then each RowStep-th below it.
   void sample(Lanes& out) {
     const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
-    IntLanes quads, fraction_x;
+    IntLanes quads, fraction_x, sum;
     fetch(x, y, quads);
     Processor::secondBytes(x, fraction_x);
-    blend(quads, fraction_x, y >> 8 & 0xff, out);
+    blendQuads(quads, fraction_x, y >> 8 & 0xff, sum);
+    out = __builtin_convertvector(sum, Lanes);
     x_ += x_by_row_;
     y_ += y_by_row_;
   }
 
  private:
-  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
-
   void fetch(const IntLanes& x, const IntLanes& y, IntLanes& quads) const {
     if constexpr (Processor::kShufflesBytes) {
       constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
@@ -83,19 +64,7 @@ class WarpedRows {
         return;
       }
     }
-    fetchQuads(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), Side, quads);
-  }
-
-  /// By bilinear interpolation; `fraction_x` twice in each number.
-  static void blend(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& fraction_y,
-                    Lanes& out) {
-    const IntLanes left = quads & 0x00ff00ff, right = quads >> 8 & 0x00ff00ff;  // above and below
-    const Pairs& from = reinterpret_cast<const Pairs&>(left);
-    const Pairs between = (from << 8) + reinterpret_cast<const Pairs&>(fraction_x) *
-                                            (reinterpret_cast<const Pairs&>(right) - from);  // modulo 2^16
-    const IntLanes both = reinterpret_cast<const IntLanes&>(between);
-    const IntLanes top = both & 0xffff, bottom = both >> 16 & 0xffff;
-    out = __builtin_convertvector((top << 8) + fraction_y * (bottom - top), Lanes);
+    fetchQuadsOneByOne(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), Side, quads);
   }
 
   std::ptrdiff_t stride_;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "vo_core/lanes.hpp"
+
+// Bilinear interpolation of sixteen pixels at any places: for each, a quad of four bytes.
+
+namespace cartvo {
+
+/// Of sixteen pixels the bytes at them, right of them, below them and below to the right, lowest first.
+/// `offset`: of the pixels from `corner`; only the first `count` are read.
+inline void fetchQuadsOneByOne(const std::uint8_t* corner, std::ptrdiff_t stride, const IntLanes& offset,
+                               int count, IntLanes& quads) {
+  alignas(64) std::int32_t from[kLanes];
+  alignas(64) std::uint32_t fetched[kLanes] = {};
+  std::memcpy(from, &offset, sizeof from);
+  for (int x = 0; x < count; ++x) {
+    std::uint16_t above, below;
+    std::memcpy(&above, corner + from[x], sizeof above);
+    std::memcpy(&below, corner + from[x] + stride, sizeof below);
+    fetched[x] = above | static_cast<std::uint32_t>(below) << 16;
+    asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
+  }
+  std::memcpy(&quads, fetched, sizeof quads);
+}
+
+/// Between the four pixels of each quad, times 65536, exactly. Fractions in 1/256 px; `fraction_x` twice in
+/// each number, as Processor::secondBytes() has it.
+inline void blendQuads(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& fraction_y,
+                       IntLanes& sum) {
+  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
+  const IntLanes left = quads & 0x00ff00ff, right = quads >> 8 & 0x00ff00ff;  // above and below
+  const Pairs& from = reinterpret_cast<const Pairs&>(left);
+  const Pairs between = (from << 8) + reinterpret_cast<const Pairs&>(fraction_x) *
+                                          (reinterpret_cast<const Pairs&>(right) - from);  // modulo 2^16
+  const IntLanes both = reinterpret_cast<const IntLanes&>(between);
+  const IntLanes top = both & 0xffff, bottom = both >> 16 & 0xffff;
+  sum = (top << 8) + fraction_y * (bottom - top);
+}
+
+}  // namespace cartvo

@@ -63,26 +63,25 @@ inline PoseLanes rowByCamera(const ViewLanes& view, const PlaceLanes& place) {
   return {{DoubleLanes{}, -nearness, nearness * view.y, 1.0 + view.y * view.y, -view.x * view.y, -view.x}};
 }
 
-/// The same by the host's pose, given the view's derivative by the bearing.
-inline PoseLanes byHost(const DoubleLanes (&by_bearing)[3], const PlaceLanes& place) {
+/// The same of the coordinate of that axis (0, the column, is at view.x) by the host's pose.
+template <typename Transform>
+inline PoseLanes byHost(const Transform& T, int axis, const DoubleLanes& at, const ViewLanes& view,
+                        const PlaceLanes& place) {
+  // By the bearing.
+  const DoubleLanes a = view.inverse_z * (T(axis, 0) - at * T(2, 0));
+  const DoubleLanes b = view.inverse_z * (T(axis, 1) - at * T(2, 1));
+  const DoubleLanes c = view.inverse_z * (T(axis, 2) - at * T(2, 2));
   const auto& [x, y, z] = place.bearing;
-  const auto& [a, b, c] = by_bearing;
   const DoubleLanes& rho = place.inverse_depth;
   return {{rho * a, rho * b, rho * c, y * c - z * b, z * a - x * c, x * b - y * a}};
 }
 template <typename Transform>
 inline PoseLanes columnByHost(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
-  const DoubleLanes by_bearing[3] = {view.inverse_z * (T(0, 0) - view.x * T(2, 0)),
-                                     view.inverse_z * (T(0, 1) - view.x * T(2, 1)),
-                                     view.inverse_z * (T(0, 2) - view.x * T(2, 2))};
-  return byHost(by_bearing, place);
+  return byHost(T, 0, view.x, view, place);
 }
 template <typename Transform>
 inline PoseLanes rowByHost(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
-  const DoubleLanes by_bearing[3] = {view.inverse_z * (T(1, 0) - view.y * T(2, 0)),
-                                     view.inverse_z * (T(1, 1) - view.y * T(2, 1)),
-                                     view.inverse_z * (T(1, 2) - view.y * T(2, 2))};
-  return byHost(by_bearing, place);
+  return byHost(T, 1, view.y, view, place);
 }
 
 }  // namespace cartvo

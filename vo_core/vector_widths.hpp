@@ -5,7 +5,8 @@
 namespace cartvo {
 
 /// Small unsigned numbers that are worked on at once, in Size bytes: the vector extensions of GCC and Clang.
-/// Never passed by value, as how that is done depends on the processor.
+/// Never passed by value, as how that is done depends on the processor. Each size is spelt out, as GCC 12
+/// overlooks a vector_size that depends on a template's parameter.
 template <int Size>
 struct ByteVectors;
 

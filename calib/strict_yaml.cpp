@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace cartvo {
@@ -26,8 +27,47 @@ std::string readText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// How many bytes the UTF-8 character at the beginning of `text` takes (RFC 3629, section 4: no overlong
+/// form, no surrogate, nothing above U+10FFFF); 0 if none stands there.
+std::size_t utf8Length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const auto continued = [&](std::size_t last) {
+    for (std::size_t i = 2; i <= last; ++i)
+      if ((byte(i) & 0xC0U) != 0x80U) return false;
+    return true;
+  };
+  const auto second_within = [&](unsigned least, unsigned most) {
+    return byte(1) >= least && byte(1) <= most;
+  };
+  const unsigned lead = byte(0);
+  if (lead < 0x80U) return 1;
+  if (lead >= 0xC2U && lead <= 0xDFU) return second_within(0x80, 0xBF) ? 2 : 0;
+  if ((lead & 0xF0U) == 0xE0U) {
+    const bool is_right = second_within(lead == 0xE0U ? 0xA0 : 0x80, lead == 0xEDU ? 0x9F : 0xBF);
+    return is_right && continued(2) ? 3 : 0;
+  }
+  if (lead >= 0xF0U && lead <= 0xF4U) {
+    const bool is_right = second_within(lead == 0xF0U ? 0x90 : 0x80, lead == 0xF4U ? 0x8F : 0xBF);
+    return is_right && continued(3) ? 4 : 0;
+  }
+  return 0;
+}
+
+/// Whether a text can be shown, logged, written as YAML or JSON and read back the same.
+bool isPrintable(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = utf8Length(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    if (length == 0 || first < 0x20U || first == 0x7FU) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+/// As errors show a value: a terminal or a log must not be told what to do by it.
 std::string shortened(const std::string& text) {
   constexpr std::size_t kLongest = 60;
+  if (!isPrintable(text)) return "(not printable)";
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
@@ -139,6 +179,7 @@ StrictYaml StrictYaml::operator[](const std::string& key) const {
 
 std::string StrictYaml::text() const {
   if (!node_.IsScalar()) failExpecting("text");
+  if (!isPrintable(node_.Scalar())) fail("expected text of printable characters in UTF-8; it holds others");
   return node_.Scalar();
 }
 

@@ -30,6 +30,7 @@ class StrictYaml {
   /// The value of a key; a missing one is an error.
   StrictYaml operator[](const std::string& key) const;
 
+  /// Printable characters in UTF-8: no line breaks, no other control characters.
   std::string text() const;
   std::int64_t integer(std::int64_t least, std::int64_t most) const;
   double number(double least, double most) const;

@@ -144,6 +144,27 @@ TEST_F(ConfigurationFile, RefusesAUrlThatTheCameraWouldRefuseLater) {
       AllOf(HasSubstr(":2: cameras.left.url"), HasSubstr("rtsp://192.168.1.64"), HasSubstr("rtsps://a/1")));
 }
 
+TEST_F(ConfigurationFile, RefusesTextThatCannotBeShownOrWrittenBack) {
+  const auto with = [](const std::string& rig) {
+    return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\nrig: \"" + rig + "\"\n";
+  };
+  for (const std::string rig :
+       {"r\\r", "r\\n", "\\e[2J", "\\x7f", "r\xDBr", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
+        "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xE2\x82"}) {
+    EXPECT_THAT(errorOf(with(rig)), HasSubstr("cartvod.yaml:4: rig: expected text of printable characters"))
+        << rig;
+  }
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: \"\\e[2J\"}\n"),
+              HasSubstr("found '(not printable)'"));
+  for (const std::string rig : {"/r\xC3\xA9"
+                                "e",
+                                "/\xE2\x82\xAC", "/\xF0\x9F\x9B\xBA"}) {
+    EXPECT_EQ(read(with(rig)).rig.string(), rig);
+    const std::string text = effectiveConfiguration(read(with(rig)));
+    EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  }
+}
+
 TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
   const auto with = [](const std::string& clock) {
     return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  clock: " + clock +

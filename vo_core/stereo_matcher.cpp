@@ -21,7 +21,7 @@ constexpr int kSearchRadius = 3;  // px at each finer level
 constexpr int kSadColumns = 16, kSadRows = 9;
 constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
 constexpr double kLeastColumns = 0.05;  // px per px of disparity
-constexpr int kNoRival = 2;             // times the least difference: a candidate that is none
+constexpr double kNoRival = 1.3;        // times the least difference: a candidate that is none
 constexpr double kNoiseFloor = 0.002;   // of 1 - correlation: differences below are noise
 
 struct LevelPixel {
@@ -219,7 +219,7 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   StereoMatch best;
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
-    if (difference[i] / kNoRival > least) continue;
+    if (difference[i] > kNoRival * least) continue;
     const StereoMatch match = correlateAround(patch, right_image.grey.front(), left, line,
                                               candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;

@@ -26,6 +26,12 @@ struct Conclusions {
   LateRight late_right;
   ResidualSizes sizes;
 
+  void reset(const BundleProblem& problem, const BundleCameras& cameras, const BundleBlocks& blocks) {
+    rig = RigSystem(problem);
+    late_right.reset(problem, cameras, blocks.landmarks.size());
+    sizes.reset(blocks);
+  }
+
   void begin(const LandmarkBlock& block) {
     rig.begin();
     late_right.begin(block);
@@ -55,11 +61,11 @@ void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residual
 }
 
 CARTVO_VECTOR_CLONES
-void takeStep(const ReducedSystem& system, const Eigen::VectorXd& step, BundleBlocks& blocks) {
+void takeStep(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
   system.takeStep(step, blocks);
 }
 
-void movePoses(const Eigen::VectorXd& step, BundleProblem& problem) {
+void movePoses(const PoseVector& step, BundleProblem& problem) {
   for (std::size_t i = problem.fixed; i < problem.poses.size(); ++i) {
     Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
     pose = orthonormalised(pose * motionFromVector(step.segment<6>(6 * (i - problem.fixed))));
@@ -83,32 +89,48 @@ void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const Res
 
 }  // namespace
 
+struct BundleAdjuster::Work {
+  BundleBlocks blocks;
+  BundleCameras cameras;
+  ReducedSystem system;
+  Conclusions conclusions;
+};
+
+BundleAdjuster::BundleAdjuster() : work_(std::make_unique<Work>()) {}
+BundleAdjuster::BundleAdjuster(BundleAdjuster&&) noexcept = default;
+BundleAdjuster& BundleAdjuster::operator=(BundleAdjuster&&) noexcept = default;
+BundleAdjuster::~BundleAdjuster() = default;
+
 BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
+  return BundleAdjuster().adjust(problem, settings);
+}
+
+BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
   BundleResult result;
-  BundleBlocks blocks(problem);
-  BundleCameras cameras(problem);
-  ReducedSystem system(problem, blocks);
+  auto& [blocks, cameras, system, conclusions] = *work_;
+  blocks.take(problem);
+  cameras.take(problem);
+  system.reset(problem, blocks);
   const BlockResiduals residuals(problem, cameras, settings.robust_width);
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     buildEquations(blocks, residuals, system);
     system.conclude();
-    const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
+    const Eigen::LDLT<PoseMatrix> factor(system.hessian);
     const auto pivots = factor.vectorD();
     if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
-    const Eigen::VectorXd step = factor.solve(system.gradient);
+    const PoseVector step = factor.solve(system.gradient);
     if (!step.allFinite()) return result;
     takeStep(system, step, blocks);
     movePoses(step, problem);
     cameras.update(problem);
     if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
   }
-  Conclusions conclusions{RigSystem(problem), LateRight(problem, cameras, blocks.landmarks.size()),
-                          ResidualSizes(blocks)};
+  conclusions.reset(problem, cameras, blocks);
   buildConclusions(blocks, residuals, system, conclusions);
   system.conclude();
   handBack(blocks, system, conclusions.sizes, problem);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(system.hessian);
-  result.covariance = factor.solve(Eigen::MatrixXd::Identity(system.hessian.rows(), system.hessian.cols()));
+  const Eigen::LDLT<PoseMatrix> factor(system.hessian);
+  result.covariance = factor.solve(PoseMatrix::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return result;
   conclusions.sizes.conclude(result);
   conclusions.rig.conclude(system, factor, result);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
+#include "vo_core/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/reprojection.hpp"
 #include "vo_core/rig_correction.hpp"
@@ -29,8 +31,9 @@ struct BundleLandmark {
   double prior_by_late_right = 0.0;  ///< as Landmark's
   double by_late_right = 0.0;        ///< result: as Landmark's
   double weight = 1.0;
-  std::vector<BundleSighting> sightings;  ///< the host's first; its `left` defines the bearing
-  double error = 0.0;                     ///< result: rms of the last sighting's normalised residuals
+  FixedVector<BundleSighting, kLargestWindow>
+      sightings;       ///< the host's first; its `left` defines the bearing
+  double error = 0.0;  ///< result: rms of the last sighting's normalised residuals
 };
 
 /// Standard deviations of what is measured, px.
@@ -50,10 +53,16 @@ struct BundleProblem {
   BundleNoise noise;
 };
 
+/// Of free poses together, six each, oldest first; held without memory of their own.
+constexpr int kMostPoseUnknowns = 6 * kLargestWindow;
+using PoseMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostPoseUnknowns, kMostPoseUnknowns>;
+using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostPoseUnknowns, 1>;
+
 struct BundleResult {
   bool converged = false;
   /// Of the free poses together, perturbations on the right, six each, oldest first, against the fixed ones.
-  Eigen::MatrixXd covariance;
+  PoseMatrix covariance;
   double pixel_scale = 1.0;      ///< how much larger left residuals are than assumed, by their median
   double disparity_scale = 1.0;  ///< and disparities
   /// What the residuals say of the rig, beyond what is corrected already: information and information times
@@ -67,6 +76,21 @@ struct BundleResult {
 /// al., "Bundle adjustment - a modern synthesis", 2000). Residuals of a sighting: the left position against
 /// the landmark's projection (not at the host, which defines it), and its disparity against that of the
 /// projections.
+class BundleAdjuster {
+ public:
+  BundleAdjuster();
+  BundleAdjuster(BundleAdjuster&&) noexcept;
+  BundleAdjuster& operator=(BundleAdjuster&&) noexcept;
+  ~BundleAdjuster();
+
+  BundleResult adjust(BundleProblem& problem, const BundleSettings& settings);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // kept from problem to problem for its memory
+};
+
+/// For a single problem.
 BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings);
 
 }  // namespace cartvo

@@ -1,16 +1,17 @@
 // Landmarks sorted by their hosts and laid side by side.
 #include "vo_core/bundle_blocks.hpp"
 
+#include <array>
 #include <cmath>
-
-#include "vo_core/lane_order.hpp"
 
 namespace cartvo {
 
-BundleBlocks::BundleBlocks(const BundleProblem& problem) {
-  const LaneOrder order(problem.poses.size(), problem.landmarks.size(),
-                        [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; });
-  order.forEachBlock([&](int host, const int* first, int count) { add(problem, host, first, count); });
+void BundleBlocks::take(const BundleProblem& problem) {
+  landmarks.clear();
+  sightings.clear();
+  order_.sort(problem.poses.size(), problem.landmarks.size(),
+              [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; });
+  order_.forEachBlock([&](int host, const int* first, int count) { add(problem, host, first, count); });
 }
 
 void BundleBlocks::add(const BundleProblem& problem, int host, const int* first, int count) {
@@ -18,7 +19,8 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
   block.host = host;
   block.count = count;
   block.first_sighting = sightings.size();
-  std::vector<int> slot(problem.poses.size(), -1);
+  std::array<int, kLargestWindow> slot;
+  slot.fill(-1);
   for (int lane = 0; lane < count; ++lane)
     for (const BundleSighting& sighting : problem.landmarks[first[lane]].sightings)
       slot[sighting.pose] = 0;

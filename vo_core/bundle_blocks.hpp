@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/lane_order.hpp"
 #include "vo_core/reprojection_lanes.hpp"
 
 // A bundle's landmarks, four at a time. Not for use outside the bundle adjustment.
@@ -31,12 +32,14 @@ struct SightingBlock {
 
 class BundleBlocks {
  public:
-  explicit BundleBlocks(const BundleProblem& problem);
+  void take(const BundleProblem& problem);
 
   std::vector<LandmarkBlock> landmarks;
   std::vector<SightingBlock> sightings;  ///< of each block its pairs, oldest first
 
  private:
+  LaneOrder order_;
+
   void add(const BundleProblem& problem, int host, const int* first, int count);
 };
 

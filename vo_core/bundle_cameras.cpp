@@ -20,11 +20,12 @@ Vector6d undone(const BundleProblem& problem, int pose) {
 
 }  // namespace
 
-BundleCameras::BundleCameras(const BundleProblem& problem)
-    : count_(static_cast<int>(problem.poses.size())),
-      fixed_(problem.fixed),
-      T_left_host_(problem.poses.size() * problem.poses.size()),
-      T_right_host_(T_left_host_.size()) {
+void BundleCameras::take(const BundleProblem& problem) {
+  count_ = static_cast<int>(problem.poses.size());
+  fixed_ = problem.fixed;
+  T_left_host_.resize(problem.poses.size() * problem.poses.size());
+  T_right_host_.resize(T_left_host_.size());
+  right_.clear();
   for (int i = 0; i < count_; ++i)
     right_.push_back(rightCameraOf(problem.poses, i, problem.camera.baseline));
   update(problem);

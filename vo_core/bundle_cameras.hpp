@@ -14,7 +14,7 @@ class BundleCameras {
  public:
   using Change = Eigen::Matrix<double, 3, 4>;  // of R and t
 
-  explicit BundleCameras(const BundleProblem& problem);
+  void take(const BundleProblem& problem);
 
   /// After the problem's free poses have moved.
   void update(const BundleProblem& problem);
@@ -38,8 +38,8 @@ class BundleCameras {
  private:
   std::size_t place(int camera, int host) const { return camera * count_ + host; }
 
-  int count_;
-  int fixed_;
+  int count_ = 0;
+  int fixed_ = 0;
   std::vector<RightCamera> right_;
   std::vector<Eigen::Isometry3d> T_left_host_, T_right_host_;
 };

@@ -84,7 +84,8 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
   landmark.prior_by_late_right = landmark.by_late_right;
   Sighting last = landmark.last();
   last.stereo = false;
-  landmark.sightings.assign(1, last);
+  landmark.sightings.clear();
+  landmark.sightings.push_back(last);
   landmark.warp.setIdentity();
 }
 

@@ -68,9 +68,10 @@ class LandmarkTracker {
     bool poseExpected() const { return !T_camera_frame.empty(); }
 
     const std::vector<WindowFrame>& window;
-    const ImagePyramid& left;                       ///< of the pair
-    std::int64_t frame;                             ///< the pair's index
-    std::vector<Eigen::Isometry3d> T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
+    const ImagePyramid& left;  ///< of the pair
+    std::int64_t frame;        ///< the pair's index
+    FixedVector<Eigen::Isometry3d, kLargestWindow>
+        T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
   };
 
   bool followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;

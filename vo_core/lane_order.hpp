@@ -11,17 +11,24 @@ namespace cartvo {
 /// Things with a host each, sorted by it: lanes side by side share one.
 class LaneOrder {
  public:
+  LaneOrder() = default;
+  template <typename HostOf>
+  LaneOrder(std::size_t hosts, std::size_t count, const HostOf& host_of) {
+    sort(hosts, count, host_of);
+  }
+
   /// `host_of(i)`: less than `hosts`. Those of one host stay in their order.
   template <typename HostOf>
-  LaneOrder(std::size_t hosts, std::size_t count, const HostOf& host_of)
-      : begin_(hosts + 1, 0), order_(count) {
+  void sort(std::size_t hosts, std::size_t count, const HostOf& host_of) {
+    begin_.assign(hosts + 1, 0);
+    order_.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       ++begin_[host_of(i) + 1];
     for (std::size_t host = 0; host < hosts; ++host)
       begin_[host + 1] += begin_[host];
-    std::vector<int> next = begin_;
+    next_ = begin_;
     for (std::size_t i = 0; i < count; ++i)
-      order_[next[host_of(i)]++] = static_cast<int>(i);
+      order_[next_[host_of(i)]++] = static_cast<int>(i);
   }
 
   std::size_t blocks() const {
@@ -41,6 +48,7 @@ class LaneOrder {
  private:
   std::vector<int> begin_;  // of each host, and the end
   std::vector<int> order_;
+  std::vector<int> next_;  // place of each host, while they are sorted
 };
 
 }  // namespace cartvo

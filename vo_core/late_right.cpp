@@ -3,11 +3,14 @@
 
 namespace cartvo {
 
-LateRight::LateRight(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks)
-    : count_(static_cast<int>(problem.poses.size())),
-      focal_length_(problem.camera.focal_length),
-      pixel_factor_(problem.camera.focal_length / problem.noise.pixel),
-      by_poses_(problem.poses.size() - problem.fixed) {
+void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks) {
+  count_ = static_cast<int>(problem.poses.size());
+  focal_length_ = problem.camera.focal_length;
+  pixel_factor_ = problem.camera.focal_length / problem.noise.pixel;
+  by_poses_.clear();
+  by_poses_.resize(problem.poses.size() - problem.fixed);
+  changes_.clear();
+  by_depths_.clear();
   for (int camera = 0; camera < count_; ++camera)
     for (int host = 0; host < count_; ++host)
       changes_.push_back(
@@ -15,9 +18,9 @@ LateRight::LateRight(const BundleProblem& problem, const BundleCameras& cameras,
   by_depths_.reserve(blocks);
 }
 
-void LateRight::conclude(const Eigen::LDLT<Eigen::MatrixXd>& factor, const ReducedSystem& system,
+void LateRight::conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system,
                          const BundleBlocks& blocks, BundleProblem& problem) const {
-  const Eigen::VectorXd by_delay = factor.solve(sumOf(by_poses_));
+  const PoseVector by_delay = factor.solve(sumOf(by_poses_));
   for (int pose = 0; pose < static_cast<int>(by_poses_.size()); ++pose)
     problem.poses[problem.fixed + pose].by_late_right = by_delay.segment<6>(6 * pose);
   for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {

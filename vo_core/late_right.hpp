@@ -21,7 +21,7 @@ namespace cartvo {
 /// navigation problems", 1966).
 class LateRight {
  public:
-  LateRight(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks);
+  void reset(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks);
 
   // Visits of ReducedSystem::build().
   void begin(const LandmarkBlock& block) { by_depth_ = block.prior_information * block.prior_by_late_right; }
@@ -48,7 +48,7 @@ class LateRight {
   }
 
   /// Writes `by_late_right` of the free poses and of the landmarks.
-  void conclude(const Eigen::LDLT<Eigen::MatrixXd>& factor, const ReducedSystem& system,
+  void conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system,
                 const BundleBlocks& blocks, BundleProblem& problem) const;
 
  private:
@@ -69,8 +69,8 @@ class LateRight {
         by_poses_[row.pose[a]].value[axis] += weighted * row.by_pose[a].value[axis];
   }
 
-  int count_;
-  double focal_length_, pixel_factor_;
+  int count_ = 0;
+  double focal_length_ = 0.0, pixel_factor_ = 0.0;
   std::vector<Change> changes_;  // of each camera, seen from each host
   PoseSums by_poses_;
   DoubleLanes by_depth_{};  // of the present block

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "vo_core/fixed_vector.hpp"
+#include "vo_core/odometry_settings.hpp"
 #include "vo_core/pose_residuals.hpp"
 
 namespace cartvo {
@@ -18,13 +20,12 @@ constexpr double kSettled = 1e-5;  // m and rad
 constexpr double kNeverExplained = 1e3;
 static_assert(kSubset <= kDoubleLanes);
 
-using Transforms = std::vector<Eigen::Isometry3d>;
+using Transforms = FixedVector<Eigen::Isometry3d, kLargestWindow>;
 
 /// A pose as the blocks need it.
 Transforms fromHosts(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   Transforms T_camera_host;
-  T_camera_host.reserve(problem.hosts.size());
   for (const Eigen::Isometry3d& T_world_host : problem.hosts)
     T_camera_host.push_back(T_camera_world * T_world_host);
   return T_camera_host;
@@ -190,6 +191,7 @@ class Search {
     found.T_world_camera = best_;
     const std::vector<double> errors = errorsOf(problem_, blocks_, best_);
     double explained = 0.0;
+    found.inlier.reserve(errors.size());
     for (std::size_t i = 0; i < errors.size(); ++i) {
       found.inlier.push_back(errors[i] < settings_.gate);
       if (!found.inlier.back()) continue;

@@ -5,20 +5,21 @@
 
 namespace cartvo {
 
-Eigen::VectorXd sumOf(const PoseSums& sums) {
-  Eigen::VectorXd total(6 * static_cast<Eigen::Index>(sums.size()));
+PoseVector sumOf(const PoseSums& sums) {
+  PoseVector total(6 * static_cast<Eigen::Index>(sums.size()));
   for (int pose = 0; pose < static_cast<int>(sums.size()); ++pose)
     for (int i = 0; i < 6; ++i)
       total[6 * pose + i] = sumOf(sums[pose].value[i]);
   return total;
 }
 
-ReducedSystem::ReducedSystem(const BundleProblem& problem, const BundleBlocks& blocks)
-    : depths(blocks.landmarks.size()),
-      free_(static_cast<int>(problem.poses.size()) - problem.fixed),
-      hessian_sums_(free_ * (free_ + 1) / 2),
-      gradient_sums_(free_),
-      by_poses_(free_ * blocks.landmarks.size()) {}
+void ReducedSystem::reset(const BundleProblem& problem, const BundleBlocks& blocks) {
+  free_ = static_cast<int>(problem.poses.size()) - problem.fixed;
+  depths.resize(blocks.landmarks.size());
+  hessian_sums_.resize(free_ * (free_ + 1) / 2);
+  gradient_sums_.resize(free_);
+  by_poses_.resize(free_ * blocks.landmarks.size());
+}
 
 void ReducedSystem::clear() {
   std::fill(hessian_sums_.begin(), hessian_sums_.end(), MatrixLanes{});

@@ -17,13 +17,13 @@ struct DepthBlock {
 };
 
 /// What is added up over landmarks, times the free poses: a lane's each by itself.
-using PoseSums = std::vector<PoseLanes>;
-Eigen::VectorXd sumOf(const PoseSums& sums);
+using PoseSums = FixedVector<PoseLanes, kLargestWindow>;
+PoseVector sumOf(const PoseSums& sums);
 
 /// The normal equations, the inverse depths eliminated.
 class ReducedSystem {
  public:
-  ReducedSystem(const BundleProblem& problem, const BundleBlocks& blocks);
+  void reset(const BundleProblem& problem, const BundleBlocks& blocks);
 
   /// Builds the equations of all blocks; `visit` sees, of each block,
   ///   begin(block), add(view, rows) for each sighting, and eliminate(block, depth, by_poses).
@@ -56,7 +56,7 @@ class ReducedSystem {
   void conclude();
 
   /// The poses' step, applied to the inverse depths. Inline, as build().
-  void takeStep(const Eigen::VectorXd& step, BundleBlocks& blocks) const {
+  void takeStep(const PoseVector& step, BundleBlocks& blocks) const {
     for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
       DoubleLanes change = depths[i].gradient;
       for (int pose = 0; pose < free_; ++pose)
@@ -68,8 +68,8 @@ class ReducedSystem {
 
   const PoseLanes* byPoses(std::size_t block) const { return by_poses_.data() + free_ * block; }
 
-  Eigen::MatrixXd hessian;
-  Eigen::VectorXd gradient;
+  PoseMatrix hessian;
+  PoseVector gradient;
   std::vector<DepthBlock> depths;
 
  private:
@@ -141,7 +141,7 @@ class ReducedSystem {
     }
   }
 
-  int free_;
+  int free_ = 0;
   std::vector<MatrixLanes> hessian_sums_;
   PoseSums gradient_sums_;
   std::vector<PoseLanes> by_poses_;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "vo_core/fixed_vector.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -30,6 +32,7 @@ Eigen::Matrix3d inverseRightJacobianOfRotation(const Eigen::Vector3d& rotation) 
 
 /// What the way to another pose has in the step from the left exposure to the right one.
 struct WayShare {
+  WayShare() = default;
   WayShare(const TimedPose& own, const TimedPose& other)
       : D(own.T_world_camera.inverse() * other.T_world_camera), way(vectorFromMotion(D)) {}
 
@@ -108,7 +111,7 @@ class CarriedMotion {
   Vector6d by_offset = Vector6d::Zero();
 
  private:
-  std::vector<WayShare> ways_;
+  FixedVector<WayShare, 2> ways_;
   Vector6d step_ = Vector6d::Zero();
   Matrix6d to_right_ = Matrix6d::Zero();
 };

@@ -13,7 +13,10 @@ namespace cartvo {
 /// How large the residuals are, of all landmarks and of each one's last sighting.
 class ResidualSizes {
  public:
-  explicit ResidualSizes(const BundleBlocks& blocks) {
+  void reset(const BundleBlocks& blocks) {
+    pixels_.clear();
+    disparities_.clear();
+    last_.clear();
     pixels_.reserve(2 * kDoubleLanes * blocks.sightings.size());
     disparities_.reserve(kDoubleLanes * blocks.sightings.size());
     last_.reserve(blocks.landmarks.size());

@@ -8,11 +8,12 @@ constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);  // of a window whose 
 
 }  // namespace
 
-void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<Eigen::MatrixXd>& factor,
+void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatrix>& factor,
                          BundleResult& result) const {
   Eigen::Matrix<double, kShared, kShared> hessian;
   Eigen::Matrix<double, kShared, 1> gradient;
-  Eigen::Matrix<double, Eigen::Dynamic, kShared> by_poses(system.gradient.size(), kShared);
+  using SharedByPoses = Eigen::Matrix<double, Eigen::Dynamic, kShared, 0, kMostPoseUnknowns, kShared>;
+  SharedByPoses by_poses(system.gradient.size(), kShared);
   for (int i = 0; i < kShared; ++i) {
     for (int j = 0; j <= i; ++j)
       hessian(i, j) = hessian(j, i) = sumOf(hessian_[i][j]);
@@ -21,7 +22,7 @@ void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<Eigen::M
       for (int axis = 0; axis < 6; ++axis)
         by_poses(6 * pose + axis, i) = sumOf(by_poses_[pose].of[i].value[axis]);
   }
-  const Eigen::Matrix<double, Eigen::Dynamic, kShared> solved = factor.solve(by_poses);
+  const SharedByPoses solved = factor.solve(by_poses);
   hessian -= by_poses.transpose() * solved;
   gradient -= solved.transpose() * system.gradient;
   constexpr int n = RigCorrection::kSize;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <vector>
 
 #include "vo_core/reduced_system.hpp"
 
@@ -13,8 +12,10 @@ namespace cartvo {
 /// What the residuals say of the rig's correction and the window's scale, the inverse depths eliminated.
 class RigSystem {
  public:
-  explicit RigSystem(const BundleProblem& problem)
-      : camera_(problem.camera), by_poses_(problem.poses.size() - problem.fixed) {}
+  RigSystem() = default;
+  explicit RigSystem(const BundleProblem& problem) : camera_(problem.camera) {
+    by_poses_.resize(problem.poses.size() - problem.fixed);
+  }
 
   // Visits of ReducedSystem::build().
   void begin() {
@@ -64,7 +65,7 @@ class RigSystem {
   }
 
   /// Eliminates the poses and the scale.
-  void conclude(const ReducedSystem& system, const Eigen::LDLT<Eigen::MatrixXd>& factor,
+  void conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatrix>& factor,
                 BundleResult& result) const;
 
  private:
@@ -74,11 +75,11 @@ class RigSystem {
     PoseLanes of[kShared];
   };
 
-  const StereoCamera& camera_;
+  StereoCamera camera_;
   DoubleLanes hessian_[kShared][kShared]{};  // the lower triangle
   DoubleLanes gradient_[kShared]{};
   DoubleLanes by_depth_[kShared]{};  // of the present block
-  std::vector<SharedByPose> by_poses_;
+  FixedVector<SharedByPose, kLargestWindow> by_poses_;
 };
 
 }  // namespace cartvo

@@ -112,7 +112,7 @@ void RigWitness::matchAnew(const TrackedPair& pair, const RigMonitor& rig,
                            turned * newestRightFromLeft(pair.window, camera_.baseline),
                            pair.window.back().T_world_camera);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
-    landmarks[i].sightings = std::move(sought[i].sightings);
+    landmarks[i].sightings = sought[i].sightings;
 }
 
 /// The window by itself: all poses but the first are free, and nothing is held against depths that earlier

@@ -311,7 +311,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   RigCorrection rig = correctionBy(rig_);
   BundleProblem& problem = bundle_;
   stateProblem(draft, rig, problem, chosen);
-  BundleResult result = adjustBundle(problem, settings_.bundle);
+  BundleResult result = adjuster_.adjust(problem, settings_.bundle);
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
   RigMonitor learned = rigAfter(problem, result, draft, rig);
@@ -319,7 +319,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
       kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
     stateProblem(draft, rig, problem, chosen);
-    result = adjustBundle(problem, settings_.bundle);
+    result = adjuster_.adjust(problem, settings_.bundle);
     learned = rigAfter(problem, result, draft, rig);
   }
   if (!result.converged) {

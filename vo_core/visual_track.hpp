@@ -107,6 +107,7 @@ class VisualTrack {
   // Of the present pair only; kept for their memory.
   Draft draft_;
   BundleProblem bundle_;
+  BundleAdjuster adjuster_;
 };
 
 }  // namespace cartvo

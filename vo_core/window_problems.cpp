@@ -2,7 +2,6 @@
 #include "vo_core/window_problems.hpp"
 
 #include <cmath>
-#include <utility>
 
 namespace cartvo {
 namespace {
@@ -15,6 +14,7 @@ constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocular
 
 std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
   std::vector<TimedPose> poses;
+  poses.reserve(window.size());
   for (const WindowFrame& frame : window)
     poses.push_back({1e-9 * static_cast<double>(frame.exposure_ns - window.front().exposure_ns), frame.offset,
                      frame.T_world_camera, frame.by_late_right});
@@ -25,7 +25,9 @@ std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
                                   const std::vector<WindowFrame>& window, const StereoCamera& camera,
                                   std::vector<std::size_t>& chosen) {
   std::vector<PosePoint> points;
+  points.reserve(landmarks.size());
   chosen.clear();
+  chosen.reserve(landmarks.size());
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth()) continue;
@@ -46,15 +48,13 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
                    const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
                    std::vector<std::size_t>& chosen) {
   chosen.clear();
+  chosen.reserve(landmarks.size());
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     if (landmarks[i].sightings.size() > 1) chosen.push_back(i);
   items.resize(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Landmark& landmark = landmarks[chosen[i]];
-    std::vector<BundleSighting> sightings = std::move(items[i].sightings);
-    sightings.clear();
     BundleLandmark& item = items[i] = {};
-    item.sightings = std::move(sightings);
     item.bearing = bearingOf(camera, landmark.host().left);
     item.weight = landmark.trust;
     item.inverse_depth = landmark.inverse_depth;

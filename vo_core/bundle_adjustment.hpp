@@ -31,7 +31,7 @@ struct BundleLandmark {
   double prior_by_late_right = 0.0;  ///< as Landmark's
   double by_late_right = 0.0;        ///< result: as Landmark's
   double weight = 1.0;
-  FixedVector<BundleSighting, kLargestWindow>
+  FixedVector<BundleSighting, kMostWindowPairs>
       sightings;       ///< the host's first; its `left` defines the bearing
   double error = 0.0;  ///< result: rms of the last sighting's normalised residuals
 };
@@ -54,7 +54,7 @@ struct BundleProblem {
 };
 
 /// Of free poses together, six each, oldest first; held without memory of their own.
-constexpr int kMostPoseUnknowns = 6 * kLargestWindow;
+constexpr int kMostPoseUnknowns = 6 * kMostWindowPairs;
 using PoseMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostPoseUnknowns, kMostPoseUnknowns>;
 using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostPoseUnknowns, 1>;

@@ -19,7 +19,7 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
   block.host = host;
   block.count = count;
   block.first_sighting = sightings.size();
-  std::array<int, kLargestWindow> slot;
+  std::array<int, kMostWindowPairs> slot;
   slot.fill(-1);
   for (int lane = 0; lane < count; ++lane)
     for (const BundleSighting& sighting : problem.landmarks[first[lane]].sightings)

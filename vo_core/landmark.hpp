@@ -24,7 +24,7 @@ struct Landmark {
   int age = 0;         ///< pairs that saw it, those of earlier hosts among them
   double trust = 1.0;  ///< in [0, 1]: how much it is believed to belong to the static world
 
-  FixedVector<Sighting, kLargestWindow> sightings;     ///< the host's first; never empty
+  FixedVector<Sighting, kMostWindowPairs> sightings;   ///< the host's first; never empty
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< of the patch, host to last sighting
   Eigen::Matrix2d stereo_warp =
       Eigen::Matrix2d::Identity();  ///< of the patch, left to right, at the last sighting

@@ -70,7 +70,7 @@ class LandmarkTracker {
     const std::vector<WindowFrame>& window;
     const ImagePyramid& left;  ///< of the pair
     std::int64_t frame;        ///< the pair's index
-    FixedVector<Eigen::Isometry3d, kLargestWindow>
+    FixedVector<Eigen::Isometry3d, kMostWindowPairs>
         T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
   };
 

@@ -93,7 +93,7 @@ void validate(const OdometrySettings& settings) {
   requireRange("pose_search.enough", settings.pose_search.enough, 0.0, 1.0);
   requireRange("pose_search.maximum_acceleration", settings.pose_search.maximum_acceleration, 0.1, 1e6);
   requireRange("pose_search.maximum_turn", settings.pose_search.maximum_turn, 0.1, 1e6);
-  requireRange("bundle.frames", settings.bundle.frames, 2, kLargestWindow - 1);
+  requireRange("bundle.frames", settings.bundle.frames, 2, kMostWindowPairs - 1);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
   requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);
   requireRange("bundle.robust_width", settings.bundle.robust_width, 0.1, 1000.0);

@@ -80,11 +80,11 @@ struct PoseSearchSettings {
   double maximum_turn = 40.0;          ///< rad/s^2
 };
 
-constexpr int kLargestWindow = 8;  ///< pairs, with the one that has just come
+constexpr int kMostWindowPairs = 8;  ///< pairs, with the one that has just come
 
 /// The least squares over the window of pairs.
 struct BundleSettings {
-  int frames = 7;             ///< pairs in the window, less than kLargestWindow
+  int frames = 7;             ///< pairs in the window, less than kMostWindowPairs
   int free_frames = 1;        ///< of these the newest move; the older ones stand
   int iterations = 4;         ///< at most
   double robust_width = 1.5;  ///< standard deviations at which a residual has half its weight

@@ -20,7 +20,7 @@ constexpr double kSettled = 1e-5;  // m and rad
 constexpr double kNeverExplained = 1e3;
 static_assert(kSubset <= kDoubleLanes);
 
-using Transforms = FixedVector<Eigen::Isometry3d, kLargestWindow>;
+using Transforms = FixedVector<Eigen::Isometry3d, kMostWindowPairs>;
 
 /// A pose as the blocks need it.
 Transforms fromHosts(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {

@@ -17,7 +17,7 @@ struct DepthBlock {
 };
 
 /// What is added up over landmarks, times the free poses: a lane's each by itself.
-using PoseSums = FixedVector<PoseLanes, kLargestWindow>;
+using PoseSums = FixedVector<PoseLanes, kMostWindowPairs>;
 PoseVector sumOf(const PoseSums& sums);
 
 /// The normal equations, the inverse depths eliminated.

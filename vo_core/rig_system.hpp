@@ -79,7 +79,7 @@ class RigSystem {
   DoubleLanes hessian_[kShared][kShared]{};  // the lower triangle
   DoubleLanes gradient_[kShared]{};
   DoubleLanes by_depth_[kShared]{};  // of the present block
-  FixedVector<SharedByPose, kLargestWindow> by_poses_;
+  FixedVector<SharedByPose, kMostWindowPairs> by_poses_;
 };
 
 }  // namespace cartvo

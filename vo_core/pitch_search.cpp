@@ -8,47 +8,89 @@
 namespace cartvo {
 namespace {
 
-// Shares of the landmarks. With a rig in order at least a quarter is matched in most scenes, and at dusk a
-// twentieth when nothing is known of depths yet; half a degree off, a tenth by chance.
+// Shares of the landmarks. With a rig in order at least a quarter is matched in most scenes; half a degree
+// off, a tenth by chance.
 constexpr double kHardly = 0.2;
 constexpr double kMany = 0.3;
-constexpr std::size_t kFewest = 50;   // landmarks, of which a share says anything
-constexpr std::size_t kSample = 100;  // that each pitch is tried with
-constexpr double kStep = 1.5;         // px, half of what the search over rows and the alignment forgive
-constexpr double kMost = 0.0105;      // rad, 0.6 degrees
+// In the dark a twentieth is matched where the right camera looks, of new corners, and a hundredth by chance:
+// so the right pitch brings many times as many as any other. A scene that hides matches hides them at each
+// pitch.
+constexpr std::ptrdiff_t kClearlyMore = 2;     // times as many as without it
+constexpr std::ptrdiff_t kFewestFound = 20;    // that are not there by chance
+constexpr std::ptrdiff_t kFewestInSample = 2;  // for all to be tried
+constexpr std::size_t kFewest = 50;            // landmarks, of which a share says anything
+constexpr std::size_t kSample = 100;           // that each pitch is tried with
+constexpr double kStep = 1.5;     // px, half of what the search over rows and the alignment forgive
+constexpr double kMost = 0.0105;  // rad, 0.6 degrees
 
 bool isMatched(const Landmark& landmark) {
   return landmark.last().stereo;
 }
 
-}  // namespace
-
-bool hardlyMatched(const std::vector<Landmark>& landmarks) {
-  const auto matched = std::count_if(landmarks.begin(), landmarks.end(), isMatched);
-  return landmarks.size() >= kFewest &&
-         static_cast<double>(matched) < kHardly * static_cast<double>(landmarks.size());
+std::ptrdiff_t countMatched(const std::vector<Landmark>& landmarks) {
+  return std::count_if(landmarks.begin(), landmarks.end(), isMatched);
 }
 
-std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,
-                                const MatchAtPitch& match) {
-  std::vector<Landmark> sample;
-  const std::size_t stride = std::max<std::size_t>(1, landmarks.size() / kSample);
-  for (std::size_t i = 0; i < landmarks.size(); i += stride)
-    if (!isMatched(landmarks[i])) sample.push_back(landmarks[i]);
-  auto most = static_cast<std::ptrdiff_t>(kMany * static_cast<double>(sample.size()));
-  std::optional<double> found;
+struct PitchCount {
+  double pitch = 0.0;          // rad
+  std::ptrdiff_t matched = 0;  // landmarks
+};
+
+PitchCount matchedAt(double pitch, std::vector<Landmark> landmarks, const MatchAtPitch& match) {
+  match(landmarks, pitch);
+  return {pitch, countMatched(landmarks)};
+}
+
+/// The pitch at which most of the landmarks, none of which is matched, find a match.
+PitchCount bestPitch(const std::vector<Landmark>& landmarks, double focal_length, const MatchAtPitch& match) {
+  PitchCount best;
   const double step = kStep / focal_length;
   const int steps = static_cast<int>(std::floor(kMost / step));
   for (int i = -steps; i <= steps; ++i) {
     if (i == 0) continue;
-    std::vector<Landmark> tried = sample;
-    match(tried, i * step);
-    const auto matched = std::count_if(tried.begin(), tried.end(), isMatched);
-    if (matched <= most) continue;
-    most = matched;
-    found = i * step;
+    const PitchCount tried = matchedAt(i * step, landmarks, match);
+    if (tried.matched > best.matched) best = tried;
   }
-  return found;
+  return best;
+}
+
+/// Each of so many that is not matched.
+std::vector<Landmark> unmatchedOf(const std::vector<Landmark>& landmarks, std::size_t stride) {
+  std::vector<Landmark> unmatched;
+  for (std::size_t i = 0; i < landmarks.size(); i += stride)
+    if (!isMatched(landmarks[i])) unmatched.push_back(landmarks[i]);
+  return unmatched;
+}
+
+bool clearlyMore(std::ptrdiff_t found, std::ptrdiff_t matched) {
+  return found >= kFewestFound && found >= kClearlyMore * matched;
+}
+
+}  // namespace
+
+bool clearlyMoreMatched(const std::vector<Landmark>& now, const std::vector<Landmark>& before) {
+  return clearlyMore(countMatched(now), countMatched(before));
+}
+
+bool hardlyMatched(const std::vector<Landmark>& landmarks) {
+  return landmarks.size() >= kFewest &&
+         static_cast<double>(countMatched(landmarks)) < kHardly * static_cast<double>(landmarks.size());
+}
+
+std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,
+                                const MatchAtPitch& match) {
+  const std::size_t stride = std::max<std::size_t>(1, landmarks.size() / kSample);
+  const std::vector<Landmark> sample = unmatchedOf(landmarks, stride);
+  const PitchCount best = bestPitch(sample, focal_length, match);
+  if (best.matched > static_cast<std::ptrdiff_t>(kMany * static_cast<double>(sample.size())))
+    return best.pitch;
+  // Few, but perhaps far more than without it. All are tried only where the sample lets that be hoped for.
+  const std::ptrdiff_t matched = countMatched(landmarks);
+  if (best.matched < kFewestInSample || best.matched * static_cast<std::ptrdiff_t>(stride) < matched)
+    return std::nullopt;
+  const std::ptrdiff_t found = matchedAt(best.pitch, unmatchedOf(landmarks, 1), match).matched;
+  if (!clearlyMore(found, matched)) return std::nullopt;
+  return best.pitch;
 }
 
 }  // namespace cartvo

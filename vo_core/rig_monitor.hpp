@@ -18,6 +18,9 @@ class RigMonitor {
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch) { rows_.suspectPitch(pitch); }
 
+  /// The same by the rows of one pair's stereo matches (matchesAlone()), none of them corrected: exactly.
+  void suspectPitch(const BundleProblem& matches) { rows_.suspectPitch(rowEvidence(matches)); }
+
   /// What is to be corrected, of rotation and bend.
   RigCorrection correction() const;
 

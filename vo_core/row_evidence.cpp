@@ -26,6 +26,7 @@ const Vector kConceivable(1e-2, 1e-2, 1e-2, 1e-1);
 // rad/s: how well the rates between two pairs' exposures are known. Between left and right exposure the rig
 // turns by this times the offset more or less than the poses say.
 constexpr double kRateDoubt = 0.02;
+constexpr double kUnknownRate = 0.3;  // where nothing is known: 3 m/s turn what is 10 m away by so much
 
 /// Stereo matches of one host, a lane each.
 struct RowBlock {
@@ -182,7 +183,7 @@ RowEvidence rowEvidence(const BundleProblem& adjusted) {
     evidence.errors = (evidence.information + prior).ldlt().solve(gradient / (noise * noise));
   }
   // (I^-1 + D)^-1 = (1 + I D)^-1 I, where I may be singular.
-  const double doubt = kRateDoubt * adjusted.poses.back().offset;
+  const double doubt = (adjusted.poses.size() > 1 ? kRateDoubt : kUnknownRate) * adjusted.poses.back().offset;
   const Matrix doubts = Vector(doubt * doubt, doubt * doubt, 0.0, 0.0).asDiagonal();
   evidence.information =
       (Matrix::Identity() + evidence.information * doubts).inverse() * evidence.information.eval();

@@ -79,6 +79,12 @@ void RowMonitor::suspectPitch(double pitch) {
   information_ = informationOf(deviations);
 }
 
+void RowMonitor::suspectPitch(const RowEvidence& evidence) {
+  if (!(evidence.information(RowErrors::kPitch, RowErrors::kPitch) > 0.0)) return;
+  suspectPitch(evidence.errors[RowErrors::kPitch] - estimate_[RowErrors::kPitch]);
+  add(evidence, {}, {});
+}
+
 Vector RowMonitor::deviation() const {
   Matrix covariance = information_.inverse();
   if (pairs_ > 0.0) {

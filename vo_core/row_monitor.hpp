@@ -20,6 +20,9 @@ class RowMonitor {
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch);
 
+  /// It is so by one pair's evidence, whatever was known before, to the degree that this tells.
+  void suspectPitch(const RowEvidence& evidence);
+
   /// By how much yaw (rad) the right camera has turned lately; zero if it has not. What a keystone is by is
   /// not known, but lenses do not change from one minute to the next. Told once.
   double takeTurn();

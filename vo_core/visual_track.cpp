@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "vo_core/bundle_noise.hpp"
-#include "vo_core/pitch_search.hpp"
 #include "vo_core/plausible_motion.hpp"
 #include "vo_core/triangulation.hpp"
 #include "vo_core/window_problems.hpp"
@@ -14,9 +13,8 @@
 namespace cartvo {
 namespace {
 
-constexpr double kUnknownSpeed = 3.0;        // m/s that the cart may have at the first pair
-constexpr double kNoticeable = 0.02;         // px that a change of the rig's correction moves points
-constexpr int kPairsBetweenSuspicions = 20;  // that the right camera was bumped
+constexpr double kUnknownSpeed = 3.0;  // m/s that the cart may have at the first pair
+constexpr double kNoticeable = 0.02;   // px that a change of the rig's correction moves points
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
@@ -67,6 +65,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       random_(settings.seed),
       rig_(rig),
       rig_witness_(camera, settings, first.left_exposure_ns),
+      pitch_suspicion_(camera, settings.rig_refinement),
       standstill_(settings.standstill),
       last_exposure_ns_(first.left_exposure_ns) {
   {
@@ -250,15 +249,13 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, camera_.baseline);
   const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
   const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * T_world_camera;
-  const auto match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
+  const MatchBy match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
     const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
     tracker_.matchStereo(wanted, window, pair.left, pair.right, turned * T_right_left, T_world_camera);
   };
   match(landmarks, corrects() ? rig_ : RigMonitor());
-  if (suspectPitch(landmarks, match) && corrects()) {
-    // The matches there are, are by chance.
-    for (Landmark& landmark : landmarks)
-      landmark.sightings.back().stereo = false;
+  if (pitch_suspicion_.take({landmarks, window, match}, rig_) && corrects()) {
+    unmatchLast(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }
 
@@ -269,31 +266,6 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     giveDepth(landmark, camera_, T_right_left, correctedRight(camera_, rig, host.left - host.parallax),
               noise_);
   }
-}
-
-/// Where hardly a match is found, looks whether the right camera has been bumped. If so, what is known of the
-/// rig says so.
-bool VisualTrack::suspectPitch(const std::vector<Landmark>& landmarks, const MatchBy& match) {
-  if (pairs_until_suspicion_ > 0) --pairs_until_suspicion_;
-  if (settings_.rig_refinement == RigRefinement::off || pairs_until_suspicion_ > 0 ||
-      !hardlyMatched(landmarks))
-    return false;
-  pairs_until_suspicion_ = kPairsBetweenSuspicions;
-  std::vector<Landmark> sought = landmarks;
-  if (const RigCorrection known = rig_.expected(); !corrects() && std::hypot(known.pitch, known.roll) > 0.0) {
-    // These were matched as if nothing was known. What is, may explain it.
-    forgetStereo(sought);
-    match(sought, rig_);
-    if (!hardlyMatched(sought)) return false;
-  }
-  const auto pitch = findPitch(sought, camera_.focal_length, [&](std::vector<Landmark>& tried, double by) {
-    RigMonitor bumped = rig_;
-    bumped.suspectPitch(by);
-    match(tried, bumped);
-  });
-  if (!pitch) return false;
-  rig_.suspectPitch(*pitch);
-  return true;
 }
 
 void VisualTrack::stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
 #include "vo_core/landmark_tracker.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/pitch_suspicion.hpp"
 #include "vo_core/pose_search.hpp"
 #include "vo_core/rig_monitor.hpp"
 #include "vo_core/rig_witness.hpp"
@@ -65,9 +65,6 @@ class VisualTrack {
     std::vector<WindowFrame> window;  ///< the pair is the last
   };
 
-  /// Matches landmarks with a right camera that is turned as a monitor says.
-  using MatchBy = std::function<void(std::vector<Landmark>& landmarks, const RigMonitor& rig)>;
-
   bool corrects() const;
   RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
   double secondsSinceLast(const PreparedPair& pair) const;
@@ -77,7 +74,6 @@ class VisualTrack {
                           std::vector<std::size_t>& chosen) const;
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    std::vector<Landmark>& landmarks);
-  bool suspectPitch(const std::vector<Landmark>& landmarks, const MatchBy& match);
   void stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
                     std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
@@ -96,7 +92,7 @@ class VisualTrack {
   BundleNoise noise_;
   RigMonitor rig_;
   RigWitness rig_witness_;
-  int pairs_until_suspicion_ = 0;
+  PitchSuspicion pitch_suspicion_;
   StandstillDetector standstill_;
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand

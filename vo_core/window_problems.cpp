@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "vo_core/triangulation.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -71,6 +73,29 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
         item.sightings.push_back({pose, sighting.left, sighting.stereo,
                                   correctedRight(camera, rig, sighting.left - sighting.parallax)});
   }
+}
+
+BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                           const StereoCamera& camera) {
+  BundleProblem problem;
+  problem.camera = camera;
+  problem.poses = timedPoses(window);
+  const int newest = static_cast<int>(problem.poses.size()) - 1;
+  const RightCamera right = rightCameraOf(problem.poses, newest, camera.baseline);
+  const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * problem.poses.back().T_world_camera;
+  for (const Landmark& landmark : landmarks) {
+    const Sighting& last = landmark.last();
+    if (!last.stereo) continue;
+    const Eigen::Vector2d seen = last.left - last.parallax;
+    const auto found = triangulate(camera, T_right_left, last.left, seen);
+    if (!found) continue;
+    BundleLandmark& item = problem.landmarks.emplace_back();
+    item.bearing = bearingOf(camera, last.left);
+    item.inverse_depth = found->inverse_depth;
+    item.weight = landmark.trust;
+    item.sightings.push_back({newest, last.left, true, seen});
+  }
+  return problem;
 }
 
 bool tellsDepth(const BundleLandmark& adjusted) {

@@ -26,6 +26,11 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
                    const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
                    std::vector<std::size_t>& chosen);
 
+/// The newest pair's stereo matches by themselves, hosted there, each at the depth that its own disparity
+/// tells: what rows are left over does not depend on a window that may not have come about yet.
+BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                           const StereoCamera& camera);
+
 /// Whether an adjusted landmark's depth has come from what was seen, rather than from what is expected of any
 /// landmark.
 bool tellsDepth(const BundleLandmark& adjusted);

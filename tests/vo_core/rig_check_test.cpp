@@ -15,6 +15,8 @@ const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kTolerance = 0.03 * kDegree;
+constexpr double kLightByNight = 0.16, kNoiseByNight = 2.0;  // of the day's, and grey values
+constexpr int kFeatures = 400, kFeaturesByNight = 1000;
 constexpr int kPairs = 16, kMostPairs = 32;
 
 /// 3 m/s, swinging from side to side and nodding.
@@ -56,9 +58,9 @@ struct Driven {
   std::vector<OdometryEstimate> estimates;
 };
 
-Driven estimated(const std::vector<StereoImages>& pairs, RigRefinement refinement) {
+Driven estimated(const std::vector<StereoImages>& pairs, RigRefinement refinement, int features) {
   OdometrySettings settings;
-  settings.features = 400;
+  settings.features = features;
   settings.rig_refinement = refinement;
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
@@ -70,6 +72,10 @@ Driven estimated(const std::vector<StereoImages>& pairs, RigRefinement refinemen
     result.path += estimate.T_previous_current.translation().norm();
   }
   return result;
+}
+
+Driven estimated(const std::vector<StereoImages>& pairs, RigRefinement refinement) {
+  return estimated(pairs, refinement, kFeatures);
 }
 
 Driven driven(const RigCorrection& turned, double late, RigRefinement refinement) {
@@ -147,6 +153,37 @@ TEST(RigCheck, WatchingChangesNoMotion) {
 TEST(RigCheck, FindsAPitchThatHidesNearlyAllMatchesWhereItOnlyWatches) {
   const RigCheck check = driven({.pitch = -0.5 * kDegree}, 0.0, RigRefinement::monitor).check;
   EXPECT_NEAR(check.pitch.value, -0.5 * kDegree, kTolerance);
+}
+
+/// The same drive by night: a sixth of the light, and the cameras' noise.
+std::vector<StereoImages> byNight(std::vector<StereoImages> pairs) {
+  cv::RNG random(7);
+  for (StereoImages& pair : pairs)
+    for (cv::Mat* image : {&pair.left, &pair.right}) {
+      cv::Mat noise(image->size(), CV_16SC1), dark;
+      random.fill(noise, cv::RNG::NORMAL, 0.0, kNoiseByNight);
+      image->convertTo(dark, CV_16SC1, kLightByNight, 16.0);
+      cv::Mat night;  // the day's image is used again
+      cv::Mat(dark + noise).convertTo(night, CV_8UC1);
+      *image = night;
+    }
+  return pairs;
+}
+
+TEST(RigCheck, FindsAPitchByNightWhereFewMatchAnyway) {
+  const auto pairs = byNight(drivenWith({.pitch = 0.5 * kDegree}, 0.0, kPairs));
+  const Driven corrected = estimated(pairs, RigRefinement::correct, kFeaturesByNight);
+  EXPECT_NEAR(corrected.check.pitch.value, 0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(corrected.path, kTruePath, 0.1 * kTruePath);
+  const Driven watched = estimated(pairs, RigRefinement::monitor, kFeaturesByNight);
+  EXPECT_NEAR(watched.check.pitch.value, 0.5 * kDegree, kTolerance);
+  EXPECT_LT(watched.check.pitch.deviation, kTolerance);
+}
+
+TEST(RigCheck, FindsNothingWrongByNight) {
+  const auto pairs = byNight(drivenWith({}, 0.0, kPairs));
+  for (const RigRefinement refinement : {RigRefinement::monitor, RigRefinement::correct})
+    EXPECT_NEAR(estimated(pairs, refinement, kFeaturesByNight).check.pitch.value, 0.0, kTolerance);
 }
 
 TEST(RigCheck, FindsARightCameraThatIsLateOrEarly) {

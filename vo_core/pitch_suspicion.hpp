@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "vo_core/frame_window.hpp"
+#include "vo_core/landmark_tracker.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/rig_monitor.hpp"
+
+namespace cartvo {
+
+/// Looks for landmarks' last sightings in the right image, turned as a monitor expects. Leaves those alone
+/// that have a match already and find none.
+using MatchBy = std::function<void(std::vector<Landmark>& landmarks, const RigMonitor& rig)>;
+
+/// The newest pair of a track, its landmarks matched in stereo as far as they were found.
+struct MatchedPair {
+  const std::vector<Landmark>& landmarks;
+  const std::vector<WindowFrame>& window;  ///< the pair is the last
+  const MatchBy& match;
+};
+
+/// Where hardly a match is found, looks now and then whether the right camera has been bumped up or down.
+class PitchSuspicion {
+ public:
+  PitchSuspicion(const StereoCamera& camera, RigRefinement refinement)
+      : camera_(camera), refinement_(refinement) {}
+
+  /// True if it has, by a pitch that was not known; `rig` knows it then.
+  bool take(const MatchedPair& pair, RigMonitor& rig);
+
+ private:
+  bool knownExplains(const MatchedPair& pair, RigMonitor& rig, std::vector<Landmark>& sought) const;
+  void refine(const MatchedPair& pair, std::vector<Landmark> sought, RigMonitor& rig) const;
+
+  StereoCamera camera_;
+  RigRefinement refinement_;
+  int pairs_until_next_ = 0;
+};
+
+/// Landmarks as if the last pair had not matched them in stereo.
+void unmatchLast(std::vector<Landmark>& landmarks);
+
+}  // namespace cartvo

@@ -27,6 +27,12 @@ int FeatureSet::seenCount() const {
                                         [&](const Feature& feature) { return seen(feature); }));
 }
 
+int FeatureSet::matchedCount() const {
+  return static_cast<int>(std::count_if(features_.begin(), features_.end(), [&](const Feature& feature) {
+    return seen(feature) && feature.last().matched();
+  }));
+}
+
 Eigen::Vector2d FeatureSet::predictPixel(const Feature& feature, const FrameWindow& window,
                                          const std::optional<Eigen::Isometry3d>& T_world_camera) const {
   const Observation& last = feature.last();

@@ -45,6 +45,7 @@ class FeatureSet {
   const std::vector<Feature>& features() const { return features_; }
   bool seen(const Feature& feature) const { return feature.last().frame == frame_; }
   int seenCount() const;
+  int matchedCount() const;  ///< of the seen, with a disparity
 
  private:
   Eigen::Vector2d predictPixel(const Feature& feature, const FrameWindow& window,

@@ -107,6 +107,7 @@ OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryR
   TrackedMotion motion;
   motion.reasons = reason;
   motion.counts.detected = track_->landmarkCount();
+  motion.counts.stereo = track_->stereoCount();
   return estimateOf(pair, motion);
 }
 
@@ -115,14 +116,13 @@ OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const Trac
                                             StageObserver& observer) {
   TrackedMotion motion = failed;
   successor_.emplace(camera_, settings_, pair, track_->rig(), observer);
+  motion.counts.detected = successor_->landmarkCount();
+  motion.counts.stereo = successor_->stereoCount();
   if (++lost_pairs_ > settings_.tracking.search_again) {
     track_ = std::move(successor_);
     successor_.reset();
     lost_pairs_ = 0;
     ++epoch_;
-    motion.counts.detected = track_->landmarkCount();
-  } else {
-    motion.counts.detected = successor_->landmarkCount();
   }
   if (motion.counts.detected < settings_.validity.minimum_features)
     motion.reasons = OdometryReason::too_few_features;

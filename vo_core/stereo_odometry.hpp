@@ -47,6 +47,7 @@ struct FeatureCounts {
   int tracked = 0;   ///< found again from the previous left image
   int matched = 0;   ///< of the tracked, with a disparity now and before
   int inliers = 0;   ///< of the matched, explained by the motion
+  int stereo = 0;    ///< of the detected, found in this pair's right image; not looked for during a stand
 };
 
 /// What one pair told about the motion. The motion is the one since the reference: the last pair whose pose

@@ -80,6 +80,7 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, StageObserv
   {
     const StageScope stage(observer, Stage::disparity);
     features_.matchStereo(left, right);
+    counts_.stereo = features_.matchedCount();
   }
   {
     const StageScope stage(observer, Stage::reproject);

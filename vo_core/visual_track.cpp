@@ -44,6 +44,11 @@ void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
+int countStereo(const std::vector<Landmark>& landmarks) {
+  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
+                                        [](const Landmark& landmark) { return landmark.last().stereo; }));
+}
+
 /// First depth of a landmark whose only sighting is in stereo.
 void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                const Eigen::Vector2d& right_pixel, const BundleNoise& noise) {
@@ -82,6 +87,10 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     const double deviation = vague * std::max(landmark.inverse_depth, 0.0);
     landmark.information = 1.0 / (1.0 / landmark.information + deviation * deviation);
   }
+}
+
+int VisualTrack::stereoCount() const {
+  return countStereo(landmarks_);
 }
 
 Matrix6d VisualTrack::poseCovariance() const {
@@ -148,6 +157,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
   {
     const StageScope stage(observer, Stage::disparity);
     matchStereo(pair, draft.window, draft.landmarks);
+    motion.counts.stereo = countStereo(draft.landmarks);
   }
   const StageScope stage(observer, Stage::weights);
   if (held)

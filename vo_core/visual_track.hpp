@@ -55,6 +55,7 @@ class VisualTrack {
   Matrix6d poseCovariance() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
+  int stereoCount() const;  ///< of the landmarks, found in the last pair's right image
   const RigMonitor& rig() const { return rig_; }
   std::optional<RigCheck> rigCheck() const;  ///< nothing where the rig is not watched
 

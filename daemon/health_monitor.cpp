@@ -166,7 +166,7 @@ HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(sta
 
 void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
-  self_check_.note(result.estimate.rig);
+  self_check_.note(result.estimate);
   window_.features = std::min(window_.features, result.features);
   if (window_.latency.size() >= kLargestWindow) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);

@@ -2,6 +2,7 @@
 
 #include "daemon/self_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@ constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr double kTellingDelay = 1e-3;                     // s
 constexpr double kTellingAngle = 0.1 / kDegreesPerRadian;  // rad
 constexpr double kBeyondDoubt = 3.0;                       // standard deviations
+constexpr double kFinest = 0.01;                           // deg that a sentence tells: nothing is exact
 constexpr double kStillWrong = 0.7;                        // of what is telling, once it was told
 
 /// In the order in which they are told: the delay, then the angles.
@@ -29,10 +31,16 @@ std::string delaySentence(const Checked& delay) {
 
 }  // namespace
 
-void SelfCheck::note(const std::optional<RigCheck>& rig) {
-  if (!rig) return;
+void SelfCheck::note(const OdometryEstimate& estimate) {
+  if (estimate.rig) noteRig(*estimate.rig);
+  const bool were_missing = matches_.missing();
+  matches_.note(estimate);
+  changed_ = changed_ || matches_.missing() != were_missing;
+}
+
+void SelfCheck::noteRig(const RigCheck& rig) {
   rig_ = rig;
-  const auto list = listOf(*rig);
+  const auto list = listOf(rig);
   for (std::size_t i = 0; i < kTold; ++i) {
     const double size = std::abs(list[i].value);
     const double telling = i == 0 ? kTellingDelay : kTellingAngle;
@@ -44,18 +52,24 @@ void SelfCheck::note(const std::optional<RigCheck>& rig) {
 }
 
 std::string SelfCheck::sentence() const {
+  const std::string angles = anglesSentence();
+  // By how much a camera is turned says more than that matches are missing.
+  const std::string turned = angles.empty() ? matches_.sentence() : angles;
+  const std::string late = wrong_[0] ? delaySentence(rig_->delay) : std::string();
+  return late + (late.empty() || turned.empty() ? "" : "; ") + turned;
+}
+
+std::string SelfCheck::anglesSentence() const {
   if (!rig_) return {};
   const auto list = listOf(*rig_);
-  std::string text = wrong_[0] ? delaySentence(list[0]) : std::string();
   std::string angles;
   for (std::size_t i = 1; i < kTold; ++i)
     if (wrong_[i])
-      angles +=
-          fmt::format("{}{:+.2f} ± {:.2f} deg in {}", angles.empty() ? "" : ", ",
-                      kDegreesPerRadian * list[i].value, kDegreesPerRadian * list[i].deviation, kNames[i]);
-  if (angles.empty()) return text;
-  if (!text.empty()) text += "; ";
-  return text + "the right camera is turned by " + angles + " against the rig file: calibrate anew";
+      angles += fmt::format("{}{:+.2f} ± {:.2f} deg in {}", angles.empty() ? "" : ", ",
+                            kDegreesPerRadian * list[i].value,
+                            std::max(kFinest, kDegreesPerRadian * list[i].deviation), kNames[i]);
+  if (angles.empty()) return {};
+  return "the right camera is turned by " + angles + " against the rig file: calibrate anew";
 }
 
 bool SelfCheck::takeChange() {

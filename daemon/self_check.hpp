@@ -5,16 +5,19 @@
 #include <optional>
 #include <string>
 
+#include "daemon/match_watch.hpp"
 #include "vo_core/rig_check.hpp"
+#include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
 
 /// Says in a plain sentence what driving has shown to be wrong between the two cameras: once it is beyond
-/// doubt and large enough to matter, and until it is clearly less. One thread.
+/// doubt and large enough to matter, and until it is clearly less; or that they do not seem to see the same.
+/// One thread.
 class SelfCheck {
  public:
-  /// What the last pair told; nothing leaves it as it was.
-  void note(const std::optional<RigCheck>& rig);
+  /// What the last pair told.
+  void note(const OdometryEstimate& estimate);
 
   /// What to mend, for each thing that is wrong; empty if all is well. With the numbers of now.
   std::string sentence() const;
@@ -27,8 +30,12 @@ class SelfCheck {
  private:
   static constexpr std::size_t kTold = 4;  ///< delay, pitch, yaw, roll
 
+  void noteRig(const RigCheck& rig);
+  std::string anglesSentence() const;
+
   std::optional<RigCheck> rig_;
   std::array<bool, kTold> wrong_{};
+  MatchWatch matches_;
   bool changed_ = false;
 };
 

@@ -19,17 +19,39 @@ RigCheck known(Checked RigCheck::*which, double value, double deviation) {
   return rig;
 }
 
+/// A pair of which nothing else is known.
+OdometryEstimate told(const std::optional<RigCheck>& rig) {
+  OdometryEstimate estimate;
+  estimate.rig = rig;
+  return estimate;
+}
+
 std::string sentenceFor(const RigCheck& rig) {
   SelfCheck check;
-  check.note(rig);
+  check.note(told(rig));
   return check.sentence();
+}
+
+/// One pair in ten of a second each, with so many corners and matches in stereo.
+OdometryEstimate seen(int pair, int corners, int stereo) {
+  OdometryEstimate estimate;
+  estimate.exposure_ns = pair * 100'000'000LL;
+  estimate.counts.detected = corners;
+  estimate.counts.stereo = stereo;
+  return estimate;
+}
+
+/// Six seconds of it.
+void drive(SelfCheck& check, int corners, int stereo) {
+  for (int pair = 0; pair < 60; ++pair)
+    check.note(seen(pair, corners, stereo));
 }
 
 TEST(SelfCheck, SaysNothingOfARigThatIsInOrderOrNotWatched) {
   SelfCheck check;
-  check.note(std::nullopt);
+  check.note(told(std::nullopt));
   EXPECT_EQ(check.sentence(), "");
-  check.note(known(&RigCheck::roll, 0.05 * kDegree, 1e-5));
+  check.note(told(known(&RigCheck::roll, 0.05 * kDegree, 1e-5)));
   EXPECT_EQ(check.sentence(), "");
   EXPECT_FALSE(check.takeChange());
 }
@@ -53,14 +75,59 @@ TEST(SelfCheck, SaysNothingThatIsInDoubt) {
 
 TEST(SelfCheck, TellsEachChangeOnce) {
   SelfCheck check;
-  check.note(known(&RigCheck::delay, 3e-3, 1e-4));
+  check.note(told(known(&RigCheck::delay, 3e-3, 1e-4)));
   EXPECT_TRUE(check.takeChange());
   EXPECT_FALSE(check.takeChange());
-  check.note(known(&RigCheck::delay, 0.9e-3, 1e-4));  // it does not come and go at the limit
+  check.note(told(known(&RigCheck::delay, 0.9e-3, 1e-4)));  // it does not come and go at the limit
   EXPECT_FALSE(check.takeChange());
-  check.note(known(&RigCheck::delay, 0.5e-3, 1e-4));
+  check.note(told(known(&RigCheck::delay, 0.5e-3, 1e-4)));
   EXPECT_TRUE(check.takeChange());
   EXPECT_EQ(check.sentence(), "");
+}
+
+TEST(SelfCheck, SaysThatHardlyAnyCornerIsFoundInTheOtherPicture) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  EXPECT_THAT(check.sentence(), HasSubstr("hardly any of the left picture's corners (13 of 1000)"));
+  EXPECT_LE(check.sentence().size(), 200U) << "as long as health_t has room for";
+  EXPECT_TRUE(check.takeChange());
+  check.note(seen(60, 1000, 400));
+  EXPECT_EQ(check.sentence(), "");
+  EXPECT_TRUE(check.takeChange());
+}
+
+TEST(SelfCheck, SaysNothingOfMatchesThatAreMissingForAMoment) {
+  SelfCheck check;
+  for (int pair = 0; pair < 200; ++pair)
+    check.note(seen(pair, 1000, pair % 40 == 0 ? 300 : 0));
+  EXPECT_EQ(check.sentence(), "");
+}
+
+TEST(SelfCheck, SaysNothingWhereMatchesMayBeFew) {
+  SelfCheck dusk, dark;
+  drive(dusk, 1000, 60);
+  EXPECT_EQ(dusk.sentence(), "");
+  drive(dark, 40, 0);  // there is nothing to be found
+  EXPECT_EQ(dark.sentence(), "");
+}
+
+TEST(SelfCheck, APairThatWasNotLookedAtChangesNothing) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  OdometryEstimate refused = seen(60, 0, 0);
+  refused.reasons = OdometryReason::offset_uncertain;
+  check.note(refused);
+  EXPECT_THAT(check.sentence(), HasSubstr("13 of 1000"));
+}
+
+TEST(SelfCheck, AnAngleExplainsWhyMatchesAreMissing) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  OdometryEstimate estimate = seen(60, 1000, 13);
+  estimate.rig = known(&RigCheck::pitch, 0.3 * kDegree, 0.01 * kDegree);
+  check.note(estimate);
+  EXPECT_THAT(check.sentence(), HasSubstr("+0.30 ± 0.01 deg in pitch"));
+  EXPECT_THAT(check.sentence(), testing::Not(HasSubstr("hardly any")));
 }
 
 }  // namespace

@@ -103,6 +103,8 @@ void run(const Options& options) {
 
   for (const std::string& problem : replay.problems)
     std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());
+  if (!replay.self_check.empty())
+    std::fprintf(stderr, "cartvo: warning: self-check: %s\n", replay.self_check.c_str());
   std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
               replay.pairs.size(), summary["valid"].get<std::size_t>(),
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),

@@ -8,6 +8,7 @@
 #include "calib/rectifier.hpp"
 #include "capture/recording_folder.hpp"
 #include "daemon/configuration.hpp"
+#include "daemon/self_check.hpp"
 #include "daemon/visual_clock.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -119,8 +120,10 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
   Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
   UnbrokenPath path;
   VisualClock visual_clock;
+  SelfCheck self_check;
   pipeline.replay({[&](const PairResult& result) {
                      replay.pairs.push_back(kept(result, left, path));
+                     self_check.note(result.estimate);
                      if (source.clock) {
                        source.clock->setVisual(visual_clock.add(result.estimate.rig,
                                                                 static_cast<double>(result.applied_ns()),
@@ -131,6 +134,7 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
                    {}});
 
   replay.counts = pipeline.counts();
+  replay.self_check = self_check.sentence();
   if (source.clock) replay.clock = source.clock->status();
   for (const CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())

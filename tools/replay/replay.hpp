@@ -73,6 +73,7 @@ struct Replay {
   PipelineCounts counts;
   std::optional<VideoTiming> timing;  ///< of two videos
   std::optional<ClockStatus> clock;   ///< of a recording that was stamped anew, at its end
+  std::string self_check;             ///< what to mend between the cameras, as at the end; empty: all is well
   std::vector<std::string> problems;  ///< what the sources said of themselves (a recording cut short)
 };
 

@@ -180,6 +180,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["clock"] = clockJson(settings, replay);
   json["video_timing"] = timingJson(replay);
   json["self_check"] = selfCheckJson(replay);
+  json["self_check_sentence"] = replay.self_check;
   json["time_ms"] = timesJson(replay);
   json["versions"] = {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}};
   return json;

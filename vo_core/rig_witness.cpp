@@ -17,8 +17,9 @@ constexpr int kPairs = 10;               // of which the last is heard
 constexpr std::size_t kLandmarks = 300;  // that are enough, about
 constexpr std::size_t kFewest = 30;      // matched landmarks that fix the window's scale
 constexpr std::size_t kFewestHosted =
-    20;                               // landmarks by which a pair's pose is known against the first one's
-constexpr double kForgivenRow = 1.0;  // px that a match may be off its row, and the track still finds it
+    20;                                  // landmarks by which a pair's pose is known against the first one's
+constexpr double kForgivenRow = 1.0;     // px that a match may be off its row, and the track still finds it
+constexpr double kForgivenColumn = 1.0;  // px, so far beyond infinity
 
 /// The first pair of the window from which so many landmarks have been followed that the next one's pose is
 /// known against it. There must be as many.
@@ -102,17 +103,42 @@ bool RigWitness::hidesMatches(const RigMonitor& rig) const {
          kForgivenRow;
 }
 
-/// In the newest pair, where the right camera is known to look; depths stay as a start for what follows.
+/// Whether the track looks for what is far where it is not: a right camera that looks too far to the left
+/// shows it at disparities below zero, and the track takes nothing to be beyond infinity.
+bool RigWitness::hidesTheFar(const RigMonitor& rig) const {
+  return camera_.focal_length * -rig.expected().yaw > kForgivenColumn;
+}
+
+/// In the newest pair, where the right camera is known to look, so far from the left one.
+void RigWitness::matchTurned(const TrackedPair& pair, const RigMonitor& rig, double baseline,
+                             std::vector<Landmark>& landmarks) const {
+  const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
+  pair.tracker.matchStereo(landmarks, pair.window, pair.left, pair.right,
+                           turned * newestRightFromLeft(pair.window, baseline),
+                           pair.window.back().T_world_camera);
+}
+
+/// Wherever the matches may be; depths stay as a start for what follows.
 void RigWitness::matchAnew(const TrackedPair& pair, const RigMonitor& rig,
                            std::vector<Landmark>& landmarks) const {
   std::vector<Landmark> sought = landmarks;
   forgetStereo(sought);
-  const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
-  pair.tracker.matchStereo(sought, pair.window, pair.left, pair.right,
-                           turned * newestRightFromLeft(pair.window, camera_.baseline),
-                           pair.window.back().T_world_camera);
+  matchTurned(pair, rig, camera_.baseline, sought);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     landmarks[i].sightings = sought[i].sightings;
+}
+
+/// Where the track's depths lead once they have the scale of the matches there are. The track's own matches
+/// of what is far were looked for some pixels off: they are lost or, in the dark, found too near to there, so
+/// that a sixth of the yaw was missing.
+void RigWitness::matchByDepth(const TrackedPair& pair, const RigMonitor& rig,
+                              std::vector<Landmark>& landmarks) const {
+  const auto scale = scaleByMatches(camera_, pair.window, landmarks, rig.correction());
+  if (!scale) return;
+  for (Landmark& landmark : landmarks)
+    for (Sighting& sighting : landmark.sightings)
+      sighting.stereo = false;
+  matchTurned(pair, rig, *scale * camera_.baseline, landmarks);  // in the metres of the track
 }
 
 /// The window by itself: all poses but the first are free, and nothing is held against depths that earlier
@@ -140,7 +166,10 @@ void RigWitness::take(const TrackedPair& pair, RigMonitor& rig) {
   if (++pairs_ < kPairs) return;
   pairs_ = 0;
   std::vector<Landmark> landmarks = chosenOf(pair);
-  if (hidesMatches(rig)) matchAnew(pair, rig, landmarks);
+  if (hidesMatches(rig))
+    matchAnew(pair, rig, landmarks);
+  else if (hidesTheFar(rig))
+    matchByDepth(pair, rig, landmarks);
   const RigCorrection known = rig.correction();
   const auto scale = scaleByMatches(camera_, pair.window, landmarks, known);
   if (!scale) return;

@@ -34,7 +34,11 @@ class RigWitness {
  private:
   std::vector<Landmark> chosenOf(const TrackedPair& pair) const;
   bool hidesMatches(const RigMonitor& rig) const;
+  bool hidesTheFar(const RigMonitor& rig) const;
+  void matchTurned(const TrackedPair& pair, const RigMonitor& rig, double baseline,
+                   std::vector<Landmark>& landmarks) const;
   void matchAnew(const TrackedPair& pair, const RigMonitor& rig, std::vector<Landmark>& landmarks) const;
+  void matchByDepth(const TrackedPair& pair, const RigMonitor& rig, std::vector<Landmark>& landmarks) const;
   BundleProblem problemOf(const TrackedPair& pair, const std::vector<Landmark>& landmarks,
                           const RigCorrection& rig) const;
 

@@ -77,6 +77,8 @@ TEST_P(EachEstimator, FollowsAKnownMotion) {
     EXPECT_GE(estimates[i].counts.detected, estimates[i].counts.tracked);
     EXPECT_GE(estimates[i].counts.tracked, estimates[i].counts.matched);
     EXPECT_GE(estimates[i].counts.matched, estimates[i].counts.inliers);
+    EXPECT_GE(estimates[i].counts.detected, estimates[i].counts.stereo);
+    EXPECT_GT(estimates[i].counts.stereo, estimates[i].counts.detected / 2);
     EXPECT_GT(
         Eigen::SelfAdjointEigenSolver<Matrix6d>(estimates[i].motion_covariance).eigenvalues().minCoeff(),
         0.0);

@@ -18,7 +18,8 @@ struct AffineAlignment {
 /// What the patch may do between two images.
 enum class WarpModel : std::uint8_t {
   affine,  ///< from one instant to another: six parameters
-  stereo,  ///< from left to right: rows stay straight, so only the shift and the slope of the disparity, four
+  stereo,  ///< from left to right at one instant: rows stay, so only the shift and the slope of the
+           ///< disparity, four
 };
 
 /// Aligns the 15x15 patch around `from` in `before` with `after`, beginning at `start`'s position and warp,

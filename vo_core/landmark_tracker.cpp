@@ -18,6 +18,9 @@ constexpr double kOutside = 8.0;            // px; predicted farther outside the
 constexpr double kShiftCorrelation = 0.4;   // after a mere shift, of which a warp may make a match
 constexpr double kLargestStretch = 0.35;  // of a warp's elements; a host that looks so different is given up
 constexpr double kLargestRow = 1.5;       // px, of a stereo match off the row where it is expected
+// m and rad from where it is at the left exposure: a right camera that has gone so far sees patches grown or
+// turned.
+constexpr double kSamePlace = 0.005, kSameDirection = 0.01;
 
 bool stretched(const Eigen::Matrix2d& warp) {
   return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kLargestStretch;
@@ -31,6 +34,16 @@ bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
 /// Whether the landmark was a new corner until it was looked for and `found` or not.
 bool wasNew(const Landmark& landmark, bool found) {
   return landmark.age == (found ? 2 : 1);
+}
+
+/// How a left patch looks in the right image. On rectified cameras' rows only its columns are stretched and
+/// sheared; a late camera that has driven on sees its rows grow too: left out, they pull the match to the
+/// side.
+WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left, double baseline) {
+  const Eigen::Vector3d gone = T_right_left.translation() + baseline * Eigen::Vector3d::UnitX();
+  const double turn = vectorFromMotion(T_right_left).tail<3>().norm();
+  const bool same = gone.norm() < kSamePlace && turn < kSameDirection;
+  return same ? WarpModel::stereo : WarpModel::affine;
 }
 
 /// To first order in the inverse depth.
@@ -246,28 +259,27 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& lef
   }
 }
 
-void LandmarkTracker::matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
-                               const Eigen::Isometry3d& T_right_left, double inverse_depth,
+void LandmarkTracker::matchOne(Landmark& landmark, const StereoView& view, double inverse_depth,
                                const Eigen::Vector2d& carried) const {
   Sighting& sighting = landmark.sightings.back();
   AffineAlignment start;
   if (inverse_depth > 0.0) {
     const Projection expected =
-        projectLandmark(camera_, T_right_left, bearingOf(camera_, sighting.left), inverse_depth);
+        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, sighting.left), inverse_depth);
     if (!expected.valid) return;
     start.position = expected.pixel + carried;
     start.warp = landmark.stereo_warp;
   } else {
-    EpipolarLine line = epipolarLine(camera_, T_right_left, sighting.left);
+    EpipolarLine line = epipolarLine(camera_, view.T_right_left, sighting.left);
     line.at_infinity += carried;
-    const auto found = cartvo::matchStereo(left, right, sighting.left, settings_.stereo, line);
+    const auto found = cartvo::matchStereo(view.left, view.right, sighting.left, settings_.stereo, line);
     if (!found) return;
     start.position = found->right;
   }
   const double expected_row = start.position.y();
-  if (!right.grey.front().contains(start.position)) return;
+  if (!view.right.grey.front().contains(start.position)) return;
   const auto aligned =
-      alignAffine(left.grey.front(), right.grey.front(), sighting.left, start, WarpModel::stereo,
+      alignAffine(view.left.grey.front(), view.right.grey.front(), sighting.left, start, view.warp_model,
                   settings_.tracking.iterations, settings_.tracking.convergence);
   if (!aligned || aligned->correlation < settings_.stereo.minimum_correlation ||
       std::abs(aligned->position.y() - expected_row) > kLargestRow || !returns(*aligned, settings_.tracking))
@@ -282,6 +294,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const Eigen::Isometry3d& T_right_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
+  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left, camera_.baseline)};
   forEachIndex(landmarks.size(), [&](std::size_t i) {
     Landmark& landmark = landmarks[i];
     double inverse_depth = 0.0;
@@ -293,7 +306,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
       if (seen.valid) inverse_depth = std::max(landmark.inverse_depth, 1e-4) / seen.ray.z();
     }
     if (const auto carried = carriedInImage(landmark, window))
-      matchOne(landmark, left, right, T_right_left, inverse_depth, *carried);
+      matchOne(landmark, view, inverse_depth, *carried);
   });
 }
 

@@ -74,13 +74,20 @@ class LandmarkTracker {
         T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
   };
 
+  /// What landmarks are matched between.
+  struct StereoView {
+    const ImagePyramid& left;
+    const ImagePyramid& right;
+    const Eigen::Isometry3d& T_right_left;  ///< as expected
+    WarpModel warp_model;
+  };
+
   bool followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;
   std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int host, const Scene& scene) const;
   std::optional<AffineAlignment> alignWithHost(const Landmark& landmark, const WindowFrame& host,
                                                const ImagePyramid& left,
                                                const Eigen::Vector2d& position) const;
-  void matchOne(Landmark& landmark, const ImagePyramid& left, const ImagePyramid& right,
-                const Eigen::Isometry3d& T_right_left, double inverse_depth,
+  void matchOne(Landmark& landmark, const StereoView& view, double inverse_depth,
                 const Eigen::Vector2d& carried) const;
 
   StereoCamera camera_;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "vo_core/median.hpp"
 #include "vo_core/synthetic_texture.hpp"
 
 namespace cartvo {
@@ -132,6 +133,37 @@ TEST_F(LandmarkTrackerTest, FindsNewOnesInTheRightImageAndKnownOnesWhereTheirDep
     EXPECT_NEAR(disparity.mean(), kDisparity, 0.02) << known;
     EXPECT_LT(disparity.deviation(), 0.1) << known;
   }
+}
+
+// A late right camera has driven on: patches have grown, in their rows too.
+TEST_F(LandmarkTrackerTest, MatchesARightCameraThatIsNearerToTheWall) {
+  constexpr double kGrowth = 1.06;
+  const StereoCamera rig = camera();
+  const auto seen_by_right = [&](const Eigen::Vector2d& left) -> Eigen::Vector2d {
+    return {rig.cx + kGrowth * (left.x() - kDisparity - rig.cx), rig.cy + kGrowth * (left.y() - rig.cy)};
+  };
+  const test::WaveTexture texture(11);  // wallAt's
+  const ImagePyramid left = buildPyramid(wallAt(Eigen::Vector2d::Zero()), 4);
+  const ImagePyramid right =
+      buildPyramid(test::draw(kWidth, kHeight,
+                              [&](double x, double y) {
+                                return texture((x - rig.cx) / kGrowth + rig.cx + kDisparity,
+                                               (y - rig.cy) / kGrowth + rig.cy);
+                              }),
+                   1);
+  for (Landmark& landmark : landmarks_) {
+    landmark.inverse_depth = 1.0 / wallDepth();
+    landmark.information = 1e4;
+  }
+  Eigen::Isometry3d T_right_left = rightFromLeft();
+  T_right_left.translation().z() = wallDepth() * (1.0 / kGrowth - 1.0);
+  tracker_.matchStereo(landmarks_, window_, left, right, T_right_left, Eigen::Isometry3d::Identity());
+  std::vector<double> errors;
+  for (const Landmark& landmark : landmarks_)
+    if (const Sighting& last = landmark.last(); last.stereo)
+      errors.push_back((last.left - last.parallax - seen_by_right(last.left)).norm());
+  ASSERT_GT(errors.size(), 0.6 * static_cast<double>(landmarks_.size()));
+  EXPECT_LT(median(errors), 0.02);  // px; 0.055 where rows are taken not to grow
 }
 
 TEST_F(LandmarkTrackerTest, OfTwoThatMeetTheTrustedOneStays) {

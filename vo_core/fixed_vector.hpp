@@ -36,6 +36,7 @@ class FixedVector {
   const T& back() const { return items_[size_ - 1]; }
 
   void clear() { size_ = 0; }
+  // NOLINTBEGIN(readability-identifier-naming): as std::vector has them
   void push_back(const T& item) {
     requireRoomFor(size_ + 1);
     items_[size_++] = item;
@@ -51,6 +52,7 @@ class FixedVector {
     push_back(T(std::forward<Arguments>(arguments)...));
     return back();
   }
+  // NOLINTEND(readability-identifier-naming)
 
  private:
   static void requireRoomFor(std::size_t size) {

@@ -46,6 +46,22 @@ TEST(WatchStatistics, SumUpRateLatencyAndPath) {
   EXPECT_EQ(statistics.trajectory().back().time_ns, 20 * kPeriod_us * 1'000);
 }
 
+TEST(WatchStatistics, TellTheFirstSecondsLatencyFromThatOfTheRest) {
+  OdometryStatistics statistics;
+  for (int i = 0; i < 60; ++i) {
+    odometry_t late = message(i, 0.1 * i);
+    if (i < 20) late.publication_utime += 50'000;
+    add(statistics, late);
+    if (i == 30) {
+      EXPECT_TRUE(std::isnan(statistics.summarise().latency_settled_p99_ms));
+    }
+  }
+  const OdometrySummary summary = statistics.summarise();
+  EXPECT_NEAR(summary.latency_p99_ms, 58.0, 1e-9);
+  EXPECT_NEAR(summary.latency_settled_p99_ms, 8.0, 1e-9);
+  EXPECT_NE(summaryText(summary).find("p99 8.0 ms from the third second on"), std::string::npos);
+}
+
 TEST(WatchStatistics, GiveNoLatencyOfARecordingThatIsReplayed) {
   OdometryStatistics statistics;
   odometry_t replayed = message(1, 0.0);

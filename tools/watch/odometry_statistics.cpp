@@ -10,6 +10,8 @@ namespace cartvo {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+// Pictures wait for the next one until it is known how the cameras cut them into packets.
+constexpr std::int64_t kSettling_ns = 2 * kSecond_ns;
 constexpr double kLongestLatency_ms = 60'000.0;  // no pair waits so long in a pipeline that drops what is old
 
 /// Nearest rank; NaN of nothing.
@@ -61,6 +63,7 @@ void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_n
   receptions_ns_.push_back(reception_ns);
   if (const auto latency = latencyMs(message)) {
     latencies_ms_.push_back(*latency);
+    if (reception_ns - receptions_ns_.front() >= kSettling_ns) settled_latencies_ms_.push_back(*latency);
     ages_ms_.push_back(static_cast<double>(reception_ns - message.utime * 1000) * 1e-6);
   }
   offsets_ms_.push_back(static_cast<double>(message.offset_us) * 1e-3);
@@ -86,6 +89,7 @@ OdometrySummary OdometryStatistics::summarise() const {
   }
   summary.latency_p50_ms = percentile(latencies_ms_, 0.5);
   summary.latency_p99_ms = percentile(latencies_ms_, 0.99);
+  summary.latency_settled_p99_ms = percentile(settled_latencies_ms_, 0.99);
   summary.age_p50_ms = percentile(ages_ms_, 0.5);
   summary.age_p99_ms = percentile(ages_ms_, 0.99);
   summary.offset_median_ms = percentile(offsets_ms_, 0.5);

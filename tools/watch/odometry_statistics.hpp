@@ -25,6 +25,7 @@ struct OdometrySummary {
   double frame_rate = 0.0;                            ///< pairs a second over that time, Hz
   double path_length = 0.0;                           ///< m, over valid poses within an epoch
   double latency_p50_ms = 0.0, latency_p99_ms = 0.0;  ///< last packet to publication
+  double latency_settled_p99_ms = 0.0;  ///< of those from the third second on; NaN if there are none
   double age_p50_ms = 0.0, age_p99_ms = 0.0;          ///< exposure to reception, by both clocks
   double offset_median_ms = 0.0;                      ///< right minus left exposure
 };
@@ -51,7 +52,7 @@ class OdometryStatistics {
   OdometrySummary counts_;
   Trajectory trajectory_;
   std::vector<std::int64_t> receptions_ns_;  ///< of messages that stem from a pair
-  std::vector<double> latencies_ms_, ages_ms_, offsets_ms_;
+  std::vector<double> latencies_ms_, settled_latencies_ms_, ages_ms_, offsets_ms_;
   std::int64_t last_sequence_ = -1;
   std::int32_t last_reset_counter_ = 0;
   bool last_was_valid_ = false;

@@ -1,9 +1,12 @@
 #include "calib/strict_yaml.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -27,39 +30,49 @@ std::string readText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// How many bytes the UTF-8 character at the beginning of `text` takes (RFC 3629, section 4: no overlong
-/// form, no surrogate, nothing above U+10FFFF); 0 if none stands there.
-std::size_t utf8Length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const auto continued = [&](std::size_t last) {
-    for (std::size_t i = 2; i <= last; ++i)
-      if ((byte(i) & 0xC0U) != 0x80U) return false;
-    return true;
+bool continues(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+/// Takes the UTF-8 character at the beginning of `text` off it; nothing if none stands there (RFC 3629: no
+/// overlong form, no surrogate, nothing above U+10FFFF).
+std::optional<std::uint32_t> takeCharacter(std::string_view& text) {
+  struct Form {
+    std::size_t length;
+    std::uint32_t lead, mask, least;
   };
-  const auto second_within = [&](unsigned least, unsigned most) {
-    return byte(1) >= least && byte(1) <= most;
+  static constexpr std::array<Form, 4> kForms{
+      {{1, 0x00, 0x7F, 0}, {2, 0xC0, 0x1F, 0x80}, {3, 0xE0, 0x0F, 0x800}, {4, 0xF0, 0x07, 0x10000}}};
+  const std::uint32_t first = static_cast<unsigned char>(text.front());
+  for (const Form& form : kForms) {
+    if ((first & ~form.mask) != form.lead) continue;
+    if (text.size() < form.length) return std::nullopt;
+    std::uint32_t character = first & form.mask;
+    for (std::size_t i = 1; i < form.length; ++i) {
+      if (!continues(text[i])) return std::nullopt;
+      character = character << 6U | (static_cast<unsigned char>(text[i]) & 0x3FU);
+    }
+    const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
+    if (character < form.least || is_surrogate || character > 0x10FFFF) return std::nullopt;
+    text.remove_prefix(form.length);
+    return character;
+  }
+  return std::nullopt;
+}
+
+/// What ends a line, steers a terminal or turns the direction of writing around.
+bool isControl(std::uint32_t character) {
+  const auto within = [character](std::uint32_t first, std::uint32_t last) {
+    return character >= first && character <= last;
   };
-  const unsigned lead = byte(0);
-  if (lead < 0x80U) return 1;
-  if (lead >= 0xC2U && lead <= 0xDFU) return second_within(0x80, 0xBF) ? 2 : 0;
-  if ((lead & 0xF0U) == 0xE0U) {
-    const bool is_right = second_within(lead == 0xE0U ? 0xA0 : 0x80, lead == 0xEDU ? 0x9F : 0xBF);
-    return is_right && continued(2) ? 3 : 0;
-  }
-  if (lead >= 0xF0U && lead <= 0xF4U) {
-    const bool is_right = second_within(lead == 0xF0U ? 0x90 : 0x80, lead == 0xF4U ? 0x8F : 0xBF);
-    return is_right && continued(3) ? 4 : 0;
-  }
-  return 0;
+  return character < 0x20 || within(0x7F, 0x9F) || within(0x2028, 0x202E) || within(0x2066, 0x2069);
 }
 
 /// Whether a text can be shown, logged, written as YAML or JSON and read back the same.
 bool isPrintable(std::string_view text) {
   while (!text.empty()) {
-    const std::size_t length = utf8Length(text);
-    const auto first = static_cast<unsigned char>(text.front());
-    if (length == 0 || first < 0x20U || first == 0x7FU) return false;
-    text.remove_prefix(length);
+    const auto character = takeCharacter(text);
+    if (!character || isControl(*character)) return false;
   }
   return true;
 }
@@ -68,7 +81,11 @@ bool isPrintable(std::string_view text) {
 std::string shortened(const std::string& text) {
   constexpr std::size_t kLongest = 60;
   if (!isPrintable(text)) return "(not printable)";
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while (continues(text[end]))
+    --end;
+  return text.substr(0, end) + "...";
 }
 
 /// With what it holds, if that is short: a person must see which item is wrong.
@@ -146,8 +163,9 @@ StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name
     if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
     return root;
   } catch (const YAML::ParserException& error) {
-    throw std::runtime_error(name.string() + ":" + std::to_string(error.mark.line + 1) +
-                             ": is not YAML: " + error.msg);
+    throw std::runtime_error(
+        name.string() + ":" + std::to_string(error.mark.line + 1) + ": is not YAML: " +
+        (isPrintable(error.msg) ? error.msg : "it holds characters that cannot be shown"));
   }
 }
 

@@ -9,8 +9,8 @@
 namespace cartvo {
 
 /// Notices that for some seconds corners have been plenty in the left images, but hardly any was found in the
-/// right ones. Then no angle can be told by which a camera is turned, but a person can see what is wrong. One
-/// thread.
+/// right ones. The rows of so few do not tell by which angle a camera is turned, but a person can see what is
+/// wrong. One thread.
 class MatchWatch {
  public:
   void note(const OdometryEstimate& estimate);
@@ -21,6 +21,7 @@ class MatchWatch {
 
  private:
   std::optional<std::int64_t> since_ns_;  ///< exposure of the first pair in a row without matches
+  std::int64_t last_ns_ = 0;              ///< of the last one of that row
   bool missing_ = false;
   FeatureCounts counts_;
 };

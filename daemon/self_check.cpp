@@ -13,9 +13,11 @@ namespace {
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr double kTellingDelay = 1e-3;                     // s
 constexpr double kTellingAngle = 0.1 / kDegreesPerRadian;  // rad
-constexpr double kBeyondDoubt = 3.0;                       // standard deviations
-constexpr double kFinest = 0.01;                           // deg that a sentence tells: nothing is exact
-constexpr double kStillWrong = 0.7;                        // of what is telling, once it was told
+constexpr double kHidingAngle =
+    0.15 / kDegreesPerRadian;         // rad, that may take matches out of the rows searched
+constexpr double kBeyondDoubt = 3.0;  // standard deviations
+constexpr double kFinest = 0.01;      // deg that a sentence tells: nothing is exact
+constexpr double kStillWrong = 0.7;   // of what is telling, once it was told
 
 /// In the order in which they are told: the delay, then the angles.
 std::array<Checked, 4> listOf(const RigCheck& rig) {
@@ -52,11 +54,20 @@ void SelfCheck::noteRig(const RigCheck& rig) {
 }
 
 std::string SelfCheck::sentence() const {
-  const std::string angles = anglesSentence();
-  // By how much a camera is turned says more than that matches are missing.
-  const std::string turned = angles.empty() ? matches_.sentence() : angles;
+  // By how much a camera is turned says more than that matches are missing, if that is why they are. If not,
+  // they come first, and by themselves: what few matches tell is worth less than the room it takes.
+  if (matches_.missing() && !hidesMatches()) return matches_.sentence();
+  const std::string turned = anglesSentence();
   const std::string late = wrong_[0] ? delaySentence(rig_->delay) : std::string();
   return late + (late.empty() || turned.empty() ? "" : "; ") + turned;
+}
+
+bool SelfCheck::hidesMatches() const {
+  if (!rig_) return false;
+  const auto list = listOf(*rig_);
+  for (std::size_t i = 1; i < kTold; ++i)
+    if (wrong_[i] && std::abs(list[i].value) > kHidingAngle) return true;
+  return false;
 }
 
 std::string SelfCheck::anglesSentence() const {

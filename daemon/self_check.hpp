@@ -31,6 +31,7 @@ class SelfCheck {
   static constexpr std::size_t kTold = 4;  ///< delay, pitch, yaw, roll
 
   void noteRig(const RigCheck& rig);
+  bool hidesMatches() const;  ///< whether the angles told explain that matches are missing
   std::string anglesSentence() const;
 
   std::optional<RigCheck> rig_;

@@ -2,6 +2,8 @@
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
+#include <stdexcept>
+#include <string>
 
 #include "vo_core/late_right.hpp"
 #include "vo_core/residual_sizes.hpp"
@@ -106,6 +108,8 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
 }
 
 BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
+  if (problem.poses.size() > kMostWindowPairs)
+    throw std::length_error("a bundle has at most " + std::to_string(kMostWindowPairs) + " poses");
   BundleResult result;
   auto& [blocks, cameras, system, conclusions] = *work_;
   blocks.take(problem);

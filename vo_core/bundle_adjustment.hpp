@@ -45,8 +45,8 @@ struct BundleNoise {
 
 struct BundleProblem {
   StereoCamera camera;
-  /// Oldest first; the start, then the result. `by_late_right` of those that stand is given, of the free ones
-  /// a result.
+  /// Oldest first, at most kMostWindowPairs (else std::length_error); the start, then the result.
+  /// `by_late_right` of those that stand is given, of the free ones a result.
   std::vector<TimedPose> poses;
   int fixed = 1;  ///< so many of the oldest poses stand
   std::vector<BundleLandmark> landmarks;

@@ -8,7 +8,8 @@
 namespace cartvo {
 
 /// A vector of at most `kMost` items that holds them inside itself, so that no pair allocates one for each
-/// landmark (C++26 has std::inplace_vector). More are refused: std::length_error. Copies cost what it holds.
+/// landmark (C++26 has std::inplace_vector). More are refused: std::length_error. Assigning copies no more
+/// than it holds.
 template <typename T, std::size_t kMost>
 class FixedVector {
  public:

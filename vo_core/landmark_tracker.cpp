@@ -18,9 +18,9 @@ constexpr double kOutside = 8.0;            // px; predicted farther outside the
 constexpr double kShiftCorrelation = 0.4;   // after a mere shift, of which a warp may make a match
 constexpr double kLargestStretch = 0.35;  // of a warp's elements; a host that looks so different is given up
 constexpr double kLargestRow = 1.5;       // px, of a stereo match off the row where it is expected
-// m and rad from where it is at the left exposure: a right camera that has gone so far sees patches grown or
-// turned.
-constexpr double kSamePlace = 0.005, kSameDirection = 0.01;
+// m and rad: a right camera that has gone or rolled so far since the left exposure sees rows of patches
+// change.
+constexpr double kSamePlace = 0.005, kSameRoll = 0.01;
 
 bool stretched(const Eigen::Matrix2d& warp) {
   return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kLargestStretch;
@@ -37,12 +37,12 @@ bool wasNew(const Landmark& landmark, bool found) {
 }
 
 /// How a left patch looks in the right image. On rectified cameras' rows only its columns are stretched and
-/// sheared; a late camera that has driven on sees its rows grow too: left out, they pull the match to the
-/// side.
-WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left, double baseline) {
-  const Eigen::Vector3d gone = T_right_left.translation() + baseline * Eigen::Vector3d::UnitX();
-  const double turn = vectorFromMotion(T_right_left).tail<3>().norm();
-  const bool same = gone.norm() < kSamePlace && turn < kSameDirection;
+/// sheared, however far apart the cameras are; a late camera that has driven on sees its rows grow too: left
+/// out, they pull the match to the side.
+WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left) {
+  const Eigen::Vector3d place = T_right_left.inverse().translation();
+  const double roll = vectorFromMotion(T_right_left)[5];
+  const bool same = place.tail<2>().norm() < kSamePlace && std::abs(roll) < kSameRoll;
   return same ? WarpModel::stereo : WarpModel::affine;
 }
 
@@ -269,6 +269,8 @@ void LandmarkTracker::matchOne(Landmark& landmark, const StereoView& view, doubl
     if (!expected.valid) return;
     start.position = expected.pixel + carried;
     start.warp = landmark.stereo_warp;
+    // Where rows stay, nothing would undo what a moving right camera has made of them before.
+    if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
     EpipolarLine line = epipolarLine(camera_, view.T_right_left, sighting.left);
     line.at_infinity += carried;
@@ -294,7 +296,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const Eigen::Isometry3d& T_right_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left, camera_.baseline)};
+  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left)};
   forEachIndex(landmarks.size(), [&](std::size_t i) {
     Landmark& landmark = landmarks[i];
     double inverse_depth = 0.0;

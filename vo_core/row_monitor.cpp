@@ -73,15 +73,21 @@ double RowMonitor::takeTurn() {
 }
 
 void RowMonitor::suspectPitch(double pitch) {
+  suspectPitch(pitch, kSuspicion);
+}
+
+void RowMonitor::suspectPitch(double pitch, double deviation) {
   estimate_[RowErrors::kPitch] += pitch;
   Vector deviations = kPrior;
-  deviations[RowErrors::kPitch] = kSuspicion;
+  deviations[RowErrors::kPitch] = deviation;
   information_ = informationOf(deviations);
 }
 
 void RowMonitor::suspectPitch(const RowEvidence& evidence) {
-  if (!(evidence.information(RowErrors::kPitch, RowErrors::kPitch) > 0.0)) return;
-  suspectPitch(evidence.errors[RowErrors::kPitch] - estimate_[RowErrors::kPitch]);
+  const double information = evidence.information(RowErrors::kPitch, RowErrors::kPitch);
+  if (!(information > 0.0)) return;
+  suspectPitch(evidence.errors[RowErrors::kPitch] - estimate_[RowErrors::kPitch],
+               std::max(kSuspicion, 1.0 / std::sqrt(information)));
   add(evidence, {}, {});
 }
 

@@ -38,6 +38,7 @@ class RowMonitor {
   RigCorrection expected() const;
 
  private:
+  void suspectPitch(double pitch, double deviation);
   RigCorrection beyond(const RowErrors::Vector& dead) const;
 
   RowErrors::Vector estimate_ = RowErrors::Vector::Zero();

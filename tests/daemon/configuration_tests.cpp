@@ -150,12 +150,21 @@ TEST_F(ConfigurationFile, RefusesTextThatCannotBeShownOrWrittenBack) {
   };
   for (const std::string rig :
        {"r\\r", "r\\n", "\\e[2J", "\\x7f", "r\xDBr", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
-        "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xE2\x82"}) {
+        "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xE2\x82", "\xC2\x85",
+        "\xC2\x9B"
+        "2J",
+        "\xE2\x80\xA8", "\xE2\x80\xAE", "\xE2\x81\xA6"}) {
     EXPECT_THAT(errorOf(with(rig)), HasSubstr("cartvod.yaml:4: rig: expected text of printable characters"))
         << rig;
   }
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: \"\\e[2J\"}\n"),
               HasSubstr("found '(not printable)'"));
+  std::string accents = "a";
+  for (int i = 0; i < 40; ++i)
+    accents += "\xC3\xA9";
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: " + accents + "}\n"),
+              HasSubstr("\xC3\xA9...'"))
+      << "cut between two characters";
   for (const std::string rig : {"/r\xC3\xA9"
                                 "e",
                                 "/\xE2\x82\xAC", "/\xF0\x9F\x9B\xBA"}) {

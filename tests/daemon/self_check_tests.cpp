@@ -9,6 +9,7 @@ namespace cartvo {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
@@ -109,6 +110,9 @@ TEST(SelfCheck, SaysNothingWhereMatchesMayBeFew) {
   EXPECT_EQ(dusk.sentence(), "");
   drive(dark, 40, 0);  // there is nothing to be found
   EXPECT_EQ(dark.sentence(), "");
+  SelfCheck few_features_at_dusk;
+  drive(few_features_at_dusk, 200, 12);
+  EXPECT_EQ(few_features_at_dusk.sentence(), "");
 }
 
 TEST(SelfCheck, APairThatWasNotLookedAtChangesNothing) {
@@ -128,6 +132,25 @@ TEST(SelfCheck, AnAngleExplainsWhyMatchesAreMissing) {
   check.note(estimate);
   EXPECT_THAT(check.sentence(), HasSubstr("+0.30 ± 0.01 deg in pitch"));
   EXPECT_THAT(check.sentence(), testing::Not(HasSubstr("hardly any")));
+}
+
+TEST(SelfCheck, AnAngleThatHidesNoMatchDoesNotHideThatTheyAreMissing) {
+  SelfCheck check;
+  OdometryEstimate estimate = seen(0, 1000, 400);
+  estimate.rig = known(&RigCheck::roll, 0.12 * kDegree, 0.01 * kDegree);
+  estimate.rig->delay = {3e-3, 3e-4};
+  check.note(estimate);
+  EXPECT_THAT(check.sentence(), HasSubstr("+0.12"));
+  drive(check, 1000, 13);  // then the lens is covered
+  EXPECT_THAT(check.sentence(), StartsWith("hardly any"));
+  EXPECT_LE(check.sentence().size(), 200U) << "as long as health_t has room for";
+}
+
+TEST(SelfCheck, PairsFarApartAreNotInARow) {
+  SelfCheck check;
+  check.note(seen(0, 1000, 13));
+  check.note(seen(600, 1000, 13));
+  EXPECT_EQ(check.sentence(), "");
 }
 
 }  // namespace

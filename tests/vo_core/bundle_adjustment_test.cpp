@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -288,6 +289,37 @@ TEST(BundleAdjustment, EndsWhereItWouldWithoutThemIfAFifthOfTheDisparitiesIsWron
     const Eigen::ArrayXd deviation = result.covariance.diagonal().cwiseSqrt();
     EXPECT_LT((test::poseErrors(problem).array().abs() / deviation).maxCoeff(), 4.0) << offset;
   }
+}
+
+TEST(BundleAdjustment, WhatAnAdjusterKeepsChangesNoResult) {
+  BundleAdjuster kept;
+  for (const LandmarkScene& scene :
+       {LandmarkScene{.free_frames = 3, .landmarks = 200, .offset = 0.02, .noise = 1.0},
+        LandmarkScene{.landmarks = 30, .noise = 1.0}, LandmarkScene{.free_frames = 2, .noise = 1.0}}) {
+    BundleProblem once = test::seenBy(scene, 1), again = once;
+    const BundleResult fresh = adjustBundle(once, BundleSettings{});
+    const BundleResult result = kept.adjust(again, BundleSettings{});
+    ASSERT_TRUE(result.converged);
+    EXPECT_EQ(result.covariance, fresh.covariance);
+    EXPECT_EQ(result.rig_gradient, fresh.rig_gradient);
+    EXPECT_EQ(result.disparity_scale, fresh.disparity_scale);
+    EXPECT_EQ(again.poses.back().T_world_camera.matrix(), once.poses.back().T_world_camera.matrix());
+    EXPECT_EQ(again.poses.back().by_late_right, once.poses.back().by_late_right);
+    for (std::size_t i = 0; i < once.landmarks.size(); ++i) {
+      EXPECT_EQ(again.landmarks[i].inverse_depth, once.landmarks[i].inverse_depth);
+      EXPECT_EQ(again.landmarks[i].error, once.landmarks[i].error);
+    }
+  }
+}
+
+TEST(BundleAdjustment, RefusesMorePosesAndSightingsThanAWindowHas) {
+  BundleProblem problem = test::seenBy({}, 1);
+  problem.poses.resize(kMostWindowPairs + 1);
+  EXPECT_THROW(adjustBundle(problem, BundleSettings{}), std::length_error);
+  auto& sightings = problem.landmarks.front().sightings;
+  sightings.resize(kMostWindowPairs);
+  EXPECT_THROW(sightings.emplace_back(), std::length_error);
+  EXPECT_EQ(sightings.size(), kMostWindowPairs);
 }
 
 TEST(BundleAdjustment, ALandmarkWithoutStereoStandsByItsPrior) {

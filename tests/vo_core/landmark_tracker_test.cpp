@@ -164,6 +164,17 @@ TEST_F(LandmarkTrackerTest, MatchesARightCameraThatIsNearerToTheWall) {
       errors.push_back((last.left - last.parallax - seen_by_right(last.left)).norm());
   ASSERT_GT(errors.size(), 0.6 * static_cast<double>(landmarks_.size()));
   EXPECT_LT(median(errors), 0.02);  // px; 0.055 where rows are taken not to grow
+
+  // Cameras exposed at once again: nothing of that is left.
+  const ImagePyramid at_once = buildPyramid(wallAt({-kDisparity, 0.0}), 1);
+  for (Landmark& landmark : landmarks_)
+    landmark.sightings.back().stereo = false;
+  tracker_.matchStereo(landmarks_, window_, left, at_once, rightFromLeft(), Eigen::Isometry3d::Identity());
+  for (const Landmark& landmark : landmarks_) {
+    if (!landmark.last().stereo) continue;
+    EXPECT_EQ(landmark.stereo_warp(1, 0), 0.0);
+    EXPECT_EQ(landmark.stereo_warp(1, 1), 1.0);
+  }
 }
 
 TEST_F(LandmarkTrackerTest, OfTwoThatMeetTheTrustedOneStays) {

@@ -37,6 +37,15 @@ double number(const Row& row, std::size_t index) {
   return value;
 }
 
+/// In metres: what no vehicle reaches is not written back as it was read either.
+double coordinate(const Row& row, std::size_t index) {
+  constexpr double kFarthest = 1e9;
+  const double value = number(row, index);
+  if (std::abs(value) > kFarthest)
+    fail(row, "expected metres in column " + std::to_string(index + 1) + ", at most 1e9");
+  return value;
+}
+
 /// Decimal seconds as ns, exactly: a double holds instants since 1970 only to 0.2 us.
 std::int64_t nanoseconds(const Row& row) {
   const std::string& word = row.words.front();
@@ -59,7 +68,7 @@ StampedPose readTumRow(const Row& row) {
   StampedPose stamped;
   stamped.time_ns = nanoseconds(row);
   for (int axis = 0; axis < 3; ++axis)
-    stamped.pose.translation()[axis] = number(row, 1 + axis);
+    stamped.pose.translation()[axis] = coordinate(row, 1 + axis);
   const Eigen::Quaterniond rotation(number(row, 7), number(row, 4), number(row, 5), number(row, 6));
   constexpr double kTolerance = 1e-2;
   if (std::abs(rotation.norm() - 1.0) > kTolerance) {
@@ -76,7 +85,7 @@ StampedPose readKittiRow(const Row& row, std::size_t index) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j)
       R(i, j) = number(row, 4 * i + j);
-    stamped.pose.translation()[i] = number(row, 4 * i + 3);
+    stamped.pose.translation()[i] = coordinate(row, 4 * i + 3);
   }
   constexpr double kTolerance = 1e-3;
   if (!(R * R.transpose()).isIdentity(kTolerance) || R.determinant() < 0.0) {

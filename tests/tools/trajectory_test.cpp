@@ -108,6 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadTrajectory{"TimeStandsStill", "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
                       ":2: expected instants that increase"},
         BadTrajectory{"InstantTooLarge", "1e300 0 0 0 0 0 0 1\n", ":1: expected an instant in seconds"},
+        BadTrajectory{"TooFar", "0 0 -7e150 0 0 0 0 1\n", ":1: expected metres in column 3, at most 1e9"},
         BadTrajectory{"Empty", "# nothing\n", ": holds no poses"}),
     [](const auto& test_case) { return test_case.param.name; });
 

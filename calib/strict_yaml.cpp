@@ -1,17 +1,16 @@
 #include "calib/strict_yaml.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
+
+#include "calib/printable_text.hpp"
 
 namespace cartvo {
 namespace {
@@ -30,62 +29,12 @@ std::string readText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-bool continues(char byte) {
-  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-}
-
-/// Takes the UTF-8 character at the beginning of `text` off it; nothing if none stands there (RFC 3629: no
-/// overlong form, no surrogate, nothing above U+10FFFF).
-std::optional<std::uint32_t> takeCharacter(std::string_view& text) {
-  struct Form {
-    std::size_t length;
-    std::uint32_t lead, mask, least;
-  };
-  static constexpr std::array<Form, 4> kForms{
-      {{1, 0x00, 0x7F, 0}, {2, 0xC0, 0x1F, 0x80}, {3, 0xE0, 0x0F, 0x800}, {4, 0xF0, 0x07, 0x10000}}};
-  const std::uint32_t first = static_cast<unsigned char>(text.front());
-  for (const Form& form : kForms) {
-    if ((first & ~form.mask) != form.lead) continue;
-    if (text.size() < form.length) return std::nullopt;
-    std::uint32_t character = first & form.mask;
-    for (std::size_t i = 1; i < form.length; ++i) {
-      if (!continues(text[i])) return std::nullopt;
-      character = character << 6U | (static_cast<unsigned char>(text[i]) & 0x3FU);
-    }
-    const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
-    if (character < form.least || is_surrogate || character > 0x10FFFF) return std::nullopt;
-    text.remove_prefix(form.length);
-    return character;
-  }
-  return std::nullopt;
-}
-
-/// What ends a line, steers a terminal or turns the direction of writing around.
-bool isControl(std::uint32_t character) {
-  const auto within = [character](std::uint32_t first, std::uint32_t last) {
-    return character >= first && character <= last;
-  };
-  return character < 0x20 || within(0x7F, 0x9F) || within(0x2028, 0x202E) || within(0x2066, 0x2069);
-}
-
-/// Whether a text can be shown, logged, written as YAML or JSON and read back the same.
-bool isPrintable(std::string_view text) {
-  while (!text.empty()) {
-    const auto character = takeCharacter(text);
-    if (!character || isControl(*character)) return false;
-  }
-  return true;
-}
-
 /// As errors show a value: a terminal or a log must not be told what to do by it.
 std::string shortened(const std::string& text) {
   constexpr std::size_t kLongest = 60;
   if (!isPrintable(text)) return "(not printable)";
   if (text.size() <= kLongest) return text;
-  std::size_t end = kLongest;
-  while (continues(text[end]))
-    --end;
-  return text.substr(0, end) + "...";
+  return std::string(beginningOf(text, kLongest)) + "...";
 }
 
 /// With what it holds, if that is short: a person must see which item is wrong.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "calib/printable_text.hpp"
 #include "daemon/host_clock.hpp"
 
 namespace cartvo {
@@ -27,14 +28,8 @@ float megabytesResident() {
   return static_cast<float>(resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6);
 }
 
-/// Cut at a UTF-8 character's beginning.
-std::string shortened(std::string text) {
-  if (text.size() <= kLongestText) return text;
-  std::size_t end = kLongestText;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
-    --end;
-  text.resize(end);
-  return text;
+std::string shortened(const std::string& text) {
+  return std::string(beginningOf(text, kLongestText));
 }
 
 std::int8_t stateCode(CameraState state) {

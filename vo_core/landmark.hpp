@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "vo_core/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -43,5 +44,17 @@ struct Landmark {
   const Sighting& last() const { return sightings.back(); }
   bool hasDepth() const { return information > 0.0; }
 };
+
+/// Of the landmarks, those that the last pair found in its right image too.
+int countStereo(const std::vector<Landmark>& landmarks);
+
+/// Landmarks as if the last pair had not found them in its right image.
+void forgetLastStereo(std::vector<Landmark>& landmarks);
+
+/// As if none of their pairs had; the depths that came of it stay.
+void forgetStereo(std::vector<Landmark>& landmarks);
+
+/// And as if nobody knew their depths, nor how their patches look in the right image.
+void forgetStereoAndDepth(std::vector<Landmark>& landmarks);
 
 }  // namespace cartvo

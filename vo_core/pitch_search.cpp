@@ -15,30 +15,22 @@ constexpr double kMany = 0.3;
 // In the dark a twentieth is matched where the right camera looks, of new corners, and a hundredth by chance:
 // so the right pitch brings many times as many as any other. A scene that hides matches hides them at each
 // pitch.
-constexpr std::ptrdiff_t kClearlyMore = 2;     // times as many as without it
-constexpr std::ptrdiff_t kFewestFound = 20;    // that are not there by chance
-constexpr std::ptrdiff_t kFewestInSample = 2;  // for all to be tried
-constexpr std::size_t kFewest = 50;            // landmarks, of which a share says anything
-constexpr std::size_t kSample = 100;           // that each pitch is tried with
-constexpr double kStep = 1.5;     // px, half of what the search over rows and the alignment forgive
-constexpr double kMost = 0.0105;  // rad, 0.6 degrees
-
-bool isMatched(const Landmark& landmark) {
-  return landmark.last().stereo;
-}
-
-std::ptrdiff_t countMatched(const std::vector<Landmark>& landmarks) {
-  return std::count_if(landmarks.begin(), landmarks.end(), isMatched);
-}
+constexpr int kClearlyMore = 2;       // times as many as without it
+constexpr int kFewestFound = 20;      // that are not there by chance
+constexpr int kFewestInSample = 2;    // for all to be tried
+constexpr std::size_t kFewest = 50;   // landmarks, of which a share says anything
+constexpr std::size_t kSample = 100;  // that each pitch is tried with
+constexpr double kStep = 1.5;         // px, half of what the search over rows and the alignment forgive
+constexpr double kMost = 0.0105;      // rad, 0.6 degrees
 
 struct PitchCount {
-  double pitch = 0.0;          // rad
-  std::ptrdiff_t matched = 0;  // landmarks
+  double pitch = 0.0;  // rad
+  int matched = 0;     // landmarks
 };
 
 PitchCount matchedAt(double pitch, std::vector<Landmark> landmarks, const MatchAtPitch& match) {
   match(landmarks, pitch);
-  return {pitch, countMatched(landmarks)};
+  return {pitch, countStereo(landmarks)};
 }
 
 /// The pitch at which most of the landmarks, none of which is matched, find a match.
@@ -58,23 +50,23 @@ PitchCount bestPitch(const std::vector<Landmark>& landmarks, double focal_length
 std::vector<Landmark> unmatchedOf(const std::vector<Landmark>& landmarks, std::size_t stride) {
   std::vector<Landmark> unmatched;
   for (std::size_t i = 0; i < landmarks.size(); i += stride)
-    if (!isMatched(landmarks[i])) unmatched.push_back(landmarks[i]);
+    if (!landmarks[i].last().stereo) unmatched.push_back(landmarks[i]);
   return unmatched;
 }
 
-bool clearlyMore(std::ptrdiff_t found, std::ptrdiff_t matched) {
+bool clearlyMore(int found, int matched) {
   return found >= kFewestFound && found >= kClearlyMore * matched;
 }
 
 }  // namespace
 
 bool clearlyMoreMatched(const std::vector<Landmark>& now, const std::vector<Landmark>& before) {
-  return clearlyMore(countMatched(now), countMatched(before));
+  return clearlyMore(countStereo(now), countStereo(before));
 }
 
 bool hardlyMatched(const std::vector<Landmark>& landmarks) {
   return landmarks.size() >= kFewest &&
-         static_cast<double>(countMatched(landmarks)) < kHardly * static_cast<double>(landmarks.size());
+         static_cast<double>(countStereo(landmarks)) < kHardly * static_cast<double>(landmarks.size());
 }
 
 std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,
@@ -82,13 +74,12 @@ std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double f
   const std::size_t stride = std::max<std::size_t>(1, landmarks.size() / kSample);
   const std::vector<Landmark> sample = unmatchedOf(landmarks, stride);
   const PitchCount best = bestPitch(sample, focal_length, match);
-  if (best.matched > static_cast<std::ptrdiff_t>(kMany * static_cast<double>(sample.size())))
-    return best.pitch;
+  if (best.matched > static_cast<int>(kMany * static_cast<double>(sample.size()))) return best.pitch;
   // Few, but perhaps far more than without it. All are tried only where the sample lets that be hoped for.
-  const std::ptrdiff_t matched = countMatched(landmarks);
-  if (best.matched < kFewestInSample || best.matched * static_cast<std::ptrdiff_t>(stride) < matched)
+  const int matched = countStereo(landmarks);
+  if (best.matched < kFewestInSample || best.matched * static_cast<int>(stride) < matched)
     return std::nullopt;
-  const std::ptrdiff_t found = matchedAt(best.pitch, unmatchedOf(landmarks, 1), match).matched;
+  const int found = matchedAt(best.pitch, unmatchedOf(landmarks, 1), match).matched;
   if (!clearlyMore(found, matched)) return std::nullopt;
   return best.pitch;
 }

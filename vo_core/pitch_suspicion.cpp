@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "vo_core/pitch_search.hpp"
-#include "vo_core/rig_witness.hpp"
 #include "vo_core/window_problems.hpp"
 
 namespace cartvo {
@@ -14,11 +13,6 @@ namespace {
 constexpr int kPairsBetween = 20;
 
 }  // namespace
-
-void unmatchLast(std::vector<Landmark>& landmarks) {
-  for (Landmark& landmark : landmarks)
-    landmark.sightings.back().stereo = false;
-}
 
 bool PitchSuspicion::take(const MatchedPair& pair, RigMonitor& rig) {
   if (pairs_until_next_ > 0) --pairs_until_next_;
@@ -44,7 +38,7 @@ bool PitchSuspicion::knownExplains(const MatchedPair& pair, RigMonitor& rig,
                                    std::vector<Landmark>& sought) const {
   const RigCorrection known = rig.expected();
   if (refinement_ == RigRefinement::correct || std::hypot(known.pitch, known.roll) == 0.0) return false;
-  forgetStereo(sought);
+  forgetStereoAndDepth(sought);
   pair.match(sought, rig);
   if (!hardlyMatched(sought)) return true;
   if (!clearlyMoreMatched(sought, pair.landmarks)) return false;
@@ -57,7 +51,7 @@ bool PitchSuspicion::knownExplains(const MatchedPair& pair, RigMonitor& rig,
 /// the rest: at first of those that lie near enough, then of all.
 void PitchSuspicion::refine(const MatchedPair& pair, std::vector<Landmark> sought, RigMonitor& rig) const {
   for (int round = 0; round < 2; ++round) {
-    unmatchLast(sought);
+    forgetLastStereo(sought);
     pair.match(sought, rig);
     rig.suspectPitch(matchesAlone(sought, pair.window, camera_));
   }

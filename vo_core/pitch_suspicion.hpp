@@ -39,7 +39,4 @@ class PitchSuspicion {
   int pairs_until_next_ = 0;
 };
 
-/// Landmarks as if the last pair had not matched them in stereo.
-void unmatchLast(std::vector<Landmark>& landmarks);
-
 }  // namespace cartvo

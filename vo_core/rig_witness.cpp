@@ -75,15 +75,6 @@ void shrink(BundleProblem& problem, double by) {
 
 }  // namespace
 
-void forgetStereo(std::vector<Landmark>& landmarks) {
-  for (Landmark& landmark : landmarks) {
-    landmark.information = 0.0;
-    landmark.stereo_warp.setIdentity();
-    for (Sighting& sighting : landmark.sightings)
-      sighting.stereo = false;
-  }
-}
-
 /// Some of those that have a depth and were seen by more than one pair, in the order in which they are.
 std::vector<Landmark> RigWitness::chosenOf(const TrackedPair& pair) const {
   std::vector<const Landmark*> followed;
@@ -122,7 +113,7 @@ void RigWitness::matchTurned(const TrackedPair& pair, const RigMonitor& rig, dou
 void RigWitness::matchAnew(const TrackedPair& pair, const RigMonitor& rig,
                            std::vector<Landmark>& landmarks) const {
   std::vector<Landmark> sought = landmarks;
-  forgetStereo(sought);
+  forgetStereoAndDepth(sought);
   matchTurned(pair, rig, camera_.baseline, sought);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     landmarks[i].sightings = sought[i].sightings;
@@ -135,9 +126,7 @@ void RigWitness::matchByDepth(const TrackedPair& pair, const RigMonitor& rig,
                               std::vector<Landmark>& landmarks) const {
   const auto scale = scaleByMatches(camera_, pair.window, landmarks, rig.correction());
   if (!scale) return;
-  for (Landmark& landmark : landmarks)
-    for (Sighting& sighting : landmark.sightings)
-      sighting.stereo = false;
+  forgetStereo(landmarks);
   matchTurned(pair, rig, *scale * camera_.baseline, landmarks);  // in the metres of the track
 }
 

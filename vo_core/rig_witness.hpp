@@ -49,7 +49,4 @@ class RigWitness {
   int pairs_ = 0;          ///< since the last one whose turn it was
 };
 
-/// Landmarks as if no pair had matched them in stereo nor found their depths.
-void forgetStereo(std::vector<Landmark>& landmarks);
-
 }  // namespace cartvo

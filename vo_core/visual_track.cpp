@@ -44,11 +44,6 @@ void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
-int countStereo(const std::vector<Landmark>& landmarks) {
-  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
-                                        [](const Landmark& landmark) { return landmark.last().stereo; }));
-}
-
 /// First depth of a landmark whose only sighting is in stereo.
 void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                const Eigen::Vector2d& right_pixel, const BundleNoise& noise) {
@@ -265,7 +260,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   };
   match(landmarks, corrects() ? rig_ : RigMonitor());
   if (pitch_suspicion_.take({landmarks, window, match}, rig_) && corrects()) {
-    unmatchLast(landmarks);  // the matches there are, are by chance
+    forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }
 

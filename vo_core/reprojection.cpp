@@ -151,6 +151,11 @@ RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double
   return right;
 }
 
+Eigen::Isometry3d newestRightFromLeft(const std::vector<TimedPose>& poses, double baseline) {
+  const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, baseline);
+  return right.T_world_camera.inverse() * poses.back().T_world_camera;
+}
+
 Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_host,
                            const Eigen::Vector3d& bearing, double inverse_depth) {
   Projection projection;

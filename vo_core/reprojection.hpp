@@ -38,6 +38,9 @@ struct RightCamera {
 /// pair's other side, else the one beyond the neighbour.
 RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double baseline);
 
+/// Takes a point from the last pose's left camera to its right one at that one's own instant.
+Eigen::Isometry3d newestRightFromLeft(const std::vector<TimedPose>& poses, double baseline);
+
 /// The rotation part of a right Jacobian of SO(3) and its inverse (T. Barfoot, "State Estimation for
 /// Robotics", 2017, eq. 7.77, 7.78).
 Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation);

@@ -33,17 +33,11 @@ std::int64_t firstHost(const std::vector<Landmark>& landmarks) {
   return *at;
 }
 
-Eigen::Isometry3d newestRightFromLeft(const std::vector<WindowFrame>& window, double baseline) {
-  const std::vector<TimedPose> poses = timedPoses(window);
-  const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, baseline);
-  return right.T_world_camera.inverse() * poses.back().T_world_camera;
-}
-
 /// By how much the newest pair's corrected matches say that inverse depths are larger than the track has
 /// them. Nothing if there are too few.
 std::optional<double> scaleByMatches(const StereoCamera& camera, const std::vector<WindowFrame>& window,
                                      const std::vector<Landmark>& landmarks, const RigCorrection& rig) {
-  const Eigen::Isometry3d T_right_left = newestRightFromLeft(window, camera.baseline);
+  const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera.baseline);
   std::vector<double> ratios;
   for (const Landmark& landmark : landmarks) {
     const Sighting& last = landmark.last();
@@ -73,12 +67,10 @@ void shrink(BundleProblem& problem, double by) {
     landmark.inverse_depth *= by;
 }
 
-}  // namespace
-
 /// Some of those that have a depth and were seen by more than one pair, in the order in which they are.
-std::vector<Landmark> RigWitness::chosenOf(const TrackedPair& pair) const {
+std::vector<Landmark> chosenOf(const std::vector<Landmark>& landmarks) {
   std::vector<const Landmark*> followed;
-  for (const Landmark& landmark : pair.landmarks)
+  for (const Landmark& landmark : landmarks)
     if (landmark.hasDepth() && landmark.sightings.size() > 1) followed.push_back(&landmark);
   const std::size_t stride = std::max<std::size_t>(1, (followed.size() + kLandmarks / 2) / kLandmarks);
   std::vector<Landmark> chosen;
@@ -86,6 +78,8 @@ std::vector<Landmark> RigWitness::chosenOf(const TrackedPair& pair) const {
     chosen.push_back(*followed[i]);
   return chosen;
 }
+
+}  // namespace
 
 /// Whether the track looks for matches in rows where they are not.
 bool RigWitness::hidesMatches(const RigMonitor& rig) const {
@@ -100,21 +94,12 @@ bool RigWitness::hidesTheFar(const RigMonitor& rig) const {
   return camera_.focal_length * -rig.expected().yaw > kForgivenColumn;
 }
 
-/// In the newest pair, where the right camera is known to look, so far from the left one.
-void RigWitness::matchTurned(const TrackedPair& pair, const RigMonitor& rig, double baseline,
-                             std::vector<Landmark>& landmarks) const {
-  const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
-  pair.tracker.matchStereo(landmarks, pair.window, pair.left, pair.right,
-                           turned * newestRightFromLeft(pair.window, baseline),
-                           pair.window.back().T_world_camera);
-}
-
 /// Wherever the matches may be; depths stay as a start for what follows.
-void RigWitness::matchAnew(const TrackedPair& pair, const RigMonitor& rig,
+void RigWitness::matchAnew(const NewestPair& pair, const RigMonitor& rig,
                            std::vector<Landmark>& landmarks) const {
   std::vector<Landmark> sought = landmarks;
   forgetStereoAndDepth(sought);
-  matchTurned(pair, rig, camera_.baseline, sought);
+  matchTurned(pair, newestRightFromLeft(timedPoses(pair.window), camera_.baseline), rig, sought);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     landmarks[i].sightings = sought[i].sightings;
 }
@@ -122,17 +107,18 @@ void RigWitness::matchAnew(const TrackedPair& pair, const RigMonitor& rig,
 /// Where the track's depths lead once they have the scale of the matches there are. The track's own matches
 /// of what is far were looked for some pixels off: they are lost or, in the dark, found too near to there, so
 /// that a sixth of the yaw was missing.
-void RigWitness::matchByDepth(const TrackedPair& pair, const RigMonitor& rig,
+void RigWitness::matchByDepth(const NewestPair& pair, const RigMonitor& rig,
                               std::vector<Landmark>& landmarks) const {
   const auto scale = scaleByMatches(camera_, pair.window, landmarks, rig.correction());
   if (!scale) return;
   forgetStereo(landmarks);
-  matchTurned(pair, rig, *scale * camera_.baseline, landmarks);  // in the metres of the track
+  const double baseline = *scale * camera_.baseline;  // in the metres of the track
+  matchTurned(pair, newestRightFromLeft(timedPoses(pair.window), baseline), rig, landmarks);
 }
 
 /// The window by itself: all poses but the first are free, and nothing is held against depths that earlier
 /// pairs, uncorrected, knew.
-BundleProblem RigWitness::problemOf(const TrackedPair& pair, const std::vector<Landmark>& landmarks,
+BundleProblem RigWitness::problemOf(const NewestPair& pair, const std::vector<Landmark>& landmarks,
                                     const RigCorrection& rig) const {
   const std::int64_t first = firstHost(landmarks);
   std::vector<WindowFrame> window = pair.window;
@@ -151,10 +137,10 @@ BundleProblem RigWitness::problemOf(const TrackedPair& pair, const std::vector<L
   return problem;
 }
 
-void RigWitness::take(const TrackedPair& pair, RigMonitor& rig) {
+void RigWitness::take(const NewestPair& pair, const std::vector<Landmark>& all, RigMonitor& rig) {
   if (++pairs_ < kPairs) return;
   pairs_ = 0;
-  std::vector<Landmark> landmarks = chosenOf(pair);
+  std::vector<Landmark> landmarks = chosenOf(all);
   if (hidesMatches(rig))
     matchAnew(pair, rig, landmarks);
   else if (hidesTheFar(rig))

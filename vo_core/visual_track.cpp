@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "vo_core/bundle_noise.hpp"
+#include "vo_core/newest_pair.hpp"
 #include "vo_core/plausible_motion.hpp"
 #include "vo_core/triangulation.hpp"
 #include "vo_core/window_problems.hpp"
@@ -250,13 +251,9 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               std::vector<Landmark>& landmarks) {
-  const std::vector<TimedPose> poses = timedPoses(window);
-  const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, camera_.baseline);
-  const Eigen::Isometry3d& T_world_camera = poses.back().T_world_camera;
-  const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * T_world_camera;
+  const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
   const MatchBy match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
-    const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
-    tracker_.matchStereo(wanted, window, pair.left, pair.right, turned * T_right_left, T_world_camera);
+    matchTurned({tracker_, pair.left, pair.right, window}, T_right_left, rig, wanted);
   };
   match(landmarks, corrects() ? rig_ : RigMonitor());
   if (pitch_suspicion_.take({landmarks, window, match}, rig_) && corrects()) {
@@ -321,7 +318,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   noise_ = adapted(noise_, result, 1);
   rig_ = learned;
   if (settings_.rig_refinement == RigRefinement::monitor)
-    rig_witness_.take({tracker_, pair.left, pair.right, draft.landmarks, draft.window}, rig_);
+    rig_witness_.take({tracker_, pair.left, pair.right, draft.window}, draft.landmarks, rig_);
   accept(pair, draft);
 }
 

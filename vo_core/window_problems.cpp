@@ -81,8 +81,7 @@ BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::ve
   problem.camera = camera;
   problem.poses = timedPoses(window);
   const int newest = static_cast<int>(problem.poses.size()) - 1;
-  const RightCamera right = rightCameraOf(problem.poses, newest, camera.baseline);
-  const Eigen::Isometry3d T_right_left = right.T_world_camera.inverse() * problem.poses.back().T_world_camera;
+  const Eigen::Isometry3d T_right_left = newestRightFromLeft(problem.poses, camera.baseline);
   for (const Landmark& landmark : landmarks) {
     const Sighting& last = landmark.last();
     if (!last.stereo) continue;

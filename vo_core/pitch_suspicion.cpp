@@ -10,15 +10,14 @@
 namespace cartvo {
 namespace {
 
-constexpr int kPairsBetween = 20;
+constexpr int kPairsBetween = 20;  // from one look to the next
 
 }  // namespace
 
 bool PitchSuspicion::take(const MatchedPair& pair, RigMonitor& rig) {
-  if (pairs_until_next_ > 0) --pairs_until_next_;
-  if (refinement_ == RigRefinement::off || pairs_until_next_ > 0 || !hardlyMatched(pair.landmarks))
-    return false;
-  pairs_until_next_ = kPairsBetween;
+  const std::int64_t index = pair.window.back().index;
+  if (refinement_ == RigRefinement::off || index < next_pair_ || !hardlyMatched(pair.landmarks)) return false;
+  next_pair_ = index + kPairsBetween;
   std::vector<Landmark> sought = pair.landmarks;
   if (knownExplains(pair, rig, sought)) return false;
   const auto pitch = findPitch(sought, camera_.focal_length, [&](std::vector<Landmark>& tried, double by) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "vo_core/frame_window.hpp"
 #include "vo_core/landmark_tracker.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rig_monitor.hpp"
@@ -21,7 +21,8 @@ struct MatchedPair {
   const MatchBy& match;
 };
 
-/// Where hardly a match is found, looks now and then whether the right camera has been bumped up or down.
+/// Where hardly a match is found, looks now and then whether the right camera has been bumped up or down:
+/// that takes about as long as all other matching.
 class PitchSuspicion {
  public:
   PitchSuspicion(const StereoCamera& camera, RigRefinement refinement)
@@ -36,7 +37,7 @@ class PitchSuspicion {
 
   StereoCamera camera_;
   RigRefinement refinement_;
-  int pairs_until_next_ = 0;
+  std::int64_t next_pair_ = 0;  ///< index of the first that may be looked at
 };
 
 }  // namespace cartvo

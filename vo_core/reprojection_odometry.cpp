@@ -12,7 +12,10 @@ namespace {
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-      : camera_(camera), settings_(settings), left_pyramids_(settings.tracking.levels) {}
+      : camera_(camera),
+        settings_(settings),
+        left_pyramids_(settings.tracking.levels),
+        pitch_suspicion_(camera, settings.rig_refinement) {}
 
   OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
   void aimAt(int features) override;
@@ -22,6 +25,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   bool offsetInRange(const PreparedPair& pair) const;
   OdometryEstimate refuse(const PreparedPair& pair, OdometryReason reason) const;
   bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
+  RigMonitor knownOfRig() const;
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
   OdometryEstimate estimateOf(const PreparedPair& pair, const TrackedMotion& motion) const;
@@ -30,6 +34,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   OdometrySettings settings_;
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{1};
+  PitchSuspicion pitch_suspicion_;  ///< at the first pairs of tracks: while lost, each pair is one
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
@@ -99,9 +104,15 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
   return estimateOf(pair, motion);
 }
 
+/// By the newest track, even if it came to nothing: what it found out would not be looked for again so soon.
+RigMonitor ReprojectionOdometry::knownOfRig() const {
+  if (successor_) return successor_->rig();
+  return track_ ? track_->rig() : RigMonitor();
+}
+
 OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryReason reason,
                                              StageObserver& observer) {
-  track_.emplace(camera_, settings_, pair, track_ ? track_->rig() : RigMonitor(), observer);
+  track_.emplace(camera_, settings_, pair, knownOfRig(), pitch_suspicion_, observer);
   successor_.reset();
   lost_pairs_ = 0;
   TrackedMotion motion;
@@ -115,7 +126,7 @@ OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryR
 OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const TrackedMotion& failed,
                                             StageObserver& observer) {
   TrackedMotion motion = failed;
-  successor_.emplace(camera_, settings_, pair, track_->rig(), observer);
+  successor_.emplace(camera_, settings_, pair, knownOfRig(), pitch_suspicion_, observer);
   motion.counts.detected = successor_->landmarkCount();
   motion.counts.stereo = successor_->stereoCount();
   if (++lost_pairs_ > settings_.tracking.search_again) {

@@ -59,7 +59,8 @@ void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isom
 }  // namespace
 
 VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& settings,
-                         const PreparedPair& first, const RigMonitor& rig, StageObserver& observer)
+                         const PreparedPair& first, const RigMonitor& rig, PitchSuspicion& suspicion,
+                         StageObserver& observer)
     : camera_(camera),
       settings_(settings),
       tracker_(camera, settings),
@@ -75,7 +76,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   }
   const StageScope stage(observer, Stage::disparity);
   window_.push_back(frameOf(first, settings.offset_model));
-  matchStereo(first, window_, landmarks_);
+  matchStereo(first, window_, suspicion, landmarks_);
   // How fast the cart is, is not known: with two instants, its depths are vague.
   const double vague = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
   for (Landmark& landmark : landmarks_) {
@@ -152,7 +153,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
   }
   {
     const StageScope stage(observer, Stage::disparity);
-    matchStereo(pair, draft.window, draft.landmarks);
+    matchStereo(pair, draft.window, pitch_suspicion_, draft.landmarks);
     motion.counts.stereo = countStereo(draft.landmarks);
   }
   const StageScope stage(observer, Stage::weights);
@@ -250,13 +251,13 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
 }
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
-                              std::vector<Landmark>& landmarks) {
+                              PitchSuspicion& suspicion, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
   const MatchBy match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
     matchTurned({tracker_, pair.left, pair.right, window}, T_right_left, rig, wanted);
   };
   match(landmarks, corrects() ? rig_ : RigMonitor());
-  if (pitch_suspicion_.take({landmarks, window, match}, rig_) && corrects()) {
+  if (suspicion.take({landmarks, window, match}, rig_) && corrects()) {
     forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }

@@ -44,9 +44,10 @@ struct TrackedMotion {
 /// cannot be explained leaves it as it was.
 class VisualTrack {
  public:
-  /// Begins at a pair, which is the origin. `rig`: what is known of the rig so far.
+  /// Begins at a pair, which is the origin. `rig`: what is known of the rig so far; `suspicion`: that of all
+  /// first pairs.
   VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
-              const RigMonitor& rig, StageObserver& observer);
+              const RigMonitor& rig, PitchSuspicion& suspicion, StageObserver& observer);
 
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
   void aimAt(int features) { tracker_.aimAt(features); }
@@ -74,7 +75,7 @@ class VisualTrack {
   PoseProblem poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
                           std::vector<std::size_t>& chosen) const;
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
-                   std::vector<Landmark>& landmarks);
+                   PitchSuspicion& suspicion, std::vector<Landmark>& landmarks);
   void stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
                     std::vector<std::size_t>& chosen) const;
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
@@ -93,7 +94,7 @@ class VisualTrack {
   BundleNoise noise_;
   RigMonitor rig_;
   RigWitness rig_witness_;
-  PitchSuspicion pitch_suspicion_;
+  PitchSuspicion pitch_suspicion_;  ///< at later pairs than the first
   StandstillDetector standstill_;
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand

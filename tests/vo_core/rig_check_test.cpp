@@ -186,6 +186,42 @@ TEST(RigCheck, FindsNothingWrongByNight) {
     EXPECT_NEAR(estimated(pairs, refinement, kFeaturesByNight).check.pitch.value, 0.0, kTolerance);
 }
 
+/// Each pair from another world, so that no motion is found; the right camera is turned and, at the first
+/// pair, covered.
+std::vector<StereoImages> lostWith(const RigCorrection& turned, int count) {
+  Eigen::Isometry3d right(Eigen::Translation3d(kCamera.baseline, 0.0, 0.0));
+  right.rotate(turned.rotation());
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < count; ++i) {
+    const test::CorridorWorld world(i);
+    const std::int64_t stamp = std::llround(1e9 * i * kPeriod);
+    pairs.push_back(
+        {world.view(kCamera, Eigen::Isometry3d::Identity()), world.view(kCamera, right), stamp, stamp});
+  }
+  pairs.front().right = cv::Mat(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
+  return pairs;
+}
+
+TEST(RigCheck, WhileLostLooksForAPitchAtEachTwentiethPair) {
+  constexpr int kLooksAgain = 20;
+  // The pair by which an epoch has begun since: its estimate tells what was found.
+  const int kNextEpoch = kLooksAgain + OdometrySettings{}.tracking.search_again + 1;
+  const double pitch = 0.55 * kDegree;
+  const auto estimates =
+      estimated(lostWith({.pitch = pitch}, kNextEpoch + 1), RigRefinement::correct).estimates;
+  for (const OdometryEstimate& estimate : estimates)
+    EXPECT_FALSE(estimate.valid);
+  for (int i = 0; i < kLooksAgain; ++i)
+    EXPECT_EQ(estimates[i].rig->pitch.value, 0.0) << i;
+  EXPECT_NEAR(estimates[kNextEpoch].rig->pitch.value, pitch, kTolerance) << "nor is it forgotten until then";
+}
+
+TEST(RigCheck, FindsAPitchSoonThoughTheRightCameraWasCoveredAtFirst) {
+  std::vector<StereoImages> pairs = drivenWith({.pitch = 0.5 * kDegree}, 0.0, 4);
+  pairs.front().right = cv::Mat(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
+  EXPECT_NEAR(estimated(pairs, RigRefinement::correct).check.pitch.value, 0.5 * kDegree, kTolerance);
+}
+
 TEST(RigCheck, FindsARightCameraThatIsLateOrEarly) {
   for (const double late : {-0.003, 0.003}) {
     const RigCheck check = driven({}, late, RigRefinement::correct).check;

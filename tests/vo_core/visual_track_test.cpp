@@ -62,7 +62,7 @@ OdometrySettings smallSettings() {
 class VisualTrackTest : public testing::Test {
  protected:
   VisualTrack begin(const OdometrySettings& settings = smallSettings()) {
-    return VisualTrack(kCamera, settings, prepared(drivePair(0), 0), RigMonitor(), observer_);
+    return VisualTrack(kCamera, settings, prepared(drivePair(0), 0), RigMonitor(), suspicion_, observer_);
   }
   TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
     return track.process(prepared(images, index), observer_);
@@ -75,6 +75,7 @@ class VisualTrackTest : public testing::Test {
     return index + 1;
   }
 
+  PitchSuspicion suspicion_{kCamera, RigRefinement::correct};
   NullStageObserver observer_;
 };
 
@@ -184,12 +185,13 @@ TEST_F(VisualTrackTest, HandsOnWhatItKnowsOfTheRig) {
   RigMonitor known;
   known.suspectPitch(1e-3);
   const auto pitch_of = [](const VisualTrack& track) { return track.rigCheck().value().pitch.value; };
-  const VisualTrack track(kCamera, smallSettings(), prepared(drivePair(0), 0), known, observer_);
+  const VisualTrack track(kCamera, smallSettings(), prepared(drivePair(0), 0), known, suspicion_, observer_);
   EXPECT_EQ(pitch_of(track), 1e-3);
   VisualTrack driven = begin();
   for (int i = 1; i < 7; ++i)
     show(driven, drivePair(i), i);
-  const VisualTrack successor(kCamera, smallSettings(), prepared(drivePair(6), 6), driven.rig(), observer_);
+  const VisualTrack successor(kCamera, smallSettings(), prepared(drivePair(6), 6), driven.rig(), suspicion_,
+                              observer_);
   EXPECT_NE(pitch_of(driven), 0.0);
   EXPECT_EQ(pitch_of(successor), pitch_of(driven));
 }

@@ -13,11 +13,10 @@ namespace {
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr double kTellingDelay = 1e-3;                     // s
 constexpr double kTellingAngle = 0.1 / kDegreesPerRadian;  // rad
-constexpr double kHidingAngle =
-    0.15 / kDegreesPerRadian;         // rad, that may take matches out of the rows searched
-constexpr double kBeyondDoubt = 3.0;  // standard deviations
-constexpr double kFinest = 0.01;      // deg that a sentence tells: nothing is exact
-constexpr double kStillWrong = 0.7;   // of what is telling, once it was told
+constexpr double kHidingAngle = 0.15 / kDegreesPerRadian;  // rad, that may hide matches from the search
+constexpr double kBeyondDoubt = 3.0;                       // standard deviations
+constexpr double kFinest = 0.01;                           // deg that a sentence tells: nothing is exact
+constexpr double kStillWrong = 0.7;                        // of what is telling, once it was told
 
 /// In the order in which they are told: the delay, then the angles.
 std::array<Checked, 4> listOf(const RigCheck& rig) {

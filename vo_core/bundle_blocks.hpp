@@ -38,9 +38,9 @@ class BundleBlocks {
   std::vector<SightingBlock> sightings;  ///< of each block its pairs, oldest first
 
  private:
-  LaneOrder order_;
-
   void add(const BundleProblem& problem, int host, const int* first, int count);
+
+  LaneOrder order_;
 };
 
 }  // namespace cartvo

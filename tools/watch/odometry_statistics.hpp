@@ -25,7 +25,7 @@ struct OdometrySummary {
   double frame_rate = 0.0;                            ///< pairs a second over that time, Hz
   double path_length = 0.0;                           ///< m, over valid poses within an epoch
   double latency_p50_ms = 0.0, latency_p99_ms = 0.0;  ///< last packet to publication
-  double latency_settled_p99_ms = 0.0;        ///< of those from the third second on; NaN if there are none
+  double latency_settled_p99_ms = 0.0;        ///< of those 2 s after the first pair and later; NaN: none
   double age_p50_ms = 0.0, age_p99_ms = 0.0;  ///< exposure to reception, by both clocks
   double offset_median_ms = 0.0;              ///< right minus left exposure
 };

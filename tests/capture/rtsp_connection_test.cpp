@@ -1,12 +1,16 @@
 // How a live connection is refused, lost and made again: over real sockets on loopback, against the simulated
 // camera.
 #include <atomic>
+#include <cerrno>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "capture/ffmpeg_log.hpp"
 #include "capture/rtsp_camera.hpp"
@@ -110,6 +114,24 @@ TEST(RtspConnection, SaysThatNothingAnswersThere) {
   EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
   EXPECT_THAT(camera.health().last_error, HasSubstr("no answer from the camera at 127.0.0.1"));
   EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
+}
+
+TEST(RtspConnection, SaysThatAHostWhoseQueueIsFullDoesNotAnswer) {
+  const test::SilentListener listener(0);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&listener.address());
+  std::vector<int> waiting;  // the kernel answers no further request to connect
+  for (int i = 0; i < 4; ++i) {
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    EXPECT_TRUE(::connect(waiting.back(), address, sizeof listener.address()) == 0 || errno == EINPROGRESS);
+  }
+  RtspCameraSettings settings = test::settingsFor(listener.port());
+  settings.answer_timeout = milliseconds(200);
+  RtspCamera camera(settings);
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("Connection timed out"));
+  for (const int socket : waiting)
+    ::close(socket);
 }
 
 TEST(RtspConnection, InterruptEndsReadingInEachState) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "vo_core/held_poses.hpp"
 #include "vo_core/late_right.hpp"
 #include "vo_core/residual_sizes.hpp"
 #include "vo_core/rig_system.hpp"
@@ -94,6 +95,7 @@ void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const Res
 struct BundleAdjuster::Work {
   BundleBlocks blocks;
   BundleCameras cameras;
+  HeldPoses held;
   ReducedSystem system;
   Conclusions conclusions;
 };
@@ -111,14 +113,16 @@ BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings
   if (problem.poses.size() > kMostWindowPairs)
     throw std::length_error("a bundle has at most " + std::to_string(kMostWindowPairs) + " poses");
   BundleResult result;
-  auto& [blocks, cameras, system, conclusions] = *work_;
+  auto& [blocks, cameras, held, system, conclusions] = *work_;
   blocks.take(problem);
   cameras.take(problem);
+  held.reset(problem);
   system.reset(problem, blocks);
   const BlockResiduals residuals(problem, cameras, settings.robust_width);
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     buildEquations(blocks, residuals, system);
     system.conclude();
+    held.pull(problem, system);
     const Eigen::LDLT<PoseMatrix> factor(system.hessian);
     const auto pivots = factor.vectorD();
     if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
@@ -132,13 +136,14 @@ BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings
   conclusions.reset(problem, cameras, blocks);
   buildConclusions(blocks, residuals, system, conclusions);
   system.conclude();
+  held.pull(problem, system);
   handBack(blocks, system, conclusions.sizes, problem);
   const Eigen::LDLT<PoseMatrix> factor(system.hessian);
   result.covariance = factor.solve(PoseMatrix::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return result;
   conclusions.sizes.conclude(result);
   conclusions.rig.conclude(system, factor, result);
-  conclusions.late_right.conclude(factor, system, blocks, problem);
+  conclusions.late_right.conclude(factor, system, held, blocks, problem);
   result.converged = true;
   return result;
 }

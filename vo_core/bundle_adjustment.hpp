@@ -49,6 +49,9 @@ struct BundleProblem {
   /// `by_late_right` of those that stand is given, of the free ones a result.
   std::vector<TimedPose> poses;
   int fixed = 1;  ///< so many of the oldest poses stand
+  /// Information that holds a free pose where it starts, perturbations on the right: pose by pose, no more
+  /// than there are. Of poses that stand it is not used; what is beyond its end is free.
+  FixedVector<Matrix6d, kMostWindowPairs> held;
   std::vector<BundleLandmark> landmarks;
   BundleNoise noise;
 };
@@ -75,7 +78,7 @@ struct BundleResult {
 /// inverse depths: robust (Cauchy), Gauss-Newton, the depths eliminated by the Schur complement (B. Triggs et
 /// al., "Bundle adjustment - a modern synthesis", 2000). Residuals of a sighting: the left position against
 /// the landmark's projection (not at the host, which defines it), and its disparity against that of the
-/// projections.
+/// projections; and poses that are held against their starts.
 class BundleAdjuster {
  public:
   BundleAdjuster();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "vo_core/held_poses.hpp"
 #include "vo_core/reduced_system.hpp"
 
 // Not for use outside the bundle adjustment.
@@ -15,7 +16,9 @@ namespace cartvo {
 /// unmodelled delay d, the residuals z - h(x, d) and the poses that stand wrong by P d already (H: the
 /// Hessian),
 ///
-///   dx = H^-1 J^T W (dh/dd - J_standing P) d:
+///   dx = H^-1 (J^T W (dh/dd - J_standing P) + L P_held) d,
+///
+/// the last by poses that are held, by an information L, where they stood:
 ///
 /// the consideration of a parameter that is not estimated (S. Schmidt, "Application of state-space methods to
 /// navigation problems", 1966).
@@ -48,7 +51,7 @@ class LateRight {
   }
 
   /// Writes `by_late_right` of the free poses and of the landmarks.
-  void conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system,
+  void conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system, const HeldPoses& held,
                 const BundleBlocks& blocks, BundleProblem& problem) const;
 
  private:

@@ -57,7 +57,8 @@ struct FeatureCounts {
 /// succeeds, the pose goes on without a gap and `time_step` and motion span the gap. Otherwise the pose is
 /// lost: the next measured motion begins a new epoch, `reset_counter` grows by one, and the pose starts anew
 /// from identity at the pair before. A time step out of range begins a new epoch at that pair. Within an
-/// epoch the pose never jumps: each pose is the reference's times the published motion.
+/// epoch the pose never jumps: each pose is the reference's times the motion, but for what a pair has told of
+/// the reference since that was published.
 ///
 /// Transforms are of the rectified left camera (x right, y down, z
 /// forward). Covariances: order (x, y, z, rotation about x, y, z), m and rad, as a perturbation on the right:
@@ -68,7 +69,9 @@ struct OdometryEstimate {
   OdometryReason reasons = OdometryReason::none;
   std::uint32_t reset_counter = 0;  ///< counts the epochs: grows when the pose starts anew after a loss
   double time_step = 0.0;           ///< s since the reference, left to left; 0 without
-  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();  ///< motion; identity if not valid
+  /// Motion since the reference, as it is known to have been then (`estimator: thesis`: as it was published);
+  /// identity if not valid.
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
   /// The motion's error if the pair's offset is off by its standard deviation; its outer product is part of
   /// motion_covariance. Neighbouring motions err together.

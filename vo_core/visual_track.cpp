@@ -1,6 +1,7 @@
 // From one pair to the next: follow, search, match, adjust.
 #include "vo_core/visual_track.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -43,6 +44,17 @@ double differenceOf(const RigCorrection& a, const RigCorrection& b) {
 
 void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
+}
+
+/// Poses that have been published and are not settled yet keep to where they are, by a share of what they are
+/// known by.
+void holdPublished(const std::vector<WindowFrame>& window, double share, BundleProblem& problem) {
+  problem.held.clear();
+  for (std::size_t i = 0; i + 1 < window.size(); ++i) {
+    Matrix6d& held = problem.held.emplace_back(Matrix6d::Zero());
+    if (share > 0.0 && static_cast<int>(i) >= problem.fixed)
+      held = share * window[i].local_covariance.ldlt().solve(Matrix6d::Identity());
+  }
 }
 
 /// First depth of a landmark whose only sighting is in stereo.
@@ -277,6 +289,7 @@ void VisualTrack::stateProblem(const Draft& draft, const RigCorrection& rig, Bun
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
   problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
+  holdPublished(draft.window, settings_.bundle.hold, problem);
   takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen);
 }
 

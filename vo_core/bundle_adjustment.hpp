@@ -68,6 +68,9 @@ struct BundleResult {
   PoseMatrix covariance;
   double pixel_scale = 1.0;      ///< how much larger left residuals are than assumed, by their median
   double disparity_scale = 1.0;  ///< and disparities
+  /// Of the window's scale, a factor, as its disparities tell it: no more than that of a scale which is not
+  /// known.
+  double scale_variance = 0.0;
   /// What the residuals say of the rig, beyond what is corrected already: information and information times
   /// change. The scale of the whole window is left open here: it has come about under the same error.
   RigCorrection::Matrix rig_information = RigCorrection::Matrix::Zero();

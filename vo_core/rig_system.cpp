@@ -27,6 +27,7 @@ void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatr
   gradient -= solved.transpose() * system.gradient;
   constexpr int n = RigCorrection::kSize;
   hessian(n, n) += kScaleInformation;
+  result.scale_variance = 1.0 / hessian(n, n);
   const RigCorrection::Vector by_scale = hessian.topRightCorner<n, 1>();
   result.rig_information = hessian.topLeftCorner<n, n>() - by_scale * by_scale.transpose() / hessian(n, n);
   result.rig_gradient = gradient.head<n>() - by_scale * (gradient[n] / hessian(n, n));

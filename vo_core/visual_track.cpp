@@ -327,6 +327,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
   motion.reasons = judge(motion);
   if (!motion.valid()) return;
+  // After the judgement: a vague scale makes a motion vague, not degenerate.
+  motion.motion_covariance += uncertainty.by_scale;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   noise_ = adapted(noise_, result, 1);

@@ -34,6 +34,15 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
 
+/// What a scale does to the motion whose variance is that.
+Matrix6d scaledCovariance(const std::vector<WindowFrame>& window, double scale_variance) {
+  const Eigen::Isometry3d motion =
+      window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
+  Vector6d by_scale = Vector6d::Zero();
+  by_scale.head<3>() = motion.linear().transpose() * motion.translation();
+  return scale_variance * by_scale * by_scale.transpose();
+}
+
 /// What the uncertainty of the offset makes of the poses; returns what it makes of the motion. It is one and
 /// the same error for as long as the cameras' clocks keep it: in a pose it adds up with its sign. Nobody
 /// knows for how long that is; the same errors, drawn anew for each pair, are counted as well, so that
@@ -63,6 +72,7 @@ MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleRe
                                     double offset_deviation, std::vector<WindowFrame>& window) {
   MotionUncertainty motion;
   motion.covariance = takeCovariances(problem, result, window);
+  motion.by_scale = scaledCovariance(window, result.scale_variance);
   motion.offset_error = takeOffsetErrors(problem, offset_deviation, window);
   motion.covariance += motion.offset_error * motion.offset_error.transpose();
   return motion;

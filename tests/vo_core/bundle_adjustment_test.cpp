@@ -169,6 +169,27 @@ TEST(BundleAdjustment, PassesOnWhatLateRightCamerasDidToAHeldPose) {
   EXPECT_LT((said - expected).norm(), 0.01 * expected.norm());
 }
 
+TEST(BundleAdjustment, SaysHowWellDisparitiesTellTheScale) {
+  // A window of which nothing stands but its first pose has no scale but what disparities tell.
+  BundleProblem open = test::seenBy({.free_frames = 6}, 1);
+  const BundleResult by_disparities = adjustBundle(open, BundleSettings{});
+  const Eigen::Isometry3d way =
+      open.poses.front().T_world_camera.inverse() * open.poses.back().T_world_camera;
+  const Eigen::Vector3d along = (way.linear().transpose() * way.translation()).normalized();
+  const Matrix6d newest = by_disparities.covariance.bottomRightCorner<6, 6>();
+  const double variance = along.dot(newest.topLeftCorner<3, 3>() * along) / way.translation().squaredNorm();
+
+  BundleProblem standing = test::seenBy({}, 1);
+  const BundleResult result = adjustBundle(standing, BundleSettings{});
+  EXPECT_NEAR(std::sqrt(result.scale_variance), std::sqrt(variance), 0.2 * std::sqrt(variance));
+
+  for (BundleLandmark& landmark : standing.landmarks)
+    for (BundleSighting& sighting : landmark.sightings)
+      sighting.stereo = false;
+  EXPECT_DOUBLE_EQ(std::sqrt(adjustBundle(standing, BundleSettings{}).scale_variance), 0.05)
+      << "nothing tells it";
+}
+
 /// Residuals in standard deviations, plainly: of each sighting the left position, but at the host, and the
 /// disparity.
 Eigen::VectorXd residualsOf(const BundleProblem& problem) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
 
@@ -24,6 +25,14 @@ class StandstillDetector {
   bool beyond(const Eigen::Isometry3d& motion) const {
     return motion.translation().norm() > settings_.translation ||
            Eigen::AngleAxisd(motion.linear()).angle() > settings_.rotation;
+  }
+
+  /// Covariance of where a cart that is taken to stand is in truth: anywhere within the limits, evenly.
+  Matrix6d stray() const {
+    Vector6d square;
+    square << Eigen::Vector3d::Constant(settings_.translation * settings_.translation / 3.0),
+        Eigen::Vector3d::Constant(settings_.rotation * settings_.rotation / 3.0);
+    return square.asDiagonal();
   }
 
  private:

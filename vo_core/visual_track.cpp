@@ -150,6 +150,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
     if (!searchPose(pair, draft, motion)) return motion;
   }
   bool held = false;
+  const bool stood = standing_;
   if (standing_) {
     held = holdStill(pair, draft.window.back().T_world_camera, motion);
     const bool enough = motion.counts.matched >= kEnoughToHold * landmarks_when_stopped_;
@@ -173,6 +174,8 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
     renewStand(pair, draft, motion);
   else
     adjust(pair, draft, motion);
+  // The first motion after a stand begins where the cart was held, not quite where it was.
+  if (stood && !held) motion.motion_covariance += standstill_.stray();
   if (!held && motion.valid() && standstill_.stands(motion.T_world_camera, pair.left_exposure_ns)) {
     standing_ = true;
     landmarks_when_stopped_ = motion.counts.matched;

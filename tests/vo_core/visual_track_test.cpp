@@ -164,6 +164,9 @@ TEST_F(VisualTrackTest, AStandEndsWithTheFirstPairThatMoves) {
     const TrackedMotion motion = show(track, world.render(kCamera, drive(place), 0), index++);
     ASSERT_EQ(motion.reasons, OdometryReason::none) << place;
     EXPECT_NEAR(motion.T_previous_current.translation().z(), (place - before) * kStep, 0.001) << place;
+    // Where it stood is known to within what a standing cart may stray, no better.
+    const Matrix6d stray = StandstillDetector(StandstillSettings{}).stray();
+    EXPECT_EQ(motion.motion_covariance(3, 3) > stray(3, 3), before == 0.0);
     before = place;
   }
 }

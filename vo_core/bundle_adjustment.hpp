@@ -14,9 +14,9 @@ namespace cartvo {
 
 /// One sighting of a landmark, measured. See Sighting.
 struct BundleSighting {
-  int pose = 0;                                    ///< index into the problem's poses
-  Eigen::Vector2d left = Eigen::Vector2d::Zero();  ///< px
+  int pose = 0;  ///< index into the problem's poses
   bool stereo = false;
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();   ///< px
   Eigen::Vector2d right = Eigen::Vector2d::Zero();  ///< px, at the right camera's own instant
 
   double disparity() const { return left.x() - right.x(); }

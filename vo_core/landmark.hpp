@@ -12,8 +12,8 @@ namespace cartvo {
 /// A landmark seen by one pair.
 struct Sighting {
   std::int64_t frame = -1;                             ///< index of the pair
-  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px
   bool stereo = false;                                 ///< whether it was found in the right image too
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px
   Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< px, left minus right position; x is the disparity
 };
 

@@ -70,7 +70,7 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
     }
     for (const Sighting& sighting : landmark.sightings)
       if (const int pose = placeOf(window, sighting.frame); pose >= 0)
-        item.sightings.push_back({pose, sighting.left, sighting.stereo,
+        item.sightings.push_back({pose, sighting.stereo, sighting.left,
                                   correctedRight(camera, rig, sighting.left - sighting.parallax)});
   }
 }
@@ -92,7 +92,7 @@ BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::ve
     item.bearing = bearingOf(camera, last.left);
     item.inverse_depth = found->inverse_depth;
     item.weight = landmark.trust;
-    item.sightings.push_back({newest, last.left, true, seen});
+    item.sightings.push_back({newest, true, last.left, seen});
   }
   return problem;
 }

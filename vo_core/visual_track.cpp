@@ -16,6 +16,7 @@ namespace cartvo {
 namespace {
 
 constexpr double kUnknownSpeed = 3.0;  // m/s that the cart may have at the first pair
+constexpr int kLeastStanding = 3;      // poses; where fewer can stand, none but the newest moves
 constexpr double kNoticeable = 0.02;   // px that a change of the rig's correction moves points
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
@@ -291,7 +292,8 @@ void VisualTrack::stateProblem(const Draft& draft, const RigCorrection& rig, Bun
   problem.camera = camera_;
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
-  problem.fixed = std::max(1, static_cast<int>(draft.window.size()) - settings_.bundle.free_frames);
+  const int poses = static_cast<int>(draft.window.size());
+  problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kLeastStanding));
   holdPublished(draft.window, settings_.bundle.hold, problem);
   takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen);
 }

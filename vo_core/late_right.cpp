@@ -20,8 +20,7 @@ void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras
 
 void LateRight::conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system,
                          const HeldPoses& held, const BundleBlocks& blocks, BundleProblem& problem) const {
-  const PoseVector by_delay =
-      factor.solve(sumOf(by_poses_) + held.pullByLateRight(system.gradient.size()));
+  const PoseVector by_delay = factor.solve(sumOf(by_poses_) + held.pullByLateRight(system.gradient.size()));
   for (int pose = 0; pose < static_cast<int>(by_poses_.size()); ++pose)
     problem.poses[problem.fixed + pose].by_late_right = by_delay.segment<6>(6 * pose);
   for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {

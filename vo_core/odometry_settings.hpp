@@ -84,8 +84,8 @@ constexpr int kMostWindowPairs = 8;  ///< pairs, with the one that has just come
 
 /// The least squares over the window of pairs.
 struct BundleSettings {
-  int frames = 7;             ///< pairs in the window, less than kMostWindowPairs
-  int free_frames = 2;        ///< of these the newest move; the older ones stand
+  int frames = 7;       ///< pairs in the window, less than kMostWindowPairs
+  int free_frames = 2;  ///< of these the newest move; the older ones stand
   /// Of what was known of a pose when it was published, so much holds it while it is still free: not all, for
   /// the sightings that it is known by are in the window once more. 0: nothing.
   double hold = 0.3;

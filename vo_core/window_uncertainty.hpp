@@ -10,8 +10,9 @@ namespace cartvo {
 /// Of the motion from the last pair but one to the last pair of a window; perturbation on the right.
 struct MotionUncertainty {
   Matrix6d covariance = Matrix6d::Zero();
-  /// What a wrong scale of the window adds. The window's older poses stand and its landmarks keep their depths,
-  /// all in that scale: a motion that agrees with them to the last tenth of a millimetre is wrong with them.
+  /// What a wrong scale of the window adds. The window's older poses stand and its landmarks keep their
+  /// depths, all in that scale: a motion that agrees with them to the last tenth of a millimetre is wrong
+  /// with them.
   Matrix6d by_scale = Matrix6d::Zero();
   /// What one standard deviation of the offset makes of it; in the covariance too.
   Vector6d offset_error = Vector6d::Zero();

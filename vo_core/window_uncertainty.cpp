@@ -34,7 +34,7 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
 
-/// What a scale does to the motion whose variance is that.
+/// What a wrong scale, of that variance, does to the last motion.
 Matrix6d scaledCovariance(const std::vector<WindowFrame>& window, double scale_variance) {
   const Eigen::Isometry3d motion =
       window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;

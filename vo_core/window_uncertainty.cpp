@@ -10,6 +10,11 @@ constexpr double kSharedError = 9.0;
 // For the same reason a motion errs less than the sum of its two poses' errors.
 constexpr double kMotionShare = 0.92;
 
+/// From the last pair but one to the last.
+Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
+  return window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
+}
+
 /// Returns the motion's covariance.
 Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result,
                          std::vector<WindowFrame>& window) {
@@ -27,8 +32,7 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
                            kSharedError * block(i, i));
   }
   // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
-  const Eigen::Isometry3d motion = window[last - 1].T_world_camera.inverse() * window[last].T_world_camera;
-  const Matrix6d carried = adjoint(motion.inverse());
+  const Matrix6d carried = adjoint(lastMotion(window).inverse());
   return kMotionShare *
          (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
@@ -36,8 +40,7 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
 
 /// What a wrong scale, of that variance, does to the last motion.
 Matrix6d scaledCovariance(const std::vector<WindowFrame>& window, double scale_variance) {
-  const Eigen::Isometry3d motion =
-      window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
+  const Eigen::Isometry3d motion = lastMotion(window);
   Vector6d by_scale = Vector6d::Zero();
   by_scale.head<3>() = motion.linear().transpose() * motion.translation();
   return scale_variance * by_scale * by_scale.transpose();

@@ -49,12 +49,19 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
   corner_counts_.assign(windows_.size(), 0);
   tried_.assign(windows_.size(), kDoubt);
   followed_.assign(windows_.size(), 0.5 * kDoubt);
-  corners_.resize(windows_.size());
   wanted_.resize(windows_.size());
+  // Room for whatever an image may show: pages that nothing is written to cost nothing.
+  std::size_t most = 0;
+  for (const cv::Rect& window : windows_) {
+    corners_.emplace_back().reserve(mostCorners(window.width, window.height));
+    most += corners_.back().capacity();
+  }
+  left_over_.reserve(most);
 }
 
 void AdaptiveDetector::aimAt(int features) {
   features_ = features;
+  chosen_.reserve(features);
   corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
 }
 

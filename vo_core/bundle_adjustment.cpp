@@ -2,8 +2,6 @@
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
-#include <stdexcept>
-#include <string>
 
 #include "vo_core/held_poses.hpp"
 #include "vo_core/late_right.hpp"
@@ -31,7 +29,7 @@ struct Conclusions {
 
   void reset(const BundleProblem& problem, const BundleCameras& cameras, const BundleBlocks& blocks) {
     rig = RigSystem(problem);
-    late_right.reset(problem, cameras, blocks.landmarks.size());
+    late_right.reset(problem, cameras, blocks);
     sizes.reset(blocks);
   }
 
@@ -110,8 +108,6 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
 }
 
 BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
-  if (problem.poses.size() > kMostWindowPairs)
-    throw std::length_error("a bundle has at most " + std::to_string(kMostWindowPairs) + " poses");
   BundleResult result;
   auto& [blocks, cameras, held, system, conclusions] = *work_;
   blocks.take(problem);

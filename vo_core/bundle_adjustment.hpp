@@ -45,9 +45,8 @@ struct BundleNoise {
 
 struct BundleProblem {
   StereoCamera camera;
-  /// Oldest first, at most kMostWindowPairs (else std::length_error); the start, then the result.
-  /// `by_late_right` of those that stand is given, of the free ones a result.
-  std::vector<TimedPose> poses;
+  /// The start, then the result. `by_late_right` of those that stand is given, of the free ones a result.
+  TimedPoses poses;
   int fixed = 1;  ///< so many of the oldest poses stand
   /// Information that holds a free pose where it starts, perturbations on the right: pose by pose, no more
   /// than there are. Of poses that stand it is not used; what is beyond its end is free.

@@ -7,10 +7,13 @@
 namespace cartvo {
 
 void BundleBlocks::take(const BundleProblem& problem) {
-  landmarks.clear();
-  sightings.clear();
+  order_.reserve(problem.landmarks.capacity());
   order_.sort(problem.poses.size(), problem.landmarks.size(),
               [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; });
+  landmarks.clear();
+  landmarks.reserve(order_.mostBlocks());
+  sightings.clear();
+  sightings.reserve(kMostWindowPairs * order_.mostBlocks());
   order_.forEachBlock([&](int host, const int* first, int count) { add(problem, host, first, count); });
 }
 

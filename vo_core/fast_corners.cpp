@@ -170,6 +170,7 @@ void CornerFinder::suppress(int y) {
 const std::vector<Corner>& CornerFinder::find(const cv::Mat& image, const cv::Range& rows,
                                               const WindowThresholds& thresholds) {
   maxima_.clear();
+  maxima_.reserve(mostCorners(image.cols, rows.size()));
   score(image, rows.start - 1, thresholds);
   score(image, rows.start, thresholds);
   for (int y = rows.start; y < rows.end; ++y) {

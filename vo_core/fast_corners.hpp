@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,11 @@ struct Corner {
 
 constexpr int kFastRadius = 3;            ///< px; pixels closer than this to the edge are no corners
 constexpr std::uint8_t kNoCorners = 255;  ///< a threshold that nothing passes
+
+/// How many of an area's corners non-maximum suppression can leave: one of each four pixels.
+constexpr std::size_t mostCorners(int width, int height) {
+  return static_cast<std::size_t>((width + 1) / 2) * ((height + 1) / 2);
+}
 
 /// FAST-9 (E. Rosten, T. Drummond, "Machine learning for high-speed corner detection", 2006): at least nine
 /// contiguous pixels of the circle of sixteen are all brighter, or all darker, than the centre by more than

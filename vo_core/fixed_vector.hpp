@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <stdexcept>
 #include <utility>
 
@@ -14,6 +15,10 @@ template <typename T, std::size_t kMost>
 class FixedVector {
  public:
   FixedVector() = default;
+  FixedVector(std::initializer_list<T> items) {
+    for (const T& item : items)
+      push_back(item);
+  }
   FixedVector(const FixedVector& other) { *this = other; }
   FixedVector& operator=(const FixedVector& other) {
     for (std::size_t i = 0; i < other.size_; ++i)

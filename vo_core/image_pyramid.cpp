@@ -182,19 +182,13 @@ std::vector<cv::Size> levelSizes(const cv::Size& image, int most) {
   return sizes;
 }
 
-ImagePyramid emptyPyramid(const std::vector<cv::Size>& sizes, int grey_levels) {
-  ImagePyramid pyramid;
+std::shared_ptr<ImagePyramid> emptyPyramid(const std::vector<cv::Size>& sizes, int grey_levels) {
+  auto pyramid = std::make_shared<ImagePyramid>();
   for (int index = 0; index < static_cast<int>(sizes.size()); ++index) {
-    if (index < grey_levels) pyramid.grey.emplace_back(sizes[index]);
-    if (index >= kFinestDog && index < kFinestDog + kDogLevels) pyramid.dog.emplace_back(sizes[index]);
+    if (index < grey_levels) pyramid->grey.emplace_back(sizes[index]);
+    if (index >= kFinestDog && index < kFinestDog + kDogLevels) pyramid->dog.emplace_back(sizes[index]);
   }
   return pyramid;
-}
-
-bool inUse(const ImagePyramid& pyramid) {
-  const auto shared = [](const PyramidLevel& level) { return level.shared(); };
-  return std::any_of(pyramid.grey.begin(), pyramid.grey.end(), shared) ||
-         std::any_of(pyramid.dog.begin(), pyramid.dog.end(), shared);
 }
 
 }  // namespace
@@ -235,15 +229,16 @@ void PyramidLevel::writeBorder() {
   }
 }
 
-ImagePyramid PyramidPool::build(const cv::Mat& image) {
-  auto free = std::find_if_not(pyramids_.begin(), pyramids_.end(), inUse);
+SharedPyramid PyramidPool::build(const cv::Mat& image) {
+  auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
+                           [](const auto& pyramid) { return pyramid.use_count() == 1; });
   if (free == pyramids_.end()) {
     const auto sizes = levelSizes(image.size(), std::max(grey_levels_, kFinestDog + kDogLevels));
     free = pyramids_.insert(free, emptyPyramid(sizes, grey_levels_));
-    for (std::size_t level = free->grey.size() + halves_.size(); level < sizes.size(); ++level)
+    for (std::size_t level = (*free)->grey.size() + halves_.size(); level < sizes.size(); ++level)
       halves_.emplace_back(sizes[level]);
   }
-  fill(image, *free);
+  fill(image, **free);
   return *free;
 }
 
@@ -263,7 +258,7 @@ void PyramidPool::fill(const cv::Mat& image, ImagePyramid& pyramid) {
 }
 
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {
-  return PyramidPool(grey_levels).build(image);
+  return *PyramidPool(grey_levels).build(image);
 }
 
 }  // namespace cartvo

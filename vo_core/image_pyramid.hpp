@@ -26,8 +26,6 @@ class PyramidLevel {
   std::uint8_t* row(int y) { return origin_ + y * stride_; }
   static constexpr int kBlock = 64;  ///< px, worked on at once at most: what is read and written past an end
   void writeBorder();
-  /// Whether another copy of this level has the same pixels.
-  bool shared() const { return memory_.use_count() > 1; }
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -65,18 +63,21 @@ constexpr int kDogLevels = 3;
 /// further): each is the one before blurred by a binomial filter of 5x5, every other row and column.
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
 
+/// A pyramid that several hold: handing it on copies neither pixels nor lists of levels.
+using SharedPyramid = std::shared_ptr<const ImagePyramid>;
+
 /// Builds pyramids of images of one size in memory that it keeps: what is built is valid for as long as
-/// somebody has a copy, and then overwritten.
+/// somebody holds it, and then overwritten.
 class PyramidPool {
  public:
   explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
-  ImagePyramid build(const cv::Mat& image);
+  SharedPyramid build(const cv::Mat& image);
 
  private:
   void fill(const cv::Mat& image, ImagePyramid& pyramid);
 
   int grey_levels_;
-  std::vector<ImagePyramid> pyramids_;
+  std::vector<std::shared_ptr<ImagePyramid>> pyramids_;
   std::vector<PyramidLevel> halves_;     ///< levels that are wanted for their difference of Gaussians only
   std::vector<std::uint16_t> row_sums_;  ///< five rows, filtered along them
 };

@@ -175,7 +175,7 @@ std::optional<AffineAlignment> LandmarkTracker::alignWithHost(const Landmark& la
   AffineAlignment start;
   start.position = position;
   start.warp = landmark.warp;
-  auto aligned = alignAffine(host.left.grey.front(), left.grey.front(), landmark.host().left, start,
+  auto aligned = alignAffine(host.left->grey.front(), left.grey.front(), landmark.host().left, start,
                              WarpModel::affine, tracking.iterations, tracking.convergence);
   if (aligned && (aligned->correlation < tracking.minimum_correlation || !returns(*aligned, tracking)))
     aligned.reset();
@@ -195,7 +195,7 @@ bool LandmarkTracker::followOne(Landmark& landmark, const Scene& scene, std::int
   const bool predicted = scene.poseExpected() && landmark.hasDepth();
   const PyramidLevels levels = predicted ? kNearLevels : PyramidLevels{1, settings_.tracking.levels - 1};
   const auto shifted =
-      trackShift(last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
+      trackShift(*last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
   if (!shifted) return false;
   auto aligned = alignWithHost(landmark, scene.window[static_cast<std::size_t>(host)], scene.left, *shifted);
   if (!aligned && landmark.sightings.size() > 1) {
@@ -216,7 +216,8 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
                              const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
                              const std::optional<Eigen::Isometry3d>& T_world_camera) {
   const Scene scene(window, left, frame, T_world_camera);
-  found_.assign(landmarks.size(), 0);
+  found_.reserve(landmarks.capacity());
+  found_.resize(landmarks.size());
   forEachIndex(landmarks.size(),
                [&](std::size_t i) { found_[i] = followOne(landmarks[i], scene, oldest_host) ? 1 : 0; });
   std::size_t kept = 0;
@@ -232,6 +233,7 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
 void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame) {
   Renewal& now = renewal_;
   now.spacing.reset(camera_.width, camera_.height, minimumDistance(settings_, camera_.width, camera_.height));
+  now.reserve(landmarks.capacity());
   now.order.clear();
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     now.order.emplace_back(-landmarks[i].trust * std::min(landmarks[i].age, 10), i);

@@ -23,7 +23,7 @@ struct WindowFrame {
   std::int64_t exposure_ns = 0;  ///< of the left image
   double offset = 0.0;           ///< s, right exposure minus left exposure, as OffsetModel sees it
   double image_offset = 0.0;     ///< s, by which OffsetModel::image_velocity shifts the right image
-  ImagePyramid left;             ///< grey levels only
+  SharedPyramid left;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Matrix6d pose_covariance = Matrix6d::Zero();   ///< against the first pair; perturbation on the right
   Matrix6d local_covariance = Matrix6d::Zero();  ///< against the landmarks of its time
@@ -101,6 +101,12 @@ class LandmarkTracker {
     std::vector<std::pair<double, std::size_t>> order;  ///< of the landmarks, by merit, negative
     std::vector<Landmark> kept;
     std::vector<Eigen::Vector2d> alive;
+
+    void reserve(std::size_t landmarks) {
+      order.reserve(landmarks);
+      kept.reserve(landmarks);
+      alive.reserve(landmarks);
+    }
   } renewal_;
 };
 

@@ -11,11 +11,8 @@ namespace cartvo {
 /// Things with a host each, sorted by it: lanes side by side share one.
 class LaneOrder {
  public:
-  LaneOrder() = default;
-  template <typename HostOf>
-  LaneOrder(std::size_t hosts, std::size_t count, const HostOf& host_of) {
-    sort(hosts, count, host_of);
-  }
+  /// Room for so many things: who sorts few and then more, should not have to seek memory for each record.
+  void reserve(std::size_t count) { order_.reserve(count); }
 
   /// `host_of(i)`: less than `hosts`. Those of one host stay in their order.
   template <typename HostOf>
@@ -31,11 +28,8 @@ class LaneOrder {
       order_[next_[host_of(i)]++] = static_cast<int>(i);
   }
 
-  std::size_t blocks() const {
-    std::size_t count = 0;
-    forEachBlock([&](int, const int*, int) { ++count; });
-    return count;
-  }
+  /// Of as many things as there is room for.
+  std::size_t mostBlocks() const { return order_.capacity() / kDoubleLanes + begin_.size(); }
 
   /// `use(host, indices, count)` gets up to so many as there are lanes.
   template <typename Use>

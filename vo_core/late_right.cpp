@@ -3,7 +3,8 @@
 
 namespace cartvo {
 
-void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks) {
+void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras,
+                      const BundleBlocks& blocks) {
   count_ = static_cast<int>(problem.poses.size());
   focal_length_ = problem.camera.focal_length;
   pixel_factor_ = problem.camera.focal_length / problem.noise.pixel;
@@ -15,7 +16,7 @@ void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras
     for (int host = 0; host < count_; ++host)
       changes_.push_back(
           {cameras.leftByLateRight(problem, camera, host), cameras.rightByLateRight(problem, camera, host)});
-  by_depths_.reserve(blocks);
+  by_depths_.reserve(blocks.landmarks.capacity());
 }
 
 void LateRight::conclude(const Eigen::LDLT<PoseMatrix>& factor, const ReducedSystem& system,

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <cstddef>
 #include <vector>
 
 #include "vo_core/held_poses.hpp"
@@ -24,7 +23,7 @@ namespace cartvo {
 /// navigation problems", 1966).
 class LateRight {
  public:
-  void reset(const BundleProblem& problem, const BundleCameras& cameras, std::size_t blocks);
+  void reset(const BundleProblem& problem, const BundleCameras& cameras, const BundleBlocks& blocks);
 
   // Visits of ReducedSystem::build().
   void begin(const LandmarkBlock& block) { by_depth_ = block.prior_information * block.prior_by_late_right; }

@@ -1,8 +1,6 @@
 // Points sorted by their hosts and laid side by side.
 #include "vo_core/pose_residuals.hpp"
 
-#include "vo_core/lane_order.hpp"
-
 namespace cartvo {
 
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
@@ -22,15 +20,16 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   return block;
 }
 
-std::vector<PointBlock> blocksByHost(const PoseProblem& problem) {
-  const LaneOrder order(problem.hosts.size(), problem.points.size(),
-                        [&](std::size_t i) { return problem.points[i].host; });
-  std::vector<PointBlock> blocks;
-  order.forEachBlock([&](int host, const int* points, int count) {
+void PointBlocks::take(const PoseProblem& problem) {
+  order_.reserve(problem.points.capacity());
+  order_.sort(problem.hosts.size(), problem.points.size(),
+              [&](std::size_t i) { return problem.points[i].host; });
+  blocks.clear();
+  blocks.reserve(order_.mostBlocks());
+  order_.forEachBlock([&](int host, const int* points, int count) {
     blocks.push_back(blockOf(problem, points, count));
     blocks.back().host = host;
   });
-  return blocks;
 }
 
 Matrix6d PoseEquations::hessian() const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "vo_core/lane_order.hpp"
 #include "vo_core/pose_search.hpp"
 #include "vo_core/reprojection_lanes.hpp"
 
@@ -25,7 +26,15 @@ struct PointBlock {
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count);
 
 /// All points, those of one host together.
-std::vector<PointBlock> blocksByHost(const PoseProblem& problem);
+class PointBlocks {
+ public:
+  void take(const PoseProblem& problem);
+
+  std::vector<PointBlock> blocks;
+
+ private:
+  LaneOrder order_;
+};
 
 /// Transforms that differ from lane to lane.
 struct TransformLanes {

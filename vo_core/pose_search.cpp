@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "vo_core/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/pose_residuals.hpp"
 
@@ -77,21 +76,23 @@ struct SquareLanes {
 CARTVO_VECTOR_CLONES
 void findSquares(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
                  const Transforms& T_camera_host, std::vector<SquareLanes>& squares) {
+  squares.reserve(blocks.capacity());
+  squares.resize(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const PointResiduals at = residualsOf(problem, T_camera_host[blocks[i].host], blocks[i]);
     squares[i].value = at.in_front > 0.0 ? at.square : kNeverExplained * kNeverExplained + DoubleLanes{};
   }
 }
 
-std::vector<double> errorsOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
-                             const Eigen::Isometry3d& T_world_camera) {
-  std::vector<SquareLanes> squares(blocks.size());
+/// `use(point, error)` gets each point's index and its normalised error under a pose. `squares`: memory.
+template <typename Use>
+void forEachError(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                  const Eigen::Isometry3d& T_world_camera, std::vector<SquareLanes>& squares,
+                  const Use& use) {
   findSquares(problem, blocks, fromHosts(problem, T_world_camera), squares);
-  std::vector<double> errors(problem.points.size());
   for (std::size_t i = 0; i < blocks.size(); ++i)
     for (int lane = 0; lane < blocks[i].count; ++lane)
-      errors[blocks[i].point[lane]] = std::sqrt(squares[i].value[lane]);
-  return errors;
+      use(blocks[i].point[lane], std::sqrt(squares[i].value[lane]));
 }
 
 /// Gauss-Newton steps from a pose, nothing if the points leave it open. `build(pose, equations)`.
@@ -114,25 +115,26 @@ std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, cons
 
 class Search {
  public:
-  Search(const PoseProblem& problem, const PoseSearchSettings& settings, SubsetRandom& random)
-      : problem_(problem),
-        settings_(settings),
-        random_(random),
-        start_(problem.start),
-        blocks_(blocksByHost(problem)) {
+  Search(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+         const PoseSearchSettings& settings, SubsetRandom& random)
+      : problem_(problem), blocks_(blocks), settings_(settings), random_(random), start_(problem.start) {
     for (const PosePoint& point : problem.points)
       weight_ += point.weight;
   }
 
-  std::optional<FoundPose> run() {
+  /// The pose; nothing if none explains anything.
+  std::optional<Eigen::Isometry3d> run() {
     consider(start_);
     if (const auto polished = polish(start_, 3.0 * settings_.gate)) consider(*polished);
     if (best_support_ < settings_.enough * weight_) drawSubsets();
     if (best_support_ < 0.0) return std::nullopt;
     for (const double gate : {2.0 * settings_.gate, settings_.gate})
       if (const auto polished = polish(best_, gate); polished && admissible(*polished)) best_ = *polished;
-    return conclude();
+    return best_;
   }
+
+  /// Of all points.
+  double weight() const { return weight_; }
 
  private:
   /// On all points within the gate.
@@ -186,27 +188,11 @@ class Search {
     return (change.cwiseAbs().array() <= problem_.admissible_change->array()).all();
   }
 
-  FoundPose conclude() const {
-    FoundPose found;
-    found.T_world_camera = best_;
-    const std::vector<double> errors = errorsOf(problem_, blocks_, best_);
-    double explained = 0.0;
-    found.inlier.reserve(errors.size());
-    for (std::size_t i = 0; i < errors.size(); ++i) {
-      found.inlier.push_back(errors[i] < settings_.gate);
-      if (!found.inlier.back()) continue;
-      ++found.inliers;
-      explained += problem_.points[i].weight;
-    }
-    found.share = weight_ > 0.0 ? explained / weight_ : 0.0;
-    return found;
-  }
-
   const PoseProblem& problem_;
+  const std::vector<PointBlock>& blocks_;
   const PoseSearchSettings& settings_;
   SubsetRandom& random_;
   Eigen::Isometry3d start_;
-  std::vector<PointBlock> blocks_;
   double weight_ = 0.0;
   double best_support_ = -1.0;
   Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
@@ -214,14 +200,45 @@ class Search {
 
 }  // namespace
 
-std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
-  return errorsOf(problem, blocksByHost(problem), T_world_camera);
+struct PoseFinder::Work {
+  PointBlocks points;
+  std::vector<SquareLanes> squares;
+};
+
+PoseFinder::PoseFinder() : work_(std::make_unique<Work>()) {}
+PoseFinder::PoseFinder(PoseFinder&&) noexcept = default;
+PoseFinder& PoseFinder::operator=(PoseFinder&&) noexcept = default;
+PoseFinder::~PoseFinder() = default;
+
+std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearchSettings& settings,
+                                          SubsetRandom& random) {
+  if (static_cast<int>(problem.points.size()) <= kSubset) return std::nullopt;
+  auto& [points, squares] = *work_;
+  points.take(problem);
+  Search search(problem, points.blocks, settings, random);
+  const auto pose = search.run();
+  if (!pose) return std::nullopt;
+  FoundPose found{*pose};
+  forEachError(problem, points.blocks, *pose, squares,
+               [&](int point, double error) { problem.points[point].inlier = error < settings.gate; });
+  double explained = 0.0;
+  for (const PosePoint& point : problem.points) {
+    if (!point.inlier) continue;
+    ++found.inliers;
+    explained += point.weight;
+  }
+  found.share = search.weight() > 0.0 ? explained / search.weight() : 0.0;
+  return found;
 }
 
-std::optional<FoundPose> findPose(const PoseProblem& problem, const PoseSearchSettings& settings,
-                                  SubsetRandom& random) {
-  if (static_cast<int>(problem.points.size()) <= kSubset) return std::nullopt;
-  return Search(problem, settings, random).run();
+std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
+  PointBlocks points;
+  points.take(problem);
+  std::vector<SquareLanes> squares;
+  std::vector<double> errors(problem.points.size());
+  forEachError(problem, points.blocks, T_world_camera, squares,
+               [&](int point, double error) { errors[point] = error; });
+  return errors;
 }
 
 }  // namespace cartvo

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,11 +20,12 @@ struct PosePoint {
   double inverse_depth_deviation = 0.0;                ///< 1/m, standard deviation
   Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, where the current pair sees it
   double weight = 1.0;                                 ///< trust
+  bool inlier = false;                                 ///< result: explained by the pose that was found
 };
 
 struct PoseProblem {
   StereoCamera camera;
-  std::vector<Eigen::Isometry3d> hosts;                     ///< T_world_camera of the known pairs
+  FixedVector<Eigen::Isometry3d, kMostWindowPairs> hosts;   ///< T_world_camera of the known pairs
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
   std::vector<PosePoint> points;
   double pixel_noise = 0.15;  ///< px, standard deviation of each coordinate
@@ -33,8 +35,7 @@ struct PoseProblem {
 
 struct FoundPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  std::vector<bool> inlier;  ///< of each point
-  int inliers = 0;
+  int inliers = 0;     ///< points
   double share = 0.0;  ///< of the points' weight that is explained
 };
 
@@ -43,8 +44,20 @@ struct FoundPose {
 /// that begin at the start (A. Geiger et al., "StereoScan", 2011); the best one, and the start itself, are
 /// polished on all they explain. Poses that change the motion more than is admissible do not compete: what
 /// moves by itself may fill most of the view, but the cart has inertia.
-std::optional<FoundPose> findPose(const PoseProblem& problem, const PoseSearchSettings& settings,
-                                  SubsetRandom& random);
+class PoseFinder {
+ public:
+  PoseFinder();
+  PoseFinder(PoseFinder&&) noexcept;
+  PoseFinder& operator=(PoseFinder&&) noexcept;
+  ~PoseFinder();
+
+  std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
+                                SubsetRandom& random);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // kept from problem to problem for its memory
+};
 
 /// Normalised errors (rms of both coordinates, the depths' uncertainty included) of all points under a pose.
 std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera);

@@ -15,9 +15,11 @@ PoseVector sumOf(const PoseSums& sums) {
 
 void ReducedSystem::reset(const BundleProblem& problem, const BundleBlocks& blocks) {
   free_ = static_cast<int>(problem.poses.size()) - problem.fixed;
+  depths.reserve(blocks.landmarks.capacity());
   depths.resize(blocks.landmarks.size());
   hessian_sums_.resize(free_ * (free_ + 1) / 2);
   gradient_sums_.resize(free_);
+  by_poses_.reserve(free_ * blocks.landmarks.capacity());
   by_poses_.resize(free_ * blocks.landmarks.size());
 }
 

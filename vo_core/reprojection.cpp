@@ -3,15 +3,13 @@
 
 #include <cmath>
 
-#include "vo_core/fixed_vector.hpp"
-
 namespace cartvo {
 namespace {
 
 constexpr double kSimultaneous = 1e-7;  // s
 
 /// The pair that the right camera of poses[index] leans on; -1 if it is alone.
-int neighbourOf(const std::vector<TimedPose>& poses, int index) {
+int neighbourOf(std::span<const TimedPose> poses, int index) {
   const int side = poses[index].offset > 0.0 ? 1 : -1;
   for (const int neighbour : {index + side, index - side})
     if (neighbour >= 0 && neighbour < static_cast<int>(poses.size())) return neighbour;
@@ -19,7 +17,7 @@ int neighbourOf(const std::vector<TimedPose>& poses, int index) {
 }
 
 /// On the pair's side away from the neighbour, else beyond the neighbour; -1 if there is none.
-int thirdOf(const std::vector<TimedPose>& poses, int index, int neighbour) {
+int thirdOf(std::span<const TimedPose> poses, int index, int neighbour) {
   const int side = neighbour - index;
   for (const int third : {index - side, neighbour + side})
     if (third >= 0 && third < static_cast<int>(poses.size())) return third;
@@ -67,7 +65,7 @@ Matrix6d perturbationByStep(const Vector6d& step) {
 /// The step from the left exposure of poses[index] to its right one.
 class CarriedMotion {
  public:
-  CarriedMotion(const std::vector<TimedPose>& poses, int index) {
+  CarriedMotion(std::span<const TimedPose> poses, int index) {
     neighbour = neighbourOf(poses, index);
     if (neighbour < 0) return;
     const TimedPose& own = poses[index];
@@ -127,7 +125,7 @@ Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation) {
          (angle - std::sin(angle)) / (squared * angle) * W * W;
 }
 
-RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double baseline) {
+RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline) {
   const TimedPose& own = poses[index];
   RightCamera right;
   Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
@@ -151,7 +149,7 @@ RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double
   return right;
 }
 
-Eigen::Isometry3d newestRightFromLeft(const std::vector<TimedPose>& poses, double baseline) {
+Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline) {
   const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, baseline);
   return right.T_world_camera.inverse() * poses.back().T_world_camera;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <vector>
+#include <span>
 
+#include "vo_core/fixed_vector.hpp"
+#include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stereo_camera.hpp"
 
@@ -18,6 +20,9 @@ struct TimedPose {
   /// all pairs were in truth exposed later than `offset` says.
   Vector6d by_late_right = Vector6d::Zero();
 };
+
+/// Of a window, oldest first.
+using TimedPoses = FixedVector<TimedPose, kMostWindowPairs>;
 
 /// The right camera at its own instant. The rig is taken to move on a parabola through the poses of its pair,
 /// of a neighbour and of a third pair, translation and rotation apart; without a third one, on a line.
@@ -36,10 +41,10 @@ struct RightCamera {
 /// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure, if
 /// there is one, else the pair on this side: then the motion is carried on. The third is the pair on this
 /// pair's other side, else the one beyond the neighbour.
-RightCamera rightCameraOf(const std::vector<TimedPose>& poses, int index, double baseline);
+RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline);
 
 /// Takes a point from the last pose's left camera to its right one at that one's own instant.
-Eigen::Isometry3d newestRightFromLeft(const std::vector<TimedPose>& poses, double baseline);
+Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline);
 
 /// The rotation part of a right Jacobian of SO(3) and its inverse (T. Barfoot, "State Estimation for
 /// Robotics", 2017, eq. 7.77, 7.78).

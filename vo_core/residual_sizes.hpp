@@ -17,9 +17,9 @@ class ResidualSizes {
     pixels_.clear();
     disparities_.clear();
     last_.clear();
-    pixels_.reserve(2 * kDoubleLanes * blocks.sightings.size());
-    disparities_.reserve(kDoubleLanes * blocks.sightings.size());
-    last_.reserve(blocks.landmarks.size());
+    pixels_.reserve(2 * kDoubleLanes * blocks.sightings.capacity());
+    disparities_.reserve(kDoubleLanes * blocks.sightings.capacity());
+    last_.reserve(blocks.landmarks.capacity());
   }
 
   // Visits of ReducedSystem::build().

@@ -17,13 +17,13 @@ constexpr double kFollowedUncorrected = 0.06;
 
 }  // namespace
 
-void RigMonitor::add(const BundleProblem& adjusted, const BundleResult& result, const RigCorrection& applied,
-                     const EvidenceSpan& span) {
+void RigMonitor::add(const BundleProblem& adjusted, const BundleResult& result, const RowEvidence& rows,
+                     const RigCorrection& applied, const EvidenceSpan& span) {
   const Eigen::Isometry3d way =
       adjusted.poses.front().T_world_camera.inverse() * adjusted.poses.back().T_world_camera;
   if (way.translation().norm() > kTellingWay)
     columns_.add(result.rig_information, result.rig_gradient, applied, span);
-  rows_.add(rowEvidence(adjusted), applied, span);
+  rows_.add(rows, applied, span);
   if (const double turn = rows_.takeTurn(); turn != 0.0) columns_.turn(turn);
 }
 

@@ -12,8 +12,9 @@ namespace cartvo {
 class RigMonitor {
  public:
   /// Takes in the newest pair of an adjusted problem, whose right pixels had been corrected by `applied`.
-  void add(const BundleProblem& adjusted, const BundleResult& result, const RigCorrection& applied,
-           const EvidenceSpan& span);
+  /// `rows`: its rowEvidence().
+  void add(const BundleProblem& adjusted, const BundleResult& result, const RowEvidence& rows,
+           const RigCorrection& applied, const EvidenceSpan& span);
 
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch) { rows_.suspectPitch(pitch); }

@@ -153,7 +153,7 @@ void RigWitness::take(const NewestPair& pair, const std::vector<Landmark>& all, 
   const BundleResult result = adjustBundle(problem, settings_.bundle);
   if (!result.converged) return;
   const EvidenceSpan span{1e-9 * static_cast<double>(pair.window.back().exposure_ns - heard_ns_), kPairs};
-  rig.add(problem, result, known, span);
+  rig.add(problem, result, rowEvidence(problem), known, span);
   noise_ = adapted(noise_, result, kPairs);
   heard_ns_ = pair.window.back().exposure_ns;
 }

@@ -39,23 +39,36 @@ struct RowBlock {
   DoubleLanes by_errors[RowErrors::kSize]{};
 };
 
-/// The newest pair's, with what was measured alone for a residual.
-std::vector<RowBlock> matchesOf(const BundleProblem& problem) {
+/// A problem's stereo matches of its newest pair.
+class RowBlocks {
+ public:
+  void take(const BundleProblem& problem);
+
+  std::vector<RowBlock> blocks;
+
+ private:
+  LaneOrder order_;
+  std::vector<const BundleLandmark*> matched_;  // of the problem at hand
+};
+
+/// With what was measured alone for a residual.
+void RowBlocks::take(const BundleProblem& problem) {
   const int newest = static_cast<int>(problem.poses.size()) - 1;
-  std::vector<const BundleLandmark*> matched;
-  matched.reserve(problem.landmarks.size());
+  matched_.clear();
+  matched_.reserve(problem.landmarks.capacity());
   for (const BundleLandmark& landmark : problem.landmarks)
     if (const BundleSighting& last = landmark.sightings.back(); last.pose == newest && last.stereo)
-      matched.push_back(&landmark);
-  const LaneOrder order(problem.poses.size(), matched.size(),
-                        [&](std::size_t i) { return matched[i]->sightings.front().pose; });
-  std::vector<RowBlock> blocks;
-  blocks.reserve(order.blocks());
-  order.forEachBlock([&](int host, const int* indices, int count) {
+      matched_.push_back(&landmark);
+  order_.reserve(matched_.capacity());
+  order_.sort(problem.poses.size(), matched_.size(),
+              [&](std::size_t i) { return matched_[i]->sightings.front().pose; });
+  blocks.clear();
+  blocks.reserve(order_.mostBlocks());
+  order_.forEachBlock([&](int host, const int* indices, int count) {
     RowBlock& block = blocks.emplace_back();
     block.host = host;
     for (int lane = 0; lane < count; ++lane) {
-      const BundleLandmark& landmark = *matched[indices[lane]];
+      const BundleLandmark& landmark = *matched_[indices[lane]];
       const BundleSighting& sighting = landmark.sightings.back();
       for (int axis = 0; axis < 3; ++axis)
         block.place.bearing[axis][lane] = landmark.bearing[axis];
@@ -68,16 +81,16 @@ std::vector<RowBlock> matchesOf(const BundleProblem& problem) {
       block.counted[lane] = 1.0;
     }
   });
-  return blocks;
 }
 
 /// The two cameras as seen from a host.
 struct RowCameras {
   Eigen::Isometry3d T_left_host, T_right_host;
 };
+using RowCamerasOfHosts = FixedVector<RowCameras, kMostWindowPairs>;
 
 CARTVO_VECTOR_CLONES
-void linearise(double f, const std::vector<RowCameras>& cameras, const Vector6d& right_by_offset,
+void linearise(double f, const RowCamerasOfHosts& cameras, const Vector6d& right_by_offset,
                std::vector<RowBlock>& blocks) {
   for (RowBlock& block : blocks) {
     const RayLanes left_ray = rayOf(cameras[block.host].T_left_host, block.place);
@@ -100,17 +113,16 @@ void linearise(double f, const std::vector<RowCameras>& cameras, const Vector6d&
   }
 }
 
-std::vector<RowBlock> rowBlocks(const BundleProblem& problem) {
+/// Takes off what the motion explains.
+void linearise(const BundleProblem& problem, std::vector<RowBlock>& blocks) {
   const int newest = static_cast<int>(problem.poses.size()) - 1;
   const RightCamera right = rightCameraOf(problem.poses, newest, problem.camera.baseline);
   const Eigen::Isometry3d left_inverse = problem.poses.back().T_world_camera.inverse();
   const Eigen::Isometry3d right_inverse = right.T_world_camera.inverse();
-  std::vector<RowCameras> cameras;
+  RowCamerasOfHosts cameras;
   for (const TimedPose& host : problem.poses)
     cameras.push_back({left_inverse * host.T_world_camera, right_inverse * host.T_world_camera});
-  std::vector<RowBlock> blocks = matchesOf(problem);
   linearise(problem.camera.focal_length, cameras, right.by_offset, blocks);
-  return blocks;
 }
 
 /// What the errors leave over, px.
@@ -122,6 +134,8 @@ inline void findRest(const RowBlock& block, const Vector& errors, DoubleLanes& r
 
 CARTVO_VECTOR_CLONES
 void collectSizes(const std::vector<RowBlock>& blocks, const Vector& errors, std::vector<double>& sizes) {
+  sizes.clear();
+  sizes.reserve(kDoubleLanes * blocks.capacity());
   for (const RowBlock& block : blocks) {
     DoubleLanes rest;
     findRest(block, errors, rest);
@@ -156,19 +170,32 @@ void addRows(const std::vector<RowBlock>& blocks, const Vector& errors, double n
 
 }  // namespace
 
-RowEvidence rowEvidence(const BundleProblem& adjusted) {
-  RowEvidence evidence;
-  const std::vector<RowBlock> blocks = rowBlocks(adjusted);
-  const Matrix prior = kConceivable.cwiseAbs2().cwiseInverse().asDiagonal();
+struct RowRegression::Work {
+  RowBlocks rows;
   std::vector<double> sizes;
-  sizes.reserve(kDoubleLanes * blocks.size());
+};
+
+RowRegression::RowRegression() : work_(std::make_unique<Work>()) {}
+RowRegression::RowRegression(RowRegression&&) noexcept = default;
+RowRegression& RowRegression::operator=(RowRegression&&) noexcept = default;
+RowRegression::~RowRegression() = default;
+
+RowEvidence rowEvidence(const BundleProblem& adjusted) {
+  return RowRegression().evidence(adjusted);
+}
+
+RowEvidence RowRegression::evidence(const BundleProblem& adjusted) {
+  RowEvidence evidence;
+  auto& [rows, sizes] = *work_;
+  rows.take(adjusted);
+  linearise(adjusted, rows.blocks);
+  const Matrix prior = kConceivable.cwiseAbs2().cwiseInverse().asDiagonal();
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    sizes.clear();
-    collectSizes(blocks, evidence.errors, sizes);
+    collectSizes(rows.blocks, evidence.errors, sizes);
     if (sizes.size() < kFewestMatches) return {};
     const double noise = std::max(deviationOf(sizes), kLeastNoise);
     RowSums sums;
-    addRows(blocks, evidence.errors, noise, sums);
+    addRows(rows.blocks, evidence.errors, noise, sums);
     const double weights = sumOf(sums.weights);
     if (!(weights > 0.0)) return {};
     Matrix products;

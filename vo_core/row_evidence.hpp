@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "vo_core/bundle_adjustment.hpp"
 
@@ -27,6 +28,21 @@ struct RowEvidence {
 
 /// Robust regression of the newest pair's vertical disparities. What is explained by the motion between the
 /// two exposures of an unsynchronised pair is taken off before.
+class RowRegression {
+ public:
+  RowRegression();
+  RowRegression(RowRegression&&) noexcept;
+  RowRegression& operator=(RowRegression&&) noexcept;
+  ~RowRegression();
+
+  RowEvidence evidence(const BundleProblem& adjusted);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // kept from problem to problem for its memory
+};
+
+/// For a single problem.
 RowEvidence rowEvidence(const BundleProblem& adjusted);
 
 }  // namespace cartvo

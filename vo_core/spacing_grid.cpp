@@ -13,6 +13,7 @@ void SpacingGrid::reset(int width, int height, double distance) {
   stride_ = columns_ + 2 * kReach;
   cells_.assign(static_cast<std::size_t>(stride_) * (rows_ + 2 * kReach), kEmpty);
   points_.clear();
+  points_.reserve(static_cast<std::size_t>(columns_) * rows_);
 }
 
 bool SpacingGrid::tooClose(const std::int32_t* cell, const Eigen::Vector2d& point) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "vo_core/bundle_noise.hpp"
 #include "vo_core/newest_pair.hpp"
@@ -33,7 +34,7 @@ WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
   const double offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
   if (model == OffsetModel::two_instants) frame.offset = offset;
   if (model == OffsetModel::image_velocity) frame.image_offset = offset;
-  frame.left.grey = pair.left.grey;
+  frame.left = pair.left;
   return frame;
 }
 
@@ -83,6 +84,9 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       pitch_suspicion_(camera, settings.rig_refinement),
       standstill_(settings.standstill),
       last_exposure_ns_(first.left_exposure_ns) {
+  // What is worked with has room for as many landmarks as these lists.
+  landmarks_.reserve(settings.features);
+  draft_.landmarks.reserve(settings.features);
   {
     const StageScope stage(observer, Stage::detect);
     tracker_.renew(landmarks_, first.left_image, first.index);
@@ -131,6 +135,13 @@ Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
 }
 
 TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
+  TrackedMotion motion = explain(pair, observer);
+  draft_.window.clear();  // it would keep the images
+  return motion;
+}
+
+/// And takes it in, if it is to be.
+TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& observer) {
   TrackedMotion motion;
   motion.time_step = secondsSinceLast(pair);
   Draft& draft = draft_;
@@ -143,7 +154,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
     const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
     std::optional<Eigen::Isometry3d> expected;
     if (velocity_) expected = expectedPose(pair);
-    tracker_.follow(draft.landmarks, window_, pair.left, pair.index, window_[full ? 1 : 0].index, expected);
+    tracker_.follow(draft.landmarks, window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected);
     motion.counts.tracked = static_cast<int>(draft.landmarks.size());
   }
   {
@@ -203,20 +214,18 @@ void VisualTrack::accept(const PreparedPair& pair, Draft& draft) {
     draft.window.erase(draft.window.begin());
   window_.swap(draft.window);
   landmarks_.swap(draft.landmarks);
-  draft.window.clear();  // it would keep the images
   last_exposure_ns_ = pair.left_exposure_ns;
 }
 
 /// The start of the estimate: the pose most landmarks agree on. False, with the reason, if there is none.
 bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  std::vector<std::size_t> chosen;
-  const PoseProblem problem = poseProblem(draft.landmarks, pair, chosen);
-  motion.counts.matched = static_cast<int>(chosen.size());
+  statePoseProblem(pair, draft);
+  motion.counts.matched = static_cast<int>(chosen_.size());
   if (motion.counts.matched < settings_.validity.minimum_matches) {
     motion.reasons = OdometryReason::too_few_matches;
     return false;
   }
-  const auto found = findPose(problem, settings_.pose_search, random_);
+  const auto found = pose_finder_.find(pose_problem_, settings_.pose_search, random_);
   if (!found || found->inliers < settings_.validity.minimum_inliers ||
       found->share < settings_.validity.minimum_inlier_ratio) {
     motion.reasons = OdometryReason::too_few_inliers;
@@ -224,20 +233,21 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   motion.counts.inliers = found->inliers;
   draft.window.back().T_world_camera = found->T_world_camera;
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (!found->inlier[i]) draft.landmarks[chosen[i]].trust *= 0.5;
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].trust *= 0.5;
   dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
   return true;
 }
 
-PoseProblem VisualTrack::poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
-                                     std::vector<std::size_t>& chosen) const {
-  PoseProblem problem;
+void VisualTrack::statePoseProblem(const PreparedPair& pair, const Draft& draft) {
+  PoseProblem& problem = pose_problem_;
   problem.camera = camera_;
   problem.pixel_noise = noise_.pixel;
+  problem.hosts.clear();
   for (const WindowFrame& frame : window_)
     problem.hosts.push_back(frame.T_world_camera);
   problem.start = expectedPose(pair);
+  problem.admissible_change.reset();
   if (velocity_) {
     const double square = std::pow(secondsSinceLast(pair), 2);
     const PoseSearchSettings& limits = settings_.pose_search;
@@ -246,8 +256,7 @@ PoseProblem VisualTrack::poseProblem(const std::vector<Landmark>& landmarks, con
         Eigen::Vector3d::Constant(limits.maximum_turn * square + kSlackRotation);
     problem.admissible_change = change;
   }
-  problem.points = posePoints(landmarks, window_, camera_, chosen);
-  return problem;
+  takePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
 }
 
 /// A parked cart is measured against the pairs from before its stand, and none is taken into the window:
@@ -269,9 +278,10 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               PitchSuspicion& suspicion, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
-  const MatchBy match = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
-    matchTurned({tracker_, pair.left, pair.right, window}, T_right_left, rig, wanted);
+  const auto match_turned = [&](std::vector<Landmark>& wanted, const RigMonitor& rig) {
+    matchTurned({tracker_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
   };
+  const MatchBy match = std::cref(match_turned);  // which it refers to: what it would hold, it would allocate
   match(landmarks, corrects() ? rig_ : RigMonitor());
   if (suspicion.take({landmarks, window, match}, rig_) && corrects()) {
     forgetLastStereo(landmarks);  // the matches there are, are by chance
@@ -287,43 +297,41 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   }
 }
 
-void VisualTrack::stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
-                               std::vector<std::size_t>& chosen) const {
+void VisualTrack::stateBundle(const Draft& draft, const RigCorrection& rig) {
+  BundleProblem& problem = bundle_;
   problem.camera = camera_;
   problem.noise = noise_;
   problem.poses = timedPoses(draft.window);
   const int poses = static_cast<int>(draft.window.size());
   problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kLeastStanding));
   holdPublished(draft.window, settings_.bundle.hold, problem);
-  takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen);
+  takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen_);
 }
 
 /// The least squares over the window; if its result is believed, the draft becomes what is known.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  std::vector<std::size_t> chosen;
   RigCorrection rig = correctionBy(rig_);
-  BundleProblem& problem = bundle_;
-  stateProblem(draft, rig, problem, chosen);
-  BundleResult result = adjuster_.adjust(problem, settings_.bundle);
+  stateBundle(draft, rig);
+  BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
-  RigMonitor learned = rigAfter(problem, result, draft, rig);
+  RigMonitor learned = rigAfter(result, draft, rig);
   if (const RigCorrection better = correctionBy(learned);
       kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
-    stateProblem(draft, rig, problem, chosen);
-    result = adjuster_.adjust(problem, settings_.bundle);
-    learned = rigAfter(problem, result, draft, rig);
+    stateBundle(draft, rig);
+    result = adjuster_.adjust(bundle_, settings_.bundle);
+    learned = rigAfter(result, draft, rig);
   }
   if (!result.converged) {
     motion.reasons = OdometryReason::degenerate_geometry;
     return;
   }
   for (std::size_t i = 0; i < draft.window.size(); ++i)
-    draft.window[i].T_world_camera = problem.poses[i].T_world_camera;
-  weigh(problem, chosen, draft);
+    draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
+  weigh(draft);
   const MotionUncertainty uncertainty =
-      takeUncertainties(problem, result, pair.offset_deviation, draft.window);
+      takeUncertainties(bundle_, result, pair.offset_deviation, draft.window);
   motion.motion_covariance = uncertainty.covariance;
   motion.motion_offset_error = uncertainty.offset_error;
   motion.pose_covariance = poseCovarianceOf(draft.window.back());
@@ -339,16 +347,15 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   noise_ = adapted(noise_, result, 1);
   rig_ = learned;
   if (settings_.rig_refinement == RigRefinement::monitor)
-    rig_witness_.take({tracker_, pair.left, pair.right, draft.window}, draft.landmarks, rig_);
+    rig_witness_.take({tracker_, *pair.left, *pair.right, draft.window}, draft.landmarks, rig_);
   accept(pair, draft);
 }
 
 /// Landmarks get their new depths, and trust by how well they fit.
-void VisualTrack::weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen,
-                        Draft& draft) const {
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    Landmark& landmark = draft.landmarks[chosen[i]];
-    const BundleLandmark& adjusted = problem.landmarks[i];
+void VisualTrack::weigh(Draft& draft) const {
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    Landmark& landmark = draft.landmarks[chosen_[i]];
+    const BundleLandmark& adjusted = bundle_.landmarks[i];
     const double ratio = adjusted.error / settings_.history.deviation;
     const double square = ratio * ratio;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
@@ -369,13 +376,13 @@ OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
   return OdometryReason::none;
 }
 
-/// What is known of the rig once the residuals of an adjusted pair, with `applied` corrected, are taken in.
-RigMonitor VisualTrack::rigAfter(const BundleProblem& adjusted, const BundleResult& result,
-                                 const Draft& draft, const RigCorrection& applied) const {
+/// What is known of the rig once the residuals of the adjusted pair, with `applied` corrected, are taken in.
+RigMonitor VisualTrack::rigAfter(const BundleResult& result, const Draft& draft,
+                                 const RigCorrection& applied) {
   RigMonitor rig = rig_;
   if (!result.converged || !corrects()) return rig;
   const double time_step = seconds(draft.window.back().exposure_ns - window_.back().exposure_ns);
-  rig.add(adjusted, result, applied, {time_step});
+  rig.add(bundle_, result, row_regression_.evidence(bundle_), applied, {time_step});
   return rig;
 }
 

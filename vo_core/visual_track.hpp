@@ -23,7 +23,7 @@ struct PreparedPair {
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s
   cv::Mat left_image;
-  ImagePyramid left, right;
+  SharedPyramid left, right;
 };
 
 /// What a pair told a track.
@@ -67,22 +67,20 @@ class VisualTrack {
     std::vector<WindowFrame> window;  ///< the pair is the last
   };
 
+  TrackedMotion explain(const PreparedPair& pair, StageObserver& observer);
   bool corrects() const;
   RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  PoseProblem poseProblem(const std::vector<Landmark>& landmarks, const PreparedPair& pair,
-                          std::vector<std::size_t>& chosen) const;
+  void statePoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    PitchSuspicion& suspicion, std::vector<Landmark>& landmarks);
-  void stateProblem(const Draft& draft, const RigCorrection& rig, BundleProblem& problem,
-                    std::vector<std::size_t>& chosen) const;
+  void stateBundle(const Draft& draft, const RigCorrection& rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  void weigh(const BundleProblem& problem, const std::vector<std::size_t>& chosen, Draft& draft) const;
+  void weigh(Draft& draft) const;
   OdometryReason judge(const TrackedMotion& motion) const;
-  RigMonitor rigAfter(const BundleProblem& adjusted, const BundleResult& result, const Draft& draft,
-                      const RigCorrection& applied) const;
+  RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);
@@ -104,8 +102,12 @@ class VisualTrack {
   std::int64_t last_exposure_ns_ = 0;  ///< of the last pair that was explained
   // Of the present pair only; kept for their memory.
   Draft draft_;
+  std::vector<std::size_t> chosen_;  ///< landmarks of the draft: those that the problem last stated is about
+  PoseProblem pose_problem_;
+  PoseFinder pose_finder_;
   BundleProblem bundle_;
   BundleAdjuster adjuster_;
+  RowRegression row_regression_;
 };
 
 }  // namespace cartvo

@@ -14,22 +14,21 @@ constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocular
 
 }  // namespace
 
-std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window) {
-  std::vector<TimedPose> poses;
-  poses.reserve(window.size());
+TimedPoses timedPoses(const std::vector<WindowFrame>& window) {
+  TimedPoses poses;
   for (const WindowFrame& frame : window)
     poses.push_back({1e-9 * static_cast<double>(frame.exposure_ns - window.front().exposure_ns), frame.offset,
                      frame.T_world_camera, frame.by_late_right});
   return poses;
 }
 
-std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
-                                  const std::vector<WindowFrame>& window, const StereoCamera& camera,
-                                  std::vector<std::size_t>& chosen) {
-  std::vector<PosePoint> points;
-  points.reserve(landmarks.size());
+void takePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                const StereoCamera& camera, std::vector<PosePoint>& points,
+                std::vector<std::size_t>& chosen) {
+  points.clear();
+  points.reserve(landmarks.capacity());
   chosen.clear();
-  chosen.reserve(landmarks.size());
+  chosen.reserve(landmarks.capacity());
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth()) continue;
@@ -43,16 +42,16 @@ std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
     points.push_back(point);
     chosen.push_back(i);
   }
-  return points;
 }
 
 void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                    const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
                    std::vector<std::size_t>& chosen) {
   chosen.clear();
-  chosen.reserve(landmarks.size());
+  chosen.reserve(landmarks.capacity());
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     if (landmarks[i].sightings.size() > 1) chosen.push_back(i);
+  items.reserve(landmarks.capacity());
   items.resize(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Landmark& landmark = landmarks[chosen[i]];

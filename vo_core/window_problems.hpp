@@ -7,18 +7,18 @@
 #include "vo_core/landmark_tracker.hpp"
 #include "vo_core/pose_search.hpp"
 
-// A window of pairs and its landmarks, as the estimators are asked about them.
+// A window of pairs and its landmarks, as the estimators are asked about them. Lists that are filled get room
+// for as many as there is room for landmarks, so that none grows once that does not.
 
 namespace cartvo {
 
 /// Times in s since the oldest.
-std::vector<TimedPose> timedPoses(const std::vector<WindowFrame>& window);
+TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
 /// The landmarks whose depth is known and whose last sighting is of the current pair; `window` ends before
-/// that one. `chosen`: which landmarks they are.
-std::vector<PosePoint> posePoints(const std::vector<Landmark>& landmarks,
-                                  const std::vector<WindowFrame>& window, const StereoCamera& camera,
-                                  std::vector<std::size_t>& chosen);
+/// that one. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.
+void takePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                const StereoCamera& camera, std::vector<PosePoint>& points, std::vector<std::size_t>& chosen);
 
 /// The landmarks seen by more than one pair, their right pixels corrected by `rig`; `window` ends with the
 /// current pair. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.

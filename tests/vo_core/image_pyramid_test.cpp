@@ -77,7 +77,8 @@ TEST(ImagePyramid, IsThatOfOpenCV) {
 TEST(ImagePyramid, APoolsPyramidsAreAsFreshOnes) {
   PyramidPool pool(4);
   for (const unsigned seed : {1U, 2U, 3U}) {
-    const ImagePyramid pooled = pool.build(image(seed));
+    const SharedPyramid shared = pool.build(image(seed));
+    const ImagePyramid& pooled = *shared;
     const ImagePyramid fresh = buildPyramid(image(seed), 4);
     ASSERT_EQ(pooled.grey.size(), 4U);
     ASSERT_EQ(pooled.dog.size(), fresh.dog.size());
@@ -90,11 +91,11 @@ TEST(ImagePyramid, APoolsPyramidsAreAsFreshOnes) {
 
 TEST(ImagePyramid, APoolOverwritesOnlyWhatNobodyHas) {
   PyramidPool pool(2);
-  const ImagePyramid kept = pool.build(image(1));
-  const std::uint8_t* const second = pool.build(image(2)).grey[0].at(0, 0);
-  EXPECT_NE(second, kept.grey[0].at(0, 0));
-  EXPECT_EQ(pool.build(image(3)).grey[0].at(0, 0), second);
-  expectEqual(kept.grey[1], buildPyramid(image(1), 2).grey[1]);
+  const SharedPyramid kept = pool.build(image(1));
+  const std::uint8_t* const second = pool.build(image(2))->grey[0].at(0, 0);
+  EXPECT_NE(second, kept->grey[0].at(0, 0));
+  EXPECT_EQ(pool.build(image(3))->grey[0].at(0, 0), second);
+  expectEqual(kept->grey[1], buildPyramid(image(1), 2).grey[1]);
 }
 
 TEST(ImagePyramid, TheBorderMirrorsTheImage) {

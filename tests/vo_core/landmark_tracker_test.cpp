@@ -39,7 +39,7 @@ cv::Mat wallAt(const Eigen::Vector2d& place) {
 WindowFrame frameAt(int index) {
   WindowFrame frame;
   frame.index = index;
-  frame.left.grey = buildPyramid(wallAt(index * kShift), 4).grey;
+  frame.left = PyramidPool(4).build(wallAt(index * kShift));
   // What shifts the wall to the right moves the camera to the left.
   frame.T_world_camera.translation().x() = -index * kShift.x() * wallDepth() / camera().focal_length;
   return frame;
@@ -54,7 +54,7 @@ class LandmarkTrackerTest : public testing::Test {
 
   void follow(int index, std::int64_t oldest_host, const std::optional<Eigen::Isometry3d>& expected) {
     const WindowFrame frame = frameAt(index);
-    tracker_.follow(landmarks_, window_, frame.left, index, oldest_host, expected);
+    tracker_.follow(landmarks_, window_, *frame.left, index, oldest_host, expected);
     window_.push_back(frame);
   }
 

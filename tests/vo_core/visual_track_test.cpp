@@ -40,8 +40,8 @@ PreparedPair prepared(const StereoImages& images, int index) {
   pair.index = index;
   pair.left_exposure_ns = pair.right_exposure_ns = index * kPeriod;
   pair.left_image = images.left;
-  pair.left = buildPyramid(images.left, OdometrySettings{}.tracking.levels);
-  pair.right = buildPyramid(images.right, 1);
+  pair.left = PyramidPool(OdometrySettings{}.tracking.levels).build(images.left);
+  pair.right = PyramidPool(1).build(images.right);
   return pair;
 }
 

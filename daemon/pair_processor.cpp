@@ -53,9 +53,9 @@ class PairProcessor::Implementation {
     result.right = instants(pair.right);
 
     clock_.startPair();
-    const StereoImages images = rectify(pair);
+    rectify(pair);
     result.features = features_;
-    result.estimate = odometry_.process(images, clock_);
+    result.estimate = odometry_.process(images_, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_);
     takeVelocityToExposure(result);
     result.times = clock_.endPair();
@@ -88,21 +88,20 @@ class PairProcessor::Implementation {
     result.motion.twist_covariance = now.covariance + shared;
   }
 
-  StereoImages rectify(const FramePair& pair) {
-    StereoImages images;
-    images.left_exposure_ns = pair.left.exposure_ns;
-    images.right_exposure_ns = pair.right.exposure_ns;
-    images.offset_deviation = 1e-9 * pair.offsetDeviationNs();
+  void rectify(const FramePair& pair) {
+    images_.left_exposure_ns = pair.left.exposure_ns;
+    images_.right_exposure_ns = pair.right.exposure_ns;
+    images_.offset_deviation = 1e-9 * pair.offsetDeviationNs();
     clock_.begin(Stage::rectify);
-    rectifier_.rectifyLeft(pair.left.image, images.left);
-    rectifier_.rectifyRight(pair.right.image, images.right);
+    rectifier_.rectifyLeft(pair.left.image, images_.left);
+    rectifier_.rectifyRight(pair.right.image, images_.right);
     clock_.end(Stage::rectify);
-    return images;
   }
 
   Rectifier rectifier_;
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
+  StereoImages images_;  ///< the last pair's, rectified; kept for their memory
   StereoOdometry odometry_;
   int features_;
   VelocityAtExposure velocity_{kVelocityNoiseShare};

@@ -12,10 +12,7 @@ namespace {
 constexpr double kCornersPerFeature = 2.0;  // a window's corners aimed at, for each feature aimed at
 constexpr double kAdaptation = 0.2;         // power of the ratio of counts by which a threshold moves
 constexpr double kMostAtOnce = 1.5;         // a threshold changes by this factor an image, at most
-constexpr double kDoubt = 4.0;  // corners that a window is taken to have tried already, half of them in vain
-constexpr double kLeastWorth = 0.05;       // of a window in which nothing lasts, so that it is tried again
-constexpr double kTriesRemembered = 60.0;  // of a window
-constexpr int kFirstLooks = 6;             // at the first image, before its corners are taken
+constexpr int kFirstLooks = 6;              // at the first image, before its corners are taken
 
 // Not functions, so that sorting inlines them.
 constexpr auto kStronger = [](const Corner& a, const Corner& b) {
@@ -27,11 +24,12 @@ constexpr auto kWeaker = [](const Corner& a, const Corner& b) { return kStronger
 }  // namespace
 
 AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int features,
-                                   const cv::Size& image_size)
+                                   const cv::Size& image_size, double scale)
     : settings_(settings),
       features_(0),
       corner_target_(0.0),
       image_size_(image_size),
+      scale_(scale),
       first_looks_(kFirstLooks),
       window_thresholds_(image_size, settings.window_rows),
       finders_(static_cast<std::size_t>(settings.window_rows)) {
@@ -47,8 +45,6 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
   aimAt(features);
   thresholds_.assign(windows_.size(), settings.initial_threshold);
   corner_counts_.assign(windows_.size(), 0);
-  tried_.assign(windows_.size(), kDoubt);
-  followed_.assign(windows_.size(), 0.5 * kDoubt);
   wanted_.resize(windows_.size());
   // Room for whatever an image may show: pages that nothing is written to cost nothing.
   std::size_t most = 0;
@@ -86,33 +82,9 @@ int AdaptiveDetector::windowAt(double x, double y) const {
   return row * settings_.window_columns + column;
 }
 
-void AdaptiveDetector::learn(const Eigen::Vector2d& pixel, bool followed) {
-  const int index = windowAt(pixel.x(), pixel.y());
-  const double kept = 1.0 - 1.0 / kTriesRemembered;
-  tried_[index] = kept * tried_[index] + 1.0;
-  followed_[index] = kept * followed_[index] + (followed ? 1.0 : 0.0);
-}
-
-double AdaptiveDetector::worth(int index) const {
-  return std::max(followed_[index] / tried_[index], kLeastWorth);
-}
-
-void AdaptiveDetector::share() {
-  double sum = 0.0;
-  for (int i = 0; i < windowCount(); ++i)
-    sum += worth(i);
-  double before = 0.0;  // so that they add up to features_ exactly
+void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>& wanted) {
   for (int i = 0; i < windowCount(); ++i) {
-    const double after = before + features_ * worth(i) / sum;
-    wanted_[i] = static_cast<int>(std::lround(after) - std::lround(before));
-    before = after;
-  }
-}
-
-void AdaptiveDetector::findCorners(const cv::Mat& image) {
-  for (int i = 0; i < windowCount(); ++i) {
-    window_thresholds_.set(windows_[i],
-                           wanted_[i] > 0 ? static_cast<std::uint8_t>(threshold(i)) : kNoCorners);
+    window_thresholds_.set(windows_[i], wanted[i] > 0 ? static_cast<std::uint8_t>(threshold(i)) : kNoCorners);
     corners_[i].clear();
   }
   forEachIndex(finders_.size(), [&](std::size_t row) {
@@ -124,29 +96,42 @@ void AdaptiveDetector::findCorners(const cv::Mat& image) {
       std::sort(corners_[i].begin(), corners_[i].end(), kStronger);
   });
   for (int i = 0; i < windowCount(); ++i)
-    if (wanted_[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
+    if (wanted[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
 }
 
 const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
                                                     const std::vector<Eigen::Vector2d>& alive,
                                                     SpacingGrid& spacing) {
-  share();
+  // So that they add up exactly.
+  const auto upTo = [&](int window) {
+    return std::lround(features_ * (window / static_cast<double>(windowCount())));
+  };
+  for (int i = 0; i < windowCount(); ++i)
+    wanted_[i] = static_cast<int>(upTo(i + 1) - upTo(i));
   for (const Eigen::Vector2d& pixel : alive)
     --wanted_[windowAt(pixel.x(), pixel.y())];
-  for (; first_looks_ > 0; --first_looks_)
-    findCorners(image);
-  findCorners(image);
+  return detect(image, wanted_, std::max(features_ - static_cast<int>(alive.size()), 0), spacing);
+}
 
-  int room = std::max(features_ - static_cast<int>(alive.size()), 0);
+const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image, const std::vector<int>& wanted,
+                                                    int room, SpacingGrid& spacing) {
+  for (; first_looks_ > 0; --first_looks_)
+    findCorners(image, wanted);
+  findCorners(image, wanted);
+
+  const auto fits = [&](const Corner& corner) {
+    return spacing.insert(scale_ * Eigen::Vector2d(corner.x, corner.y));
+  };
   chosen_.clear();
   left_over_.clear();
   for (int i = 0; i < windowCount(); ++i) {
+    int still_wanted = wanted[i];
     for (const Corner& corner : corners_[i]) {
-      if (wanted_[i] <= 0 || room <= 0) {
+      if (still_wanted <= 0 || room <= 0) {
         left_over_.push_back(corner);
-      } else if (spacing.insert({corner.x, corner.y})) {
+      } else if (fits(corner)) {
         chosen_.push_back(corner);
-        --wanted_[i];
+        --still_wanted;
         --room;
       }
     }
@@ -157,7 +142,7 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
     std::pop_heap(left_over_.begin(), left_over_.end(), kWeaker);
     const Corner corner = left_over_.back();
     left_over_.pop_back();
-    if (!spacing.insert({corner.x, corner.y})) continue;
+    if (!fits(corner)) continue;
     chosen_.push_back(corner);
     --room;
   }

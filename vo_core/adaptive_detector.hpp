@@ -10,30 +10,31 @@ namespace cartvo {
 
 /// FAST in windows, each with its own threshold, which is adapted from image to image so that dark and
 /// bright, rough and smooth parts of the image all give features: too few corners lower a window's threshold,
-/// too many raise it. (The thesis' prose swaps the directions.) All windows have the same share of the
-/// features, but for what `learn` says of them; a window that has its share is not searched.
+/// too many raise it. (The thesis' prose swaps the directions.) A window that wants none is not searched.
 class AdaptiveDetector {
  public:
-  /// `features` are aimed at in the whole image.
-  AdaptiveDetector(const DetectionSettings& settings, int features, const cv::Size& image_size);
+  /// `features` are aimed at in the whole image. `scale`: px of the spacing grid for each of the image.
+  AdaptiveDetector(const DetectionSettings& settings, int features, const cv::Size& image_size,
+                   double scale = 1.0);
 
-  /// New corners that bring the number of features to its target, strongest first: window by window, then
-  /// wherever strong corners are left. `alive`: features the image holds already, all in `spacing`; new ones
-  /// keep its distance and are entered into it. Adapts the thresholds for the next image. Valid until the
-  /// next call.
+  /// New corners that bring the number of features to its target, all windows having the same share,
+  /// strongest first: window by window, then wherever strong corners are left. `alive`: features the image
+  /// holds already, all in `spacing`; new ones keep its distance and are entered into it. Adapts the
+  /// thresholds for the next image. Valid until the next call.
   const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
+                                    SpacingGrid& spacing);
+
+  /// The same, `wanted` of each window and `room` for so many in all.
+  const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<int>& wanted, int room,
                                     SpacingGrid& spacing);
 
   /// From the next image on, so many features are aimed at.
   void aimAt(int features);
 
-  /// What became of one of the new corners, which lay at `pixel`: whether it could be followed. A window
-  /// whose corners last gets more of the features, one whose corners leave the image or look like nothing
-  /// gets less.
-  void learn(const Eigen::Vector2d& pixel, bool followed);
-
   int windowCount() const { return static_cast<int>(windows_.size()); }
   const cv::Rect& window(int index) const { return windows_[index]; }
+  /// The window of a pixel of the image; the nearest one if it lies outside.
+  int windowAt(double x, double y) const;
   int threshold(int index) const;
   /// Corners of one window in the last image, after non-maximum suppression, and how many are aimed at: more
   /// than features, so that there is a choice.
@@ -41,23 +42,19 @@ class AdaptiveDetector {
   double cornerTarget() const { return corner_target_; }
 
  private:
-  double worth(int index) const;
-  /// Makes wanted_ each window's share of the features.
-  void share();
   /// Makes corners_ those of each window that wants some, strongest first; adapts the thresholds.
-  void findCorners(const cv::Mat& image);
+  void findCorners(const cv::Mat& image, const std::vector<int>& wanted);
   void adaptThreshold(int index, int corners);
-  int windowAt(double x, double y) const;
 
   DetectionSettings settings_;
   int features_;
   double corner_target_;
   cv::Size image_size_;
+  double scale_;
   int first_looks_;  ///< still to be had at the first image, whose thresholds are a mere guess
   std::vector<cv::Rect> windows_;
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;
-  std::vector<double> tried_, followed_;  ///< new corners of late, and those of them that could be followed
 
   // Kept so that no image allocates anew.
   WindowThresholds window_thresholds_;

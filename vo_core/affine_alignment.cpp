@@ -13,7 +13,7 @@
 namespace cartvo {
 namespace {
 
-constexpr int kSide = 15;  // px
+constexpr int kSide = kPatchSide;
 constexpr int kHalf = kSide / 2;
 /// Of the patch each other row is compared, which halves the work: neighbouring rows tell much the same.
 constexpr int kRowStep = 2;

@@ -8,6 +8,8 @@
 
 namespace cartvo {
 
+constexpr int kPatchSide = 15;  ///< px of the level that a patch is taken from
+
 struct AffineAlignment {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< px, of the patch's centre in the level after
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< from offsets before to offsets after

@@ -36,7 +36,7 @@ struct Conclusions {
   void begin(const LandmarkBlock& block) {
     rig.begin();
     late_right.begin(block);
-    sizes.begin();
+    sizes.begin(block);
   }
   void add(const BlockView& view, const SightingRows& rows) {
     rig.add(view, rows.row[SightingRows::kDisparity]);

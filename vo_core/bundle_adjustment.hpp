@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -31,17 +32,20 @@ struct BundleLandmark {
   double prior_by_late_right = 0.0;  ///< as Landmark's
   double by_late_right = 0.0;        ///< result: as Landmark's
   double weight = 1.0;
+  int level = 0;  ///< as Landmark's
   FixedVector<BundleSighting, kMostWindowPairs>
       sightings;       ///< the host's first; its `left` defines the bearing
   double error = 0.0;  ///< result: rms of the last sighting's normalised residuals
 };
 
-/// Standard deviations of what is measured, px.
+/// Standard deviations of what is measured by patches of one level, px of the image.
 struct BundleNoise {
   double pixel = 0.15;      ///< of each coordinate of a left position against its template
   double disparity = 0.15;  ///< of a disparity
   double stretch = 0.006;   ///< added to a disparity's for each px of it: near patches deform more
 };
+
+using BundleNoises = std::array<BundleNoise, kLandmarkLevels>;
 
 struct BundleProblem {
   StereoCamera camera;
@@ -52,7 +56,7 @@ struct BundleProblem {
   /// than there are. Of poses that stand it is not used; what is beyond its end is free.
   FixedVector<Matrix6d, kMostWindowPairs> held;
   std::vector<BundleLandmark> landmarks;
-  BundleNoise noise;
+  BundleNoises noise;
 };
 
 /// Of free poses together, six each, oldest first; held without memory of their own.
@@ -61,12 +65,17 @@ using PoseMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostPoseUnknowns, kMostPoseUnknowns>;
 using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostPoseUnknowns, 1>;
 
+/// How much larger residuals are than assumed, by their median.
+struct NoiseScale {
+  double pixel = 1.0;      ///< those of left positions
+  double disparity = 1.0;  ///< and of disparities
+};
+
 struct BundleResult {
   bool converged = false;
   /// Of the free poses together, perturbations on the right, six each, oldest first, against the fixed ones.
   PoseMatrix covariance;
-  double pixel_scale = 1.0;      ///< how much larger left residuals are than assumed, by their median
-  double disparity_scale = 1.0;  ///< and disparities
+  std::array<NoiseScale, kLandmarkLevels> noise_scale;
   /// Of the window's scale, a factor, as its disparities tell it: no more than that of a scale which is not
   /// known.
   double scale_variance = 0.0;

@@ -37,7 +37,9 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
   block.place.bearing[2] = 1.0 + DoubleLanes{};
   for (int lane = 0; lane < count; ++lane) {
     const BundleLandmark& landmark = problem.landmarks[first[lane]];
+    const BundleNoise& noise = problem.noise[landmark.level];
     block.landmark[lane] = first[lane];
+    block.level[lane] = landmark.level;
     block.place.bearing[0][lane] = landmark.bearing.x();
     block.place.bearing[1][lane] = landmark.bearing.y();
     block.place.inverse_depth[lane] = landmark.inverse_depth;
@@ -49,8 +51,9 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
       SightingBlock& into = sightings[slot[sighting.pose]];
       into.seen[lane] = 1.0;
       into.stereo[lane] = sighting.stereo ? 1.0 : 0.0;
-      into.precision[lane] =
-          1.0 / (problem.noise.disparity + problem.noise.stretch * std::abs(sighting.disparity()));
+      into.position_precision[lane] = 1.0 / noise.pixel;
+      into.disparity_precision[lane] =
+          1.0 / (noise.disparity + noise.stretch * std::abs(sighting.disparity()));
       for (int axis = 0; axis < 2; ++axis) {
         into.left[axis][lane] = sighting.left[axis];
         into.right[axis][lane] = sighting.right[axis];

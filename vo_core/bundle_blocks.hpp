@@ -16,6 +16,7 @@ struct LandmarkBlock {
   int host = 0;
   int count = 0;
   std::array<int, kDoubleLanes> landmark{};           ///< index into the problem's
+  std::array<int, kDoubleLanes> level{};              ///< BundleLandmark's
   std::size_t first_sighting = 0, last_sighting = 0;  ///< [first, last) of the sightings
   PlaceLanes place{};
   DoubleLanes weight{};
@@ -27,7 +28,7 @@ struct SightingBlock {
   int pose = 0;
   DoubleLanes seen{}, stereo{};  ///< 1 where they are, else 0
   DoubleLanes left[2]{}, right[2]{};
-  DoubleLanes precision{};  ///< of the disparity, 1/px
+  DoubleLanes position_precision{}, disparity_precision{};  ///< 1/px
 };
 
 class BundleBlocks {

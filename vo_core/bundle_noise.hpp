@@ -9,16 +9,18 @@ namespace cartvo {
 
 /// The noise to be assumed from now on, by what the residuals of an adjusted pair tell, which stands for so
 /// many: a running estimate, within bounds.
-inline BundleNoise adapted(const BundleNoise& noise, const BundleResult& result, int pairs) {
+inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result, int pairs) {
   constexpr double kMemory = 0.9;                         // from pair to pair
   constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
   const double kept = std::pow(kMemory, pairs);
   const auto adapt = [&](double value, double scale) {
     return std::clamp(value * (kept + (1.0 - kept) * scale), kLeastNoise, kMostNoise);
   };
-  BundleNoise next = noise;
-  next.pixel = adapt(noise.pixel, result.pixel_scale);
-  next.disparity = adapt(noise.disparity, result.disparity_scale);
+  BundleNoises next = noise;
+  for (int level = 0; level < kLandmarkLevels; ++level) {
+    next[level].pixel = adapt(noise[level].pixel, result.noise_scale[level].pixel);
+    next[level].disparity = adapt(noise[level].disparity, result.noise_scale[level].disparity);
+  }
   return next;
 }
 

@@ -68,7 +68,6 @@ class BlockResiduals {
       : camera_(problem.camera),
         cameras_(cameras),
         fixed_(problem.fixed),
-        pixel_precision_(1.0 / problem.noise.pixel),
         robustness_(1.0 / (robust_width * robust_width)) {}
 
   /// 1 where all cameras that see a landmark have it in front of them, else 0.
@@ -107,10 +106,11 @@ class BlockResiduals {
  private:
   void linearisePosition(const BlockView& view, const DoubleLanes& weight, RowLanes& column,
                          RowLanes& row) const {
-    const double f = pixel_precision_ * camera_.focal_length;
     const SightingBlock& sighting = view.sighting;
-    column.residual = pixel_precision_ * (sighting.left[0] - camera_.cx) - f * view.left.x;
-    row.residual = pixel_precision_ * (sighting.left[1] - camera_.cy) - f * view.left.y;
+    const DoubleLanes& precision = sighting.position_precision;
+    const DoubleLanes f = precision * camera_.focal_length;
+    column.residual = precision * (sighting.left[0] - camera_.cx) - f * view.left.x;
+    row.residual = precision * (sighting.left[1] - camera_.cy) - f * view.left.y;
     const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
     column.weight = row.weight = weight * view.seen / (1.0 + robustness_ * square);
     const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
@@ -118,22 +118,21 @@ class BlockResiduals {
     column.by_inverse_depth = f * by_depth.x;
     row.by_inverse_depth = f * by_depth.y;
     column.poses = row.poses = 0;
-    const DoubleLanes factor = f + DoubleLanes{};
     if (const int free = sighting.pose - fixed_; free >= 0) {
-      column.add(free, factor, columnByCamera(view.left, view.place));
-      row.add(free, factor, rowByCamera(view.left, view.place));
+      column.add(free, f, columnByCamera(view.left, view.place));
+      row.add(free, f, rowByCamera(view.left, view.place));
     }
     if (const int free = view.host - fixed_; free >= 0) {
-      column.add(free, factor, columnByHost(T, view.left, view.place));
-      row.add(free, factor, rowByHost(T, view.left, view.place));
+      column.add(free, f, columnByHost(T, view.left, view.place));
+      row.add(free, f, rowByHost(T, view.left, view.place));
     }
   }
 
   void lineariseDisparity(const BlockView& view, const DoubleLanes& weight, RowLanes& row) const {
     const SightingBlock& sighting = view.sighting;
-    const DoubleLanes f = camera_.focal_length * sighting.precision;
-    row.residual =
-        sighting.precision * (sighting.left[0] - sighting.right[0]) - f * (view.left.x - view.right.x);
+    const DoubleLanes f = camera_.focal_length * sighting.disparity_precision;
+    row.residual = sighting.disparity_precision * (sighting.left[0] - sighting.right[0]) -
+                   f * (view.left.x - view.right.x);
     row.weight = weight * view.stereo / (1.0 + robustness_ * (row.residual * row.residual));
     const Eigen::Isometry3d& T_left = cameras_.leftFromHost(sighting.pose, view.host);
     const Eigen::Isometry3d& T_right = cameras_.rightFromHost(sighting.pose, view.host);
@@ -161,7 +160,7 @@ class BlockResiduals {
   const StereoCamera& camera_;
   const BundleCameras& cameras_;
   int fixed_;
-  double pixel_precision_, robustness_;
+  double robustness_;
 };
 
 }  // namespace cartvo

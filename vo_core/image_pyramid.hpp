@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,11 @@
 #include <opencv2/core/mat.hpp>
 
 namespace cartvo {
+
+/// px of the image for each of a level.
+constexpr double levelScale(int level) {
+  return 1 << level;
+}
 
 /// One image of a pyramid with a mirrored border around it, so that a patch whose centre lies inside the
 /// image can be read without asking at each pixel. Level l holds pixel (x, y) of the image at (x, y) / 2^l.
@@ -55,6 +61,11 @@ struct ImagePyramid {
   /// Difference of Gaussians around 128 for the SAD, of the levels from kFinestDog on, kDogLevels of them.
   std::vector<PyramidLevel> dog;
 };
+
+/// Whether both have that level of grey: small images cannot be halved as often.
+inline bool bothHave(const ImagePyramid& a, const ImagePyramid& b, int level) {
+  return static_cast<std::size_t>(level) < std::min(a.grey.size(), b.grey.size());
+}
 
 constexpr int kFinestDog = 1;
 constexpr int kDogLevels = 3;

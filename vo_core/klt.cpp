@@ -11,7 +11,7 @@
 namespace cartvo {
 namespace {
 
-constexpr int kSide = 15;  // px
+constexpr int kSide = kPatchSide;
 /// Of the patch each other row is compared, as in the alignment that follows.
 constexpr int kRowStep = 2;
 constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;

@@ -22,6 +22,7 @@ struct Sighting {
 /// track. Its place is the host's pixel and an inverse depth (J. Civera, A. Davison, J. Montiel, "Inverse
 /// depth parametrization for monocular SLAM", 2008): it is as good for points at infinity as for near ones.
 struct Landmark {
+  int level = 0;       ///< of the pyramids that the patch is taken from, below kLandmarkLevels
   int age = 0;         ///< pairs that saw it, those of earlier hosts among them
   double trust = 1.0;  ///< in [0, 1]: how much it is believed to belong to the static world
 

@@ -13,11 +13,11 @@ namespace cartvo {
 namespace {
 
 constexpr double kUnknownInverseDepth = 0.02;  // 1/m, where a landmark without a depth is taken to be
-constexpr PyramidLevels kNearLevels{1, 1};  // of what is within some 10 px of where the world has carried it
-constexpr double kOutside = 8.0;            // px; predicted farther outside the image, a landmark is gone
-constexpr double kShiftCorrelation = 0.4;   // after a mere shift, of which a warp may make a match
-constexpr double kLargestStretch = 0.35;  // of a warp's elements; a host that looks so different is given up
-constexpr double kLargestRow = 1.5;       // px, of a stereo match off the row where it is expected
+constexpr int kShiftLevel = 1;    // above the patch's own, where a shift ends that an alignment refines
+constexpr double kOutside = 8.0;  // px; predicted farther outside the image, a landmark is gone
+constexpr double kShiftCorrelation = 0.4;  // after a mere shift, of which a warp may make a match
+constexpr double kLargestStretch = 0.35;   // of a warp's elements; a host that looks so different is given up
+constexpr double kLargestRow = 1.5;  // px of the level, of a stereo match off the row where it is expected
 // m and rad: a right camera that has gone or rolled so far since the left exposure sees rows of patches
 // change.
 constexpr double kSamePlace = 0.005, kSameRoll = 0.01;
@@ -29,6 +29,33 @@ bool stretched(const Eigen::Matrix2d& warp) {
 /// Whether what was found, aligned backwards, leads to where it came from.
 bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
   return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
+}
+
+/// Levels of the shift that comes before an alignment in `level`. A prediction is within some 10 px of where
+/// the world has carried the landmark, so that one level will do; else it is looked for from the top.
+PyramidLevels shiftLevels(int level, bool predicted, int tracked) {
+  const int finest = level + kShiftLevel;
+  return {finest, predicted ? finest : std::max(finest, tracked - 1)};
+}
+
+/// Where a patch is compared.
+struct PatchView {
+  const ImagePyramid& before;
+  const ImagePyramid& after;
+  int level;
+};
+
+/// alignAffine() in that level, positions in px of the image.
+std::optional<AffineAlignment> alignAtLevel(const PatchView& view, const Eigen::Vector2d& from,
+                                            AffineAlignment start, WarpModel model,
+                                            const TrackingSettings& tracking) {
+  if (!bothHave(view.before, view.after, view.level)) return std::nullopt;
+  const double scale = levelScale(view.level);
+  start.position /= scale;
+  auto aligned = alignAffine(view.before.grey[view.level], view.after.grey[view.level], from / scale, start,
+                             model, tracking.iterations, tracking.convergence);
+  if (aligned) aligned->position *= scale;
+  return aligned;
 }
 
 /// Whether the landmark was a new corner until it was looked for and `found` or not.
@@ -175,8 +202,8 @@ std::optional<AffineAlignment> LandmarkTracker::alignWithHost(const Landmark& la
   AffineAlignment start;
   start.position = position;
   start.warp = landmark.warp;
-  auto aligned = alignAffine(host.left->grey.front(), left.grey.front(), landmark.host().left, start,
-                             WarpModel::affine, tracking.iterations, tracking.convergence);
+  auto aligned = alignAtLevel({*host.left, left, landmark.level}, landmark.host().left, start,
+                              WarpModel::affine, tracking);
   if (aligned && (aligned->correlation < tracking.minimum_correlation || !returns(*aligned, tracking)))
     aligned.reset();
   return aligned;
@@ -193,7 +220,7 @@ bool LandmarkTracker::followOne(Landmark& landmark, const Scene& scene, std::int
   if (!expected) return false;
 
   const bool predicted = scene.poseExpected() && landmark.hasDepth();
-  const PyramidLevels levels = predicted ? kNearLevels : PyramidLevels{1, settings_.tracking.levels - 1};
+  const PyramidLevels levels = shiftLevels(landmark.level, predicted, settings_.tracking.levels);
   const auto shifted =
       trackShift(*last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
   if (!shifted) return false;
@@ -222,7 +249,7 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
                [&](std::size_t i) { found_[i] = followOne(landmarks[i], scene, oldest_host) ? 1 : 0; });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (wasNew(landmarks[i], found_[i] != 0)) detector_.learn(landmarks[i].host().left, found_[i] != 0);
+    if (wasNew(landmarks[i], found_[i] != 0)) detector_.learn(landmarks[i], found_[i] != 0);
     if (found_[i] == 0) continue;
     if (kept != i) landmarks[kept] = std::move(landmarks[i]);
     ++kept;
@@ -230,7 +257,7 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
   landmarks.resize(kept);
 }
 
-void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame) {
+void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame) {
   Renewal& now = renewal_;
   now.spacing.reset(camera_.width, camera_.height, minimumDistance(settings_, camera_.width, camera_.height));
   now.reserve(landmarks.capacity());
@@ -239,23 +266,22 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const cv::Mat& lef
     now.order.emplace_back(-landmarks[i].trust * std::min(landmarks[i].age, 10), i);
   std::sort(now.order.begin(), now.order.end());
   now.kept.clear();
-  now.alive.clear();
   for (const auto& [merit, index] : now.order) {
     const Eigen::Vector2d pixel = landmarks[index].last().left;
     if (!now.spacing.insert(pixel) || now.kept.size() >= static_cast<std::size_t>(settings_.features))
       continue;
     now.kept.push_back(std::move(landmarks[index]));
-    now.alive.push_back(pixel);
   }
   landmarks.swap(now.kept);
 
-  for (const Corner& corner : detector_.detect(left, now.alive, now.spacing)) {
+  for (const LandmarkCorner& corner : detector_.detect(left, landmarks, now.spacing)) {
     if (corner.score < settings_.tracking.minimum_score) continue;
     Landmark landmark;
+    landmark.level = corner.level;
     landmark.age = 1;
     Sighting sighting;
     sighting.frame = frame;
-    sighting.left = Eigen::Vector2d(corner.x, corner.y);
+    sighting.left = corner.pixel;
     landmark.sightings.push_back(sighting);
     landmarks.push_back(std::move(landmark));
   }
@@ -276,17 +302,18 @@ void LandmarkTracker::matchOne(Landmark& landmark, const StereoView& view, doubl
   } else {
     EpipolarLine line = epipolarLine(camera_, view.T_right_left, sighting.left);
     line.at_infinity += carried;
-    const auto found = cartvo::matchStereo(view.left, view.right, sighting.left, settings_.stereo, line);
+    const auto found =
+        cartvo::matchStereo(view.left, view.right, sighting.left, settings_.stereo, line, landmark.level);
     if (!found) return;
     start.position = found->right;
   }
   const double expected_row = start.position.y();
   if (!view.right.grey.front().contains(start.position)) return;
-  const auto aligned =
-      alignAffine(view.left.grey.front(), view.right.grey.front(), sighting.left, start, view.warp_model,
-                  settings_.tracking.iterations, settings_.tracking.convergence);
+  const auto aligned = alignAtLevel({view.left, view.right, landmark.level}, sighting.left, start,
+                                    view.warp_model, settings_.tracking);
   if (!aligned || aligned->correlation < settings_.stereo.minimum_correlation ||
-      std::abs(aligned->position.y() - expected_row) > kLargestRow || !returns(*aligned, settings_.tracking))
+      std::abs(aligned->position.y() - expected_row) > kLargestRow * levelScale(landmark.level) ||
+      !returns(*aligned, settings_.tracking))
     return;
   landmark.stereo_warp = aligned->warp;
   sighting.stereo = true;

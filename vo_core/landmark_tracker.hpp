@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "vo_core/adaptive_detector.hpp"
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/klt.hpp"
 #include "vo_core/landmark.hpp"
+#include "vo_core/landmark_detector.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/reprojection.hpp"
 #include "vo_core/spacing_grid.hpp"
@@ -51,7 +51,7 @@ class LandmarkTracker {
 
   /// Of landmarks closer to each other than the minimum distance, and of more than are aimed at, the more
   /// trusted and older stay; then fills up with new corners.
-  void renew(std::vector<Landmark>& landmarks, const cv::Mat& left, std::int64_t frame);
+  void renew(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
 
   /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_right_left`: the
   /// right camera at its own instant as expected from the left one at its; `T_world_camera` the expected
@@ -92,7 +92,7 @@ class LandmarkTracker {
 
   StereoCamera camera_;
   OdometrySettings settings_;
-  AdaptiveDetector detector_;
+  LandmarkDetector detector_;
   std::vector<unsigned char> found_;  ///< by follow(), of each landmark; kept for its memory
 
   /// What renew() works with, kept so that no pair allocates it anew.
@@ -100,12 +100,10 @@ class LandmarkTracker {
     SpacingGrid spacing;
     std::vector<std::pair<double, std::size_t>> order;  ///< of the landmarks, by merit, negative
     std::vector<Landmark> kept;
-    std::vector<Eigen::Vector2d> alive;
 
     void reserve(std::size_t landmarks) {
       order.reserve(landmarks);
       kept.reserve(landmarks);
-      alive.reserve(landmarks);
     }
   } renewal_;
 };

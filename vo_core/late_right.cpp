@@ -7,7 +7,6 @@ void LateRight::reset(const BundleProblem& problem, const BundleCameras& cameras
                       const BundleBlocks& blocks) {
   count_ = static_cast<int>(problem.poses.size());
   focal_length_ = problem.camera.focal_length;
-  pixel_factor_ = problem.camera.focal_length / problem.noise.pixel;
   by_poses_.clear();
   by_poses_.resize(problem.poses.size() - problem.fixed);
   changes_.clear();

@@ -32,9 +32,10 @@ class LateRight {
     const Change& change = changes_[view.sighting.pose * count_ + view.host];
     const PixelLanes left = viewByRay(view.left, rayOf(change.left, view.place));
     const PixelLanes right = viewByRay(view.right, rayOf(change.right, view.place));
+    const DoubleLanes by_position = focal_length_ * view.sighting.position_precision;
     const DoubleLanes by_delay[SightingRows::kCount] = {
-        pixel_factor_ * left.x, pixel_factor_ * left.y,
-        focal_length_ * view.sighting.precision * (left.x - right.x)};
+        by_position * left.x, by_position * left.y,
+        focal_length_ * view.sighting.disparity_precision * (left.x - right.x)};
 #pragma GCC unroll 1
     for (int i = view.isHost() ? SightingRows::kDisparity : 0; i < SightingRows::kCount; ++i)
       add(rows.row[i], by_delay[i]);
@@ -72,7 +73,7 @@ class LateRight {
   }
 
   int count_ = 0;
-  double focal_length_ = 0.0, pixel_factor_ = 0.0;
+  double focal_length_ = 0.0;
   std::vector<Change> changes_;  // of each camera, seen from each host
   PoseSums by_poses_;
   DoubleLanes by_depth_{};  // of the present block

@@ -81,6 +81,7 @@ struct PoseSearchSettings {
 };
 
 constexpr int kMostWindowPairs = 8;  ///< pairs, with the one that has just come
+constexpr int kLandmarkLevels = 2;   ///< of the pyramids, that landmarks' patches are taken from: 0 and 1
 
 /// The least squares over the window of pairs.
 struct BundleSettings {

@@ -1,11 +1,14 @@
 // Points sorted by their hosts and laid side by side.
 #include "vo_core/pose_residuals.hpp"
 
+#include <cmath>
+
 namespace cartvo {
 
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   PointBlock block;
   block.count = count;
+  block.noise = 1.0 + DoubleLanes{};
   for (int lane = 0; lane < count; ++lane) {
     const PosePoint& point = problem.points[points[lane]];
     block.point[lane] = points[lane];
@@ -16,6 +19,7 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
     for (int axis = 0; axis < 2; ++axis)
       block.left[axis][lane] = point.left[axis];
     block.weight[lane] = point.weight;
+    block.noise[lane] = std::pow(problem.pixel_noise[point.level], 2);
   }
   return block;
 }

@@ -20,6 +20,7 @@ struct PointBlock {
   DoubleLanes deviation{};  ///< 1/m, of the inverse depth
   DoubleLanes left[2]{};    ///< px
   DoubleLanes weight{};
+  DoubleLanes noise{};  ///< px^2
 };
 
 /// A block of those points; the host is left open.
@@ -58,7 +59,7 @@ template <typename Transform>
 inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T_camera_host,
                                   const PointBlock& block) {
   const StereoCamera& camera = problem.camera;
-  const double noise = problem.pixel_noise * problem.pixel_noise;
+  const DoubleLanes& noise = block.noise;
   PointResiduals at;
   const RayLanes ray = rayOf(T_camera_host, block.place);
   BitLanes behind;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@ struct PosePoint {
   double inverse_depth_deviation = 0.0;                ///< 1/m, standard deviation
   Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, where the current pair sees it
   double weight = 1.0;                                 ///< trust
+  int level = 0;                                       ///< as Landmark's
   bool inlier = false;                                 ///< result: explained by the pose that was found
 };
 
@@ -28,7 +30,8 @@ struct PoseProblem {
   FixedVector<Eigen::Isometry3d, kMostWindowPairs> hosts;   ///< T_world_camera of the known pairs
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
   std::vector<PosePoint> points;
-  double pixel_noise = 0.15;  ///< px, standard deviation of each coordinate
+  std::array<double, kLandmarkLevels> pixel_noise{
+      0.15, 0.15};  ///< px, standard deviation of each coordinate, by level
   /// How far the motion may lie from the prediction, or nothing if there is none.
   std::optional<Vector6d> admissible_change;  ///< m and rad, per component
 };

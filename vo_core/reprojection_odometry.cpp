@@ -33,7 +33,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   StereoCamera camera_;
   OdometrySettings settings_;
   PyramidPool left_pyramids_;
-  PyramidPool right_pyramids_{1};
+  PyramidPool right_pyramids_{kLandmarkLevels};
   PitchSuspicion pitch_suspicion_;  ///< at the first pairs of tracks: while lost, each pair is one
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
@@ -56,7 +56,6 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.left_exposure_ns = images.left_exposure_ns;
   pair.right_exposure_ns = images.right_exposure_ns;
   pair.offset_deviation = images.offset_deviation;
-  pair.left_image = images.left;
   pair.left = left_pyramids_.build(images.left);
   pair.right = right_pyramids_.build(images.right);
   return pair;

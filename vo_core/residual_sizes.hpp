@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -10,20 +12,24 @@
 
 namespace cartvo {
 
-/// How large the residuals are, of all landmarks and of each one's last sighting.
+/// How large the residuals are, of all landmarks of a level and of each one's last sighting.
 class ResidualSizes {
  public:
   void reset(const BundleBlocks& blocks) {
-    pixels_.clear();
-    disparities_.clear();
+    for (ByLevel* sizes : {&pixels_, &disparities_})
+      for (std::vector<double>& of_level : *sizes) {
+        of_level.clear();
+        of_level.reserve(2 * kDoubleLanes * blocks.sightings.capacity());
+      }
     last_.clear();
-    pixels_.reserve(2 * kDoubleLanes * blocks.sightings.capacity());
-    disparities_.reserve(kDoubleLanes * blocks.sightings.capacity());
     last_.reserve(blocks.landmarks.capacity());
   }
 
   // Visits of ReducedSystem::build().
-  void begin() { last_.emplace_back(); }
+  void begin(const LandmarkBlock& block) {
+    block_ = &block;
+    last_.emplace_back();
+  }
 
   void add(const BlockView& view, const SightingRows& rows) {
     Last& last = last_.back();
@@ -48,24 +54,35 @@ class ResidualSizes {
   }
 
   void conclude(BundleResult& result) {
-    result.pixel_scale = scaleOf(pixels_);
-    result.disparity_scale = scaleOf(disparities_);
+    for (int level = 0; level < kLandmarkLevels; ++level)
+      result.noise_scale[level] = {scaleOf(pixels_, level), scaleOf(disparities_, level)};
   }
 
  private:
+  using ByLevel = std::array<std::vector<double>, kLandmarkLevels>;
+  static constexpr std::size_t kEnough = 30;  ///< residuals, of which a level knows its noise
+
   struct Last {
     DoubleLanes squares{}, count{};
   };
 
-  static void add(const DoubleLanes& counts, const DoubleLanes& residual, std::vector<double>& sizes) {
+  void add(const DoubleLanes& counts, const DoubleLanes& residual, ByLevel& sizes) const {
     for (int lane = 0; lane < kDoubleLanes; ++lane)
-      if (counts[lane] > 0.0) sizes.push_back(std::abs(residual[lane]));
+      if (counts[lane] > 0.0) sizes[block_->level[lane]].push_back(std::abs(residual[lane]));
   }
 
-  static double scaleOf(std::vector<double>& sizes) { return sizes.empty() ? 1.0 : deviationOf(sizes); }
+  /// A level that has too few goes with the one that has most.
+  static double scaleOf(ByLevel& sizes, int level) {
+    std::vector<double>* told = &sizes[level];
+    if (told->size() < kEnough)
+      told = &*std::max_element(sizes.begin(), sizes.end(),
+                                [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    return told->empty() ? 1.0 : deviationOf(*told);
+  }
 
-  std::vector<double> pixels_, disparities_;
+  ByLevel pixels_, disparities_;
   std::vector<Last> last_;
+  const LandmarkBlock* block_ = nullptr;  ///< the present one
 };
 
 }  // namespace cartvo

@@ -25,7 +25,7 @@ class RigSystem {
 
   /// A disparity: of the rest, positions in the left image, the rig is no part.
   void add(const BlockView& view, const RowLanes& row) {
-    const DoubleLanes f = camera_.focal_length * view.sighting.precision;
+    const DoubleLanes f = camera_.focal_length * view.sighting.disparity_precision;
     const DoubleLanes x = (view.sighting.right[0] - camera_.cx) / camera_.focal_length;
     const DoubleLanes y = (view.sighting.right[1] - camera_.cy) / camera_.focal_length;
     // Of the column as correctedRight() has it, by yaw and bend; and by the scale.

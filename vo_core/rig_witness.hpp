@@ -32,7 +32,7 @@ class RigWitness {
 
   StereoCamera camera_;
   OdometrySettings settings_;
-  BundleNoise noise_;
+  BundleNoises noise_;
   std::int64_t heard_ns_;  ///< exposure of the last pair that was heard, else of the track's first
   int pairs_ = 0;          ///< since the last one whose turn it was
 };

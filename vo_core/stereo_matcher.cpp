@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <span>
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -186,41 +187,52 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
   return best;
 }
 
-}  // namespace
+/// The levels of both pyramids from the finest that is looked at on.
+struct PyramidPair {
+  const PyramidLevel& left;
+  const PyramidLevel& right;
+  std::span<const PyramidLevel> left_dog, right_dog;  // of the levels from kFinestDog above that one on
+};
 
-CARTVO_VECTOR_CLONES
-std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
-                                       const Eigen::Vector2d& left, const StereoSettings& settings,
-                                       const EpipolarLine& line) {
-  if (!left_image.grey.front().contains(left)) return std::nullopt;
-  if (left_image.dog.empty()) return std::nullopt;
-  const int coarsest = kFinestDog + static_cast<int>(left_image.dog.size()) - 1;
-  const PyramidLevel& coarse = left_image.dog.back();
+/// The few best disparities in the finest difference of Gaussians, coarse to fine, and their differences.
+Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, const EpipolarLine& line,
+                      int maximum_disparity, std::array<int, kCandidates>& difference) {
+  const int coarsest = kFinestDog + static_cast<int>(images.left_dog.size()) - 1;
+  const PyramidLevel& coarse = images.left_dog.back();
   const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
   Candidates candidates =
-      searchCoarsest(SadWindow(coarse, coarse_pixel), right_image.dog.back(),
-                     LevelLine(coarse_pixel, line, coarsest), (settings.maximum_disparity >> coarsest) + 1);
-  if (candidates.count == 0) return std::nullopt;
-  std::array<int, kCandidates> difference{};
+      searchCoarsest(SadWindow(coarse, coarse_pixel), images.right_dog.back(),
+                     LevelLine(coarse_pixel, line, coarsest), (maximum_disparity >> coarsest) + 1);
   for (int level = coarsest - 1; level >= kFinestDog; --level) {
-    const PyramidLevel& left_level = left_image.dog[level - kFinestDog];
+    const PyramidLevel& left_level = images.left_dog[level - kFinestDog];
     const LevelPixel pixel = pixelAt(left_level, left, level);
     const SadWindow window(left_level, pixel);
     const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
-      candidates.disparity[i] = searchAround(window, right_image.dog[level - kFinestDog], level_line,
+      candidates.disparity[i] = searchAround(window, images.right_dog[level - kFinestDog], level_line,
                                              2 * candidates.disparity[i], difference[i]);
   }
+  return candidates;
+}
+
+/// In px of the finest level, whatever the range of disparity; if it is the only one.
+CARTVO_VECTOR_CLONES
+std::optional<StereoMatch> onlyMatch(const PyramidPair& images, const Eigen::Vector2d& left,
+                                     const EpipolarLine& line, int maximum_disparity,
+                                     const StereoSettings& settings) {
+  std::array<int, kCandidates> difference{};
+  const Candidates candidates = searchDown(images, left, line, maximum_disparity, difference);
+  if (candidates.count == 0) return std::nullopt;
   const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 
   NccTemplate patch;
-  makeTemplate(left_image.grey.front(), left, patch);
+  makeTemplate(images.left, left, patch);
   if (patch.norm < 1.0) return std::nullopt;
   StereoMatch best;
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
     if (difference[i] > kNoRival * least) continue;
-    const StereoMatch match = correlateAround(patch, right_image.grey.front(), left, line,
+    const StereoMatch match = correlateAround(patch, images.right, left, line,
                                               candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;
     const bool elsewhere = std::abs(match.disparity - best.disparity) > kDistinct;
@@ -232,10 +244,30 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
     }
   }
   if (best.correlation < settings.minimum_correlation) return std::nullopt;
-  if (best.disparity < settings.minimum_disparity || best.disparity > settings.maximum_disparity)
-    return std::nullopt;
   if (1.0 - best.correlation > settings.uniqueness * (1.0 - rival) - kNoiseFloor) return std::nullopt;
   return best;
+}
+
+}  // namespace
+
+std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
+                                       const Eigen::Vector2d& left, const StereoSettings& settings,
+                                       const EpipolarLine& line, int level) {
+  if (!bothHave(left_image, right_image, level) || left_image.dog.size() <= static_cast<std::size_t>(level))
+    return std::nullopt;
+  const PyramidPair images{left_image.grey[level], right_image.grey[level],
+                           std::span(left_image.dog).subspan(level),
+                           std::span(right_image.dog).subspan(level)};
+  const double scale = levelScale(level);
+  if (!images.left.contains(left / scale)) return std::nullopt;
+  const EpipolarLine level_line{line.at_infinity / scale, line.per_disparity};
+  auto match = onlyMatch(images, left / scale, level_line, settings.maximum_disparity >> level, settings);
+  if (!match) return std::nullopt;
+  match->disparity *= scale;
+  match->right *= scale;
+  if (match->disparity < settings.minimum_disparity || match->disparity > settings.maximum_disparity)
+    return std::nullopt;
+  return match;
 }
 
 }  // namespace cartvo

@@ -33,9 +33,10 @@ struct StereoMatch {
 /// sub-pixel fit. Beyond the thesis, the best few candidates of the coarsest level go down together: a lone
 /// one is lost where a near object stands before a far wall, and the runner-up tells whether the match is
 /// ambiguous. No match: correlates too little, a rival correlates nearly as well, or outside the range of
-/// disparity.
+/// disparity. `level` of the pyramids is the finest that is looked at, in place of the images themselves;
+/// what is asked and answered is in px of the image all the same, but for the row offset and settings.rows.
 std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
                                        const Eigen::Vector2d& left, const StereoSettings& settings,
-                                       const EpipolarLine& line = {});
+                                       const EpipolarLine& line = {}, int level = 0);
 
 }  // namespace cartvo

@@ -61,10 +61,11 @@ void holdPublished(const std::vector<WindowFrame>& window, double share, BundleP
 
 /// First depth of a landmark whose only sighting is in stereo.
 void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
-               const Eigen::Vector2d& right_pixel, const BundleNoise& noise) {
+               const Eigen::Vector2d& right_pixel, const BundleNoises& noises) {
   const auto found = triangulate(camera, T_right_left, landmark.host().left, right_pixel);
   if (!found) return;
   landmark.inverse_depth = found->inverse_depth;
+  const BundleNoise& noise = noises[landmark.level];
   const double deviation = (noise.disparity + noise.stretch * std::abs(landmark.host().parallax.x())) /
                            (camera.focal_length * found->lever);
   landmark.information = 1.0 / (deviation * deviation);
@@ -89,7 +90,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   draft_.landmarks.reserve(settings.features);
   {
     const StageScope stage(observer, Stage::detect);
-    tracker_.renew(landmarks_, first.left_image, first.index);
+    tracker_.renew(landmarks_, *first.left, first.index);
   }
   const StageScope stage(observer, Stage::disparity);
   window_.push_back(frameOf(first, settings.offset_model));
@@ -173,7 +174,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
   }
   {
     const StageScope stage(observer, Stage::detect);
-    tracker_.renew(draft.landmarks, pair.left_image, pair.index);
+    tracker_.renew(draft.landmarks, *pair.left, pair.index);
     motion.counts.detected = static_cast<int>(draft.landmarks.size());
   }
   {
@@ -242,7 +243,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 void VisualTrack::statePoseProblem(const PreparedPair& pair, const Draft& draft) {
   PoseProblem& problem = pose_problem_;
   problem.camera = camera_;
-  problem.pixel_noise = noise_.pixel;
+  for (int level = 0; level < kLandmarkLevels; ++level)
+    problem.pixel_noise[level] = noise_[level].pixel;
   problem.hosts.clear();
   for (const WindowFrame& frame : window_)
     problem.hosts.push_back(frame.T_world_camera);

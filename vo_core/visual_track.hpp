@@ -22,7 +22,6 @@ struct PreparedPair {
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s
-  cv::Mat left_image;
   SharedPyramid left, right;
 };
 
@@ -89,7 +88,7 @@ class VisualTrack {
   OdometrySettings settings_;
   LandmarkTracker tracker_;
   SubsetRandom random_;
-  BundleNoise noise_;
+  BundleNoises noise_;
   RigMonitor rig_;
   RigWitness rig_witness_;
   PitchSuspicion pitch_suspicion_;  ///< at later pairs than the first

@@ -39,6 +39,7 @@ void takePoints(const std::vector<Landmark>& landmarks, const std::vector<Window
     point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
     point.left = landmark.last().left;
     point.weight = landmark.trust;
+    point.level = landmark.level;
     points.push_back(point);
     chosen.push_back(i);
   }
@@ -58,6 +59,7 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
     BundleLandmark& item = items[i] = {};
     item.bearing = bearingOf(camera, landmark.host().left);
     item.weight = landmark.trust;
+    item.level = landmark.level;
     item.inverse_depth = landmark.inverse_depth;
     item.prior_inverse_depth = landmark.prior_inverse_depth;
     item.prior_information = landmark.prior_information;
@@ -91,6 +93,7 @@ BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::ve
     item.bearing = bearingOf(camera, last.left);
     item.inverse_depth = found->inverse_depth;
     item.weight = landmark.trust;
+    item.level = landmark.level;
     item.sightings.push_back({newest, true, last.left, seen});
   }
   return problem;

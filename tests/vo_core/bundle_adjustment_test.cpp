@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "vo_core/bundle_noise.hpp"
 #include "vo_core/landmark_scene.hpp"
 
 namespace cartvo {
@@ -133,12 +134,12 @@ Eigen::VectorXd residualsOf(const BundleProblem& problem) {
       const Eigen::Vector2d left = pixel_by(problem.poses[sighting.pose].T_world_camera);
       if (&sighting != &landmark.sightings.front())
         for (int axis = 0; axis < 2; ++axis)
-          residuals.push_back((sighting.left[axis] - left[axis]) / problem.noise.pixel);
+          residuals.push_back((sighting.left[axis] - left[axis]) / problem.noise.front().pixel);
       if (!sighting.stereo) continue;
       const Eigen::Vector2d right =
           pixel_by(rightCameraOf(problem.poses, sighting.pose, problem.camera.baseline).T_world_camera);
       const double deviation =
-          problem.noise.disparity + problem.noise.stretch * std::abs(sighting.disparity());
+          problem.noise.front().disparity + problem.noise.front().stretch * std::abs(sighting.disparity());
       residuals.push_back((sighting.disparity() - (left.x() - right.x())) / deviation);
     }
   }
@@ -272,9 +273,31 @@ TEST(BundleAdjustment, SaysHowMuchLargerTheNoiseIsThanAssumed) {
   for (const double noise : {0.5, 1.0, 2.0}) {
     BundleProblem problem = test::seenBy({.landmarks = 400, .noise = noise}, 3);
     const BundleResult result = adjustBundle(problem, BundleSettings{});
-    EXPECT_NEAR(result.pixel_scale, noise, 0.15 * noise);
-    EXPECT_NEAR(result.disparity_scale, noise, 0.15 * noise);
+    EXPECT_NEAR(result.noise_scale.front().pixel, noise, 0.15 * noise);
+    EXPECT_NEAR(result.noise_scale.front().disparity, noise, 0.15 * noise);
   }
+}
+
+TEST(BundleAdjustment, EachLevelHasANoiseOfItsOwn) {
+  BundleProblem problem = test::seenBy({.landmarks = 800, .noise = 0.7, .coarse_noise = 2.5}, 4);
+  BundleNoises noise = problem.noise;
+  for (int pair = 0; pair < 40; ++pair) {
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    EXPECT_NEAR(result.noise_scale[0].pixel * problem.noise[0].pixel, 0.7 * noise[0].pixel,
+                0.1 * noise[0].pixel);
+    problem.noise = adapted(problem.noise, result, 1);
+  }
+  EXPECT_NEAR(problem.noise[0].pixel, 0.7 * noise[0].pixel, 0.1 * noise[0].pixel);
+  EXPECT_NEAR(problem.noise[1].pixel, 2.5 * noise[1].pixel, 0.3 * noise[1].pixel);
+  EXPECT_NEAR(problem.noise[1].disparity, 2.5 * noise[1].disparity, 0.3 * noise[1].disparity);
+}
+
+TEST(BundleAdjustment, OfALevelWithHardlyAnyLandmarksTheNoiseGoesWithTheOther) {
+  BundleProblem problem = test::seenBy({.landmarks = 200, .noise = 2.0}, 4);
+  problem.landmarks.front().level = 1;
+  const BundleResult result = adjustBundle(problem, BundleSettings{});
+  EXPECT_EQ(result.noise_scale[1].pixel, result.noise_scale[0].pixel);
+  EXPECT_EQ(result.noise_scale[1].disparity, result.noise_scale[0].disparity);
 }
 
 TEST(BundleAdjustment, EndsWhereItWouldWithoutThemIfAFifthOfTheDisparitiesIsWrong) {
@@ -302,7 +325,7 @@ TEST(BundleAdjustment, WhatAnAdjusterKeepsChangesNoResult) {
     ASSERT_TRUE(result.converged);
     EXPECT_EQ(result.covariance, fresh.covariance);
     EXPECT_EQ(result.rig_gradient, fresh.rig_gradient);
-    EXPECT_EQ(result.disparity_scale, fresh.disparity_scale);
+    EXPECT_EQ(result.noise_scale.front().disparity, fresh.noise_scale.front().disparity);
     EXPECT_EQ(again.poses.back().T_world_camera.matrix(), once.poses.back().T_world_camera.matrix());
     EXPECT_EQ(again.poses.back().by_late_right, once.poses.back().by_late_right);
     for (std::size_t i = 0; i < once.landmarks.size(); ++i) {

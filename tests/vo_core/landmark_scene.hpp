@@ -50,8 +50,9 @@ struct LandmarkScene {
   int frames = 7;
   int free_frames = 1;
   int landmarks = 70;
-  double offset = 0.0;             ///< s, of every pair
-  double noise = 0.0;              ///< in units of what the problem assumes
+  double offset = 0.0;        ///< s, of every pair
+  double noise = 0.0;         ///< in units of what the problem assumes
+  double coarse_noise = 0.0;  ///< the same of each other landmark, which is of level 1; 0: there are none
   double wrong_disparities = 0.0;  ///< share of the stereo matches that are somewhere else
   RigCorrection rig{};             ///< what the calibration is off by
   double delay = 0.0;              ///< s, by which right cameras are exposed later than `offset` says
@@ -77,18 +78,20 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
     const Eigen::Vector2d left = project(kRigCamera, in_left);
     const Eigen::Vector2d right = asSeenBy(scene.rig, project(kRigCamera, in_right));
     const double disparity = left.x() - right.x();
-    const double deviation = problem.noise.disparity + problem.noise.stretch * std::abs(disparity);
+    const BundleNoise& assumed = problem.noise[landmark.level];
+    const double deviation = assumed.disparity + assumed.stretch * std::abs(disparity);
+    const double noise = landmark.level > 0 ? scene.coarse_noise : scene.noise;
 
     BundleSighting sighting;
     sighting.pose = frame;
     sighting.left = left;
     if (!is_host)  // there, the position defines the landmark
       for (int axis = 0; axis < 2; ++axis)
-        sighting.left[axis] += scene.noise * problem.noise.pixel * random.gaussian();
-    double measured = disparity + scene.noise * deviation * random.gaussian();
+        sighting.left[axis] += noise * assumed.pixel * random.gaussian();
+    double measured = disparity + noise * deviation * random.gaussian();
     if (random.uniform() < scene.wrong_disparities) measured += 5.0 + 30.0 * random.uniform();
     sighting.stereo = true;
-    const double rows = left.y() - right.y() + scene.noise * problem.noise.pixel * random_rows.gaussian();
+    const double rows = left.y() - right.y() + noise * assumed.pixel * random_rows.gaussian();
     sighting.right = sighting.left - Eigen::Vector2d(measured, rows);
     landmark.sightings.push_back(sighting);
   };
@@ -96,6 +99,7 @@ inline BundleProblem seenBy(const LandmarkScene& scene, std::uint64_t seed) {
   for (int i = 0; i < scene.landmarks; ++i) {
     const int host = i % (scene.frames - 1);
     BundleLandmark landmark;
+    if (scene.coarse_noise > 0.0) landmark.level = i % 2;
     const double column = kRigCamera.width * random.uniform();
     const double row = kRigCamera.height * random.uniform();
     landmark.bearing = bearingOf(kRigCamera, {column, row});

@@ -49,7 +49,7 @@ class LandmarkTrackerTest : public testing::Test {
  protected:
   LandmarkTrackerTest() {
     window_.push_back(frameAt(0));
-    tracker_.renew(landmarks_, wallAt(Eigen::Vector2d::Zero()), 0);
+    tracker_.renew(landmarks_, *window_.front().left, 0);
   }
 
   void follow(int index, std::int64_t oldest_host, const std::optional<Eigen::Isometry3d>& expected) {
@@ -93,6 +93,24 @@ TEST_F(LandmarkTrackerTest, FollowsWithoutKnowingTheMotion) {
     EXPECT_EQ(landmark.age, 4);
   }
   EXPECT_GT(of_the_first_host, 0.95 * static_cast<double>(landmarks_.size()));
+}
+
+TEST_F(LandmarkTrackerTest, CoarseOnesAreFollowedAndMatchedToo) {
+  const ImagePyramid left = buildPyramid(wallAt(Eigen::Vector2d::Zero()), 4);
+  const ImagePyramid right = buildPyramid(wallAt({-kDisparity, 0.0}), kLandmarkLevels);
+  for (Landmark& landmark : landmarks_)
+    landmark.level = 1;
+  tracker_.matchStereo(landmarks_, window_, left, right, rightFromLeft(), Eigen::Isometry3d::Identity());
+  test::Statistics disparity;
+  for (const Landmark& landmark : landmarks_)
+    if (landmark.last().stereo) disparity.add(landmark.last().parallax.x());
+  EXPECT_GT(disparity.count(), 0.5 * static_cast<double>(landmarks_.size()));
+  EXPECT_NEAR(disparity.mean(), kDisparity, 0.04);
+  EXPECT_LT(disparity.deviation(), 0.2);
+  for (int index = 1; index <= 3; ++index)
+    follow(index, 0, std::nullopt);
+  EXPECT_GT(landmarks_.size(), 40U);
+  EXPECT_LT(medianError(), 0.06);
 }
 
 TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {
@@ -183,7 +201,7 @@ TEST_F(LandmarkTrackerTest, OfTwoThatMeetTheTrustedOneStays) {
   rival.trust = 0.5;
   const Eigen::Vector2d place = rival.last().left;
   landmarks_.push_back(rival);
-  tracker_.renew(landmarks_, wallAt(Eigen::Vector2d::Zero()), 0);
+  tracker_.renew(landmarks_, *window_.front().left, 0);
   EXPECT_TRUE(std::none_of(landmarks_.begin(), landmarks_.end(),
                            [&](const Landmark& landmark) { return landmark.last().left == place; }));
 }

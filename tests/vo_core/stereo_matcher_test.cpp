@@ -24,15 +24,15 @@ struct DisparityErrors {
   int asked = 0;
 };
 
-DisparityErrors matchGrid(double disparity) {
+DisparityErrors matchGrid(double disparity, int level) {
   const test::WaveTexture texture(11);
-  const ImagePyramid left = buildPyramid(leftView(texture), 1);
-  const ImagePyramid right = buildPyramid(rightView(texture, disparity), 1);
+  const ImagePyramid left = buildPyramid(leftView(texture), level + 1);
+  const ImagePyramid right = buildPyramid(rightView(texture, disparity), level + 1);
   DisparityErrors errors;
   for (int y = 20; y < kHeight - 20; y += 5) {
     for (int x = 110; x < kWidth - 20; x += 5) {
       ++errors.asked;
-      const auto match = matchStereo(left, right, {x + 0.3, y + 0.6}, StereoSettings{});
+      const auto match = matchStereo(left, right, {x + 0.3, y + 0.6}, StereoSettings{}, {}, level);
       if (match) errors.error.add(match->disparity - disparity);
     }
   }
@@ -41,11 +41,27 @@ DisparityErrors matchGrid(double disparity) {
 
 TEST(StereoMatcher, FindsDisparitiesNearAndFarWithoutBias) {
   for (const double disparity : {0.6, 1.0, 1.25, 2.5, 5.1, 7.75, 12.3, 25.5, 40.9, 61.35, 80.0}) {
-    const DisparityErrors errors = matchGrid(disparity);
+    const DisparityErrors errors = matchGrid(disparity, 0);
     EXPECT_GT(errors.error.count(), 0.8 * errors.asked) << disparity;
     EXPECT_LT(std::abs(errors.error.mean()), 0.02) << disparity;
     EXPECT_LT(errors.error.deviation(), 0.06) << disparity;
   }
+}
+
+TEST(StereoMatcher, FindsTheSameInHalfTheImage) {
+  for (const double disparity : {1.25, 5.1, 25.5, 61.35, 80.0}) {
+    const DisparityErrors errors = matchGrid(disparity, 1);
+    EXPECT_GT(errors.error.count(), 0.8 * errors.asked) << disparity;
+    EXPECT_LT(std::abs(errors.error.mean()), 0.04) << disparity;
+    EXPECT_LT(errors.error.deviation(), 0.12) << disparity;
+  }
+}
+
+TEST(StereoMatcher, FindsNothingInALevelThatIsNotThere) {
+  const test::WaveTexture texture(3);
+  const ImagePyramid left = buildPyramid(leftView(texture), 2);
+  const ImagePyramid right = buildPyramid(rightView(texture, 5.0), 1);
+  EXPECT_FALSE(matchStereo(left, right, {200, 60}, StereoSettings{}, {}, 1));
 }
 
 TEST(StereoMatcher, FindsAMatchOneRowOff) {

@@ -39,7 +39,6 @@ PreparedPair prepared(const StereoImages& images, int index) {
   PreparedPair pair;
   pair.index = index;
   pair.left_exposure_ns = pair.right_exposure_ns = index * kPeriod;
-  pair.left_image = images.left;
   pair.left = PyramidPool(OdometrySettings{}.tracking.levels).build(images.left);
   pair.right = PyramidPool(1).build(images.right);
   return pair;

@@ -333,7 +333,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   weigh(draft);
   const MotionUncertainty uncertainty =
-      takeUncertainties(bundle_, result, pair.offset_deviation, draft.window);
+      takeUncertainties(bundle_, result, overlap_.of(bundle_), pair.offset_deviation, draft.window);
   motion.motion_covariance = uncertainty.covariance;
   motion.motion_offset_error = uncertainty.offset_error;
   motion.pose_covariance = poseCovarianceOf(draft.window.back());

@@ -7,6 +7,7 @@
 #include "vo_core/bundle_adjustment.hpp"
 #include "vo_core/landmark_tracker.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/patch_overlap.hpp"
 #include "vo_core/pitch_suspicion.hpp"
 #include "vo_core/pose_search.hpp"
 #include "vo_core/rig_monitor.hpp"
@@ -105,6 +106,7 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;
+  PatchOverlap overlap_;
   BundleAdjuster adjuster_;
   RowRegression row_regression_;
 };

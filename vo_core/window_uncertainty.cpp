@@ -6,9 +6,10 @@ namespace {
 
 // Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
 // on rendered worlds (docs/accuracy.md).
-constexpr double kSharedError = 9.0;
-// For the same reason a motion errs less than the sum of its two poses' errors.
-constexpr double kMotionShare = 0.92;
+constexpr double kSharedError = 6.3;
+// For the same reason a motion errs less than the sum of its two poses' errors: both are found by comparing
+// with the same hosts, whose noise they share.
+constexpr double kMotionShare = 0.62;
 
 /// From the last pair but one to the last.
 Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
@@ -16,7 +17,7 @@ Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
 }
 
 /// Returns the motion's covariance.
-Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result,
+Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result, double overlap,
                          std::vector<WindowFrame>& window) {
   const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
     if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
@@ -29,11 +30,11 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
     window[i].local_covariance = block(i, i);
     window[i].pose_covariance =
         composedCovariance(anchor.pose_covariance, anchor.T_world_camera.inverse() * window[i].T_world_camera,
-                           kSharedError * block(i, i));
+                           kSharedError * overlap * block(i, i));
   }
   // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
   const Matrix6d carried = adjoint(lastMotion(window).inverse());
-  return kMotionShare *
+  return kMotionShare * overlap *
          (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
@@ -71,10 +72,10 @@ Vector6d takeOffsetErrors(const BundleProblem& problem, double offset_deviation,
 
 }  // namespace
 
-MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result,
+MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result, double overlap,
                                     double offset_deviation, std::vector<WindowFrame>& window) {
   MotionUncertainty motion;
-  motion.covariance = takeCovariances(problem, result, window);
+  motion.covariance = takeCovariances(problem, result, overlap, window);
   motion.by_scale = scaledCovariance(window, result.scale_variance);
   motion.offset_error = takeOffsetErrors(problem, offset_deviation, window);
   motion.covariance += motion.offset_error * motion.offset_error.transpose();

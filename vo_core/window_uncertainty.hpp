@@ -19,8 +19,9 @@ struct MotionUncertainty {
 };
 
 /// Gives the adjusted pairs of a window, whose poses have been taken over from `problem`, their covariances
-/// and the errors that an uncertain offset makes of them. `offset_deviation`: s, of the newest pair.
-MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result,
+/// and the errors that an uncertain offset makes of them. `overlap`: PatchOverlap's. `offset_deviation`: s,
+/// of the newest pair.
+MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result, double overlap,
                                     double offset_deviation, std::vector<WindowFrame>& window);
 
 /// Of a pair's pose against the first one, with what the offset's error has added up to.

@@ -1,0 +1,80 @@
+// How much patches overlap, against the same sum taken pair by pair.
+#include "vo_core/patch_overlap.hpp"
+
+#include <gtest/gtest.h>
+
+#include "vo_core/affine_alignment.hpp"
+#include "vo_core/image_pyramid.hpp"
+#include "vo_core/synthetic_texture.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kWidth = 300, kHeight = 200;
+
+BundleProblem problemOfTwoPoses() {
+  BundleProblem problem;
+  problem.camera = {200.0, 150.0, 100.0, 0.1, kWidth, kHeight};
+  problem.poses.resize(2);
+  return problem;
+}
+
+void addLandmark(BundleProblem& problem, const Eigen::Vector2d& pixel, int level = 0, double weight = 1.0) {
+  BundleLandmark& landmark = problem.landmarks.emplace_back();
+  landmark.level = level;
+  landmark.weight = weight;
+  for (int pose = 0; pose < 2; ++pose)
+    landmark.sightings.push_back({pose, false, pixel, pixel});
+}
+
+double byPairs(const BundleProblem& problem) {
+  double sum = 0.0, information = 0.0;
+  for (const BundleLandmark& one : problem.landmarks) {
+    const double side = kPatchSide * levelScale(one.level);
+    const double weight = one.weight / std::pow(problem.noise[one.level].pixel, 2);
+    information += weight;
+    for (const BundleLandmark& other : problem.landmarks) {
+      if (other.level != one.level) continue;
+      const Eigen::Vector2d apart = (one.sightings.back().left - other.sightings.back().left).cwiseAbs();
+      sum += weight * std::max(1.0 - apart.x() / side, 0.0) * std::max(1.0 - apart.y() / side, 0.0);
+    }
+  }
+  return sum / information;
+}
+
+TEST(PatchOverlap, IsOneWithoutAnyAndTheirNumberWhereAllAreOne) {
+  BundleProblem problem = problemOfTwoPoses();
+  PatchOverlap overlap;
+  EXPECT_EQ(overlap.of(problem), 1.0);  // nobody there
+  for (int i = 0; i < 5; ++i)
+    addLandmark(problem, {20.0 + 40.0 * i, 50.0});
+  EXPECT_NEAR(overlap.of(problem), 1.0, 1e-12);
+  problem.landmarks.clear();
+  for (int i = 0; i < 5; ++i)
+    addLandmark(problem, {20.0, 50.0});
+  EXPECT_NEAR(overlap.of(problem), 5.0, 1e-12);
+}
+
+TEST(PatchOverlap, IsWhatAllPairsAddUpTo) {
+  test::Noise noise(2);
+  PatchOverlap overlap;
+  for (const int count : {3, 40, 400}) {
+    BundleProblem problem = problemOfTwoPoses();
+    problem.noise[1].pixel = 0.3;
+    for (int i = 0; i < count; ++i)  // some at the very edge, and a little beyond
+      addLandmark(problem, {(kWidth + 2.0) * noise.uniform() - 1.0, (kHeight + 2.0) * noise.uniform() - 1.0},
+                  i % 3 == 0 ? 1 : 0, noise.uniform());
+    EXPECT_NEAR(overlap.of(problem), byPairs(problem), 1e-9 * count);
+  }
+}
+
+TEST(PatchOverlap, OnlyThoseThatTheNewestPairSawCount) {
+  BundleProblem problem = problemOfTwoPoses();
+  addLandmark(problem, {50.0, 50.0});
+  addLandmark(problem, {50.0, 50.0});
+  problem.landmarks.back().sightings.back().pose = 0;
+  EXPECT_NEAR(PatchOverlap().of(problem), 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace cartvo

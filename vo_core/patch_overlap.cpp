@@ -1,0 +1,85 @@
+// How often the same pixel is asked.
+#include "vo_core/patch_overlap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vo_core/affine_alignment.hpp"
+
+namespace cartvo {
+namespace {
+
+/// Of two squares of side 1 the part that they share.
+double shared(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d apart = (a - b).cwiseAbs();
+  return std::max(1.0 - apart.x(), 0.0) * std::max(1.0 - apart.y(), 0.0);
+}
+
+}  // namespace
+
+/// A counting sort, with a ring of empty cells around.
+void PatchOverlap::sortIntoCells() {
+  const auto cellOf = [&](const Patch& patch) {
+    const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
+    const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
+    return static_cast<std::size_t>(row * columns_ + column);
+  };
+  begin_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+  for (const Patch& patch : patches_)
+    ++begin_[cellOf(patch) + 1];
+  for (std::size_t i = 1; i < begin_.size(); ++i)
+    begin_[i] += begin_[i - 1];
+  sorted_.resize(patches_.size());
+  // Filling moves each cell's begin to its end, which is the next one's begin.
+  for (const Patch& patch : patches_)
+    sorted_[static_cast<std::size_t>(begin_[cellOf(patch)]++)] = patch;
+  std::shift_right(begin_.begin(), begin_.end(), 1);
+  begin_.front() = 0;
+}
+
+double PatchOverlap::overlapOf(const Patch& patch) const {
+  const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
+  const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
+  double sum = 0.0;
+  for (int y = row - 1; y <= row + 1; ++y) {
+    const int first = begin_[static_cast<std::size_t>(y * columns_ + column - 1)];
+    const int last = begin_[static_cast<std::size_t>(y * columns_ + column + 2)];
+    for (int i = first; i < last; ++i)
+      sum += shared(patch.centre, sorted_[static_cast<std::size_t>(i)].centre);
+  }
+  return sum;
+}
+
+PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level) {
+  const double side = kPatchSide * levelScale(level);
+  const double precision = 1.0 / (problem.noise[level].pixel * problem.noise[level].pixel);
+  patches_.clear();
+  patches_.reserve(problem.landmarks.capacity());
+  sorted_.reserve(problem.landmarks.capacity());
+  for (const BundleLandmark& landmark : problem.landmarks) {
+    const BundleSighting& last = landmark.sightings.back();
+    if (landmark.level == level && last.pose + 1 == static_cast<int>(problem.poses.size()))
+      patches_.push_back({last.left / side, landmark.weight * precision});
+  }
+  columns_ = static_cast<int>(problem.camera.width / side) + 3;
+  rows_ = static_cast<int>(problem.camera.height / side) + 3;
+  sortIntoCells();
+  Sums sums;
+  for (const Patch& patch : sorted_) {
+    sums.information += patch.information;
+    sums.overlap += patch.information * overlapOf(patch);
+  }
+  return sums;
+}
+
+double PatchOverlap::of(const BundleProblem& problem) {
+  Sums all;
+  for (int level = 0; level < kLandmarkLevels; ++level) {
+    const Sums sums = sumsOf(problem, level);
+    all.information += sums.information;
+    all.overlap += sums.overlap;
+  }
+  return all.information > 0.0 ? all.overlap / all.information : 1.0;
+}
+
+}  // namespace cartvo

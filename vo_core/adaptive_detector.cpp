@@ -103,11 +103,11 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
                                                     const std::vector<Eigen::Vector2d>& alive,
                                                     SpacingGrid& spacing) {
   // So that they add up exactly.
-  const auto upTo = [&](int window) {
+  const auto up_to = [&](int window) {
     return std::lround(features_ * (window / static_cast<double>(windowCount())));
   };
   for (int i = 0; i < windowCount(); ++i)
-    wanted_[i] = static_cast<int>(upTo(i + 1) - upTo(i));
+    wanted_[i] = static_cast<int>(up_to(i + 1) - up_to(i));
   for (const Eigen::Vector2d& pixel : alive)
     --wanted_[windowAt(pixel.x(), pixel.y())];
   return detect(image, wanted_, std::max(features_ - static_cast<int>(alive.size()), 0), spacing);

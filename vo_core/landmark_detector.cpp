@@ -20,6 +20,21 @@ cv::Size sizeOf(const cv::Size& image, int level) {
   return {(image.width + more) >> level, (image.height + more) >> level};
 }
 
+double highest(const LevelShares& worth) {
+  return *std::max_element(worth.begin(), worth.end());
+}
+
+/// How levels of that worth share a window: nearly all goes to the best.
+LevelShares decided(const LevelShares& worth) {
+  LevelShares split;
+  for (std::size_t level = 0; level < worth.size(); ++level)
+    split[level] = std::pow(worth[level], kDecision);
+  const double whole = std::accumulate(split.begin(), split.end(), 0.0);
+  for (double& share : split)
+    share /= whole;
+  return split;
+}
+
 /// The same pixels, which are only read.
 cv::Mat imageOf(const PyramidLevel& level) {
   return {level.height(), level.width(), CV_8UC1, const_cast<std::uint8_t*>(level.at(0, 0)),
@@ -31,7 +46,7 @@ cv::Mat imageOf(const PyramidLevel& level) {
 LandmarkDetector::LandmarkDetector(const DetectionSettings& settings, int features,
                                    const cv::Size& image_size)
     : features_(features) {
-  for (int level = 0; level < kLandmarkLevels; ++level) {
+  for (int level = 0; level < settings.levels; ++level) {
     AdaptiveDetector detector(settings, features, sizeOf(image_size, level), levelScale(level));
     const auto windows = static_cast<std::size_t>(detector.windowCount());
     levels_.push_back({std::move(detector), std::vector<Tries>(windows, Tries{kDoubt, 0.5 * kDoubt}),
@@ -68,11 +83,11 @@ void LandmarkDetector::forget() {
     }
 }
 
-LandmarkDetector::Shares LandmarkDetector::worthOf(int window) const {
-  Shares worth;
-  for (int level = 0; level < kLandmarkLevels; ++level) {
+LevelShares LandmarkDetector::worthOf(int window) const {
+  LevelShares worth{};
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
     const Tries& tries = levels_[level].tries[window];
-    const double scale = levelScale(level);
+    const double scale = levelScale(static_cast<int>(level));
     worth[level] = std::max(tries.followed / tries.tried, kLeastRate) / (scale * scale);
   }
   return worth;
@@ -80,21 +95,15 @@ LandmarkDetector::Shares LandmarkDetector::worthOf(int window) const {
 
 void LandmarkDetector::share() {
   const int windows = levels_.front().detector.windowCount();
-  const auto best = [&](int window) {
-    const Shares worth = worthOf(window);
-    return *std::max_element(worth.begin(), worth.end());
-  };
   double sum = 0.0;
   for (int i = 0; i < windows; ++i)
-    sum += best(i);
-  Shares before{};  // so that they add up to features_ exactly
+    sum += highest(worthOf(i));
+  LevelShares before{};  // so that they add up to features_ exactly
   for (int i = 0; i < windows; ++i) {
-    Shares split = worthOf(i);
-    for (double& share : split)
-      share = std::pow(share, kDecision);
-    const double whole = std::accumulate(split.begin(), split.end(), 0.0);
-    for (int level = 0; level < kLandmarkLevels; ++level) {
-      const double after = before[level] + features_ * best(i) / sum * split[level] / whole;
+    const LevelShares worth = worthOf(i);
+    const LevelShares split = decided(worth);
+    for (std::size_t level = 0; level < levels_.size(); ++level) {
+      const double after = before[level] + features_ * highest(worth) / sum * split[level];
       levels_[level].wanted[i] = static_cast<int>(std::lround(after) - std::lround(before[level]));
       before[level] = after;
     }
@@ -109,8 +118,8 @@ const std::vector<LandmarkCorner>& LandmarkDetector::detect(const ImagePyramid& 
   for (const Landmark& landmark : alive)
     --levels_[landmark.level].wanted[windowOf(landmark.level, landmark.last().left)];
   corners_.clear();
-  // Coarse ones first: fine ones fill up what room is left.
-  for (int index = kLandmarkLevels - 1; index >= 0; --index) {
+  // Coarse ones first, as many as are wanted; fine ones fill up what room is left.
+  for (int index = static_cast<int>(levels_.size()) - 1; index >= 0; --index) {
     Level& level = levels_[index];
     if (index >= static_cast<int>(image.grey.size())) continue;  // too small to be halved
     int room = std::max(features_ - static_cast<int>(alive.size() + corners_.size()), 0);

@@ -17,6 +17,9 @@ struct LandmarkCorner {
   float score = 0.0F;
 };
 
+/// Of something, each level's part.
+using LevelShares = std::array<double, kLandmarkLevels>;
+
 /// Corners of an image and of its half, where noise is less: how many of which, and where, follows what of
 /// late could be followed there. A window whose corners last gets more of the landmarks, one whose corners
 /// leave the image or look like nothing gets less; and coarse corners, whose places are known less well, take
@@ -48,11 +51,10 @@ class LandmarkDetector {
     std::vector<Tries> tries;  ///< of each window
     std::vector<int> wanted;
   };
-  using Shares = std::array<double, kLandmarkLevels>;
 
   int windowOf(int level, const Eigen::Vector2d& pixel) const;
   /// How much a window's corners of each level tell, for each that is tried.
-  Shares worthOf(int window) const;
+  LevelShares worthOf(int window) const;
   /// Makes Level::wanted each window's share of the landmarks.
   void share();
   void forget();

@@ -20,6 +20,7 @@ void requireRange(const char* name, Number value, Number low, Number high) {
 }
 
 void validate(const DetectionSettings& settings) {
+  requireRange("detection.levels", settings.levels, 1, kLandmarkLevels);
   requireRange("detection.window_columns", settings.window_columns, 1, 100);
   requireRange("detection.window_rows", settings.window_rows, 1, 100);
   requireRange("detection.minimum_threshold", settings.minimum_threshold, 1, 254);

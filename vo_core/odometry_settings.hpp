@@ -17,13 +17,17 @@ enum class OffsetModel : std::uint8_t {
   simultaneous,    ///< nothing: the error that other odometries make
 };
 
+/// Levels of the pyramids that patches of landmarks are taken from at most: the image itself and its half.
+constexpr int kLandmarkLevels = 2;
+
 /// Windows with adaptive FAST thresholds (thesis 4.9).
 struct DetectionSettings {
-  int window_columns = 16;     ///< windows side by side
-  int window_rows = 5;         ///< windows one above the other
-  int minimum_threshold = 6;   ///< grey values; no window's threshold falls below
-  int maximum_threshold = 80;  ///< grey values; nor rises above
-  int initial_threshold = 20;  ///< grey values, of each window before the first image
+  int levels = kLandmarkLevels;  ///< of the pyramid, the full image among them, that corners are taken from
+  int window_columns = 16;       ///< windows side by side
+  int window_rows = 5;           ///< windows one above the other
+  int minimum_threshold = 6;     ///< grey values; no window's threshold falls below
+  int maximum_threshold = 80;    ///< grey values; nor rises above
+  int initial_threshold = 20;    ///< grey values, of each window before the first image
 };
 
 /// KLT from frame to frame (thesis 4.10-4.13).
@@ -81,7 +85,6 @@ struct PoseSearchSettings {
 };
 
 constexpr int kMostWindowPairs = 8;  ///< pairs, with the one that has just come
-constexpr int kLandmarkLevels = 2;   ///< of the pyramids, that landmarks' patches are taken from: 0 and 1
 
 /// The least squares over the window of pairs.
 struct BundleSettings {

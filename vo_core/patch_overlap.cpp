@@ -17,14 +17,16 @@ double shared(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 }  // namespace
 
-/// A counting sort, with a ring of empty cells around.
+/// Of a grid with a ring of empty cells around the image, to which patches at its edge and beyond do not go.
+std::size_t PatchOverlap::cellOf(const Patch& patch) const {
+  const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
+  const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
+  return static_cast<std::size_t>(row) * columns_ + column;
+}
+
+/// A counting sort.
 void PatchOverlap::sortIntoCells() {
-  const auto cellOf = [&](const Patch& patch) {
-    const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
-    const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
-    return static_cast<std::size_t>(row * columns_ + column);
-  };
-  begin_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+  begin_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
   for (const Patch& patch : patches_)
     ++begin_[cellOf(patch) + 1];
   for (std::size_t i = 1; i < begin_.size(); ++i)
@@ -32,21 +34,17 @@ void PatchOverlap::sortIntoCells() {
   sorted_.resize(patches_.size());
   // Filling moves each cell's begin to its end, which is the next one's begin.
   for (const Patch& patch : patches_)
-    sorted_[static_cast<std::size_t>(begin_[cellOf(patch)]++)] = patch;
+    sorted_[begin_[cellOf(patch)]++] = patch;
   std::shift_right(begin_.begin(), begin_.end(), 1);
   begin_.front() = 0;
 }
 
 double PatchOverlap::overlapOf(const Patch& patch) const {
-  const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
-  const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
+  const std::size_t cell = cellOf(patch);
   double sum = 0.0;
-  for (int y = row - 1; y <= row + 1; ++y) {
-    const int first = begin_[static_cast<std::size_t>(y * columns_ + column - 1)];
-    const int last = begin_[static_cast<std::size_t>(y * columns_ + column + 2)];
-    for (int i = first; i < last; ++i)
-      sum += shared(patch.centre, sorted_[static_cast<std::size_t>(i)].centre);
-  }
+  for (const std::size_t middle : {cell - columns_, cell, cell + columns_})
+    for (std::size_t i = begin_[middle - 1]; i < begin_[middle + 2]; ++i)
+      sum += shared(patch.centre, sorted_[i].centre);
   return sum;
 }
 

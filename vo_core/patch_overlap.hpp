@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
@@ -30,11 +31,13 @@ class PatchOverlap {
 
   Sums sumsOf(const BundleProblem& problem, int level);
   void sortIntoCells();
+  std::size_t cellOf(const Patch& patch) const;
   double overlapOf(const Patch& patch) const;
 
   // Kept for their memory.
   std::vector<Patch> patches_;
-  std::vector<int> begin_;  ///< of each cell, a patch's side wide, in sorted_; one more than there are cells
+  std::vector<std::size_t>
+      begin_;  ///< of each cell, a patch's side wide, in sorted_; one more than there are cells
   std::vector<Patch> sorted_;
   int columns_ = 0, rows_ = 0;
 };

@@ -62,13 +62,13 @@ TEST_F(LandmarkDetectorTest, CornersAreFineOnesAsLongAsThoseLast) {
 }
 
 TEST_F(LandmarkDetectorTest, CornersAreCoarseOnesWhereOnlyThoseLast) {
-  const auto dark = [](const LandmarkCorner& corner) { return corner.pixel.x() < kWidth / 2; };
+  const auto dark = [](const LandmarkCorner& corner) { return corner.pixel.x() < 0.5 * kWidth; };
   const Counts counts =
       afterTrying([&](const LandmarkCorner& corner) { return corner.level > 0 || !dark(corner); });
   EXPECT_GT(counts.coarse, 0.15 * kFeatures);  // less than half: they are worth less
   for (const LandmarkCorner& corner : detect()) {
     if (corner.level == 0) continue;
-    EXPECT_LT(corner.pixel.x(), kWidth / 2 + 40);
+    EXPECT_LT(corner.pixel.x(), 0.5 * kWidth + 40);
   }
 }
 

@@ -32,6 +32,8 @@ const std::vector<Ablation>& ablations() {
        [](OdometrySettings& s) {
          s.detection.minimum_threshold = s.detection.maximum_threshold = s.detection.initial_threshold;
        }},
+      {"fine-only", "all landmarks from the image itself, none from its half",
+       [](OdometrySettings& s) { s.detection.levels = 1; }},
       {"half-features", "half as many landmarks", [](OdometrySettings& s) { s.features /= 2; }},
       {"double-features", "twice as many landmarks", [](OdometrySettings& s) { s.features *= 2; }},
       {"simultaneous", "the offset between the cameras is ignored (matters with --offset-ms)",

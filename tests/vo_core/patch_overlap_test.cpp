@@ -68,6 +68,15 @@ TEST(PatchOverlap, IsWhatAllPairsAddUpTo) {
   }
 }
 
+TEST(PatchOverlap, OfVeryManyItIsAMean) {
+  test::Noise noise(3);
+  BundleProblem problem = problemOfTwoPoses();
+  for (int i = 0; i < 4000; ++i)
+    addLandmark(problem, {kWidth * noise.uniform(), kHeight * noise.uniform()});
+  const double all = byPairs(problem);
+  EXPECT_NEAR(PatchOverlap().of(problem), all, 0.03 * all);
+}
+
 TEST(PatchOverlap, OnlyThoseThatTheNewestPairSawCount) {
   BundleProblem problem = problemOfTwoPoses();
   addLandmark(problem, {50.0, 50.0});

@@ -15,8 +15,8 @@ namespace cartvo {
 class PatchOverlap {
  public:
   /// The mean over the landmarks that the newest pair saw, each by its information: of how many patches of
-  /// its own level, itself one of them, a pixel of its patch is part. 1 and more. Of very
-  /// many landmarks only some are asked.
+  /// its own level, itself one of them, a pixel of its patch is part. 1 and more. Of
+  /// very many landmarks only some are asked.
   double of(const BundleProblem& problem);
 
  private:

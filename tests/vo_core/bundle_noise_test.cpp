@@ -1,0 +1,43 @@
+// What an adjusted bundle tells of its noise.
+#include "vo_core/bundle_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "vo_core/landmark_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+TEST(BundleNoise, SaysHowMuchLargerTheNoiseIsThanAssumed) {
+  for (const double noise : {0.5, 1.0, 2.0}) {
+    BundleProblem problem = test::seenBy({.landmarks = 400, .noise = noise}, 3);
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    EXPECT_NEAR(result.noise_scale.front().pixel, noise, 0.15 * noise);
+    EXPECT_NEAR(result.noise_scale.front().disparity, noise, 0.15 * noise);
+  }
+}
+
+TEST(BundleNoise, EachLevelHasANoiseOfItsOwn) {
+  BundleProblem problem = test::seenBy({.landmarks = 800, .noise = 0.7, .coarse_noise = 2.5}, 4);
+  BundleNoises noise = problem.noise;
+  for (int pair = 0; pair < 40; ++pair) {
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    EXPECT_NEAR(result.noise_scale[0].pixel * problem.noise[0].pixel, 0.7 * noise[0].pixel,
+                0.1 * noise[0].pixel);
+    problem.noise = adapted(problem.noise, result, 1);
+  }
+  EXPECT_NEAR(problem.noise[0].pixel, 0.7 * noise[0].pixel, 0.1 * noise[0].pixel);
+  EXPECT_NEAR(problem.noise[1].pixel, 2.5 * noise[1].pixel, 0.3 * noise[1].pixel);
+  EXPECT_NEAR(problem.noise[1].disparity, 2.5 * noise[1].disparity, 0.3 * noise[1].disparity);
+}
+
+TEST(BundleNoise, OfALevelWithHardlyAnyLandmarksTheNoiseGoesWithTheOther) {
+  BundleProblem problem = test::seenBy({.landmarks = 200, .noise = 2.0}, 4);
+  problem.landmarks.front().level = 1;
+  const BundleResult result = adjustBundle(problem, BundleSettings{});
+  EXPECT_EQ(result.noise_scale[1].pixel, result.noise_scale[0].pixel);
+  EXPECT_EQ(result.noise_scale[1].disparity, result.noise_scale[0].disparity);
+}
+
+}  // namespace
+}  // namespace cartvo

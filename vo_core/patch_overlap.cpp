@@ -9,7 +9,7 @@
 namespace cartvo {
 namespace {
 
-constexpr std::size_t kEnough = 1000;  // patches, of which a mean is known well enough
+constexpr int kEnough = 1000;  // patches, of which a mean is known well enough
 
 /// Of two squares of side 1 the part that they share.
 double shared(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -26,27 +26,12 @@ std::size_t PatchOverlap::cellOf(const Patch& patch) const {
   return static_cast<std::size_t>(row) * columns_ + column;
 }
 
-/// A counting sort.
-void PatchOverlap::sortIntoCells() {
-  begin_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
-  for (const Patch& patch : patches_)
-    ++begin_[cellOf(patch) + 1];
-  for (std::size_t i = 1; i < begin_.size(); ++i)
-    begin_[i] += begin_[i - 1];
-  sorted_.resize(patches_.size());
-  // Filling moves each cell's begin to its end, which is the next one's begin.
-  for (const Patch& patch : patches_)
-    sorted_[begin_[cellOf(patch)]++] = patch;
-  std::shift_right(begin_.begin(), begin_.end(), 1);
-  begin_.front() = 0;
-}
-
 double PatchOverlap::overlapOf(const Patch& patch) const {
   const std::size_t cell = cellOf(patch);
   double sum = 0.0;
   for (const std::size_t middle : {cell - columns_, cell, cell + columns_})
-    for (std::size_t i = begin_[middle - 1]; i < begin_[middle + 2]; ++i)
-      sum += shared(patch.centre, sorted_[i].centre);
+    for (int place = by_cell_.begin(middle - 1); place < by_cell_.begin(middle + 2); ++place)
+      sum += shared(patch.centre, patches_[by_cell_[place]].centre);
   return sum;
 }
 
@@ -55,7 +40,7 @@ PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level)
   const double precision = 1.0 / (problem.noise[level].pixel * problem.noise[level].pixel);
   patches_.clear();
   patches_.reserve(problem.landmarks.capacity());
-  sorted_.reserve(problem.landmarks.capacity());
+  by_cell_.reserve(problem.landmarks.capacity());
   for (const BundleLandmark& landmark : problem.landmarks) {
     const BundleSighting& last = landmark.sightings.back();
     if (landmark.level == level && last.pose + 1 == static_cast<int>(problem.poses.size()))
@@ -63,14 +48,16 @@ PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level)
   }
   columns_ = static_cast<int>(problem.camera.width / side) + 3;
   rows_ = static_cast<int>(problem.camera.height / side) + 3;
-  sortIntoCells();
+  by_cell_.sort(static_cast<std::size_t>(columns_) * rows_, patches_.size(),
+                [&](std::size_t i) { return cellOf(patches_[i]); });
   Sums sums;
   double asked = 0.0;
-  const std::size_t step = (sorted_.size() + kEnough - 1) / kEnough;
-  for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    const Patch& patch = sorted_[i];
+  const int count = static_cast<int>(patches_.size());
+  const int step = (count + kEnough - 1) / kEnough;
+  for (int place = 0; place < count; ++place) {
+    const Patch& patch = patches_[by_cell_[place]];
     sums.information += patch.information;
-    if (i % step != 0) continue;
+    if (place % step != 0) continue;
     asked += patch.information;
     sums.overlap += patch.information * overlapOf(patch);
   }

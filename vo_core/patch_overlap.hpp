@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/grouped_order.hpp"
 
 namespace cartvo {
 
@@ -15,8 +16,8 @@ namespace cartvo {
 class PatchOverlap {
  public:
   /// The mean over the landmarks that the newest pair saw, each by its information: of how many patches of
-  /// its own level, itself one of them, a pixel of its patch is part. 1 and more. Of
-  /// very many landmarks only some are asked.
+  /// its own level, itself one of them, a pixel of its patch is part. 1 and more. Of very many
+  /// landmarks only some are asked.
   double of(const BundleProblem& problem);
 
  private:
@@ -31,15 +32,12 @@ class PatchOverlap {
   };
 
   Sums sumsOf(const BundleProblem& problem, int level);
-  void sortIntoCells();
   std::size_t cellOf(const Patch& patch) const;
   double overlapOf(const Patch& patch) const;
 
   // Kept for their memory.
-  std::vector<Patch> patches_;
-  std::vector<std::size_t>
-      begin_;  ///< of each cell, a patch's side wide, in sorted_; one more than there are cells
-  std::vector<Patch> sorted_;
+  std::vector<Patch> patches_;  ///< of one level
+  GroupedOrder by_cell_;        ///< of these; cells are a patch's side wide
   int columns_ = 0, rows_ = 0;
 };
 

@@ -178,7 +178,7 @@ std::vector<cv::Size> levelSizes(const cv::Size& image, int most) {
   std::vector<cv::Size> sizes{image};
   while (static_cast<int>(sizes.size()) < most &&
          std::min(sizes.back().width, sizes.back().height) >= kLeastToHalve)
-    sizes.emplace_back((sizes.back().width + 1) / 2, (sizes.back().height + 1) / 2);
+    sizes.push_back(levelSize(image, static_cast<int>(sizes.size())));
   return sizes;
 }
 

@@ -17,6 +17,12 @@ constexpr double levelScale(int level) {
   return 1 << level;
 }
 
+/// The size of a level, from the image's own: each has every other row and column of the one before.
+inline cv::Size levelSize(const cv::Size& image, int level) {
+  const int more = (1 << level) - 1;
+  return {(image.width + more) >> level, (image.height + more) >> level};
+}
+
 /// One image of a pyramid with a mirrored border around it, so that a patch whose centre lies inside the
 /// image can be read without asking at each pixel. Level l holds pixel (x, y) of the image at (x, y) / 2^l.
 /// Copies have the same pixels.

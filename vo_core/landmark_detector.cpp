@@ -14,12 +14,6 @@ constexpr double kTriesRemembered = 60.0;   // of a window
 constexpr double kPairsRemembered = 200.0;  // where nothing is tried
 constexpr double kDecision = 8.0;           // power of what levels are worth by which they share a window
 
-/// Half the size, as a pyramid has it.
-cv::Size sizeOf(const cv::Size& image, int level) {
-  const int more = (1 << level) - 1;
-  return {(image.width + more) >> level, (image.height + more) >> level};
-}
-
 double highest(const LevelShares& worth) {
   return *std::max_element(worth.begin(), worth.end());
 }
@@ -47,7 +41,7 @@ LandmarkDetector::LandmarkDetector(const DetectionSettings& settings, int featur
                                    const cv::Size& image_size)
     : features_(features) {
   for (int level = 0; level < settings.levels; ++level) {
-    AdaptiveDetector detector(settings, features, sizeOf(image_size, level), levelScale(level));
+    AdaptiveDetector detector(settings, features, levelSize(image_size, level), levelScale(level));
     const auto windows = static_cast<std::size_t>(detector.windowCount());
     levels_.push_back({std::move(detector), std::vector<Tries>(windows, Tries{kDoubt, 0.5 * kDoubt}),
                        std::vector<int>(windows)});

@@ -8,7 +8,7 @@ namespace cartvo {
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   PointBlock block;
   block.count = count;
-  block.noise = 1.0 + DoubleLanes{};
+  block.noise = 1.0 + DoubleLanes{};  // nothing is divided by zero in lanes beyond the last
   for (int lane = 0; lane < count; ++lane) {
     const PosePoint& point = problem.points[points[lane]];
     block.point[lane] = points[lane];
@@ -19,7 +19,7 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
     for (int axis = 0; axis < 2; ++axis)
       block.left[axis][lane] = point.left[axis];
     block.weight[lane] = point.weight;
-    block.noise[lane] = std::pow(problem.pixel_noise[point.level], 2);
+    block.noise[lane] = std::pow(problem.noise[point.level].pixel, 2);
   }
   return block;
 }

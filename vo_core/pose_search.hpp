@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -30,8 +29,7 @@ struct PoseProblem {
   FixedVector<Eigen::Isometry3d, kMostWindowPairs> hosts;   ///< T_world_camera of the known pairs
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
   std::vector<PosePoint> points;
-  std::array<double, kLandmarkLevels> pixel_noise{
-      0.15, 0.15};  ///< px, standard deviation of each coordinate, by level
+  BundleNoises noise;  ///< of left positions, in each coordinate, level by level; no other part of it is used
   /// How far the motion may lie from the prediction, or nothing if there is none.
   std::optional<Vector6d> admissible_change;  ///< m and rad, per component
 };

@@ -243,8 +243,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 void VisualTrack::statePoseProblem(const PreparedPair& pair, const Draft& draft) {
   PoseProblem& problem = pose_problem_;
   problem.camera = camera_;
-  for (int level = 0; level < kLandmarkLevels; ++level)
-    problem.pixel_noise[level] = noise_[level].pixel;
+  problem.noise = noise_;
   problem.hosts.clear();
   for (const WindowFrame& frame : window_)
     problem.hosts.push_back(frame.T_world_camera);

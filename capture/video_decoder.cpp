@@ -163,6 +163,7 @@ std::optional<Frame> VideoDecoder::receive() {
     frame.order = pending.order;
     frame.instant_source = pending.instant_source;
     frame.status = damagedSince(pending, failed) ? FrameStatus::damaged : FrameStatus::good;
+    frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;
     frame.storage = picture;
     return frame;
   }

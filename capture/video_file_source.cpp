@@ -166,6 +166,7 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
           " has pictures without a luma plane; convert it by 'ffmpeg -i FILE -pix_fmt yuv420p "
           "-c:v libx264 -qp 10 FILE.mkv'");
     }
+    frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;
     frame.storage = picture;
     frame.exposure_ns = self.time.origin_ns +
                         std::llround(1e9 * (self.time.offset + (1.0 + self.time.skew) * self.file_time));

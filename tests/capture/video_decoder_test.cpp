@@ -29,6 +29,18 @@ TEST(VideoDecoder, EachPictureComesOutWithItsOwnUnit) {
   }
 }
 
+TEST(VideoDecoder, TellsKeyFrames) {
+  for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
+    VideoDecoder decoder({codec, {}}, 1);
+    for (const EncodedUnit& unit : test::encodeSequence(codec, kSize, 25, 10, "")) {
+      decoder.send(unit);
+      const std::optional<Frame> frame = decoder.receive();
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->key_frame, frame->sequence % 10 == 0) << frame->sequence;
+    }
+  }
+}
+
 TEST(VideoDecoder, TheImageIsTheLumaPlaneWithoutACopy) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   Frame last;

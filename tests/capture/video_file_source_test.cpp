@@ -61,6 +61,14 @@ TEST(VideoFileSource, ReadsWhatOthersRecorded) {
   }
 }
 
+TEST(VideoFileSource, TellsKeyFrames) {
+  const test::TemporaryFolder folder;
+  VideoFileSource source(video(folder, "film.mkv", "-c:v libx264 -pix_fmt yuv420p -g 20 -sc_threshold 0"),
+                         {});
+  for (const Frame& frame : framesOf(source))
+    EXPECT_EQ(frame.key_frame, frame.sequence % 20 == 0) << frame.sequence;
+}
+
 TEST(VideoFileSource, PutsItsTimesWhereItIsTold) {
   const test::TemporaryFolder folder;
   const fs::path file = video(folder, "a.mp4", "-c:v libx264 -pix_fmt yuv420p");

@@ -92,6 +92,7 @@ class PairProcessor::Implementation {
     images_.left_exposure_ns = pair.left.exposure_ns;
     images_.right_exposure_ns = pair.right.exposure_ns;
     images_.offset_deviation = 1e-9 * pair.offsetDeviationNs();
+    images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(Stage::rectify);
     rectifier_.rectifyLeft(pair.left.image, images_.left);
     rectifier_.rectifyRight(pair.right.image, images_.right);

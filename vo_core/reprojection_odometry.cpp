@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "vo_core/key_frame_shift.hpp"
 #include "vo_core/visual_track.hpp"
 
 namespace cartvo {
@@ -26,6 +27,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   OdometryEstimate refuse(const PreparedPair& pair, OdometryReason reason) const;
   bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
   RigMonitor knownOfRig() const;
+  void takeOutShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
   OdometryEstimate estimateOf(const PreparedPair& pair, const TrackedMotion& motion) const;
@@ -38,6 +40,9 @@ class ReprojectionOdometry final : public OdometryMethod {
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
+  KeyFrames successor_begins_;  ///< at a pair with these
+  KeyFrameShift key_frame_shift_;
+  std::optional<PoseShift> shift_;  ///< of the track's last pair, which is taken out of what is told of it
   int lost_pairs_ = 0;
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
@@ -56,6 +61,7 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.left_exposure_ns = images.left_exposure_ns;
   pair.right_exposure_ns = images.right_exposure_ns;
   pair.offset_deviation = images.offset_deviation;
+  pair.key_frames = images.key_frames;
   pair.left = left_pyramids_.build(images.left);
   pair.right = right_pyramids_.build(images.right);
   return pair;
@@ -94,13 +100,38 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     if (anew.valid()) {
       track_ = std::move(successor_);
       ++epoch_;
+      shift_ = key_frame_shift_.begin(successor_begins_);
       motion = anew;
     }
   }
   if (!motion.valid()) return lose(pair, motion, observer);
   successor_.reset();
   lost_pairs_ = 0;
+  takeOutShift(pair, motion);
   return estimateOf(pair, motion);
+}
+
+/// The track goes by what the pictures show, shifted where key frames are; a motion that is told begins and
+/// ends without their shifts.
+void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion& motion) {
+  // During a stand the pose is held, with what was taken out of it.
+  if (motion.reasons == OdometryReason::zero_velocity) {
+    key_frame_shift_.begin(pair.key_frames);
+    return;
+  }
+  const std::optional<PoseShift> before = shift_;
+  Eigen::Isometry3d& T = motion.T_previous_current;
+  const Vector6d own = motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2();
+  shift_ = key_frame_shift_.next(pair.key_frames,
+                                 {vectorFromMotion(T), own.cwiseMax(0.0).cwiseSqrt(), motion.time_step});
+  if (before) {
+    const Matrix6d carried = adjoint(T.inverse());
+    motion.motion_covariance += carried * before->variance.asDiagonal() * carried.transpose();
+    T = motionFromVector(before->value) * T;
+  }
+  if (!shift_) return;
+  motion.motion_covariance += shift_->variance.asDiagonal();
+  T = T * motionFromVector(shift_->value).inverse();
 }
 
 /// By the newest track, even if it came to nothing: what it found out would not be looked for again so soon.
@@ -112,6 +143,7 @@ RigMonitor ReprojectionOdometry::knownOfRig() const {
 OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryReason reason,
                                              StageObserver& observer) {
   track_.emplace(camera_, settings_, pair, knownOfRig(), pitch_suspicion_, observer);
+  shift_ = key_frame_shift_.begin(pair.key_frames);
   successor_.reset();
   lost_pairs_ = 0;
   TrackedMotion motion;
@@ -126,6 +158,7 @@ OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const Trac
                                             StageObserver& observer) {
   TrackedMotion motion = failed;
   successor_.emplace(camera_, settings_, pair, knownOfRig(), pitch_suspicion_, observer);
+  successor_begins_ = pair.key_frames;
   motion.counts.detected = successor_->landmarkCount();
   motion.counts.stereo = successor_->stereoCount();
   if (++lost_pairs_ > settings_.tracking.search_again) {
@@ -133,6 +166,7 @@ OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const Trac
     successor_.reset();
     lost_pairs_ = 0;
     ++epoch_;
+    shift_ = key_frame_shift_.begin(successor_begins_);
   }
   if (motion.counts.detected < settings_.validity.minimum_features)
     motion.reasons = OdometryReason::too_few_features;
@@ -150,6 +184,10 @@ OdometryEstimate ReprojectionOdometry::estimateOf(const PreparedPair& pair,
   if (track_) {
     estimate.T_world_camera = track_->pose();
     estimate.pose_covariance = track_->poseCovariance();
+    if (shift_) {
+      estimate.T_world_camera = estimate.T_world_camera * motionFromVector(shift_->value).inverse();
+      estimate.pose_covariance += shift_->variance.asDiagonal();
+    }
     estimate.rig = track_->rigCheck();
   }
   if (!estimate.valid) return estimate;

@@ -7,6 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "vo_core/key_frames.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rig_check.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -22,6 +23,7 @@ struct StereoImages {
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s, standard deviation of right minus left exposure
+  KeyFrames key_frames{};
 };
 
 /// Why an estimate is not there, as bits.

@@ -23,6 +23,7 @@ struct PreparedPair {
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s
+  KeyFrames key_frames{};
   SharedPyramid left, right;
 };
 

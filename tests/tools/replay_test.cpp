@@ -232,14 +232,16 @@ TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
 }
 
 /// Records pairs of a KITTI sequence as two cameras would send them.
-void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs) {
+void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs,
+            double key_frame_interval) {
   const Rig rig = readKittiRig(sequence / "calib.txt", {1226, 370});
   RecordingSettings settings;
   settings.folder = folder;
   settings.rig = rigText(rig);
   StreamRecorder recorder(settings);
-  simulate::StreamEncoder left_encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
-  simulate::StreamEncoder right_encoder({.bitrate_kbps = 8000}, rig.left.size, 10.0);
+  const simulate::EncoderSettings encoding{.bitrate_kbps = 8000, .key_frame_interval = key_frame_interval};
+  simulate::StreamEncoder left_encoder(encoding, rig.left.size, 10.0);
+  simulate::StreamEncoder right_encoder(encoding, rig.left.size, 10.0);
   recorder.left().onStream({});
   recorder.right().onStream({});
   for (int i = 0; i < pairs; ++i) {
@@ -267,7 +269,7 @@ TEST(ReplayOfARecording, FollowsTheTruthWithTheRecordingsOwnRigAndInstants) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const test::TemporaryFolder folder;
   constexpr int kRecorded = 6;
-  record(sequence, folder / "drive", kRecorded);
+  record(sequence, folder / "drive", kRecorded, 1.0);
   const Replay replay = replayed(folder / "drive");
   EXPECT_EQ(replay.kind, SourceKind::recording);
   EXPECT_EQ(replay.rig.rig.name, "KITTI");
@@ -279,6 +281,18 @@ TEST(ReplayOfARecording, FollowsTheTruthWithTheRecordingsOwnRigAndInstants) {
   truth.resize(kRecorded);
   const Evaluation evaluation = evaluate(associateByRows(leftCameraTrajectory(replay), truth));
   EXPECT_LT(*evaluation.final_drift_fraction, 0.08);
+}
+
+TEST(ReplayOfARecording, KnowsMotionsToAndFromKeyFramesLessWell) {
+  CARTVO_NEEDS_DATA(sequence, "kitti_06");
+  const test::TemporaryFolder folder;
+  record(sequence, folder / "drive", 7, 0.4);  // s: pairs 0 and 4
+  const Replay replay = replayed(folder / "drive");
+  ASSERT_EQ(replay.pairs.size(), 7U);
+  const auto forwards = [&](std::size_t pair) { return replay.pairs[pair].motion_covariance(2, 2); };
+  for (const std::size_t across : {4U, 5U})
+    for (const std::size_t ordinary : {3U, 6U})
+      EXPECT_GT(forwards(across), 2.0 * forwards(ordinary)) << across << " " << ordinary;
 }
 
 TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {

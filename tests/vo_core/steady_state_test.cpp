@@ -61,6 +61,7 @@ constexpr StereoCamera kCamera{230.0, 159.5, 119.5, 0.15, 320, 240};
 constexpr int kSettled = 10;            // the window is full by then
 constexpr int kBrake = 14, kStop = 24;  // from the one on the cart slows down, from the other on it stands
 constexpr int kPairs = 40;
+constexpr int kKeyFrames = 6;  // pairs from one to the next
 constexpr std::int64_t kStep = 50'000'000;
 
 /// A cart that drives, turns, slows down and stops.
@@ -78,6 +79,8 @@ const std::vector<StereoImages>& drive() {
     rendered.resize(kPairs, rendered.back());
     for (int i = kStop; i < kPairs; ++i)
       rendered[i].left_exposure_ns = rendered[i].right_exposure_ns = i * kStep;
+    for (int i = 0; i < kPairs; i += kKeyFrames)
+      rendered[i].key_frames = {true, true};
     return rendered;
   }();
   return pairs;

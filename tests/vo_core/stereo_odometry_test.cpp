@@ -261,5 +261,35 @@ TEST_P(EachEstimator, RefusesImagesOfAnotherKind) {
   EXPECT_THROW(odometry.process(pair, observer), std::invalid_argument);
 }
 
+// Their pictures show what is ahead of them, and no residual tells of it.
+TEST(KeyFramesOfAVideo, AreOwnedUpTo) {
+  constexpr int kPairs = 18, kInterval = 8;
+  constexpr double kAhead = 0.0012;  // m
+  const test::CorridorWorld world(1);
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < kPairs; ++i) {
+    const bool is_key = i > 0 && i % kInterval == 0;
+    const Eigen::Isometry3d shown = drive(i) * Eigen::Translation3d(0.0, 0.0, is_key ? kAhead : 0.0);
+    pairs.push_back(world.render(kCamera, shown, i * kPeriod));
+    pairs.back().key_frames = {is_key, is_key};
+  }
+  const std::vector<OdometryEstimate> told = run(pairs, {});
+  for (StereoImages& pair : pairs)
+    pair.key_frames = {};
+  const std::vector<OdometryEstimate> untold = run(pairs, {});
+  const auto deviations_off = [](const OdometryEstimate& estimate, int pair) {
+    const double truth = (drive(pair - 1).inverse() * drive(pair)).translation().z();
+    return std::abs(estimate.T_previous_current.translation().z() - truth) /
+           std::sqrt(estimate.motion_covariance(2, 2));
+  };
+  for (int i = 1; i < kPairs; ++i) {
+    ASSERT_TRUE(told[i].valid) << i;
+    EXPECT_LT(deviations_off(told[i], i), 3.0) << i;
+    if (i > kInterval && i % kInterval == 1) {
+      EXPECT_GT(deviations_off(untold[i], i), 3.0) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cartvo

@@ -1,0 +1,126 @@
+// How far ahead key frames are, learned from motions whose truth is known.
+#include "vo_core/key_frame_shift.hpp"
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/synthetic_texture.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kStep = 0.05;  // s
+constexpr int kInterval = 12;   // pairs from key frame to key frame
+constexpr KeyFrames kBoth{true, true}, kLeft{true, false}, kRight{false, true}, kNone{};
+
+const Vector6d kDeviation = (Vector6d() << 2e-4, 2e-4, 3e-4, 2e-5, 3e-5, 2e-5).finished();
+/// In standard deviations.
+const Vector6d kAhead = (Vector6d() << 1.5, 0.0, -3.0, 0.5, 0.0, 1.0).finished();
+
+/// Poses of a cart that speeds up, turns and sways, a vector each: small enough to be added up.
+Vector6d truth(int pair, double direction) {
+  const double t = kStep * pair;
+  Vector6d pose;
+  pose << 0.02 * std::sin(0.7 * t), 0.004 * std::sin(3.0 * t), direction * (3.0 * t + 0.3 * std::sin(t)),
+      0.004 * std::sin(3.0 * t), 0.05 * std::sin(0.5 * t), 0.003 * std::sin(2.0 * t);
+  return pose;
+}
+
+Vector6d noiseOf(test::Noise& noise) {
+  Vector6d vector;
+  for (double& value : vector)  // of four evenly distributed numbers, so that its variance is one
+    value = std::sqrt(3.0) * (noise.uniform() + noise.uniform() + noise.uniform() + noise.uniform() - 2.0);
+  return vector;
+}
+
+struct Drive {
+  KeyFrames key_frames = kBoth;
+  double direction = 1.0;
+  double roughness = 0.0;  ///< of poses, in standard deviations of motions, beyond noise
+};
+
+/// What is said of the pairs of a drive whose key frames are ahead by kAhead.
+std::vector<std::optional<PoseShift>> shiftsOf(const Drive& drive, int pairs) {
+  test::Noise noise(7);
+  KeyFrameShift shift;
+  shift.begin(kNone);
+  const double size = std::hypot(std::sqrt(0.5), drive.roughness);
+  Vector6d last = Vector6d::Zero();
+  std::vector<std::optional<PoseShift>> shifts;
+  for (int i = 1; i < pairs; ++i) {
+    const bool is_key = i % kInterval == 0;
+    Vector6d pose = truth(i, drive.direction) + size * kDeviation.cwiseProduct(noiseOf(noise));
+    if (is_key) pose += drive.direction * kDeviation.cwiseProduct(kAhead);
+    shifts.push_back(shift.next(is_key ? drive.key_frames : kNone, {pose - last, kDeviation, kStep}));
+    last = pose;
+  }
+  return shifts;
+}
+
+const PoseShift& lastOf(const std::vector<std::optional<PoseShift>>& shifts) {
+  for (std::size_t i = shifts.size(); i-- > 0;)
+    if (shifts[i]) return *shifts[i];
+  throw std::runtime_error("no pair is shifted");
+}
+
+TEST(KeyFrameShift, IsLearnedFromHowPosesLeap) {
+  const PoseShift shift = lastOf(shiftsOf({}, 60 * kInterval));
+  const Vector6d found = shift.value.cwiseQuotient(kDeviation);
+  EXPECT_LT((found - kAhead).cwiseAbs().maxCoeff(), 0.8) << found.transpose();
+  EXPECT_LT((shift.variance.cwiseSqrt().cwiseQuotient(kDeviation)).maxCoeff(), 1.0);
+}
+
+TEST(KeyFrameShift, IsNotKnownAtFirstAndOwnsUpToIt) {
+  const PoseShift shift = *shiftsOf({}, kInterval + 1).back();
+  EXPECT_EQ(shift.value, Vector6d::Zero());
+  EXPECT_GE((shift.variance.cwiseSqrt() - 1.5 * kDeviation).minCoeff(), 0.0);
+}
+
+TEST(KeyFrameShift, GoesWithTheMotionBackwards) {
+  const PoseShift forwards = lastOf(shiftsOf({}, 60 * kInterval));
+  const PoseShift backwards = lastOf(shiftsOf({.direction = -1.0}, 60 * kInterval));
+  EXPECT_LT((forwards.value + backwards.value).cwiseQuotient(kDeviation).cwiseAbs().maxCoeff(), 1.0);
+  EXPECT_GT(backwards.value.z(), 1.5 * kDeviation.z());
+}
+
+TEST(KeyFrameShift, IsTheSameForOneCamerasKeyFrames) {
+  for (const KeyFrames key_frames : {kLeft, kRight}) {
+    const PoseShift shift = lastOf(shiftsOf({.key_frames = key_frames}, 60 * kInterval));
+    EXPECT_NEAR(shift.value.z() / kDeviation.z(), kAhead.z(), 0.8);
+  }
+}
+
+TEST(KeyFrameShift, IsNotSoughtInARoughRoad) {
+  const PoseShift shift = lastOf(shiftsOf({.roughness = 20.0}, 60 * kInterval));
+  EXPECT_LT(shift.value.cwiseQuotient(kDeviation).cwiseAbs().maxCoeff(), 3.0);
+}
+
+TEST(KeyFrameShift, IsOfKeyFramesOnly) {
+  const auto shifts = shiftsOf({}, 3 * kInterval);
+  for (std::size_t i = 0; i < shifts.size(); ++i)
+    EXPECT_EQ(shifts[i].has_value(), (i + 1) % kInterval == 0) << i;
+}
+
+TEST(KeyFrameShift, IsNoneWhereThereIsNothingButKeyFrames) {
+  KeyFrameShift shift;
+  shift.begin(kBoth);
+  for (int i = 1; i < 50; ++i)
+    EXPECT_FALSE(shift.next(kBoth, {truth(i, 1.0) - truth(i - 1, 1.0), kDeviation, kStep}));
+}
+
+TEST(KeyFrameShift, OfAPairThatNoMotionLeadsToIsUncertain) {
+  KeyFrameShift shift;
+  EXPECT_LE(shift.begin(kBoth)->variance.maxCoeff(), 0.0) << "nothing is known of how well motions are known";
+  shift.next(kNone, {truth(1, 1.0), kDeviation, kStep});
+  const auto again = shift.begin(kBoth);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->value, Vector6d::Zero());
+  EXPECT_GE((again->variance.cwiseSqrt() - 1.5 * kDeviation).minCoeff(), 0.0);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,105 @@
+// What key frames show ahead of the others, learned from how poses leap at them.
+#include "vo_core/key_frame_shift.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cartvo {
+namespace {
+
+using Axes = Eigen::Array<double, 6, 1>;
+
+// The sum of five poses with these weights is by how much the middle one is off the cubic through the others.
+constexpr std::array<double, 5> kOffCubic{1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0};
+constexpr double kFirstDeviations = 2.0;  // of the shift, in standard deviations of a motion
+constexpr double kLeastDeviations = 0.2;  // that remain in doubt
+constexpr double kMemory = 0.8;           // from key frame to key frame, if nothing were noise
+constexpr int kRoughnessMemory = 20;      // pairs
+constexpr int kRoughnessKnown = 5;        // pairs
+constexpr double kMostDeviations = 3.0;   // by which a leap is believed
+constexpr double kEven = 0.1;             // of a time step, that the next may differ by
+constexpr double kLeastVariance = 1e-14;  // m^2 and rad^2; no motion is known better
+
+}  // namespace
+
+KeyFrameShift::Learned KeyFrameShift::unknown() {
+  return {Vector6d::Zero(), Vector6d::Constant(kFirstDeviations * kFirstDeviations)};
+}
+
+std::optional<PoseShift> KeyFrameShift::begin(KeyFrames pair) {
+  const Vector6d lever = passed_.empty() ? Vector6d(Vector6d::Zero()) : passed_.back().lever;
+  passed_.clear();
+  passed_.push_back({pair});
+  if (!pair.any()) return std::nullopt;
+  const Learned& learned = learned_[classOf(pair)];
+  const Vector6d square = learned.mean.cwiseAbs2() + learned.square;
+  return PoseShift{Vector6d::Zero(), lever.cwiseAbs2().cwiseProduct(square)};
+}
+
+std::optional<PoseShift> KeyFrameShift::next(KeyFrames pair, const ShownMotion& shown) {
+  const KeyFrames before = passed_.back().key_frames;
+  if (std::abs(shown.time_step - time_step_) > kEven * time_step_) begin(before);
+  time_step_ = shown.time_step;
+  if (passed_.size() == kPairs) {
+    std::move(passed_.begin() + 1, passed_.end(), passed_.begin());
+    passed_.resize(kPairs - 1);
+  }
+  const Vector6d lever = std::copysign(1.0, shown.motion.z()) * shown.deviation;
+  passed_.push_back({pair, shown.motion, lever});
+  if (passed_.size() == kPairs) learn();
+  if (!pair.any() || pair == before) return std::nullopt;
+  const Learned& learned = learned_[classOf(pair)];
+  return PoseShift{lever.cwiseProduct(learned.mean), lever.cwiseAbs2().cwiseProduct(learned.square)};
+}
+
+void KeyFrameShift::learn() {
+  Vector6d leap = Vector6d::Zero();
+  Levers levers;
+  levers.fill(Vector6d::Zero());
+  bool has_key_frame = false;
+  double weight =
+      0.0;  // a pose is the sum of the motions to it, so that a motion has its weight and all later ones'
+  for (std::size_t i = kPairs; i-- > 0;) {
+    const Passed& passed = passed_[i];
+    weight += kOffCubic[i];
+    if (i > 0) leap += weight * passed.motion;
+    if (!passed.key_frames.any()) continue;
+    has_key_frame = true;
+    levers[classOf(passed.key_frames)] += kOffCubic[i] * passed.lever;
+  }
+  if (!has_key_frame) return learnRoughness(leap);
+  if (passed_[kPairs / 2].key_frames.any() && rough_pairs_ >= kRoughnessKnown) learnShift(leap, levers);
+}
+
+void KeyFrameShift::learnRoughness(const Vector6d& leap) {
+  Axes square = leap.array().square();
+  if (rough_pairs_ >= kRoughnessKnown)
+    square = square.min(kMostDeviations * kMostDeviations * roughness_.array());
+  rough_pairs_ = std::min(rough_pairs_ + 1, kRoughnessMemory);
+  roughness_ += (square.matrix() - roughness_) / rough_pairs_;
+}
+
+/// `levers`: by how much the leap grows with each class' b.
+void KeyFrameShift::learnShift(const Vector6d& leap, const Levers& levers) {
+  const std::size_t middle = classOf(passed_[kPairs / 2].key_frames);
+  Axes unexplained = leap.array();
+  Axes noise = roughness_.array() + kLeastVariance;
+  for (std::size_t i = 0; i < kClasses; ++i) {
+    unexplained -= (levers[i].cwiseProduct(learned_[i].mean)).array();
+    if (i != middle) noise += levers[i].array().square() * learned_[i].square.array();
+  }
+  Learned& learned = learned_[middle];
+  const Axes lever = levers[middle].array();
+  const Axes by_shift = lever.square() * learned.square.array();
+  const Axes most = kMostDeviations * (by_shift + noise).sqrt();
+  unexplained = unexplained.min(most).max(-most);
+  // The share of the leap that the shift makes; nothing is divided by a lever, which may be none.
+  const Axes share = by_shift / (by_shift + noise);
+  const Axes by_leap = (1.0 - kMemory) * learned.square.array() / (by_shift + noise);
+  learned.mean += (by_leap * lever * unexplained).matrix();
+  learned.square +=
+      (by_leap * (unexplained.square() - noise) - (1.0 - kMemory) * share * learned.square.array()).matrix();
+  learned.square = learned.square.cwiseMax(kLeastDeviations * kLeastDeviations);
+}
+
+}  // namespace cartvo

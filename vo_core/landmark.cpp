@@ -1,12 +1,29 @@
 #include "vo_core/landmark.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "vo_core/image_pyramid.hpp"
+#include "vo_core/median.hpp"
 
 namespace cartvo {
 
 int countStereo(const std::vector<Landmark>& landmarks) {
   return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
                                         [](const Landmark& landmark) { return landmark.last().stereo; }));
+}
+
+void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
+  constexpr double kOffRow = 0.5;  // px of the level
+  rows.clear();
+  rows.reserve(landmarks.capacity());
+  for (const Landmark& landmark : landmarks)
+    if (landmark.last().stereo) rows.push_back(landmark.row_miss);
+  if (rows.empty()) return;
+  const double common = median(rows);  // of a rig that is turned up or down
+  for (Landmark& landmark : landmarks)
+    if (std::abs(landmark.row_miss - common) > kOffRow * levelScale(landmark.level))
+      landmark.sightings.back().stereo = false;
 }
 
 void forgetLastStereo(std::vector<Landmark>& landmarks) {

@@ -30,6 +30,7 @@ struct Landmark {
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< of the patch, host to last sighting
   Eigen::Matrix2d stereo_warp =
       Eigen::Matrix2d::Identity();  ///< of the patch, left to right, at the last sighting
+  double row_miss = 0.0;            ///< px, below the row where the last stereo match was expected
 
   double inverse_depth = 0.0;  ///< 1/m, along the host camera's z axis
   double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: not known
@@ -48,6 +49,11 @@ struct Landmark {
 
 /// Of the landmarks, those that the last pair found in its right image too.
 int countStereo(const std::vector<Landmark>& landmarks);
+
+/// Takes back the last pair's stereo matches whose rows miss otherwise than those of most. Where a video has
+/// not enough bits, blocks of its pictures lie up to two pixels off: the row is known and tells of it, the
+/// column errs as much. `rows` is worked with.
+void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows);
 
 /// Landmarks as if the last pair had not found them in its right image.
 void forgetLastStereo(std::vector<Landmark>& landmarks);

@@ -316,6 +316,7 @@ void LandmarkTracker::matchOne(Landmark& landmark, const StereoView& view, doubl
       !returns(*aligned, settings_.tracking))
     return;
   landmark.stereo_warp = aligned->warp;
+  landmark.row_miss = aligned->position.y() - expected_row;
   sighting.stereo = true;
   sighting.parallax = sighting.left - (aligned->position - carried);
 }

@@ -41,6 +41,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
   KeyFrames successor_begins_;  ///< at a pair with these
+  bool coded_ = false;          ///< as PreparedPair's
   KeyFrameShift key_frame_shift_;
   std::optional<PoseShift> shift_;  ///< of the track's last pair, which is taken out of what is told of it
   int lost_pairs_ = 0;
@@ -62,6 +63,7 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.right_exposure_ns = images.right_exposure_ns;
   pair.offset_deviation = images.offset_deviation;
   pair.key_frames = images.key_frames;
+  pair.coded = coded_ = coded_ || images.key_frames.any();
   pair.left = left_pyramids_.build(images.left);
   pair.right = right_pyramids_.build(images.right);
   return pair;

@@ -288,6 +288,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }
+  if (pair.coded) forgetOffRows(landmarks, rows_);
 
   const RigCorrection rig = correctionBy(rig_);
   for (Landmark& landmark : landmarks) {

@@ -24,6 +24,7 @@ struct PreparedPair {
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s
   KeyFrames key_frames{};
+  bool coded = false;  ///< its pictures are of a video, of which a key frame has been seen
   SharedPyramid left, right;
 };
 
@@ -107,6 +108,7 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;
+  std::vector<double> rows_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
   RowRegression row_regression_;

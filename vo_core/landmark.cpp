@@ -14,15 +14,19 @@ int countStereo(const std::vector<Landmark>& landmarks) {
 }
 
 void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
-  constexpr double kOffRow = 0.5;  // px of the level
+  constexpr double kOffRow = 0.5;    // px of the level
+  constexpr double kScatters = 2.0;  // standard deviations of rows that all scatter, as a rolled rig's do
   rows.clear();
   rows.reserve(landmarks.capacity());
   for (const Landmark& landmark : landmarks)
     if (landmark.last().stereo) rows.push_back(landmark.row_miss);
   if (rows.empty()) return;
   const double common = median(rows);  // of a rig that is turned up or down
+  for (double& row : rows)
+    row = std::abs(row - common);
+  const double most = std::max(kOffRow, kScatters * deviationOf(rows));
   for (Landmark& landmark : landmarks)
-    if (std::abs(landmark.row_miss - common) > kOffRow * levelScale(landmark.level))
+    if (std::abs(landmark.row_miss - common) > most * levelScale(landmark.level))
       landmark.sightings.back().stereo = false;
 }
 

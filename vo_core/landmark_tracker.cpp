@@ -67,10 +67,7 @@ bool wasNew(const Landmark& landmark, bool found) {
 /// sheared, however far apart the cameras are; a late camera that has driven on sees its rows grow too: left
 /// out, they pull the match to the side.
 WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left) {
-  const Eigen::Vector3d place = T_right_left.inverse().translation();
-  const double roll = vectorFromMotion(T_right_left)[5];
-  const bool same = place.tail<2>().norm() < kSamePlace && std::abs(roll) < kSameRoll;
-  return same ? WarpModel::stereo : WarpModel::affine;
+  return keepsRows(T_right_left) ? WarpModel::stereo : WarpModel::affine;
 }
 
 /// To first order in the inverse depth.
@@ -144,6 +141,12 @@ std::optional<Eigen::Vector2d> carriedInImage(const Landmark& landmark,
 }
 
 }  // namespace
+
+bool keepsRows(const Eigen::Isometry3d& T_right_left) {
+  const Eigen::Vector3d place = T_right_left.inverse().translation();
+  const double roll = vectorFromMotion(T_right_left)[5];
+  return place.tail<2>().norm() < kSamePlace && std::abs(roll) < kSameRoll;
+}
 
 int placeOf(const std::vector<WindowFrame>& window, std::int64_t index) {
   for (std::size_t i = 0; i < window.size(); ++i)

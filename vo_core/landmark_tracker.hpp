@@ -108,6 +108,10 @@ class LandmarkTracker {
   } renewal_;
 };
 
+/// Whether the right camera, at its own instant, stands beside the left one at its, so that each point is seen
+/// in the same row by both; one that has driven on since does not.
+bool keepsRows(const Eigen::Isometry3d& T_right_left);
+
 /// Where the window has the pair of that index, or -1; and that pair, or nullptr.
 int placeOf(const std::vector<WindowFrame>& window, std::int64_t index);
 const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index);

@@ -288,7 +288,8 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }
-  if (pair.coded) forgetOffRows(landmarks, rows_);
+  // The rows of a camera that has driven on tell of the motion, and are not to agree with what was foretold.
+  if (pair.coded && keepsRows(T_right_left)) forgetOffRows(landmarks, rows_);
 
   const RigCorrection rig = correctionBy(rig_);
   for (Landmark& landmark : landmarks) {

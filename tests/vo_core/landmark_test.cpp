@@ -35,6 +35,11 @@ TEST(OffRows, AreOffThoseOfMostSoThatARigThatIsTurnedUpKeepsItsMatches) {
             (std::vector<bool>{true, true, true, true, false}));
 }
 
+TEST(OffRows, AreNoneWhereAllScatterAsThoseOfARolledRig) {
+  const std::vector<double> rows{-1.6, -1.2, -0.8, -0.4, 0.0, 0.4, 0.8, 1.2, 1.6};
+  EXPECT_EQ(matchedAfter(matchedOff(rows)), std::vector<bool>(rows.size(), true));
+}
+
 TEST(OffRows, OfCoarsePatchesMayBeTwiceAsFarOff) {
   std::vector<Landmark> landmarks = matchedOff({0.0, 0.0, 0.0, 0.0, 0.8, 0.8, 1.2});
   landmarks[4].level = landmarks[6].level = 1;

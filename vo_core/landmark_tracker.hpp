@@ -11,6 +11,7 @@
 #include "vo_core/landmark.hpp"
 #include "vo_core/landmark_detector.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/pose_drift.hpp"
 #include "vo_core/reprojection.hpp"
 #include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_camera.hpp"
@@ -25,11 +26,11 @@ struct WindowFrame {
   double image_offset = 0.0;     ///< s, by which OffsetModel::image_velocity shifts the right image
   SharedPyramid left;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  Matrix6d pose_covariance = Matrix6d::Zero();   ///< against the first pair; perturbation on the right
+  PoseUncertainty uncertainty;                   ///< against the first pair
   Matrix6d local_covariance = Matrix6d::Zero();  ///< against the landmarks of its time
   Vector6d by_late_right = Vector6d::Zero();     ///< as TimedPose's
   /// Error of the pose against the first pair's if all offsets are off by one standard deviation, to the same
-  /// side. Not in pose_covariance.
+  /// side. Not in `uncertainty`.
   Vector6d offset_error = Vector6d::Zero();
 };
 
@@ -108,8 +109,8 @@ class LandmarkTracker {
   } renewal_;
 };
 
-/// Whether the right camera, at its own instant, stands beside the left one at its, so that each point is seen
-/// in the same row by both; one that has driven on since does not.
+/// Whether the right camera, at its own instant, stands beside the left one at its, so that each point is
+/// seen in the same row by both; one that has driven on since does not.
 bool keepsRows(const Eigen::Isometry3d& T_right_left);
 
 /// Where the window has the pair of that index, or -1; and that pair, or nullptr.

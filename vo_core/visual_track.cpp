@@ -201,7 +201,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
 void VisualTrack::renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion) {
   WindowFrame& current = draft.window.back();
   current.T_world_camera = motion.T_world_camera;
-  current.pose_covariance = window_.back().pose_covariance;
+  current.uncertainty = window_.back().uncertainty;
   current.by_late_right = window_.back().by_late_right;
   current.offset_error = window_.back().offset_error;
   current.local_covariance = motion.motion_covariance;

@@ -4,16 +4,30 @@
 namespace cartvo {
 namespace {
 
-// Landmarks last, so that the errors of neighbouring pairs add up faster than if they were independent. Found
-// on rendered worlds (docs/accuracy.md).
-constexpr double kSharedError = 6.3;
-// For the same reason a motion errs less than the sum of its two poses' errors: both are found by comparing
-// with the same hosts, whose noise they share.
+// A motion errs less than the sum of its two poses' errors: both are found by comparing with the same hosts,
+// whose noise they share. Found on rendered worlds (docs/accuracy.md).
 constexpr double kMotionShare = 0.62;
 
 /// From the last pair but one to the last.
 Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
   return window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
+}
+
+/// px that the landmarks, which both of them see, have moved in the left image from the last pose but one to
+/// the last; the mean.
+double imageMotion(const BundleProblem& problem) {
+  const int last = static_cast<int>(problem.poses.size()) - 1;
+  double sum = 0.0;
+  int count = 0;
+  for (const BundleLandmark& landmark : problem.landmarks) {
+    const auto& sightings = landmark.sightings;
+    if (sightings.size() < 2 || sightings.back().pose != last) continue;
+    const BundleSighting& before = *(sightings.end() - 2);
+    if (before.pose != last - 1) continue;
+    sum += (sightings.back().left - before.left).norm();
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
 }
 
 /// Returns the motion's covariance.
@@ -25,12 +39,14 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
     return result.covariance.block<6, 6>(at(a), at(b));
   };
   const std::size_t last = window.size() - 1;
-  const WindowFrame& anchor = window[static_cast<std::size_t>(problem.fixed) - 1];
-  for (std::size_t i = static_cast<std::size_t>(problem.fixed); i <= last; ++i) {
+  const double image_motion = imageMotion(problem);
+  const std::size_t standing = static_cast<std::size_t>(problem.fixed) - 1;
+  const WindowFrame& anchor = window[standing];
+  for (std::size_t i = standing + 1; i <= last; ++i) {
     window[i].local_covariance = block(i, i);
-    window[i].pose_covariance =
-        composedCovariance(anchor.pose_covariance, anchor.T_world_camera.inverse() * window[i].T_world_camera,
-                           kSharedError * overlap * block(i, i));
+    window[i].uncertainty =
+        afterMotion(anchor.uncertainty, anchor.T_world_camera.inverse() * window[i].T_world_camera,
+                    {static_cast<int>(i - standing), overlap * block(i, i), image_motion});
   }
   // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
   const Matrix6d carried = adjoint(lastMotion(window).inverse());
@@ -65,7 +81,7 @@ Vector6d takeOffsetErrors(const BundleProblem& problem, double offset_deviation,
     const Eigen::Isometry3d way = window[anchor].T_world_camera.inverse() * window[i].T_world_camera;
     const Vector6d error = error_of_way(anchor, i);
     window[i].offset_error = adjoint(way.inverse()) * window[anchor].offset_error + error;
-    window[i].pose_covariance += error * error.transpose();
+    window[i].uncertainty.pose += error * error.transpose();
   }
   return error_of_way(last - 1, last);
 }
@@ -83,7 +99,7 @@ MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleRe
 }
 
 Matrix6d poseCovarianceOf(const WindowFrame& frame) {
-  return frame.pose_covariance + frame.offset_error * frame.offset_error.transpose();
+  return frame.uncertainty.pose + frame.offset_error * frame.offset_error.transpose();
 }
 
 }  // namespace cartvo

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -45,13 +44,11 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   using P = Patch<Columns, Rows>;
   constexpr int kHalfHeight = (Rows - 1) * RowStep / 2;
   static_assert(P::kStride - Columns / 2 <= PyramidLevel::kBorder && kHalfHeight + 1 < PyramidLevel::kBorder);
-  const double floor_x = std::floor(centre.x());
-  const double floor_y = std::floor(centre.y());
+  const int whole_x = static_cast<int>(centre.x()), whole_y = static_cast<int>(centre.y());
   constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
-  const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - floor_x) + kHalfAStep);
-  const float fy = static_cast<float>(static_cast<int>(256.0 * (centre.y() - floor_y) + kHalfAStep)) / 256.0F;
-  const std::uint8_t* source =
-      level.at(static_cast<int>(floor_x) - Columns / 2, static_cast<int>(floor_y) - kHalfHeight);
+  const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - whole_x) + kHalfAStep);
+  const float fy = static_cast<float>(static_cast<int>(256.0 * (centre.y() - whole_y) + kHalfAStep)) / 256.0F;
+  const std::uint8_t* source = level.at(whole_x - Columns / 2, whole_y - kHalfHeight);
   const std::ptrdiff_t stride = level.stride();
 
   // What is read beyond the padding lies in the border, or in that of the next row.

@@ -7,9 +7,9 @@ namespace cartvo {
 
 void SpacingGrid::reset(int width, int height, double distance) {
   distance_ = distance;
-  cell_ = distance / std::sqrt(2.0);  // a cell's diagonal is the distance
-  columns_ = static_cast<int>(width / cell_) + 1;
-  rows_ = static_cast<int>(height / cell_) + 1;
+  cells_per_pixel_ = std::sqrt(2.0) / distance;  // a cell's diagonal is the distance
+  columns_ = static_cast<int>(width * cells_per_pixel_) + 1;
+  rows_ = static_cast<int>(height * cells_per_pixel_) + 1;
   stride_ = columns_ + 2 * kReach;
   cells_.assign(static_cast<std::size_t>(stride_) * (rows_ + 2 * kReach), kEmpty);
   points_.clear();
@@ -29,9 +29,10 @@ bool SpacingGrid::tooClose(const std::int32_t* cell, const Eigen::Vector2d& poin
 }
 
 bool SpacingGrid::insert(const Eigen::Vector2d& point) {
-  const int column = static_cast<int>(std::floor(point.x() / cell_));
-  const int row = static_cast<int>(std::floor(point.y() / cell_));
-  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return false;
+  if (point.x() < 0.0 || point.y() < 0.0) return false;
+  const int column = static_cast<int>(point.x() * cells_per_pixel_);
+  const int row = static_cast<int>(point.y() * cells_per_pixel_);
+  if (column >= columns_ || row >= rows_) return false;
   std::int32_t* cell = &cells_[static_cast<std::size_t>(row + kReach) * stride_ + column + kReach];
   if (tooClose(cell, point)) return false;
   *cell = static_cast<std::int32_t>(points_.size());

@@ -27,7 +27,7 @@ class SpacingGrid {
 
   int columns_ = 0, rows_ = 0;
   int stride_ = 0;  ///< cells in a row, with kReach empty ones on each side
-  double distance_ = 0.0, cell_ = 0.0;
+  double distance_ = 0.0, cells_per_pixel_ = 0.0;
   std::vector<std::int32_t> cells_;  ///< so small that each holds one point at most: its place in points_
   std::vector<Eigen::Vector2d> points_;
 };

@@ -57,8 +57,9 @@ void KeyFrameShift::learn() {
   Levers levers;
   levers.fill(Vector6d::Zero());
   bool has_key_frame = false;
-  double weight =
-      0.0;  // a pose is the sum of the motions to it, so that a motion has its weight and all later ones'
+  // A pose is the sum of the motions to it, so that a motion has the weights of its own pose and all later
+  // ones.
+  double weight = 0.0;
   for (std::size_t i = kPairs; i-- > 0;) {
     const Passed& passed = passed_[i];
     weight += kOffCubic[i];

@@ -10,6 +10,11 @@
 namespace cartvo {
 namespace {
 
+/// A pose or motion that ends where the pair is, of one that ends where its key frames show it.
+Eigen::Isometry3d withoutShift(const Eigen::Isometry3d& shown, const PoseShift& shift) {
+  return shown * motionFromVector(shift.value).inverse();
+}
+
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
@@ -63,7 +68,8 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.right_exposure_ns = images.right_exposure_ns;
   pair.offset_deviation = images.offset_deviation;
   pair.key_frames = images.key_frames;
-  pair.coded = coded_ = coded_ || images.key_frames.any();
+  coded_ = coded_ || images.key_frames.any();
+  pair.coded = coded_;
   pair.left = left_pyramids_.build(images.left);
   pair.right = right_pyramids_.build(images.right);
   return pair;
@@ -133,7 +139,7 @@ void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion&
   }
   if (!shift_) return;
   motion.motion_covariance += shift_->variance.asDiagonal();
-  T = T * motionFromVector(shift_->value).inverse();
+  T = withoutShift(T, *shift_);
 }
 
 /// By the newest track, even if it came to nothing: what it found out would not be looked for again so soon.
@@ -187,7 +193,7 @@ OdometryEstimate ReprojectionOdometry::estimateOf(const PreparedPair& pair,
     estimate.T_world_camera = track_->pose();
     estimate.pose_covariance = track_->poseCovariance();
     if (shift_) {
-      estimate.T_world_camera = estimate.T_world_camera * motionFromVector(shift_->value).inverse();
+      estimate.T_world_camera = withoutShift(estimate.T_world_camera, *shift_);
       estimate.pose_covariance += shift_->variance.asDiagonal();
     }
     estimate.rig = track_->rigCheck();

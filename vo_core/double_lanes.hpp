@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "vo_core/vector_clones.hpp"
@@ -17,6 +18,10 @@ using DoubleLanes =
 /// GCC 12 compares and chooses lane by lane where they do not fit into one register; with bits it does not.
 using BitLanes =
     std::uint64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
+
+/// As comparing gives it: all bits where it holds, else none.
+using MaskLanes =
+    std::int64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 
 /// All bits where a number is negative, else none.
 inline void findNegative(const DoubleLanes& numbers, BitLanes& where) {
@@ -41,9 +46,26 @@ inline void raiseTo(double least, DoubleLanes& numbers) {
   numbers += floor;
 }
 
+inline void takeRoots(DoubleLanes& numbers) {
+  for (int i = 0; i < kDoubleLanes; ++i)
+    numbers[i] = std::sqrt(numbers[i]);
+}
+
 /// In an order of its own, the same on each processor.
 inline double sumOf(const DoubleLanes& lanes) {
   return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+}
+
+/// The i-th number of each row becomes lane by lane the i-th column.
+inline void transpose(const DoubleLanes* rows, DoubleLanes* columns) {
+  const DoubleLanes first = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6);
+  const DoubleLanes second = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
+  const DoubleLanes third = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6);
+  const DoubleLanes fourth = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
+  columns[0] = __builtin_shufflevector(first, third, 0, 1, 4, 5);
+  columns[1] = __builtin_shufflevector(second, fourth, 0, 1, 4, 5);
+  columns[2] = __builtin_shufflevector(first, third, 2, 3, 6, 7);
+  columns[3] = __builtin_shufflevector(second, fourth, 2, 3, 6, 7);
 }
 
 /// Six numbers of each lane, as derivatives by a pose.

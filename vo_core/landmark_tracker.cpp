@@ -2,9 +2,11 @@
 #include "vo_core/landmark_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vo_core/affine_alignment.hpp"
+#include "vo_core/alignment_block.hpp"
 #include "vo_core/klt.hpp"
 #include "vo_core/parallel_loop.hpp"
 #include "vo_core/stereo_matcher.hpp"
@@ -36,26 +38,6 @@ bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
 PyramidLevels shiftLevels(int level, bool predicted, int tracked) {
   const int finest = level + kShiftLevel;
   return {finest, predicted ? finest : std::max(finest, tracked - 1)};
-}
-
-/// Where a patch is compared.
-struct PatchView {
-  const ImagePyramid& before;
-  const ImagePyramid& after;
-  int level;
-};
-
-/// alignAffine() in that level, positions in px of the image.
-std::optional<AffineAlignment> alignAtLevel(const PatchView& view, const Eigen::Vector2d& from,
-                                            AffineAlignment start, WarpModel model,
-                                            const TrackingSettings& tracking) {
-  if (!bothHave(view.before, view.after, view.level)) return std::nullopt;
-  const double scale = levelScale(view.level);
-  start.position /= scale;
-  auto aligned = alignAffine(view.before.grey[view.level], view.after.grey[view.level], from / scale, start,
-                             model, tracking.iterations, tracking.convergence);
-  if (aligned) aligned->position *= scale;
-  return aligned;
 }
 
 /// Whether the landmark was a new corner until it was looked for and `found` or not.
@@ -196,50 +178,66 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
   return pixel;
 }
 
-/// The landmark's position in the image by the host's patch, beginning at a position.
-std::optional<AffineAlignment> LandmarkTracker::alignWithHost(const Landmark& landmark,
-                                                              const WindowFrame& host,
-                                                              const ImagePyramid& left,
-                                                              const Eigen::Vector2d& position) const {
-  const TrackingSettings& tracking = settings_.tracking;
-  AffineAlignment start;
-  start.position = position;
-  start.warp = landmark.warp;
-  auto aligned = alignAtLevel({*host.left, left, landmark.level}, landmark.host().left, start,
-                              WarpModel::affine, tracking);
-  if (aligned && (aligned->correlation < tracking.minimum_correlation || !returns(*aligned, tracking)))
-    aligned.reset();
-  return aligned;
-}
-
-bool LandmarkTracker::followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const {
+std::optional<Eigen::Vector2d> LandmarkTracker::shiftOf(Landmark& landmark, const Scene& scene,
+                                                        std::int64_t oldest_host) const {
   const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
-  if (last == nullptr) return false;
+  if (last == nullptr) return std::nullopt;
   if (landmark.host().frame < oldest_host || stretched(landmark.warp))
     moveHost(landmark, camera_, scene.window);
   const int host = placeOf(scene.window, landmark.host().frame);
-  if (host < 0) return false;
+  if (host < 0) return std::nullopt;
   const auto expected = expectedPixel(landmark, host, scene);
-  if (!expected) return false;
-
+  if (!expected) return std::nullopt;
   const bool predicted = scene.poseExpected() && landmark.hasDepth();
   const PyramidLevels levels = shiftLevels(landmark.level, predicted, settings_.tracking.levels);
-  const auto shifted =
-      trackShift(*last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
-  if (!shifted) return false;
-  auto aligned = alignWithHost(landmark, scene.window[static_cast<std::size_t>(host)], scene.left, *shifted);
-  if (!aligned && landmark.sightings.size() > 1) {
-    moveHost(landmark, camera_, scene.window);
-    aligned = alignWithHost(landmark, *last, scene.left, *shifted);
+  return trackShift(*last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
+}
+
+void LandmarkTracker::alignWithHosts(std::span<const Landmark> landmarks, const Scene& scene,
+                                     std::span<Pursuit> pursuits) const {
+  const TrackingSettings& tracking = settings_.tracking;
+  AlignmentBlock block;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (!pursuits[i].shifted || pursuits[i].aligned) continue;
+    const Landmark& landmark = landmarks[i];
+    const WindowFrame* host = findFrame(scene.window, landmark.host().frame);
+    AffineAlignment start;
+    start.position = *pursuits[i].shifted;
+    start.warp = landmark.warp;
+    block.add(i, {*host->left, scene.left, landmark.level}, landmark.host().left, start);
   }
-  if (!aligned) return false;
-  landmark.warp = aligned->warp;
-  Sighting sighting;
-  sighting.frame = scene.frame;
-  sighting.left = aligned->position;
-  landmark.sightings.push_back(sighting);
-  ++landmark.age;
-  return true;
+  block.align(WarpModel::affine, tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+    if (aligned.correlation >= tracking.minimum_correlation && returns(aligned, tracking))
+      pursuits[i].aligned = aligned;
+  });
+}
+
+void LandmarkTracker::followBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
+                                  std::span<unsigned char> found) const {
+  std::array<Pursuit, AlignmentBlock::kMost> pursuits;
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    pursuits[i].shifted = shiftOf(landmarks[i], scene, oldest_host);
+  alignWithHosts(landmarks, scene, pursuits);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    Pursuit& pursuit = pursuits[i];
+    if (!pursuit.shifted || pursuit.aligned) continue;
+    if (landmarks[i].sightings.size() > 1)
+      moveHost(landmarks[i], camera_, scene.window);
+    else
+      pursuit.shifted.reset();
+  }
+  alignWithHosts(landmarks, scene, pursuits);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const auto& aligned = pursuits[i].aligned;
+    found[i] = aligned ? 1 : 0;
+    if (!aligned) continue;
+    landmarks[i].warp = aligned->warp;
+    Sighting sighting;
+    sighting.frame = scene.frame;
+    sighting.left = aligned->position;
+    landmarks[i].sightings.push_back(sighting);
+    ++landmarks[i].age;
+  }
 }
 
 void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
@@ -248,8 +246,10 @@ void LandmarkTracker::follow(std::vector<Landmark>& landmarks, const std::vector
   const Scene scene(window, left, frame, T_world_camera);
   found_.reserve(landmarks.capacity());
   found_.resize(landmarks.size());
-  forEachIndex(landmarks.size(),
-               [&](std::size_t i) { found_[i] = followOne(landmarks[i], scene, oldest_host) ? 1 : 0; });
+  forEachBlock(landmarks.size(), AlignmentBlock::kMost, [&](std::size_t first, std::size_t count) {
+    followBlock(std::span(landmarks).subspan(first, count), scene, oldest_host,
+                std::span(found_).subspan(first, count));
+  });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (wasNew(landmarks[i], found_[i] != 0)) detector_.learn(landmarks[i], found_[i] != 0);
@@ -290,38 +290,71 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const ImagePyramid
   }
 }
 
-void LandmarkTracker::matchOne(Landmark& landmark, const StereoView& view, double inverse_depth,
-                               const Eigen::Vector2d& carried) const {
-  Sighting& sighting = landmark.sightings.back();
+/// Where the landmark's last sighting may be in the right image.
+std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
+                                                             double inverse_depth,
+                                                             const Eigen::Vector2d& carried) const {
+  const Eigen::Vector2d& left = landmark.last().left;
   AffineAlignment start;
   if (inverse_depth > 0.0) {
     const Projection expected =
-        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, sighting.left), inverse_depth);
-    if (!expected.valid) return;
+        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, left), inverse_depth);
+    if (!expected.valid) return std::nullopt;
     start.position = expected.pixel + carried;
     start.warp = landmark.stereo_warp;
     // Where rows stay, nothing would undo what a moving right camera has made of them before.
     if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
-    EpipolarLine line = epipolarLine(camera_, view.T_right_left, sighting.left);
+    EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
     line.at_infinity += carried;
     const auto found =
-        cartvo::matchStereo(view.left, view.right, sighting.left, settings_.stereo, line, landmark.level);
-    if (!found) return;
+        cartvo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
+    if (!found) return std::nullopt;
     start.position = found->right;
   }
-  const double expected_row = start.position.y();
-  if (!view.right.grey.front().contains(start.position)) return;
-  const auto aligned = alignAtLevel({view.left, view.right, landmark.level}, sighting.left, start,
-                                    view.warp_model, settings_.tracking);
-  if (!aligned || aligned->correlation < settings_.stereo.minimum_correlation ||
-      std::abs(aligned->position.y() - expected_row) > kLargestRow * levelScale(landmark.level) ||
-      !returns(*aligned, settings_.tracking))
-    return;
-  landmark.stereo_warp = aligned->warp;
-  landmark.row_miss = aligned->position.y() - expected_row;
-  sighting.stereo = true;
-  sighting.parallax = sighting.left - (aligned->position - carried);
+  if (!view.right.grey.front().contains(start.position)) return std::nullopt;
+  return start;
+}
+
+/// In the camera of the newest pair, of landmarks with a depth and a host in the window; else 0.
+double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Scene& scene) const {
+  const int host = placeOf(scene.window, landmark.host().frame);
+  if (!landmark.hasDepth() || host < 0) return 0.0;
+  const Projection seen = projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(host)],
+                                          bearingOf(camera_, landmark.host().left), landmark.inverse_depth);
+  return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
+}
+
+void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
+                                 const StereoView& view) const {
+  struct Expectation {
+    double row = 0.0;
+    Eigen::Vector2d carried = Eigen::Vector2d::Zero();
+  };
+  std::array<Expectation, AlignmentBlock::kMost> expected;
+  AlignmentBlock block;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    const auto carried = carriedInImage(landmark, scene.window);
+    if (!carried) continue;
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene), *carried);
+    if (!start) continue;
+    expected[i] = {start->position.y(), *carried};
+    block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
+  }
+  block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+    Landmark& landmark = landmarks[i];
+    const double row_miss = aligned.position.y() - expected[i].row;
+    if (aligned.correlation < settings_.stereo.minimum_correlation ||
+        std::abs(row_miss) > kLargestRow * levelScale(landmark.level) ||
+        !returns(aligned, settings_.tracking))
+      return;
+    Sighting& sighting = landmark.sightings.back();
+    landmark.stereo_warp = aligned.warp;
+    landmark.row_miss = row_miss;
+    sighting.stereo = true;
+    sighting.parallax = sighting.left - (aligned.position - expected[i].carried);
+  });
 }
 
 void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
@@ -330,18 +363,8 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
   const StereoView view{left, right, T_right_left, warpModelOf(T_right_left)};
-  forEachIndex(landmarks.size(), [&](std::size_t i) {
-    Landmark& landmark = landmarks[i];
-    double inverse_depth = 0.0;
-    const int host = placeOf(window, landmark.host().frame);
-    if (landmark.hasDepth() && host >= 0) {
-      const Projection seen =
-          projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(host)],
-                          bearingOf(camera_, landmark.host().left), landmark.inverse_depth);
-      if (seen.valid) inverse_depth = std::max(landmark.inverse_depth, 1e-4) / seen.ray.z();
-    }
-    if (const auto carried = carriedInImage(landmark, window))
-      matchOne(landmark, view, inverse_depth, *carried);
+  forEachBlock(landmarks.size(), AlignmentBlock::kMost, [&](std::size_t first, std::size_t count) {
+    matchBlock(std::span(landmarks).subspan(first, count), scene, view);
   });
 }
 

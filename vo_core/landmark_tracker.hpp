@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -83,13 +84,23 @@ class LandmarkTracker {
     WarpModel warp_model;
   };
 
-  bool followOne(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;
+  /// How far the search for a landmark has come.
+  struct Pursuit {
+    std::optional<Eigen::Vector2d> shifted;  ///< where the last pair's patch has gone; nothing: given up
+    std::optional<AffineAlignment> aligned;  ///< with the host's patch
+  };
+
+  std::optional<Eigen::Vector2d> shiftOf(Landmark& landmark, const Scene& scene,
+                                         std::int64_t oldest_host) const;
   std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int host, const Scene& scene) const;
-  std::optional<AffineAlignment> alignWithHost(const Landmark& landmark, const WindowFrame& host,
-                                               const ImagePyramid& left,
-                                               const Eigen::Vector2d& position) const;
-  void matchOne(Landmark& landmark, const StereoView& view, double inverse_depth,
-                const Eigen::Vector2d& carried) const;
+  void alignWithHosts(std::span<const Landmark> landmarks, const Scene& scene,
+                      std::span<Pursuit> pursuits) const;
+  void followBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
+                   std::span<unsigned char> found) const;
+  std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
+                                              double inverse_depth, const Eigen::Vector2d& carried) const;
+  double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
+  void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include <opencv2/core/utility.hpp>
@@ -12,6 +13,15 @@ void forEachIndex(std::size_t count, const Work& work) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i)
       work(static_cast<std::size_t>(i));
+  });
+}
+
+/// Calls work(first, size) for blocks of at most `block` of count indices.
+template <typename Work>
+void forEachBlock(std::size_t count, std::size_t block, const Work& work) {
+  forEachIndex((count + block - 1) / block, [&](std::size_t i) {
+    const std::size_t first = i * block;
+    work(first, std::min(block, count - first));
   });
 }
 

@@ -1,46 +1,47 @@
 #pragma once
 
-#include <algorithm>
+#include "vo_core/double_lanes.hpp"
 
 namespace cartvo {
 
-/// Inverts the upper left corner of a symmetric matrix by L D L^T, written out: Eigen solves for each column
-/// anew. The other elements of `inverse` are left as they are. False if the smallest pivot is not more than
-/// `least_pivot` times the largest.
-template <int Size, typename Matrix>
-bool invertCorner(const Matrix& matrix, double least_pivot, Matrix& inverse) {
-  double lower[Size][Size];  // L without its diagonal of ones, then its inverse
-  double pivot_inverse[Size];
-  double least = 0.0, most = 0.0;
+/// Inverts the upper left corner of four symmetric matrices, a lane each, by L D L^T, written out. Of a
+/// matrix only the elements on and below the diagonal are read. The other elements of `inverse` are left as
+/// they are. The lanes whose smallest pivot is more than `least_pivot` times the largest are `regular`.
+template <int Size, int Side>
+void invertCorner(const DoubleLanes (&matrix)[Side][Side], double least_pivot,
+                  DoubleLanes (&inverse)[Side][Side], MaskLanes& regular) {
+  DoubleLanes lower[Size][Size];  // L without its diagonal of ones, then its inverse
+  DoubleLanes pivot_inverse[Size];
+  DoubleLanes least{}, most{};
 #pragma GCC unroll 6
   for (int j = 0; j < Size; ++j) {
-    double scaled[Size];  // the row of L times D
-    double pivot = matrix(j, j);
+    DoubleLanes scaled[Size];  // the row of L times D
+    DoubleLanes pivot = matrix[j][j];
 #pragma GCC unroll 6
     for (int k = 0; k < j; ++k) {
       scaled[k] = lower[j][k];
       lower[j][k] *= pivot_inverse[k];
       pivot -= scaled[k] * lower[j][k];
     }
-    least = j == 0 ? pivot : std::min(least, pivot);
-    most = std::max(most, pivot);
+    least = j == 0 ? pivot : (pivot < least ? pivot : least);
+    most = most < pivot ? pivot : most;
     pivot_inverse[j] = 1.0 / pivot;
     // The column below, times its pivot.
 #pragma GCC unroll 6
     for (int i = j + 1; i < Size; ++i) {
-      double element = matrix(i, j);
+      DoubleLanes element = matrix[i][j];
 #pragma GCC unroll 6
       for (int k = 0; k < j; ++k)
         element -= lower[i][k] * lower[j][k];
       lower[i][j] = element;
     }
   }
-  if (!(least > least_pivot * most)) return false;
+  regular = least > least_pivot * most;
 #pragma GCC unroll 6
   for (int j = 0; j < Size; ++j) {
 #pragma GCC unroll 6
     for (int i = j + 1; i < Size; ++i) {
-      double element = -lower[i][j];
+      DoubleLanes element = -lower[i][j];
 #pragma GCC unroll 6
       for (int k = j + 1; k < i; ++k)
         element -= lower[i][k] * lower[k][j];
@@ -51,14 +52,14 @@ bool invertCorner(const Matrix& matrix, double least_pivot, Matrix& inverse) {
   for (int i = 0; i < Size; ++i) {
 #pragma GCC unroll 6
     for (int j = 0; j <= i; ++j) {
-      double element = (i == j ? 1.0 : lower[i][j]) * pivot_inverse[i];
+      DoubleLanes element = pivot_inverse[i];
+      if (i != j) element *= lower[i][j];
 #pragma GCC unroll 6
       for (int k = i + 1; k < Size; ++k)
         element += lower[k][i] * lower[k][j] * pivot_inverse[k];
-      inverse(i, j) = inverse(j, i) = element;
+      inverse[i][j] = inverse[j][i] = element;
     }
   }
-  return true;
 }
 
 }  // namespace cartvo

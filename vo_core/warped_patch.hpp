@@ -1,9 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 
 #include "vo_core/patch.hpp"
 #include "vo_core/quads.hpp"
@@ -33,10 +32,12 @@ class WarpedRows {
     y_ = static_cast<int>(kOne * first.y() + kRounding);
     x_by_row_ = static_cast<int>(kOne * RowStep * warp(0, 1));
     y_by_row_ = static_cast<int>(kOne * RowStep * warp(1, 1));
-    y_by_column_ = static_cast<int>(kOne * warp(1, 0));
+    const int y_by_column = static_cast<int>(kOne * warp(1, 0));
+    rise_ = (Side - 1) * std::abs(y_by_column);
+    to_top_ = y_by_column < 0 ? -rise_ : 0;
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     x_ramp_ = column * static_cast<int>(kOne * warp(0, 0));
-    y_ramp_ = column * y_by_column_;
+    y_ramp_ = column * y_by_column;
   }
 
   /// The next row, first the upmost one and then each RowStep-th below it.
@@ -55,9 +56,8 @@ class WarpedRows {
   void fetch(const IntLanes& x, const IntLanes& y, IntLanes& quads) const {
     if constexpr (Processor::kShufflesBytes) {
       constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
-      const int first = y_ >> 16, last = (y_ + (Side - 1) * y_by_column_) >> 16;
-      const int top = std::min(first, last), left = x_ >> 16;
-      if (std::max(first, last) - top <= kMostRows) {
+      if (rise_ <= kMostRows << 16) {
+        const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
         const IntLanes row_times_32 = y >> 11 & ~31;
         Processor::fetchQuads(corner_ + top * stride_ + left, stride_,
                               row_times_32 + (x >> 16) - (32 * top + left), quads);
@@ -70,7 +70,9 @@ class WarpedRows {
   std::ptrdiff_t stride_;
   const std::uint8_t* corner_;
   int x_, y_;  // of the next row's first pixel, 1/65536 px from the corner
-  int x_by_row_, y_by_row_, y_by_column_;
+  int x_by_row_, y_by_row_;
+  int rise_;    // of a row from its first pixel to its last, up or down
+  int to_top_;  // from a row's first pixel to its upmost one
   IntLanes x_ramp_, y_ramp_;
 };
 

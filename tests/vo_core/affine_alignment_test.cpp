@@ -3,6 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -147,6 +151,43 @@ double missAtAnEdge(double step) {
 TEST(AffineAlignment, DoesNotReturnFromWhatTwoSurfacesMake) {
   EXPECT_LT(missAtAnEdge(0.0), 0.02);
   EXPECT_GT(missAtAnEdge(4.0), 0.05);
+}
+
+TEST(AffineAlignment, IsTheSameTogetherAsAlone) {
+  Eigen::Matrix2d warp;
+  warp << 1.15, -0.08, 0.06, 1.1;
+  const Change change = {.warp = warp, .shift = {1.4, 2.7}, .gain = 0.8};
+  const test::WaveTexture texture(23);
+  const auto changed = [&](double x, double y) {
+    const Eigen::Vector2d source = change.before({x, y});
+    return change.gain * texture(source.x(), source.y());
+  };
+  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
+  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
+  // From where steps lead in few and in many iterations, away, or are not tried at all.
+  std::vector<AlignmentTask> tasks;
+  for (int i = 0; i < 23; ++i) {
+    AlignmentTask task = {&before.grey.front(), &after.grey.front(), {40.3 + 7.0 * i, 60.6 + i}, {}};
+    task.start.position = change.after(task.from) + Eigen::Vector2d(0.3 * (i % 7), -0.2 * (i % 4));
+    if (i % 9 == 4) task.start.position.x() = -20.0;
+    tasks.push_back(task);
+  }
+  for (const WarpModel model : {WarpModel::affine, WarpModel::stereo}) {
+    for (const std::size_t count : {1UL, 2UL, 4UL, 7UL, tasks.size()}) {
+      std::vector<std::optional<AffineAlignment>> together(count);
+      alignAffine(std::span(tasks).first(count), model, 6, 0.1, together);
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto alone =
+            alignAffine(*tasks[i].before, *tasks[i].after, tasks[i].from, tasks[i].start, model, 6, 0.1);
+        ASSERT_EQ(together[i].has_value(), alone.has_value()) << i << " of " << count;
+        if (!alone) continue;
+        EXPECT_EQ(together[i]->position, alone->position);
+        EXPECT_EQ(together[i]->warp, alone->warp);
+        EXPECT_EQ(together[i]->correlation, alone->correlation);
+        EXPECT_EQ(together[i]->return_miss, alone->return_miss);
+      }
+    }
+  }
 }
 
 TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {

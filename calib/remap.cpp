@@ -56,7 +56,7 @@ void blend(const IntLanes& quads, const Places& places, std::uint8_t* target) {
   Processor::load(places.row_fraction, y16);
   const IntLanes x = __builtin_convertvector(x16, IntLanes), y = __builtin_convertvector(y16, IntLanes);
   IntLanes sum;
-  blendQuads(quads, x | x << 16, y, sum);
+  blendQuads<Processor>(quads, x | x << 16, y << 8, sum);
   Processor::storeBytes((sum + (1 << 15)) >> 16, target);
 }
 

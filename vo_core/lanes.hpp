@@ -21,6 +21,8 @@ using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes), may_alias));
+/// Twice as many, in one register of AVX-512.
+using WideShorts = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
 
 namespace lanes_detail {
 using Half = float __attribute__((vector_size(2 * kLanes)));
@@ -73,6 +75,12 @@ struct AnyProcessor {
     const IntLanes byte = from >> 8 & 0xff;
     to = byte | byte << 16;
   }
+  /// Between an upper number, the lower half, and a lower one, the upper half, times 256; `y` as places have
+  /// it that count 1/65536 px: its second lowest byte is the lower one's share.
+  static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
+    const IntLanes upper = pairs & 0xffff, lower = pairs >> 16 & 0xffff;
+    sum = (upper << 8) + (y >> 8 & 0xff) * (lower - upper);
+  }
   static void storeBytes(const IntLanes& from, std::uint8_t* to) {
     const ByteLanes bytes = __builtin_convertvector(__builtin_convertvector(from, ShortLanes), ByteLanes);
     std::memcpy(to, &bytes, sizeof bytes);
@@ -103,6 +111,31 @@ struct ByteShufflingProcessor {
   CARTVO_BYTE_SHUFFLES static void secondBytes(const IntLanes& from, IntLanes& to) {
     to = shuffled<1, kZero, 1, kZero>(from);
   }
+  CARTVO_BYTE_SHUFFLES static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
+    IntLanes shares;
+    secondBytes(y, shares);
+    const __m512i upper_too = __m512i((shares ^ 0xffff));  // its 65535 - share, and 257 more is 256 - share
+    addPairs(pairs, _mm512_add_epi16(upper_too, _mm512_set1_epi32(257)), sum);
+  }
+  /// Between 32 pixels and those right of them, times 256 and as addPairs() wants them.
+  CARTVO_BYTE_SHUFFLES static void blendColumns(const std::uint8_t* first, std::uint16_t fraction,
+                                                WideShorts& to) {
+    const WideShorts here = widened(first), right = widened(first + 1);
+    to = ((here << 8) + fraction * (right - here)) ^ kLess;  // modulo 2^16; the sum is less
+  }
+  /// Between sixteen of those of two rows, from column First on, and 2^23 less.
+  template <int First>
+  CARTVO_BYTE_SHUFFLES static void blendRows(const WideShorts& upper, const WideShorts& lower,
+                                             const IntLanes& shares, IntLanes& sum) {
+    constexpr int kUpper = First, kLower = First + 2 * kLanes;
+    const WideShorts pairs = __builtin_shufflevector(
+        upper, lower, kUpper, kLower, kUpper + 1, kLower + 1, kUpper + 2, kLower + 2, kUpper + 3, kLower + 3,
+        kUpper + 4, kLower + 4, kUpper + 5, kLower + 5, kUpper + 6, kLower + 6, kUpper + 7, kLower + 7,
+        kUpper + 8, kLower + 8, kUpper + 9, kLower + 9, kUpper + 10, kLower + 10, kUpper + 11, kLower + 11,
+        kUpper + 12, kLower + 12, kUpper + 13, kLower + 13, kUpper + 14, kLower + 14, kUpper + 15,
+        kLower + 15);
+    sum = IntLanes(_mm512_madd_epi16(__m512i(pairs), __m512i(shares)));
+  }
   CARTVO_BYTE_SHUFFLES static bool allBelow(const ShortLanes& lanes, std::uint16_t bound) {
     return _mm256_cmplt_epu16_mask(__m256i(lanes), _mm256_set1_epi16(static_cast<short>(bound))) == 0xffff;
   }
@@ -121,6 +154,16 @@ struct ByteShufflingProcessor {
     const IntLanes number = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
     const IntLanes places = number * 0x04040404 + kPattern;
     return IntLanes(_mm512_maskz_shuffle_epi8(~__mmask64{0}, __m512i(from), __m512i(places)));
+  }
+  static constexpr std::uint16_t kLess = 0x8000;
+  CARTVO_BYTE_SHUFFLES static WideShorts widened(const std::uint8_t* from) {
+    return WideShorts(_mm512_cvtepu8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
+  }
+  /// Both halves times their shares, which are 256 together. The processor multiplies signed numbers only, so
+  /// that they are made less by 32768, and their sum greater.
+  CARTVO_BYTE_SHUFFLES static void addPairs(const IntLanes& pairs, const __m512i& shares, IntLanes& sum) {
+    const auto less = static_cast<std::int32_t>(0x80008000);
+    sum = IntLanes(_mm512_madd_epi16(__m512i(pairs ^ less), shares)) + (32768 << 8);
   }
   CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
     const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));

@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstring>
 
+#include "vo_core/double_lanes.hpp"
 #include "vo_core/patch.hpp"
 #include "vo_core/subpixel_fit.hpp"
 
@@ -113,6 +115,11 @@ void sumProducts(const NccTemplate& left, const Strip<Rows>& strip, Samples (&pr
     products[row] = even[row] + odd[row];
 }
 
+inline void widen(const Samples& samples, int first, DoubleLanes& numbers) {
+  for (int i = 0; i < kDoubleLanes; ++i)
+    numbers[i] = static_cast<double>(samples[first + i]);
+}
+
 /// Squared correlations with their sign, so that no root is drawn of those that are no peak.
 using SquaredCorrelations = std::array<double, kLanesOfSamples>;
 
@@ -132,11 +139,15 @@ void correlate(const NccTemplate& left, Strip<Rows>& strip,
     Samples sums, squares;
     sumSamples(columns[row].values, sums);
     sumSamples(columns[row].squares, squares);
-    for (int sample = 0; sample < kLanesOfSamples; ++sample) {
-      const auto sum = static_cast<double>(sums[sample]);
-      const auto product = static_cast<double>(products[row][sample]);
-      const double variance = static_cast<double>(squares[sample]) - sum * sum / (kNccColumns * kNccRows);
-      correlations[row][sample] = variance > 1.0 ? product * std::abs(product) / variance : 0.0;
+    for (int first = 0; first < kLanesOfSamples; first += kDoubleLanes) {
+      DoubleLanes sum, square, product;
+      widen(sums, first, sum);
+      widen(squares, first, square);
+      widen(products[row], first, product);
+      const DoubleLanes variance = square - sum * sum / (1.0 * kNccColumns * kNccRows);
+      DoubleLanes squared = product * (product < 0.0 ? -product : product) / variance;
+      squared = variance > 1.0 ? squared : DoubleLanes{};
+      std::memcpy(&correlations[row][first], &squared, sizeof squared);
     }
   }
 }

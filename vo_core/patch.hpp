@@ -36,6 +36,21 @@ struct Patch {
   }
 };
 
+/// A place, in pixels and 1/256 px.
+struct Fractions {
+  explicit Fractions(const Eigen::Vector2d& place)
+      : whole_x(static_cast<int>(place.x())),
+        whole_y(static_cast<int>(place.y())),
+        x(static_cast<std::uint16_t>(256.0 * (place.x() - whole_x) + kHalfAStep)),
+        y(static_cast<std::uint16_t>(256.0 * (place.y() - whole_y) + kHalfAStep)) {}
+
+  int whole_x, whole_y;
+  std::uint16_t x, y;  ///< 0 to 256
+
+ private:
+  static constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
+};
+
 /// Samples the patch around `centre`, which must lie inside the level, by bilinear interpolation,
 /// rounded to 1/256 px: between two neighbours in a row, then between two rows, both exactly.
 /// Columns must be odd. Of a window of an odd number of rows the first and each RowStep-th after it are kept.
@@ -44,11 +59,10 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch
   using P = Patch<Columns, Rows>;
   constexpr int kHalfHeight = (Rows - 1) * RowStep / 2;
   static_assert(P::kStride - Columns / 2 <= PyramidLevel::kBorder && kHalfHeight + 1 < PyramidLevel::kBorder);
-  const int whole_x = static_cast<int>(centre.x()), whole_y = static_cast<int>(centre.y());
-  constexpr double kHalfAStep = 0.5;  // what is truncated then is rounded
-  const auto fx = static_cast<std::uint16_t>(256.0 * (centre.x() - whole_x) + kHalfAStep);
-  const float fy = static_cast<float>(static_cast<int>(256.0 * (centre.y() - whole_y) + kHalfAStep)) / 256.0F;
-  const std::uint8_t* source = level.at(whole_x - Columns / 2, whole_y - kHalfHeight);
+  const Fractions at(centre);
+  const std::uint16_t fx = at.x;
+  const float fy = static_cast<float>(at.y) / 256.0F;
+  const std::uint8_t* source = level.at(at.whole_x - Columns / 2, at.whole_y - kHalfHeight);
   const std::ptrdiff_t stride = level.stride();
 
   // What is read beyond the padding lies in the border, or in that of the next row.
@@ -104,12 +118,51 @@ double sumOfProducts(const Patch<Columns, Rows>& a, const Patch<Columns, Rows>& 
   return sumOf(sum);
 }
 
+namespace patch_detail {
+/// sampleGradients() of each other row, in one register a row: by whole numbers, which give the same bits.
+template <typename Processor, int Side, int Rows>
+void sampleGradientsByShorts(const PyramidLevel& level, const Eigen::Vector2d& centre,
+                             Patch<Side, Rows>& grey, Patch<Side, Rows>& gradient_x,
+                             Patch<Side, Rows>& gradient_y) {
+  static constexpr Patch<Side, 1> kMask = Patch<Side, Rows>::mask();
+  constexpr float kUnit = 1.0F / 65536.0F;
+  constexpr int kHalf = Side / 2 + 1;
+  const Fractions at(centre);
+  const std::uint8_t* row = level.at(at.whole_x - kHalf, at.whole_y - kHalf);
+  const std::ptrdiff_t stride = level.stride();
+  const IntLanes shares = IntLanes{} + ((at.y << 16) + 256 - at.y);
+
+  WideShorts even, odd, next_even, next_odd;
+  IntLanes above, left, middle, right, below;
+  Processor::blendColumns(row, at.x, even);
+  Processor::blendColumns(row + stride, at.x, odd);
+  Processor::template blendRows<1>(even, odd, shares, above);
+  for (int kept = 0; kept < Rows; ++kept) {
+    row += 2 * stride;
+    Processor::blendColumns(row, at.x, next_even);
+    Processor::blendColumns(row + stride, at.x, next_odd);
+    Processor::template blendRows<0>(odd, next_even, shares, left);
+    Processor::template blendRows<1>(odd, next_even, shares, middle);
+    Processor::template blendRows<2>(odd, next_even, shares, right);
+    Processor::template blendRows<1>(next_even, next_odd, shares, below);
+    const Lanes in_grey = kUnit * kMask.lanes(0, 0), half = 0.5F * in_grey;
+    grey.lanes(kept, 0) = in_grey * __builtin_convertvector(middle + (1 << 23), Lanes);
+    gradient_x.lanes(kept, 0) = half * __builtin_convertvector(right - left, Lanes);
+    gradient_y.lanes(kept, 0) = half * __builtin_convertvector(below - above, Lanes);
+    odd = next_odd;
+    above = below;
+  }
+}
+}  // namespace patch_detail
+
 /// Grey values and their gradients, by central differences, around `centre`; all zero in the padding. Of the
 /// window's Side rows the first and each RowStep-th after it are kept, which are Rows.
 template <typename Processor = AnyProcessor, int RowStep = 1, int Side, int Rows>
 void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, Patch<Side, Rows>& grey,
                      Patch<Side, Rows>& gradient_x, Patch<Side, Rows>& gradient_y) {
   static_assert(Rows == (Side + RowStep - 1) / RowStep);
+  if constexpr (Processor::kShufflesBytes && RowStep == 2 && Patch<Side, Rows>::kBlocks == 1)
+    return patch_detail::sampleGradientsByShorts<Processor>(level, centre, grey, gradient_x, gradient_y);
   static constexpr Patch<Side, 1> kMask = Patch<Side, Rows>::mask();
   Patch<Side + 2, Side + 2> wide;
   samplePatch<Processor>(level, centre, wide);

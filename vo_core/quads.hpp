@@ -27,18 +27,17 @@ inline void fetchQuadsOneByOne(const std::uint8_t* corner, std::ptrdiff_t stride
   std::memcpy(&quads, fetched, sizeof quads);
 }
 
-/// Between the four pixels of each quad, times 65536, exactly. Fractions in 1/256 px; `fraction_x` twice in
-/// each number, as Processor::secondBytes() has it.
-inline void blendQuads(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& fraction_y,
-                       IntLanes& sum) {
-  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
-  const IntLanes left = quads & 0x00ff00ff, right = quads >> 8 & 0x00ff00ff;  // above and below
-  const Pairs& from = reinterpret_cast<const Pairs&>(left);
-  const Pairs between = (from << 8) + reinterpret_cast<const Pairs&>(fraction_x) *
-                                          (reinterpret_cast<const Pairs&>(right) - from);  // modulo 2^16
-  const IntLanes both = reinterpret_cast<const IntLanes&>(between);
-  const IntLanes top = both & 0xffff, bottom = both >> 16 & 0xffff;
-  sum = (top << 8) + fraction_y * (bottom - top);
+/// Between the four pixels of each quad, times 65536, exactly. `fraction_x`: 1/256 px, twice in each number,
+/// as Processor::secondBytes() has it; `y` as Processor::blendRows() does.
+template <typename Processor>
+void blendQuads(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& y, IntLanes& sum) {
+  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));  // above and below
+  const IntLanes left_bytes = quads & 0x00ff00ff;
+  const Pairs &both = reinterpret_cast<const Pairs&>(quads),
+              &left = reinterpret_cast<const Pairs&>(left_bytes);
+  const Pairs between =
+      (both << 8) + reinterpret_cast<const Pairs&>(fraction_x) * ((both >> 8) - left);  // modulo 2^16
+  Processor::blendRows(reinterpret_cast<const IntLanes&>(between), y, sum);
 }
 
 }  // namespace cartvo

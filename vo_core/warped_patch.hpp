@@ -42,28 +42,30 @@ class WarpedRows {
 
   /// The next row, first the upmost one and then each RowStep-th below it.
   void sample(Lanes& out) {
-    const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
-    IntLanes quads, fraction_x, sum;
+    IntLanes x, y, quads, fraction_x, sum;
     fetch(x, y, quads);
     Processor::secondBytes(x, fraction_x);
-    blendQuads(quads, fraction_x, y >> 8 & 0xff, sum);
+    blendQuads<Processor>(quads, fraction_x, y, sum);
     out = __builtin_convertvector(sum, Lanes);
     x_ += x_by_row_;
     y_ += y_by_row_;
   }
 
  private:
-  void fetch(const IntLanes& x, const IntLanes& y, IntLanes& quads) const {
+  /// The places' whole pixels may be counted from anywhere.
+  void fetch(IntLanes& x, IntLanes& y, IntLanes& quads) const {
     if constexpr (Processor::kShufflesBytes) {
       constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
       if (rise_ <= kMostRows << 16) {
         const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
-        const IntLanes row_times_32 = y >> 11 & ~31;
-        Processor::fetchQuads(corner_ + top * stride_ + left, stride_,
-                              row_times_32 + (x >> 16) - (32 * top + left), quads);
+        x = x_ramp_ + (x_ - (left << 16));
+        y = y_ramp_ + (y_ - (top << 16));
+        Processor::fetchQuads(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), quads);
         return;
       }
     }
+    x = x_ramp_ + x_;
+    y = y_ramp_ + y_;
     fetchQuadsOneByOne(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), Side, quads);
   }
 

@@ -51,7 +51,7 @@ class FourAlignments {
   }
 
   void align(int iterations, double convergence) {
-    for (int iteration = 0; iteration < iterations && anyBusy(); ++iteration) {
+    for (int iteration = 0; iteration < iterations && any(busy_); ++iteration) {
       compare();
       if (iteration >= kPatience) busy_ &= at_.correlation.lanes() >= kHopeless;
       MaskLanes settled, inside;
@@ -83,8 +83,6 @@ class FourAlignments {
   }
 
  private:
-  bool anyBusy() const { return ((busy_[0] | busy_[1]) | (busy_[2] | busy_[3])) != 0; }
-
   /// Of those that are not busy all stays as it was.
   void compare() {
     for (std::size_t i = 0; i < kFour; ++i)

@@ -15,14 +15,6 @@ namespace cartvo {
 constexpr double kMaximumStretch = 0.6;  ///< of any element of the warp against the identity
 constexpr double kMaximumMove = 3.0;     ///< px from the start
 
-/// Numbers of four patches, to be read and written one by one as well.
-struct alignas(DoubleLanes) Column {
-  double value[kDoubleLanes] = {};
-
-  DoubleLanes& lanes() { return *reinterpret_cast<DoubleLanes*>(value); }
-  const DoubleLanes& lanes() const { return *reinterpret_cast<const DoubleLanes*>(value); }
-};
-
 /// Four warps from offsets before to offsets after, and where they put the patches' centres, px.
 struct FourWarps {
   Column x, y, xx, xy, yx, yy;

@@ -23,6 +23,10 @@ using BitLanes =
 using MaskLanes =
     std::int64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 
+inline bool any(const MaskLanes& mask) {
+  return ((mask[0] | mask[1]) | (mask[2] | mask[3])) != 0;
+}
+
 /// All bits where a number is negative, else none.
 inline void findNegative(const DoubleLanes& numbers, BitLanes& where) {
   where = -(reinterpret_cast<const BitLanes&>(numbers) >> 63);

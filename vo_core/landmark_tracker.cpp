@@ -7,8 +7,8 @@
 
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/alignment_block.hpp"
-#include "vo_core/klt.hpp"
 #include "vo_core/parallel_loop.hpp"
+#include "vo_core/shift_tracking.hpp"
 #include "vo_core/stereo_matcher.hpp"
 
 namespace cartvo {
@@ -178,8 +178,8 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
   return pixel;
 }
 
-std::optional<Eigen::Vector2d> LandmarkTracker::shiftOf(Landmark& landmark, const Scene& scene,
-                                                        std::int64_t oldest_host) const {
+std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const Scene& scene,
+                                                     std::int64_t oldest_host) const {
   const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
   if (last == nullptr) return std::nullopt;
   if (landmark.host().frame < oldest_host || stretched(landmark.warp))
@@ -190,7 +190,23 @@ std::optional<Eigen::Vector2d> LandmarkTracker::shiftOf(Landmark& landmark, cons
   if (!expected) return std::nullopt;
   const bool predicted = scene.poseExpected() && landmark.hasDepth();
   const PyramidLevels levels = shiftLevels(landmark.level, predicted, settings_.tracking.levels);
-  return trackShift(*last->left, scene.left, landmark.last().left, *expected, levels, kShiftCorrelation);
+  return ShiftTask{last->left.get(), &scene.left, landmark.last().left, *expected, levels};
+}
+
+void LandmarkTracker::shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
+                               std::span<Pursuit> pursuits) const {
+  FixedVector<ShiftTask, AlignmentBlock::kMost> tasks;
+  FixedVector<std::size_t, AlignmentBlock::kMost> of_landmark;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (const auto task = startShift(landmarks[i], scene, oldest_host)) {
+      tasks.push_back(*task);
+      of_landmark.push_back(i);
+    }
+  }
+  std::array<std::optional<Eigen::Vector2d>, AlignmentBlock::kMost> shifted;
+  trackShifts({tasks.begin(), tasks.size()}, kShiftCorrelation, {shifted.data(), tasks.size()});
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+    pursuits[of_landmark[i]].shifted = shifted[i];
 }
 
 void LandmarkTracker::alignWithHosts(std::span<const Landmark> landmarks, const Scene& scene,
@@ -215,8 +231,7 @@ void LandmarkTracker::alignWithHosts(std::span<const Landmark> landmarks, const 
 void LandmarkTracker::followBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
                                   std::span<unsigned char> found) const {
   std::array<Pursuit, AlignmentBlock::kMost> pursuits;
-  for (std::size_t i = 0; i < landmarks.size(); ++i)
-    pursuits[i].shifted = shiftOf(landmarks[i], scene, oldest_host);
+  shiftAll(landmarks, scene, oldest_host, pursuits);
   alignWithHosts(landmarks, scene, pursuits);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     Pursuit& pursuit = pursuits[i];

@@ -8,12 +8,12 @@
 
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/image_pyramid.hpp"
-#include "vo_core/klt.hpp"
 #include "vo_core/landmark.hpp"
 #include "vo_core/landmark_detector.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/pose_drift.hpp"
 #include "vo_core/reprojection.hpp"
+#include "vo_core/shift_tracking.hpp"
 #include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_camera.hpp"
 
@@ -90,8 +90,9 @@ class LandmarkTracker {
     std::optional<AffineAlignment> aligned;  ///< with the host's patch
   };
 
-  std::optional<Eigen::Vector2d> shiftOf(Landmark& landmark, const Scene& scene,
-                                         std::int64_t oldest_host) const;
+  std::optional<ShiftTask> startShift(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;
+  void shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
+                std::span<Pursuit> pursuits) const;
   std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int host, const Scene& scene) const;
   void alignWithHosts(std::span<const Landmark> landmarks, const Scene& scene,
                       std::span<Pursuit> pursuits) const;

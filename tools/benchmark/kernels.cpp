@@ -12,7 +12,7 @@
 #include "vo_core/affine_alignment.hpp"
 #include "vo_core/fast_corners.hpp"
 #include "vo_core/image_pyramid.hpp"
-#include "vo_core/klt.hpp"
+#include "vo_core/shift_tracking.hpp"
 #include "vo_core/stereo_matcher.hpp"
 
 namespace {
@@ -97,23 +97,30 @@ void detect(State& state) {
 }
 BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);
 
+constexpr int kTogether = 16;  // as landmarks are; the time is that of one
+
 void followShift(State& state) {
   Places places;
-  for (auto _ : state) {
-    const Eigen::Vector2d from = places.next();
-    ::benchmark::DoNotOptimize(trackShift(pyramids().image, pyramids().next, from, from, {0, 1}, 0.5));
+  std::vector<ShiftTask> tasks(kTogether);
+  std::vector<std::optional<Eigen::Vector2d>> shifted(tasks.size());
+  while (state.KeepRunningBatch(kTogether)) {
+    for (ShiftTask& task : tasks) {
+      const Eigen::Vector2d from = places.next();
+      task = {&pyramids().image, &pyramids().next, from, from, {0, 1}};
+    }
+    trackShifts(tasks, 0.5, shifted);
+    ::benchmark::DoNotOptimize(shifted.data());
   }
 }
 BENCHMARK(followShift)->Unit(::benchmark::kNanosecond);
 
-/// Sixteen together, as landmarks are; the time is that of one.
 void align(State& state, WarpModel model, bool stereo) {
   const TrackingSettings settings;
   const ImagePyramid& after = stereo ? pyramids().right : pyramids().next;
   Places places;
-  std::vector<AlignmentTask> tasks(16);
+  std::vector<AlignmentTask> tasks(kTogether);
   std::vector<std::optional<AffineAlignment>> aligned(tasks.size());
-  while (state.KeepRunningBatch(static_cast<::benchmark::IterationCount>(tasks.size()))) {
+  while (state.KeepRunningBatch(kTogether)) {
     for (AlignmentTask& task : tasks) {
       task = {&pyramids().image.grey.front(), &after.grey.front(), places.next(), {}};
       task.start.position = task.from + Eigen::Vector2d((stereo ? -kDisparity : kFlow) + 0.3, 0.0);

@@ -1,0 +1,284 @@
+// The first step of tracking: the patch as it is, somewhere else.
+#include "vo_core/shift_tracking.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vo_core/affine_alignment.hpp"
+#include "vo_core/double_lanes.hpp"
+#include "vo_core/patch.hpp"
+#include "vo_core/patch_sums.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::size_t kFour = kDoubleLanes;
+constexpr int kSide = kPatchSide;
+/// Of the patch each other row is compared, as in the alignment that follows.
+constexpr int kRowStep = 2;
+constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
+constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
+constexpr int kIterations = 5;           // a shift that takes longer is lost
+constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
+using Values = Patch<kSide, kRows>;
+static_assert(Values::kBlocks == 1, "a row is one vector of lanes");
+constexpr Patch<kSide, 1> kMask = Values::mask();
+
+/// The patch before and its gradients; all zero in the padding.
+struct ShiftTemplate {
+  Values grey;  // without its mean
+  Values gradient_x, gradient_y;
+  float mean = 0.0F;
+};
+
+template <typename Of>
+struct StructureSums {
+  typename Of::Number xx, xy, yy;  // of the gradients' products
+  typename Of::Number squares;     // of grey
+  typename Of::Number x, y;        // of the gradients
+  typename Of::Number unused[2];
+};
+
+template <typename Of>
+struct MismatchSums {
+  typename Of::Number x, y;             // of the gradients times the difference
+  typename Of::Number values, squares;  // of the patch after, less the mean of that before
+  typename Of::Number products;         // of both
+  typename Of::Number unused[3];
+};
+
+template <typename Processor>
+void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, ShiftTemplate& out,
+               StructureSums<OfPatch>& sums) {
+  sampleGradients<Processor, kRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
+  out.mean = removeMean(out.grey);
+  StructureSums<OfColumns> columns{};
+  for (int row = 0; row < kRows; ++row) {
+    const Lanes& along_x = out.gradient_x.lanes(row, 0);
+    const Lanes& along_y = out.gradient_y.lanes(row, 0);
+    columns.xx += along_x * along_x;
+    columns.xy += along_x * along_y;
+    columns.yy += along_y * along_y;
+    columns.x += along_x;
+    columns.y += along_y;
+    columns.squares += out.grey.lanes(row, 0) * out.grey.lanes(row, 0);
+  }
+  foldColumns(columns, sums);
+}
+
+template <typename Processor>
+void compare(const ShiftTemplate& before, const PyramidLevel& after, const Eigen::Vector2d& position,
+             MismatchSums<OfPatch>& sums) {
+  Values moved;
+  samplePatch<Processor, kRowStep>(after, position, moved);
+  const Lanes& mask = kMask.lanes(0, 0);
+  MismatchSums<OfColumns> columns{};
+  for (int row = 0; row < kRows; ++row) {
+    const Lanes value = (moved.lanes(row, 0) - before.mean) * mask;  // small, so that little is rounded
+    const Lanes& grey = before.grey.lanes(row, 0);
+    const Lanes difference = value - grey;
+    columns.x += before.gradient_x.lanes(row, 0) * difference;
+    columns.y += before.gradient_y.lanes(row, 0) * difference;
+    columns.values += value;
+    columns.squares += value * value;
+    columns.products += value * grey;
+  }
+  foldColumns(columns, sums);
+}
+
+/// Of four patches, a lane each. From the gradients the mean is taken off where they are summed, which makes
+/// the shift blind to a change of brightness.
+class ShiftEquations {
+ public:
+  /// Lanes are `textured` that hold a shift.
+  void setUp(const StructureSums<OfFourPatches>& sums, MaskLanes& textured) {
+    norm_ = sums.squares;
+    takeRoots(norm_);
+    mean_x_ = sums.x / kSize;
+    mean_y_ = sums.y / kSize;
+    const DoubleLanes xx = sums.xx - sums.x * mean_x_, xy = sums.xy - sums.x * mean_y_,
+                      yy = sums.yy - sums.y * mean_y_;
+    DoubleLanes root = 0.25 * (xx - yy) * (xx - yy) + xy * xy;
+    takeRoots(root);
+    textured = (0.5 * (xx + yy) - root) / kSize >= kMinimumTexture;
+    const DoubleLanes determinant = xx * yy - xy * xy;
+    inverse_xx_ = yy / determinant;
+    inverse_xy_ = -xy / determinant;
+    inverse_yy_ = xx / determinant;
+  }
+
+  void solve(const MismatchSums<OfFourPatches>& sums, DoubleLanes& step_x, DoubleLanes& step_y,
+             Column& correlation) const {
+    const DoubleLanes x = sums.x - sums.values * mean_x_;  // the patch before has no mean
+    const DoubleLanes y = sums.y - sums.values * mean_y_;
+    step_x = inverse_xx_ * x + inverse_xy_ * y;
+    step_y = inverse_xy_ * x + inverse_yy_ * y;
+    DoubleLanes deviation = sums.squares - sums.values * sums.values / kSize;
+    raiseTo(1e-6, deviation);
+    takeRoots(deviation);
+    correlation.lanes() = sums.products / (norm_ * deviation + 1e-12);
+  }
+
+ private:
+  static constexpr double kSize = Values::kSize;
+
+  DoubleLanes norm_;                                  // of grey, less its mean
+  DoubleLanes mean_x_, mean_y_;                       // of the gradients
+  DoubleLanes inverse_xx_, inverse_xy_, inverse_yy_;  // of the structure matrix G (thesis 4.12)
+};
+
+/// Up to four tasks, each step of all of them at once.
+template <typename Processor>
+class FourShifts {
+ public:
+  FourShifts(std::span<const ShiftTask> tasks, double minimum_correlation)
+      : tasks_(tasks), minimum_correlation_(minimum_correlation) {
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const ShiftTask& task = tasks[i];
+      const Eigen::Vector2d shift = task.guess - task.from;
+      x_.value[i] = shift.x();
+      y_.value[i] = shift.y();
+      const std::size_t available = std::min(task.before->grey.size(), task.after->grey.size());
+      coarsest_[i] = std::min(task.levels.coarsest, static_cast<int>(available) - 1);
+      alive_[i] = task.before->grey.front().contains(task.from) ? -1 : 0;
+    }
+  }
+
+  void track() {
+    int finest = tasks_.front().levels.finest;
+    for (const ShiftTask& task : tasks_)
+      finest = std::min(finest, task.levels.finest);
+    for (int level = *std::max_element(coarsest_.begin(), coarsest_.end()); level >= finest; --level)
+      trackIn(level);
+  }
+
+  void answer(std::span<std::optional<Eigen::Vector2d>> shifted) const {
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      shifted[i].reset();
+      const Eigen::Vector2d position = tasks_[i].from + Eigen::Vector2d(x_.value[i], y_.value[i]);
+      if (alive_[i] != 0 && tasks_[i].after->grey.front().contains(position)) shifted[i] = position;
+    }
+  }
+
+ private:
+  void trackIn(int level) {
+    MaskLanes here{}, last{};  // those of this level, and those whose finest it is
+    std::array<StructureSums<OfPatch>, kFour> sums{};
+    const double scale = 1.0 / levelScale(level);
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const PyramidLevels levels{tasks_[i].levels.finest, coarsest_[i]};
+      if (alive_[i] == 0 || level < levels.finest || level > levels.coarsest) continue;
+      last[i] = level == levels.finest ? -1 : 0;
+      const PyramidLevel &before = tasks_[i].before->grey[level], &after = tasks_[i].after->grey[level];
+      const Eigen::Vector2d centre = tasks_[i].from * scale;
+      // In a small level the centre of a pixel near the right or lower edge may lie beyond the last pixel.
+      if (!before.contains(centre)) continue;
+      here[i] = -1;
+      after_[i] = &after;
+      centre_x_.value[i] = centre.x();
+      centre_y_.value[i] = centre.y();
+      right_.value[i] = after.width() - 1;
+      bottom_.value[i] = after.height() - 1;
+      linearise<Processor>(before, centre, patches_[i], sums[i]);
+    }
+    StructureSums<OfFourPatches> lanes;
+    gatherLanes(sums, lanes);
+    MaskLanes textured, inside;
+    equations_.setUp(lanes, textured);
+    here &= textured;
+    iterate(scale, here, inside);
+    const MaskLanes arrived = here & inside;
+    x_.lanes() = arrived ? (position_x_.lanes() - centre_x_.lanes()) / scale : x_.lanes();
+    y_.lanes() = arrived ? (position_y_.lanes() - centre_y_.lanes()) / scale : y_.lanes();
+    // The last step, if it was short, hardly changes the correlation that was found before it.
+    alive_ &= ~last | (arrived & (correlation_.lanes() >= minimum_correlation_));
+  }
+
+  void iterate(double scale, const MaskLanes& here, MaskLanes& inside) {
+    position_x_.lanes() = centre_x_.lanes() + x_.lanes() * scale;
+    position_y_.lanes() = centre_y_.lanes() + y_.lanes() * scale;
+    findInside(inside);
+    MaskLanes busy = here & inside;
+    for (int iteration = 0; iteration < kIterations && any(busy); ++iteration) {
+      for (std::size_t i = 0; i < kFour; ++i)
+        if (busy[i] != 0)
+          compare<Processor>(patches_[i], *after_[i], {position_x_.value[i], position_y_.value[i]}, sums_[i]);
+      MismatchSums<OfFourPatches> lanes;
+      gatherLanes(sums_, lanes);
+      DoubleLanes step_x, step_y;
+      equations_.solve(lanes, step_x, step_y, correlation_);
+      position_x_.lanes() = busy ? position_x_.lanes() - step_x : position_x_.lanes();
+      position_y_.lanes() = busy ? position_y_.lanes() - step_y : position_y_.lanes();
+      findInside(inside);
+      busy &= inside & (step_x * step_x + step_y * step_y >= kCoarse * kCoarse);
+    }
+  }
+
+  void findInside(MaskLanes& inside) const {
+    const DoubleLanes &x = position_x_.lanes(), &y = position_y_.lanes();
+    inside = (x >= 0.0) & (y >= 0.0) & (x <= right_.lanes()) & (y <= bottom_.lanes());
+  }
+
+  std::span<const ShiftTask> tasks_;
+  double minimum_correlation_;
+  std::array<int, kFour> coarsest_{};
+  MaskLanes alive_{};
+  Column x_, y_;                    // the shift, px of the image
+  Column centre_x_, centre_y_;      // of the patch before, px of the level
+  Column position_x_, position_y_;  // of the patch after
+  Column right_, bottom_;           // the last pixel of the image after
+  Column correlation_;
+  std::array<const PyramidLevel*, kFour> after_{};
+  std::array<ShiftTemplate, kFour> patches_;
+  std::array<MismatchSums<OfPatch>, kFour> sums_{};
+  ShiftEquations equations_;
+};
+
+/// What trackShifts is asked.
+struct Question {
+  std::span<const ShiftTask> tasks;
+  double minimum_correlation;
+  std::span<std::optional<Eigen::Vector2d>> answers;
+};
+
+template <typename Processor>
+void answer(const Question& asked) {
+  for (std::size_t first = 0; first < asked.tasks.size(); first += kFour) {
+    const std::size_t count = std::min(kFour, asked.tasks.size() - first);
+    FourShifts<Processor> four(asked.tasks.subspan(first, count), asked.minimum_correlation);
+    four.track();
+    four.answer(asked.answers.subspan(first, count));
+  }
+}
+
+CARTVO_VECTOR_CLONES
+void answerAnywhere(const Question& asked) {
+  answer<AnyProcessor>(asked);
+}
+
+#ifdef CARTVO_BYTE_SHUFFLES
+CARTVO_BYTE_SHUFFLES
+void answerByShuffles(const Question& asked) {
+  answer<ByteShufflingProcessor>(asked);
+}
+#endif
+
+}  // namespace
+
+void trackShifts(std::span<const ShiftTask> tasks, double minimum_correlation,
+                 std::span<std::optional<Eigen::Vector2d>> shifted) {
+  const Question asked{tasks, minimum_correlation, shifted};
+#ifdef CARTVO_BYTE_SHUFFLES
+  if (shufflesBytes()) return answerByShuffles(asked);
+#endif
+  answerAnywhere(asked);
+}
+
+std::optional<Eigen::Vector2d> trackShift(const ShiftTask& task, double minimum_correlation) {
+  std::optional<Eigen::Vector2d> shifted;
+  trackShifts(std::span(&task, 1), minimum_correlation, std::span(&shifted, 1));
+  return shifted;
+}
+
+}  // namespace cartvo

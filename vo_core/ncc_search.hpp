@@ -22,8 +22,9 @@ struct NccTemplate {
   double norm = 0.0;
 };
 
-inline void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
-  samplePatch(level, pixel, out.centred);
+template <typename Processor>
+void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
+  samplePatch<Processor>(level, pixel, out.centred);
   out.mean = removeMean(out.centred);
   out.norm = std::sqrt(sumOfProducts(out.centred, out.centred));
 }
@@ -152,10 +153,10 @@ void correlate(const NccTemplate& left, Strip<Rows>& strip,
   }
 }
 
-template <int Rows>
+template <typename Processor, int Rows>
 NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre) {
   Strip<Rows> strip;
-  samplePatch(right, centre, strip);
+  samplePatch<Processor>(right, centre, strip);
   std::array<SquaredCorrelations, 2 * Rows + 1> correlations;
   correlate<Rows>(left, strip, correlations);
   const auto root = [&left](double squared) {
@@ -182,17 +183,18 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
 
 /// The highest peak of the template's normalised cross-correlation with windows of the right image, around
 /// those that are at most kNccRadius columns and `rows` <= 3 rows away from `centre`.
-inline NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
-                           int rows) {
+template <typename Processor>
+NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
+                    int rows) {
   switch (rows) {
     case 0:
-      return ncc_detail::highestPeak<0>(left, right, centre);
+      return ncc_detail::highestPeak<Processor, 0>(left, right, centre);
     case 1:
-      return ncc_detail::highestPeak<1>(left, right, centre);
+      return ncc_detail::highestPeak<Processor, 1>(left, right, centre);
     case 2:
-      return ncc_detail::highestPeak<2>(left, right, centre);
+      return ncc_detail::highestPeak<Processor, 2>(left, right, centre);
     default:
-      return ncc_detail::highestPeak<3>(left, right, centre);
+      return ncc_detail::highestPeak<Processor, 3>(left, right, centre);
   }
 }
 

@@ -5,73 +5,24 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <span>
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 #include "vo_core/ncc_search.hpp"
+#include "vo_core/sad_window.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr int kCandidates = 3;    // of the coarsest level
-constexpr int kSearchRadius = 3;  // px at each finer level
-constexpr int kSadColumns = 16, kSadRows = 9;
+constexpr int kCandidates = 3;          // of the coarsest level
+constexpr int kSearchRadius = 3;        // px at each finer level
 constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
 constexpr double kLeastColumns = 0.05;  // px per px of disparity
 constexpr double kNoRival = 1.3;        // times the least difference: a candidate that is none
 constexpr double kNoiseFloor = 0.002;   // of 1 - correlation: differences below are noise
 
-struct LevelPixel {
-  int x = 0, y = 0;
-};
-
 bool contains(const PyramidLevel& level, const LevelPixel& pixel) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < level.width() && pixel.y < level.height();
 }
-
-/// Compares a window of the left image with windows of the right one.
-class SadWindow {
- public:
-  SadWindow(const PyramidLevel& left, const LevelPixel& pixel) {
-    for (int row = 0; row < kSadRows; ++row)
-      std::memcpy(&rows_[row], left.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2 + row), kSadColumns);
-  }
-
-  /// Sums of absolute differences to Count windows side by side, from that around `pixel` to the left.
-  template <int Count>
-  void compare(const PyramidLevel& right, const LevelPixel& pixel, int* sums) const {
-    const std::uint8_t* from = right.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2);
-#ifdef __SSE2__
-    __m128i sum[Count] = {};
-#pragma GCC unroll 9
-    for (int row = 0; row < kSadRows; ++row, from += right.stride())
-#pragma GCC unroll 8
-      for (int i = 0; i < Count; ++i)
-        sum[i] = _mm_add_epi32(
-            sum[i], _mm_sad_epu8(rows_[row], _mm_loadu_si128(reinterpret_cast<const Row*>(from - i))));
-    for (int i = 0; i < Count; ++i)
-      sums[i] = _mm_cvtsi128_si32(sum[i]) + _mm_extract_epi16(sum[i], 4);
-#else
-    std::fill_n(sums, Count, 0);
-    for (int row = 0; row < kSadRows; ++row, from += right.stride())
-      for (int i = 0; i < Count; ++i)
-        for (int column = 0; column < kSadColumns; ++column)
-          sums[i] += std::abs(rows_[row][column] - from[column - i]);
-#endif
-  }
-
- private:
-#ifdef __SSE2__  // whose sum of sixteen absolute differences GCC does not always find by itself
-  using Row = __m128i;
-#else
-  using Row = std::array<std::uint8_t, kSadColumns>;
-#endif
-  Row rows_[kSadRows];
-};
 
 struct Candidates {
   std::array<int, kCandidates> disparity{};
@@ -108,41 +59,44 @@ class LevelLine {
   Eigen::Vector2d infinity_, slope_;
 };
 
-constexpr int kFar = 1 << 30;  // a difference where the right image shows nothing
-constexpr int kRun = 2 * kSearchRadius + 1;
-using Differences = std::array<int, kRun>;
+constexpr int kFar = 1 << 24;  // a difference where the right image shows nothing
+static_assert(kSadRun == 2 * kSearchRadius + 1);
 
-/// At kRun disparities from `first` on.
-void compareAlong(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int first,
-                  Differences& differences) {
+/// At kSadRun disparities from `first` on.
+template <typename Processor>
+void compareAlong(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
+                  int first, SadRun& differences) {
   const LevelPixel from = line.at(first);
-  const LevelPixel to = line.at(first + kRun - 1);
+  const LevelPixel to = line.at(first + kSadRun - 1);
   // As steps are rounded, they are all one pixel if they are so together: nearly always.
-  if (from.y == to.y && from.x - to.x == kRun - 1 && contains(right, from) && contains(right, to))
-    return left.compare<kRun>(right, from, differences.data());
-  for (int i = 0; i < kRun; ++i) {
+  if (from.y == to.y && from.x - to.x == kSadRun - 1 && contains(right, from) && contains(right, to))
+    return left.compareRun(right, from, differences);
+  for (int i = 0; i < kSadRun; ++i) {
     const LevelPixel at = line.at(first + i);
     differences[i] = kFar;
-    if (contains(right, at)) left.compare<1>(right, at, &differences[i]);
+    if (contains(right, at)) differences[i] = left.compareOne(right, at);
   }
 }
 
 /// The deepest local minima of the sum of absolute differences over the whole range of disparity.
-Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, const LevelLine& line,
+template <typename Processor>
+Candidates searchCoarsest(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
                           int maximum_disparity) {
   std::array<int, kCandidates> best_sad;
   best_sad.fill(kFar);
   Candidates candidates;
-  Differences differences;
+  SadRun differences;
   const auto difference = [&](int disparity) {
-    if (disparity % kRun == 0) compareAlong(left, right, line, disparity, differences);
-    return disparity <= maximum_disparity ? differences[disparity % kRun] : kFar;
+    if (disparity % kSadRun == 0) compareAlong(left, right, line, disparity, differences);
+    return disparity <= maximum_disparity ? differences[disparity % kSadRun] : kFar;
   };
   int previous = kFar;
   int current = difference(0);
   for (int disparity = 0; disparity <= maximum_disparity; ++disparity) {
     const int next = difference(disparity + 1);
-    if (current <= previous && current < next && current < best_sad[kCandidates - 1]) {
+    // Without a branch on each: whether a difference is greater than the next is anybody's guess.
+    const bool deep = (current <= previous) & (current < next) & (current < best_sad[kCandidates - 1]);
+    if (deep) {
       int slot = kCandidates - 1;
       for (; slot > 0 && current < best_sad[slot - 1]; --slot) {
         best_sad[slot] = best_sad[slot - 1];
@@ -159,24 +113,30 @@ Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, cons
 }
 
 /// The best disparity around one, and its sum of absolute differences.
-int searchAround(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int disparity,
-                 int& best_sad) {
-  Differences differences;
+template <typename Processor>
+int searchAround(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
+                 int disparity, int& best_sad) {
+  SadRun differences;
   compareAlong(left, right, line, disparity - kSearchRadius, differences);
-  const auto least = std::min_element(differences.begin(), differences.end());
-  best_sad = *least;
-  return best_sad == kFar ? disparity
-                          : disparity - kSearchRadius + static_cast<int>(least - differences.begin());
+  // The first of the least, without a branch on each.
+  constexpr int kPlaces = 8;
+  static_assert(kSadRun <= kPlaces);
+  int least = kPlaces * kFar;
+  for (int i = 0; i < kSadRun; ++i)
+    least = std::min(least, kPlaces * differences[i] + i);
+  best_sad = least / kPlaces;
+  return best_sad == kFar ? disparity : disparity - kSearchRadius + least % kPlaces;
 }
 
 /// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
 /// the same fractions of a pixel: the same blur in both, so that interpolation biases nothing.
+template <typename Processor>
 StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& pixel,
                             const EpipolarLine& line, int disparity, int rows) {
   StereoMatch best;
   const Eigen::Vector2d centre = line.at(pixel, disparity);
   if (!right.contains(centre)) return best;
-  const NccPeak peak = highestPeak(left, right, centre, rows);
+  const NccPeak peak = highestPeak<Processor>(left, right, centre, rows);
   if (peak.height <= 0.0) return best;
   // Near the epipole a column is many disparities.
   const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
@@ -195,18 +155,19 @@ struct PyramidPair {
 };
 
 /// The few best disparities in the finest difference of Gaussians, coarse to fine, and their differences.
+template <typename Processor>
 Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, const EpipolarLine& line,
                       int maximum_disparity, std::array<int, kCandidates>& difference) {
   const int coarsest = kFinestDog + static_cast<int>(images.left_dog.size()) - 1;
   const PyramidLevel& coarse = images.left_dog.back();
   const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
   Candidates candidates =
-      searchCoarsest(SadWindow(coarse, coarse_pixel), images.right_dog.back(),
+      searchCoarsest(SadWindow<Processor>(coarse, coarse_pixel), images.right_dog.back(),
                      LevelLine(coarse_pixel, line, coarsest), (maximum_disparity >> coarsest) + 1);
   for (int level = coarsest - 1; level >= kFinestDog; --level) {
     const PyramidLevel& left_level = images.left_dog[level - kFinestDog];
     const LevelPixel pixel = pixelAt(left_level, left, level);
-    const SadWindow window(left_level, pixel);
+    const SadWindow<Processor> window(left_level, pixel);
     const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
       candidates.disparity[i] = searchAround(window, images.right_dog[level - kFinestDog], level_line,
@@ -215,25 +176,33 @@ Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, co
   return candidates;
 }
 
+/// What is looked for, in px of the finest level.
+struct Question {
+  const PyramidPair& images;
+  const Eigen::Vector2d& left;
+  const EpipolarLine& line;
+  int maximum_disparity;
+  const StereoSettings& settings;
+};
+
 /// In px of the finest level, whatever the range of disparity; if it is the only one.
-CARTVO_VECTOR_CLONES
-std::optional<StereoMatch> onlyMatch(const PyramidPair& images, const Eigen::Vector2d& left,
-                                     const EpipolarLine& line, int maximum_disparity,
-                                     const StereoSettings& settings) {
+template <typename Processor>
+std::optional<StereoMatch> onlyMatch(const Question& asked) {
+  const auto& [images, left, line, maximum_disparity, settings] = asked;
   std::array<int, kCandidates> difference{};
-  const Candidates candidates = searchDown(images, left, line, maximum_disparity, difference);
+  const Candidates candidates = searchDown<Processor>(images, left, line, maximum_disparity, difference);
   if (candidates.count == 0) return std::nullopt;
   const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 
   NccTemplate patch;
-  makeTemplate(images.left, left, patch);
+  makeTemplate<Processor>(images.left, left, patch);
   if (patch.norm < 1.0) return std::nullopt;
   StereoMatch best;
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {
     if (difference[i] > kNoRival * least) continue;
-    const StereoMatch match = correlateAround(patch, images.right, left, line,
-                                              candidates.disparity[i] << kFinestDog, settings.rows);
+    const StereoMatch match = correlateAround<Processor>(
+        patch, images.right, left, line, candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;
     const bool elsewhere = std::abs(match.disparity - best.disparity) > kDistinct;
     if (match.correlation > best.correlation) {
@@ -246,6 +215,25 @@ std::optional<StereoMatch> onlyMatch(const PyramidPair& images, const Eigen::Vec
   if (best.correlation < settings.minimum_correlation) return std::nullopt;
   if (1.0 - best.correlation > settings.uniqueness * (1.0 - rival) - kNoiseFloor) return std::nullopt;
   return best;
+}
+
+CARTVO_VECTOR_CLONES
+std::optional<StereoMatch> matchAnywhere(const Question& asked) {
+  return onlyMatch<AnyProcessor>(asked);
+}
+
+#ifdef CARTVO_BYTE_SHUFFLES
+CARTVO_BYTE_SHUFFLES
+std::optional<StereoMatch> matchByShuffles(const Question& asked) {
+  return onlyMatch<ByteShufflingProcessor>(asked);
+}
+#endif
+
+std::optional<StereoMatch> match(const Question& asked) {
+#ifdef CARTVO_BYTE_SHUFFLES
+  if (shufflesBytes()) return matchByShuffles(asked);
+#endif
+  return matchAnywhere(asked);
 }
 
 }  // namespace
@@ -261,13 +249,14 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   const double scale = levelScale(level);
   if (!images.left.contains(left / scale)) return std::nullopt;
   const EpipolarLine level_line{line.at_infinity / scale, line.per_disparity};
-  auto match = onlyMatch(images, left / scale, level_line, settings.maximum_disparity >> level, settings);
-  if (!match) return std::nullopt;
-  match->disparity *= scale;
-  match->right *= scale;
-  if (match->disparity < settings.minimum_disparity || match->disparity > settings.maximum_disparity)
+  const Eigen::Vector2d level_left = left / scale;
+  auto found = match({images, level_left, level_line, settings.maximum_disparity >> level, settings});
+  if (!found) return std::nullopt;
+  found->disparity *= scale;
+  found->right *= scale;
+  if (found->disparity < settings.minimum_disparity || found->disparity > settings.maximum_disparity)
     return std::nullopt;
-  return match;
+  return found;
 }
 
 }  // namespace cartvo

@@ -53,6 +53,8 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
     most += corners_.back().capacity();
   }
   left_over_.reserve(most);
+  for (int row = 0; row < rows; ++row)
+    finders_[row].reserve(image_size.width, windows_[static_cast<std::size_t>(row) * columns].height);
 }
 
 void AdaptiveDetector::aimAt(int features) {

@@ -41,6 +41,17 @@ std::uint16_t scoreAt(const std::uint8_t* centre, const Circle& offsets, int thr
   return 0;
 }
 
+/// Scores of a row: a block with corners is read whole, however narrow the image.
+int scoredWidth(int columns) {
+  constexpr int kWidestBlock = 64;
+  return std::max(columns, kWidestBlock + 2 * kFastRadius);
+}
+
+std::size_t mostBlocks(int width) {
+  constexpr int kNarrowestBlock = 16;
+  return static_cast<std::size_t>(width / kNarrowestBlock) + 1;
+}
+
 /// A row of an image, whose columns [kFastRadius, width - kFastRadius) are to be scored.
 struct ImageRow {
   const std::uint8_t* pixels;
@@ -143,15 +154,23 @@ void WindowThresholds::set(const cv::Rect& window, std::uint8_t threshold) {
   std::fill_n(&thresholds_[begin_[window.y]] + window.x, window.width, threshold);
 }
 
+void CornerFinder::reserve(int columns, int rows) {
+  const auto width = static_cast<std::size_t>(scoredWidth(columns));
+  maxima_.reserve(mostCorners(columns, rows));
+  columns_.reserve(width);
+  for (ScoredRow& row : rows_) {
+    row.scores.reserve(width);
+    row.blocks.reserve(mostBlocks(scoredWidth(columns)));
+  }
+}
+
 void CornerFinder::score(const cv::Mat& image, int y, const WindowThresholds& thresholds) {
   ScoredRow& row = at(y);
-  // A block with corners is read whole, however narrow the image.
-  constexpr int kWidestBlock = 64, kNarrowestBlock = 16;
-  const int width = std::max(image.cols, kWidestBlock + 2 * kFastRadius);
+  const int width = scoredWidth(image.cols);
   const bool empty = y < kFastRadius || y >= image.rows - kFastRadius;
   if (empty || width > image.cols || static_cast<int>(row.scores.size()) != width)
     row.scores.assign(width, 0);
-  row.blocks.resize(width / kNarrowestBlock + 1);
+  row.blocks.resize(mostBlocks(width));
   row.block_count = 0;
   if (empty) return;
   const ImageRow pixels{image.ptr(y), static_cast<std::ptrdiff_t>(image.step), image.cols, thresholds.row(y)};

@@ -48,6 +48,9 @@ class WindowThresholds {
 /// Finds corners in memory that it keeps from one image to the next.
 class CornerFinder {
  public:
+  /// Memory for so many rows of images so wide, so that none is asked for later.
+  void reserve(int columns, int rows);
+
   /// The corners of those rows of `image` (CV_8UC1, of the thresholds' size) whose score is the greatest of
   /// their 3x3 neighbours' (non-maximum suppression; of equal ones the first in reading order stays), in
   /// reading order. Pixels too close to the edge of the image are none. Valid until the next call.

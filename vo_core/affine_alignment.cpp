@@ -73,12 +73,17 @@ class FourAlignments {
                         static_cast<float>(at_.gain.value[i]), sums[i]);
     ReturnSums<OfFourPatches> lanes;
     gatherLanes(sums, lanes);
-    Column misses;
+    Column misses, variance_x, variance_y;
     returnMisses(lanes, at_.gain, misses);
+    equations_.findVariances(at_, variance_x, variance_y);
     for (std::size_t i = 0; i < answers.size(); ++i) {
       answers[i].reset();
       if (done_[i] != 0)
-        answers[i] = {warps_.position(i), warps_.warp(i), at_.correlation.value[i], misses.value[i]};
+        answers[i] = {warps_.position(i),
+                      warps_.warp(i),
+                      at_.correlation.value[i],
+                      {variance_x.value[i], variance_y.value[i]},
+                      misses.value[i]};
     }
   }
 

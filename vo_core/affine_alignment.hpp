@@ -15,6 +15,9 @@ struct AffineAlignment {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< px, of the patch's centre in the level after
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< from offsets before to offsets after
   double correlation = 0.0;                            ///< normalised, of the patches under the warp
+  /// px^2, of the position in each coordinate, by what the patches differ in and how steep they are: the
+  /// least squares' own covariance, their differences' mean square times the inverse of the normal matrix.
+  Eigen::Vector2d variance = Eigen::Vector2d::Zero();
   double return_miss = 0.0;  ///< px by which a step backwards, the patch after linearised, misses the start
 };
 

@@ -123,6 +123,15 @@ class AlignmentEquations {
     findSettled(step, convergence, settled);
   }
 
+  /// px^2, of the positions (AffineAlignment::variance).
+  void findVariances(const FourComparisons& at, Column& x, Column& y) const {
+    // What is left of the template, in its own grey values, by what it correlates with the patch after.
+    const DoubleLanes left = 1.0 / (at.correlation.lanes() * at.correlation.lanes()) - 1.0;
+    const DoubleLanes square = norm_ * norm_ * left / (kAlignedSize - Parameters);
+    x.lanes() = square * inverse_[0][0];
+    y.lanes() = square * inverse_[1][1];
+  }
+
  private:
   static constexpr double kMinimumGain = 0.05;
   static constexpr double kMinimumPivot = 1e-4;            // relative, of the normal matrix

@@ -19,7 +19,7 @@ struct PatchView {
 };
 
 /// Patches that are aligned together, each in its own level of the pyramids, which is faster than one by one;
-/// positions are px of the image.
+/// positions and their variances are of the image.
 class AlignmentBlock {
  public:
   static constexpr std::size_t kMost = 16;
@@ -41,6 +41,7 @@ class AlignmentBlock {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       if (!aligned_[i]) continue;
       aligned_[i]->position *= members_[i].scale;
+      aligned_[i]->variance *= members_[i].scale * members_[i].scale;
       take(members_[i].index, *aligned_[i]);
     }
   }

@@ -20,6 +20,8 @@ struct BundleSighting {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();   ///< px
   Eigen::Vector2d right = Eigen::Vector2d::Zero();  ///< px, at the right camera's own instant
 
+  Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();  ///< of the left position, times BundleNoise's
+
   double disparity() const { return left.x() - right.x(); }
 };
 
@@ -40,7 +42,7 @@ struct BundleLandmark {
 
 /// Standard deviations of what is measured by patches of one level, px of the image.
 struct BundleNoise {
-  double pixel = 0.15;      ///< of each coordinate of a left position against its template
+  double pixel = 0.15;      ///< of each coordinate of a typical left position against its template
   double disparity = 0.15;  ///< of a disparity
   double stretch = 0.006;   ///< added to a disparity's for each px of it: near patches deform more
 };

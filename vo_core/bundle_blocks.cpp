@@ -51,10 +51,10 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
       SightingBlock& into = sightings[slot[sighting.pose]];
       into.seen[lane] = 1.0;
       into.stereo[lane] = sighting.stereo ? 1.0 : 0.0;
-      into.position_precision[lane] = 1.0 / noise.pixel;
       into.disparity_precision[lane] =
           1.0 / (noise.disparity + noise.stretch * std::abs(sighting.disparity()));
       for (int axis = 0; axis < 2; ++axis) {
+        into.position_precision[axis][lane] = 1.0 / (noise.pixel * sighting.relative_noise[axis]);
         into.left[axis][lane] = sighting.left[axis];
         into.right[axis][lane] = sighting.right[axis];
       }

@@ -28,7 +28,7 @@ struct SightingBlock {
   int pose = 0;
   DoubleLanes seen{}, stereo{};  ///< 1 where they are, else 0
   DoubleLanes left[2]{}, right[2]{};
-  DoubleLanes position_precision{}, disparity_precision{};  ///< 1/px
+  DoubleLanes position_precision[2]{}, disparity_precision{};  ///< 1/px
 };
 
 class BundleBlocks {

@@ -107,24 +107,26 @@ class BlockResiduals {
   void linearisePosition(const BlockView& view, const DoubleLanes& weight, RowLanes& column,
                          RowLanes& row) const {
     const SightingBlock& sighting = view.sighting;
-    const DoubleLanes& precision = sighting.position_precision;
-    const DoubleLanes f = precision * camera_.focal_length;
-    column.residual = precision * (sighting.left[0] - camera_.cx) - f * view.left.x;
-    row.residual = precision * (sighting.left[1] - camera_.cy) - f * view.left.y;
+    const DoubleLanes& column_precision = sighting.position_precision[0];
+    const DoubleLanes& row_precision = sighting.position_precision[1];
+    const DoubleLanes f_column = column_precision * camera_.focal_length;
+    const DoubleLanes f_row = row_precision * camera_.focal_length;
+    column.residual = column_precision * (sighting.left[0] - camera_.cx) - f_column * view.left.x;
+    row.residual = row_precision * (sighting.left[1] - camera_.cy) - f_row * view.left.y;
     const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
     column.weight = row.weight = weight * view.seen / (1.0 + robustness_ * square);
     const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
     const PixelLanes by_depth = viewByInverseDepth(T, view.left);
-    column.by_inverse_depth = f * by_depth.x;
-    row.by_inverse_depth = f * by_depth.y;
+    column.by_inverse_depth = f_column * by_depth.x;
+    row.by_inverse_depth = f_row * by_depth.y;
     column.poses = row.poses = 0;
     if (const int free = sighting.pose - fixed_; free >= 0) {
-      column.add(free, f, columnByCamera(view.left, view.place));
-      row.add(free, f, rowByCamera(view.left, view.place));
+      column.add(free, f_column, columnByCamera(view.left, view.place));
+      row.add(free, f_row, rowByCamera(view.left, view.place));
     }
     if (const int free = view.host - fixed_; free >= 0) {
-      column.add(free, f, columnByHost(T, view.left, view.place));
-      row.add(free, f, rowByHost(T, view.left, view.place));
+      column.add(free, f_column, columnByHost(T, view.left, view.place));
+      row.add(free, f_row, rowByHost(T, view.left, view.place));
     }
   }
 

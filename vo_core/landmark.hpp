@@ -15,6 +15,8 @@ struct Sighting {
   bool stereo = false;                                 ///< whether it was found in the right image too
   Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px
   Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< px, left minus right position; x is the disparity
+  /// How much noisier each coordinate of the left position is than a typical patch's.
+  Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();
 };
 
 /// A patch of the world followed through the left images. The pair it is first seen by, its host, defines it:

@@ -32,10 +32,11 @@ class LateRight {
     const Change& change = changes_[view.sighting.pose * count_ + view.host];
     const PixelLanes left = viewByRay(view.left, rayOf(change.left, view.place));
     const PixelLanes right = viewByRay(view.right, rayOf(change.right, view.place));
-    const DoubleLanes by_position = focal_length_ * view.sighting.position_precision;
+    const SightingBlock& sighting = view.sighting;
     const DoubleLanes by_delay[SightingRows::kCount] = {
-        by_position * left.x, by_position * left.y,
-        focal_length_ * view.sighting.disparity_precision * (left.x - right.x)};
+        focal_length_ * sighting.position_precision[0] * left.x,
+        focal_length_ * sighting.position_precision[1] * left.y,
+        focal_length_ * sighting.disparity_precision * (left.x - right.x)};
 #pragma GCC unroll 1
     for (int i = view.isHost() ? SightingRows::kDisparity : 0; i < SightingRows::kCount; ++i)
       add(rows.row[i], by_delay[i]);

@@ -72,7 +72,8 @@ void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<Win
     for (const Sighting& sighting : landmark.sightings)
       if (const int pose = placeOf(window, sighting.frame); pose >= 0)
         item.sightings.push_back({pose, sighting.stereo, sighting.left,
-                                  correctedRight(camera, rig, sighting.left - sighting.parallax)});
+                                  correctedRight(camera, rig, sighting.left - sighting.parallax),
+                                  sighting.relative_noise});
   }
 }
 
@@ -94,7 +95,7 @@ BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::ve
     item.inverse_depth = found->inverse_depth;
     item.weight = landmark.trust;
     item.level = landmark.level;
-    item.sightings.push_back({newest, true, last.left, seen});
+    item.sightings.push_back({newest, true, last.left, seen, last.relative_noise});
   }
   return problem;
 }

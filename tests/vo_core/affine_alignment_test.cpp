@@ -190,6 +190,39 @@ TEST(AffineAlignment, IsTheSameTogetherAsAlone) {
   }
 }
 
+TEST(AffineAlignment, ForetellsHowFarNoiseMovesIt) {
+  // Steep along columns, gentle along rows: the column of a patch is better known than its row.
+  constexpr double kNoise = 4.0;  // grey values
+  test::Noise noise(7);
+  const auto noisy = [&](double x, double y) {
+    return 128.0 + 40.0 * std::sin(0.7 * x) + 30.0 * std::sin(0.25 * y + 0.1 * x) + kNoise * noise.gaussian();
+  };
+  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, noisy), 1);
+  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, noisy), 1);
+  test::Statistics column, row, column_variance, row_variance;
+  for (int y = 30; y < kHeight - 30; y += 5) {
+    for (int x = 30; x < kWidth - 30; x += 5) {
+      AffineAlignment start;
+      start.position = {x + 0.3, y + 0.6};
+      const auto aligned = alignAffine(before.grey.front(), after.grey.front(), start.position, start,
+                                       WarpModel::affine, 20, 0.01);
+      if (!aligned) continue;
+      column.add(aligned->position.x() - start.position.x());
+      row.add(aligned->position.y() - start.position.y());
+      column_variance.add(aligned->variance.x());
+      row_variance.add(aligned->variance.y());
+    }
+  }
+  ASSERT_GT(column.count(), 800);
+  EXPECT_LT(3.0 * column.deviation(), row.deviation());
+  // Gradients are noisy, too, so that it is somewhat more, most where they are gentle.
+  for (const double foretold : {std::sqrt(column_variance.mean()) / column.deviation(),
+                                std::sqrt(row_variance.mean()) / row.deviation()}) {
+    EXPECT_GT(foretold, 0.5);
+    EXPECT_LT(foretold, 1.1);
+  }
+}
+
 TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {
   const ImagePyramid grey = buildPyramid(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(128)), 1);
   const ImagePyramid stripes = buildPyramid(

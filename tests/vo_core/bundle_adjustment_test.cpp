@@ -62,6 +62,33 @@ TEST(BundleAdjustment, TakingTwoInstantsForOneMovesThePose) {
   EXPECT_GT(test::poseErrors(problem).head<3>().norm(), 0.001);
 }
 
+/// Every other landmark's positions twenty times as noisy, and said to be so or not; what the pose errs by.
+double errorAmongNoisyLandmarks(bool said) {
+  constexpr double kRelative = 20.0;
+  double squares = 0.0;
+  for (int seed = 1; seed <= 5; ++seed) {
+    BundleProblem problem = test::seenBy({.noise = 0.3}, seed);
+    const BundleProblem exact = test::seenBy({}, seed);
+    for (std::size_t i = 0; i < problem.landmarks.size(); i += 2) {
+      auto& sightings = problem.landmarks[i].sightings;
+      for (std::size_t k = 1; k < sightings.size(); ++k) {  // what the host saw defines the landmark
+        const Eigen::Vector2d& truth = exact.landmarks[i].sightings[k].left;
+        const Eigen::Vector2d more = (kRelative - 1.0) * (sightings[k].left - truth);
+        sightings[k].left += more;
+        sightings[k].right += more;  // the disparity stays as good as it was
+        if (said) sightings[k].relative_noise.setConstant(kRelative);
+      }
+    }
+    EXPECT_TRUE(adjustBundle(problem, {.iterations = 10, .robust_width = kPlain}).converged);
+    squares += test::poseErrors(problem).squaredNorm();
+  }
+  return std::sqrt(squares);
+}
+
+TEST(BundleAdjustment, WeighsPositionsByTheirNoise) {
+  EXPECT_LT(3.0 * errorAmongNoisyLandmarks(true), errorAmongNoisyLandmarks(false));
+}
+
 TEST(BundleAdjustment, FixedPosesStand) {
   BundleProblem problem = test::seenBy({.free_frames = 3, .noise = 1.0}, 1);
   const TimedPoses before = problem.poses;

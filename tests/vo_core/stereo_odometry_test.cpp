@@ -264,7 +264,7 @@ TEST_P(EachEstimator, RefusesImagesOfAnotherKind) {
 // Their pictures show what is ahead of them, and no residual tells of it.
 TEST(KeyFramesOfAVideo, AreOwnedUpTo) {
   constexpr int kPairs = 18, kInterval = 8;
-  constexpr double kAhead = 0.0012;  // m
+  constexpr double kAhead = 0.00095;  // m
   const test::CorridorWorld world(1);
   std::vector<StereoImages> pairs;
   for (int i = 0; i < kPairs; ++i) {

@@ -34,6 +34,8 @@ const std::vector<Ablation>& ablations() {
        }},
       {"fine-only", "all landmarks from the image itself, none from its half",
        [](OdometrySettings& s) { s.detection.levels = 1; }},
+      {"alike", "each position weighs as any other, however well its patch can be placed",
+       [](OdometrySettings& s) { s.tracking.patch_noise = false; }},
       {"half-features", "half as many landmarks", [](OdometrySettings& s) { s.features /= 2; }},
       {"double-features", "twice as many landmarks", [](OdometrySettings& s) { s.features *= 2; }},
       {"simultaneous", "the offset between the cameras is ignored (matters with --offset-ms)",

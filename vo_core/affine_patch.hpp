@@ -127,8 +127,8 @@ void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Al
   foldColumns(columns, sums);
 }
 
-/// The patch after under a warp, less the template's mean, zero in the padding, and how it compares with the
-/// template.
+/// The patch after under a warp, less the template's mean, and how it compares with the template. What is in
+/// the padding means nothing.
 template <typename Processor>
 void comparePatches(const AlignedTemplate& before, const PyramidLevel& after, const Eigen::Vector2d& position,
                     const Eigen::Matrix2d& warp, AlignedPatch& now, ComparisonSums<OfPatch>& sums) {

@@ -7,10 +7,34 @@
 #include "vo_core/median.hpp"
 
 namespace cartvo {
+namespace {
+
+// Found on rendered worlds and kitti_06 (docs/accuracy.md). px of the level:
+constexpr double kPatchFloor = 0.07;  // of the steepest patch
+constexpr double kVideoFloor = 0.12;  // and in a video
+// px, of what BundleNoise::pixel is stated for.
+constexpr double kTypicalNoise = 0.1;
+
+}  // namespace
 
 int countStereo(const std::vector<Landmark>& landmarks) {
   return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
                                         [](const Landmark& landmark) { return landmark.last().stereo; }));
+}
+
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
+  const double floor = kPatchFloor * levelScale(level);
+  return (variance.array() + floor * floor).sqrt() / kTypicalNoise;
+}
+
+void doubtLastPositions(std::vector<Landmark>& landmarks) {
+  constexpr double kMore =
+      (kVideoFloor * kVideoFloor - kPatchFloor * kPatchFloor) / (kTypicalNoise * kTypicalNoise);
+  for (Landmark& landmark : landmarks) {
+    const double scale = levelScale(landmark.level);
+    auto noise = landmark.sightings.back().relative_noise.array();
+    noise = (noise.square() + kMore * scale * scale).sqrt();
+  }
 }
 
 void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows) {

@@ -52,6 +52,15 @@ struct Landmark {
 /// Of the landmarks, those that the last pair found in its right image too.
 int countStereo(const std::vector<Landmark>& landmarks);
 
+/// How much noisier each coordinate of a left position is than a typical patch's, by the variance that its
+/// alignment foretells (px^2 of the image). Residuals are up to twice as large as that and never quite as
+/// small: no patch is a plane.
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level);
+
+/// Takes the last pair's positions to be noisier than their patches say, as those of a video are: what the
+/// encoder has left as it was differs in nothing from what it was, and is off all the same.
+void doubtLastPositions(std::vector<Landmark>& landmarks);
+
 /// Takes back the last pair's stereo matches whose rows miss otherwise than those of most. Where a video has
 /// not enough bits, blocks of its pictures lie up to two pixels off: the row is known and tells of it, the
 /// column errs as much. `rows` is worked with.

@@ -33,15 +33,6 @@ bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
   return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
 }
 
-/// How much noisier a position is than a typical patch's. Residuals are twice as large as their alignments'
-/// variances foretell and never quite as small: no patch is a plane (docs/accuracy.md).
-Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
-  constexpr double kFloor = 0.07;   // px of the level, of the steepest patch
-  constexpr double kTypical = 0.1;  // px, of what BundleNoise::pixel is stated for
-  const double floor = kFloor * levelScale(level);
-  return (variance.array() + floor * floor).sqrt() / kTypical;
-}
-
 /// Levels of the shift that comes before an alignment in `level`. A prediction is within some 10 px of where
 /// the world has carried the landmark, so that one level will do; else it is looked for from the top.
 PyramidLevels shiftLevels(int level, bool predicted, int tracked) {

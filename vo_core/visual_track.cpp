@@ -156,6 +156,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
     std::optional<Eigen::Isometry3d> expected;
     if (velocity_) expected = expectedPose(pair);
     tracker_.follow(draft.landmarks, window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected);
+    if (pair.coded && settings_.tracking.patch_noise) doubtLastPositions(draft.landmarks);
     motion.counts.tracked = static_cast<int>(draft.landmarks.size());
   }
   {

@@ -1,4 +1,4 @@
-// Which stereo matches are believed by their rows.
+// Which stereo matches are believed by their rows, and how noisy positions are taken to be.
 #include "vo_core/landmark.hpp"
 
 #include <gtest/gtest.h>
@@ -50,6 +50,27 @@ TEST(OffRows, WithoutAMatchAreNone) {
   std::vector<Landmark> landmarks = matchedOff({0.0, 3.0});
   forgetLastStereo(landmarks);
   EXPECT_EQ(matchedAfter(landmarks), (std::vector<bool>{false, false}));
+}
+
+TEST(PatchNoise, GrowsWithWhatTheAlignmentForetellsAndWithTheLevel) {
+  const Eigen::Vector2d steep = relativeNoise({0.0, 0.0}, 0);
+  const Eigen::Vector2d edge = relativeNoise({0.04 * 0.04, 0.4 * 0.4}, 0);
+  EXPECT_GT(steep.minCoeff(), 0.5);  // no patch is known exactly
+  EXPECT_LT(edge.x(), 1.2 * steep.x());
+  EXPECT_GT(edge.y(), 4.0 * steep.y());
+  EXPECT_EQ(relativeNoise({0.0, 0.0}, 1), 2.0 * steep);
+}
+
+TEST(PatchNoise, IsMoreInAVideoAndLevelsTheBestPatches) {
+  std::vector<Landmark> landmarks(2);
+  landmarks[0].sightings.push_back({.relative_noise = relativeNoise({0.0, 0.0}, 0)});
+  landmarks[1].sightings.push_back({.relative_noise = relativeNoise({0.25, 0.25}, 0)});
+  doubtLastPositions(landmarks);
+  const double steep = landmarks[0].last().relative_noise.x() / relativeNoise({0.0, 0.0}, 0).x();
+  const double gentle = landmarks[1].last().relative_noise.x() / relativeNoise({0.25, 0.25}, 0).x();
+  EXPECT_GT(steep, 1.5);
+  EXPECT_GT(gentle, 1.0);
+  EXPECT_LT(gentle, 1.05);
 }
 
 }  // namespace

@@ -113,7 +113,8 @@ class FourAlignments {
 template <typename Processor, int Parameters>
 void answerWith(const Question& asked) {
   // Warped by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
-  static_assert(kPatchSide / 2 * 2 * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
+  constexpr int kSpan = kPatchSide - 1;
+  static_assert(kSpan * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
   for (std::size_t first = 0; first < asked.tasks.size(); first += kFour) {
     const std::size_t count = std::min<std::size_t>(kFour, asked.tasks.size() - first);
     FourAlignments<Processor, Parameters> four(asked.tasks.subspan(first, count));

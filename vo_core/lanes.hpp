@@ -92,6 +92,9 @@ struct AnyProcessor {
 /// puts them together again. Forms with a full mask, as GCC 12 warns of its own ones without.
 struct ByteShufflingProcessor {
   static constexpr bool kShufflesBytes = true;
+  /// Pairs are multiplied as signed numbers, so that what is positive is made less for it.
+  static constexpr int kLess = 32768;
+  static constexpr int kRowsLess = 256 * kLess;
   CARTVO_BYTE_SHUFFLES static void load(const std::uint8_t* from, ShortLanes& to) {
     to = ShortLanes(_mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
   }
@@ -112,18 +115,21 @@ struct ByteShufflingProcessor {
     to = shuffled<1, kZero, 1, kZero>(from);
   }
   CARTVO_BYTE_SHUFFLES static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
-    IntLanes shares;
-    secondBytes(y, shares);
-    const __m512i upper_too = __m512i((shares ^ 0xffff));  // its 65535 - share, and 257 more is 256 - share
-    addPairs(pairs, _mm512_add_epi16(upper_too, _mm512_set1_epi32(257)), sum);
+    IntLanes lower_share;
+    secondBytes(y, lower_share);
+    // The upper number has the rest of 256: 65535 less the share, and 257 more.
+    const __m512i shares = _mm512_add_epi16(__m512i(lower_share ^ 0xffff), _mm512_set1_epi32(257));
+    const IntLanes less = pairs ^ static_cast<std::int32_t>(0x80008000);  // by kLess, in both halves
+    sum = IntLanes(_mm512_madd_epi16(__m512i(less), shares)) + kRowsLess;
   }
-  /// Between 32 pixels and those right of them, times 256 and as addPairs() wants them.
+  /// Between 32 pixels and those right of them, times 256 and less kLess.
   CARTVO_BYTE_SHUFFLES static void blendColumns(const std::uint8_t* first, std::uint16_t fraction,
                                                 WideShorts& to) {
     const WideShorts here = widened(first), right = widened(first + 1);
     to = ((here << 8) + fraction * (right - here)) ^ kLess;  // modulo 2^16; the sum is less
   }
-  /// Between sixteen of those of two rows, from column First on, and 2^23 less.
+  /// Between sixteen of those of two rows, from column First on, times 256 and less kRowsLess. `shares`: the
+  /// upper row's, the lower half, and the lower one's, the upper half; 256 together.
   template <int First>
   CARTVO_BYTE_SHUFFLES static void blendRows(const WideShorts& upper, const WideShorts& lower,
                                              const IntLanes& shares, IntLanes& sum) {
@@ -155,15 +161,8 @@ struct ByteShufflingProcessor {
     const IntLanes places = number * 0x04040404 + kPattern;
     return IntLanes(_mm512_maskz_shuffle_epi8(~__mmask64{0}, __m512i(from), __m512i(places)));
   }
-  static constexpr std::uint16_t kLess = 0x8000;
   CARTVO_BYTE_SHUFFLES static WideShorts widened(const std::uint8_t* from) {
     return WideShorts(_mm512_cvtepu8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
-  }
-  /// Both halves times their shares, which are 256 together. The processor multiplies signed numbers only, so
-  /// that they are made less by 32768, and their sum greater.
-  CARTVO_BYTE_SHUFFLES static void addPairs(const IntLanes& pairs, const __m512i& shares, IntLanes& sum) {
-    const auto less = static_cast<std::int32_t>(0x80008000);
-    sum = IntLanes(_mm512_madd_epi16(__m512i(pairs ^ less), shares)) + (32768 << 8);
   }
   CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
     const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));

@@ -146,7 +146,7 @@ void sampleGradientsByShorts(const PyramidLevel& level, const Eigen::Vector2d& c
     Processor::template blendRows<2>(odd, next_even, shares, right);
     Processor::template blendRows<1>(next_even, next_odd, shares, below);
     const Lanes in_grey = kUnit * kMask.lanes(0, 0), half = 0.5F * in_grey;
-    grey.lanes(kept, 0) = in_grey * __builtin_convertvector(middle + (1 << 23), Lanes);
+    grey.lanes(kept, 0) = in_grey * __builtin_convertvector(middle + Processor::kRowsLess, Lanes);
     gradient_x.lanes(kept, 0) = half * __builtin_convertvector(right - left, Lanes);
     gradient_y.lanes(kept, 0) = half * __builtin_convertvector(below - above, Lanes);
     odd = next_odd;

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "vo_core/affine_sums.hpp"
+#include "vo_core/aligned_template.hpp"
 #include "vo_core/double_lanes.hpp"
 #include "vo_core/small_inverse.hpp"
 
@@ -126,7 +127,8 @@ class AlignmentEquations {
   /// px^2, of the positions (AffineAlignment::variance).
   void findVariances(const FourComparisons& at, Column& x, Column& y) const {
     // What is left of the template, in its own grey values, by what it correlates with the patch after.
-    const DoubleLanes left = 1.0 / (at.correlation.lanes() * at.correlation.lanes()) - 1.0;
+    DoubleLanes left = 1.0 / (at.correlation.lanes() * at.correlation.lanes()) - 1.0;
+    raiseTo(0.0, left);
     const DoubleLanes square = norm_ * norm_ * left / (kAlignedSize - Parameters);
     x.lanes() = square * inverse_[0][0];
     y.lanes() = square * inverse_[1][1];

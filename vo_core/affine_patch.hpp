@@ -3,26 +3,14 @@
 #include <array>
 #include <cstring>
 
-#include "vo_core/affine_alignment.hpp"
 #include "vo_core/affine_sums.hpp"
+#include "vo_core/aligned_template.hpp"
 #include "vo_core/lanes.hpp"
-#include "vo_core/patch.hpp"
 #include "vo_core/warped_patch.hpp"
 
 // The patches of an affine alignment, and how they are summed over. Not for use outside it.
 
 namespace cartvo {
-
-using AlignedPatch = Patch<kPatchSide, kAlignedRows>;
-static_assert(AlignedPatch::kBlocks == 1, "a row is one vector of lanes");
-
-/// The patch before and its gradients. A derivative by a parameter is a gradient times 1 or the pixel's
-/// offset.
-struct AlignedTemplate {
-  AlignedPatch grey;  ///< without its mean, zero in the padding
-  AlignedPatch gradient_x, gradient_y;
-  float mean = 0.0F;
-};
 
 namespace affine_patch_detail {
 constexpr int kHalf = kPatchSide / 2;
@@ -45,7 +33,6 @@ constexpr Row kRamp = [] {
     offsets.value[x] = scaledOffset(x);
   return offsets;
 }();
-constexpr Row kMask = AlignedPatch::mask();
 constexpr Row kInner = [] {
   Row ones{};
   for (int x = 1; x < kPatchSide - 1; ++x)
@@ -101,12 +88,13 @@ struct ShiftColumns {
 };
 }  // namespace affine_patch_detail
 
+/// And what its equations need of it. A derivative by a parameter is a gradient times 1 or the pixel's
+/// offset.
 template <typename Processor>
 void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate& out,
                     TemplateSums<OfPatch>& sums) {
   namespace detail = affine_patch_detail;
-  sampleGradients<Processor, kAlignedRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
-  out.mean = removeMean(out.grey);
+  takeTemplate<Processor>(level, centre, out);
   TemplateSums<OfColumns> columns;
   detail::momentsOf(out.gradient_x, out.gradient_x, columns.xx);
   detail::momentsOf(out.gradient_x, out.gradient_y, columns.xy);
@@ -149,8 +137,8 @@ void comparePatches(const AlignedTemplate& before, const PyramidLevel& after, co
     along_x.add(before.gradient_x.lanes(y, 0) * value, detail::kRowOffset[y]);
     along_y.add(before.gradient_y.lanes(y, 0) * value, detail::kRowOffset[y]);
   }
-  columns.values *= detail::kMask.lanes(0, 0);
-  columns.squares *= detail::kMask.lanes(0, 0);
+  columns.values *= kAlignedMask.lanes(0, 0);
+  columns.squares *= kAlignedMask.lanes(0, 0);
   detail::slopeSums(along_x, along_y, columns.slopes);
   foldColumns(columns, sums);
 }

@@ -1,16 +1,10 @@
 #pragma once
 
-#include "vo_core/affine_alignment.hpp"
 #include "vo_core/patch_sums.hpp"
 
 // What an affine alignment needs to know of its patches. Not for use outside it.
 
 namespace cartvo {
-
-/// Of the patch each other row is compared, which halves the work: neighbouring rows tell much the same.
-constexpr int kAlignedRowStep = 2;
-constexpr int kAlignedRows = (kPatchSide + kAlignedRowStep - 1) / kAlignedRowStep;
-constexpr int kAlignedSize = kPatchSide * kAlignedRows;  ///< px
 
 constexpr int kWarpParameters = 6;        ///< shift x, y, then the warp's elements xx, xy, yx, yy
 constexpr int kStereoWarpParameters = 4;  ///< the first four of the six

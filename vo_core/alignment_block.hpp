@@ -11,7 +11,7 @@
 
 namespace cartvo {
 
-/// Where a patch is compared.
+/// Where a patch is compared: between these, in that level of both.
 struct PatchView {
   const ImagePyramid& before;
   const ImagePyramid& after;

@@ -12,7 +12,7 @@ namespace {
 // Found on rendered worlds and kitti_06 (docs/accuracy.md). px of the level:
 constexpr double kPatchFloor = 0.07;  // of the steepest patch
 constexpr double kVideoFloor = 0.12;  // and in a video
-// px, of what BundleNoise::pixel is stated for.
+// px of the image, of what has a relative noise of one, in each level.
 constexpr double kTypicalNoise = 0.1;
 
 }  // namespace

@@ -53,8 +53,7 @@ struct Landmark {
 int countStereo(const std::vector<Landmark>& landmarks);
 
 /// How much noisier each coordinate of a left position is than a typical patch's, by the variance that its
-/// alignment foretells (px^2 of the image). Residuals are up to twice as large as that and never quite as
-/// small: no patch is a plane.
+/// alignment foretells (px^2 of the image), with a floor, as no patch is a plane.
 Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level);
 
 /// Takes the last pair's positions to be noisier than their patches say, as those of a video are: what the

@@ -31,12 +31,12 @@ inline void fetchQuadsOneByOne(const std::uint8_t* corner, std::ptrdiff_t stride
 /// as Processor::secondBytes() has it; `y` as Processor::blendRows() does.
 template <typename Processor>
 void blendQuads(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& y, IntLanes& sum) {
-  using Pairs = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));  // above and below
+  // Of each quad a pair: above and below.
   const IntLanes left_bytes = quads & 0x00ff00ff;
-  const Pairs &both = reinterpret_cast<const Pairs&>(quads),
-              &left = reinterpret_cast<const Pairs&>(left_bytes);
-  const Pairs between =
-      (both << 8) + reinterpret_cast<const Pairs&>(fraction_x) * ((both >> 8) - left);  // modulo 2^16
+  const WideShorts &both = reinterpret_cast<const WideShorts&>(quads),
+                   &left = reinterpret_cast<const WideShorts&>(left_bytes);
+  const WideShorts between =
+      (both << 8) + reinterpret_cast<const WideShorts&>(fraction_x) * ((both >> 8) - left);  // modulo 2^16
   Processor::blendRows(reinterpret_cast<const IntLanes&>(between), y, sum);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -17,8 +18,8 @@
 
 namespace cartvo {
 
-constexpr int kSadColumns = 16, kSadRows = 9;
-constexpr int kSadRun = 7;  ///< windows side by side that are compared together
+constexpr int kSadColumns = 16, kSadRows = 9;  ///< px
+constexpr int kSadRun = 7;                     ///< windows side by side that are compared together
 
 /// A pixel of a level.
 struct LevelPixel {

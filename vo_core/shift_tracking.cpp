@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "vo_core/affine_alignment.hpp"
+#include "vo_core/aligned_template.hpp"
 #include "vo_core/double_lanes.hpp"
 #include "vo_core/patch.hpp"
 #include "vo_core/patch_sums.hpp"
@@ -14,23 +13,9 @@ namespace cartvo {
 namespace {
 
 constexpr std::size_t kFour = kDoubleLanes;
-constexpr int kSide = kPatchSide;
-/// Of the patch each other row is compared, as in the alignment that follows.
-constexpr int kRowStep = 2;
-constexpr int kRows = (kSide + kRowStep - 1) / kRowStep;
 constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
 constexpr int kIterations = 5;           // a shift that takes longer is lost
 constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
-using Values = Patch<kSide, kRows>;
-static_assert(Values::kBlocks == 1, "a row is one vector of lanes");
-constexpr Patch<kSide, 1> kMask = Values::mask();
-
-/// The patch before and its gradients; all zero in the padding.
-struct ShiftTemplate {
-  Values grey;  // without its mean
-  Values gradient_x, gradient_y;
-  float mean = 0.0F;
-};
 
 template <typename Of>
 struct StructureSums {
@@ -49,12 +34,11 @@ struct MismatchSums {
 };
 
 template <typename Processor>
-void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, ShiftTemplate& out,
+void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate& out,
                StructureSums<OfPatch>& sums) {
-  sampleGradients<Processor, kRowStep>(level, centre, out.grey, out.gradient_x, out.gradient_y);
-  out.mean = removeMean(out.grey);
+  takeTemplate<Processor>(level, centre, out);
   StructureSums<OfColumns> columns{};
-  for (int row = 0; row < kRows; ++row) {
+  for (int row = 0; row < kAlignedRows; ++row) {
     const Lanes& along_x = out.gradient_x.lanes(row, 0);
     const Lanes& along_y = out.gradient_y.lanes(row, 0);
     columns.xx += along_x * along_x;
@@ -68,13 +52,13 @@ void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, ShiftTe
 }
 
 template <typename Processor>
-void compare(const ShiftTemplate& before, const PyramidLevel& after, const Eigen::Vector2d& position,
+void compare(const AlignedTemplate& before, const PyramidLevel& after, const Eigen::Vector2d& position,
              MismatchSums<OfPatch>& sums) {
-  Values moved;
-  samplePatch<Processor, kRowStep>(after, position, moved);
-  const Lanes& mask = kMask.lanes(0, 0);
+  AlignedPatch moved;
+  samplePatch<Processor, kAlignedRowStep>(after, position, moved);
+  const Lanes& mask = kAlignedMask.lanes(0, 0);
   MismatchSums<OfColumns> columns{};
-  for (int row = 0; row < kRows; ++row) {
+  for (int row = 0; row < kAlignedRows; ++row) {
     const Lanes value = (moved.lanes(row, 0) - before.mean) * mask;  // small, so that little is rounded
     const Lanes& grey = before.grey.lanes(row, 0);
     const Lanes difference = value - grey;
@@ -121,7 +105,7 @@ class ShiftEquations {
   }
 
  private:
-  static constexpr double kSize = Values::kSize;
+  static constexpr double kSize = kAlignedSize;
 
   DoubleLanes norm_;                                  // of grey, less its mean
   DoubleLanes mean_x_, mean_y_;                       // of the gradients
@@ -230,7 +214,7 @@ class FourShifts {
   Column right_, bottom_;           // the last pixel of the image after
   Column correlation_;
   std::array<const PyramidLevel*, kFour> after_{};
-  std::array<ShiftTemplate, kFour> patches_;
+  std::array<AlignedTemplate, kFour> patches_;
   std::array<MismatchSums<OfPatch>, kFour> sums_{};
   ShiftEquations equations_;
 };

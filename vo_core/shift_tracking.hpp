@@ -27,8 +27,8 @@ struct ShiftTask {
 /// correlate by `minimum_correlation`. Coarse to fine, beginning at the guess in the coarsest level (a good
 /// guess needs few), the sum of squared differences over the shift d is minimised (thesis 4.10-4.13: G d = b
 /// with the structure matrix G of the patch's gradients), with a change of brightness removed. Nothing: no
-/// texture, left the image, or correlates less. Each as it would be alone, but faster together. `shifted`: of
-/// the size of `tasks`; px.
+/// texture, left the image, or correlates less. Images too small to have any of the levels: the guess. Each
+/// as it would be alone, but faster together. `shifted`: of the size of `tasks`; px.
 ///
 /// The patch before is the one that is linearised (S. Baker, I. Matthews, "Lucas-Kanade 20 years on", 2004,
 /// inverse compositional).

@@ -10,6 +10,7 @@
 #include "calib/rectifier.hpp"
 #include "vo_core/adaptive_detector.hpp"
 #include "vo_core/affine_alignment.hpp"
+#include "vo_core/alignment_block.hpp"
 #include "vo_core/fast_corners.hpp"
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/shift_tracking.hpp"
@@ -97,7 +98,8 @@ void detect(State& state) {
 }
 BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);
 
-constexpr int kTogether = 16;  // as landmarks are; the time is that of one
+constexpr int kTogether =
+    static_cast<int>(AlignmentBlock::kMost);  // as landmarks are; the time is that of one
 
 void followShift(State& state) {
   Places places;

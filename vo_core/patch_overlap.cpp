@@ -37,14 +37,14 @@ double PatchOverlap::overlapOf(const Patch& patch) const {
 
 PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level) {
   const double side = kPatchSide * levelScale(level);
+  const double precision = 1.0 / (problem.noise[level].pixel * problem.noise[level].pixel);
   patches_.clear();
   patches_.reserve(problem.landmarks.capacity());
   by_cell_.reserve(problem.landmarks.capacity());
   for (const BundleLandmark& landmark : problem.landmarks) {
     const BundleSighting& last = landmark.sightings.back();
-    if (landmark.level != level || last.pose + 1 != static_cast<int>(problem.poses.size())) continue;
-    const Eigen::Vector2d deviation = problem.noise[level].pixel * last.relative_noise;
-    patches_.push_back({last.left / side, landmark.weight / deviation.squaredNorm()});
+    if (landmark.level == level && last.pose + 1 == static_cast<int>(problem.poses.size()))
+      patches_.push_back({last.left / side, landmark.weight * precision});
   }
   columns_ = static_cast<int>(problem.camera.width / side) + 3;
   rows_ = static_cast<int>(problem.camera.height / side) + 3;

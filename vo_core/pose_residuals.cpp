@@ -1,12 +1,14 @@
 // Points sorted by their hosts and laid side by side.
 #include "vo_core/pose_residuals.hpp"
 
+#include <cmath>
+
 namespace cartvo {
 
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   PointBlock block;
   block.count = count;
-  block.noise[0] = block.noise[1] = 1.0 + DoubleLanes{};  // nothing is divided by zero beyond the last lane
+  block.noise = 1.0 + DoubleLanes{};  // nothing is divided by zero in lanes beyond the last
   for (int lane = 0; lane < count; ++lane) {
     const PosePoint& point = problem.points[points[lane]];
     block.point[lane] = points[lane];
@@ -14,12 +16,10 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
       block.place.bearing[axis][lane] = point.bearing[axis];
     block.place.inverse_depth[lane] = point.inverse_depth;
     block.deviation[lane] = point.inverse_depth_deviation;
-    for (int axis = 0; axis < 2; ++axis) {
-      const double deviation = problem.noise[point.level].pixel * point.relative_noise[axis];
+    for (int axis = 0; axis < 2; ++axis)
       block.left[axis][lane] = point.left[axis];
-      block.noise[axis][lane] = deviation * deviation;
-    }
     block.weight[lane] = point.weight;
+    block.noise[lane] = std::pow(problem.noise[point.level].pixel, 2);
   }
   return block;
 }

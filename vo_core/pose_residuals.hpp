@@ -20,7 +20,7 @@ struct PointBlock {
   DoubleLanes deviation{};  ///< 1/m, of the inverse depth
   DoubleLanes left[2]{};    ///< px
   DoubleLanes weight{};
-  DoubleLanes noise[2]{};  ///< px^2
+  DoubleLanes noise{};  ///< px^2
 };
 
 /// A block of those points; the host is left open.
@@ -59,6 +59,7 @@ template <typename Transform>
 inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T_camera_host,
                                   const PointBlock& block) {
   const StereoCamera& camera = problem.camera;
+  const DoubleLanes& noise = block.noise;
   PointResiduals at;
   const RayLanes ray = rayOf(T_camera_host, block.place);
   BitLanes behind;
@@ -68,8 +69,8 @@ inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T
   const PixelLanes by_depth = viewByInverseDepth(T_camera_host, at.view);
   const DoubleLanes vague = camera.focal_length * block.deviation;
   const DoubleLanes vague_x = vague * by_depth.x, vague_y = vague * by_depth.y;
-  at.precision[0] = 1.0 / (block.noise[0] + vague_x * vague_x);
-  at.precision[1] = 1.0 / (block.noise[1] + vague_y * vague_y * block.noise[0] * at.precision[0]);
+  at.precision[0] = 1.0 / (noise + vague_x * vague_x);
+  at.precision[1] = 1.0 / (noise * (1.0 + vague_y * vague_y * at.precision[0]));
   at.shared = vague_x * vague_y * at.precision[0];
   at.residual[0] = block.left[0] - camera.cx - camera.focal_length * at.view.x;
   at.residual[1] = block.left[1] - camera.cy - camera.focal_length * at.view.y - at.shared * at.residual[0];

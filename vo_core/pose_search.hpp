@@ -14,15 +14,14 @@ namespace cartvo {
 
 /// A landmark whose place is known, seen by the current pair.
 struct PosePoint {
-  int host = 0;                                              ///< index into the hosts
-  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();        ///< in the host, z = 1
-  double inverse_depth = 0.0;                                ///< 1/m
-  double inverse_depth_deviation = 0.0;                      ///< 1/m, standard deviation
-  Eigen::Vector2d left = Eigen::Vector2d::Zero();            ///< px, where the current pair sees it
-  Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();  ///< of that, times BundleNoise's
-  double weight = 1.0;                                       ///< trust
-  int level = 0;                                             ///< as Landmark's
-  bool inlier = false;                                       ///< result: explained by the pose that was found
+  int host = 0;                                        ///< index into the hosts
+  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< in the host, z = 1
+  double inverse_depth = 0.0;                          ///< 1/m
+  double inverse_depth_deviation = 0.0;                ///< 1/m, standard deviation
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, where the current pair sees it
+  double weight = 1.0;                                 ///< trust
+  int level = 0;                                       ///< as Landmark's
+  bool inlier = false;                                 ///< result: explained by the pose that was found
 };
 
 struct PoseProblem {
@@ -30,7 +29,9 @@ struct PoseProblem {
   FixedVector<Eigen::Isometry3d, kMostWindowPairs> hosts;   ///< T_world_camera of the known pairs
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
   std::vector<PosePoint> points;
-  BundleNoises noise;  ///< of typical left positions, level by level; no other part of it is used
+  /// Of left positions, in each coordinate, level by level; no other part of it is used. Whatever their
+  /// patches: a gate that opens for what is vague lets in what is wrong (docs/accuracy.md).
+  BundleNoises noise;
   /// How far the motion may lie from the prediction, or nothing if there is none.
   std::optional<Vector6d> admissible_change;  ///< m and rad, per component
 };

@@ -38,7 +38,6 @@ void takePoints(const std::vector<Landmark>& landmarks, const std::vector<Window
     point.inverse_depth = landmark.inverse_depth;
     point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
     point.left = landmark.last().left;
-    point.relative_noise = landmark.last().relative_noise;
     point.weight = landmark.trust;
     point.level = landmark.level;
     points.push_back(point);

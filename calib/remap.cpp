@@ -104,25 +104,13 @@ void remapAll(const cv::Mat& source, const PixelSources& sources, cv::Mat& targe
   }
 }
 
-CARTVO_VECTOR_CLONES
-void remapAnywhere(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
-  remapAll<AnyProcessor>(source, sources, target);
-}
-
-#ifdef CARTVO_BYTE_SHUFFLES
-CARTVO_BYTE_SHUFFLES
-void remapByShuffles(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
-  remapAll<ByteShufflingProcessor>(source, sources, target);
-}
-#endif
+CARTVO_BY_PROCESSOR(void, remapHere, (const cv::Mat& source, const PixelSources& sources, cv::Mat& target),
+                    (source, sources, target), remapAll)
 
 }  // namespace
 
 void remap(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
-#ifdef CARTVO_BYTE_SHUFFLES
-  if (shufflesBytes()) return remapByShuffles(source, sources, target);
-#endif
-  remapAnywhere(source, sources, target);
+  remapHere(source, sources, target);
 }
 
 }  // namespace cartvo

@@ -34,8 +34,7 @@ class FourAlignments {
       warps_.set(i, task.start.position, task.start.warp);
       bounds_.start_x.value[i] = task.start.position.x();
       bounds_.start_y.value[i] = task.start.position.y();
-      bounds_.right.value[i] = task.after->width() - 1;
-      bounds_.bottom.value[i] = task.after->height() - 1;
+      bounds_.level.set(i, *task.after);
     }
     bounds_.findInside(warps_, busy_);
     for (std::size_t i = tasks.size(); i < kFour; ++i)
@@ -129,27 +128,13 @@ void answer(const Question& asked) {
   answerWith<Processor, kWarpParameters>(asked);
 }
 
-CARTVO_VECTOR_CLONES
-void answerAnywhere(const Question& asked) {
-  answer<AnyProcessor>(asked);
-}
-
-#ifdef CARTVO_BYTE_SHUFFLES
-CARTVO_BYTE_SHUFFLES
-void answerByShuffles(const Question& asked) {
-  answer<ByteShufflingProcessor>(asked);
-}
-#endif
+CARTVO_BY_PROCESSOR(void, answerAll, (const Question& asked), (asked), answer)
 
 }  // namespace
 
 void alignAffine(std::span<const AlignmentTask> tasks, WarpModel model, int iterations, double convergence,
                  std::span<std::optional<AffineAlignment>> aligned) {
-  const Question asked{tasks, model, iterations, convergence, aligned};
-#ifdef CARTVO_BYTE_SHUFFLES
-  if (shufflesBytes()) return answerByShuffles(asked);
-#endif
-  answerAnywhere(asked);
+  answerAll({tasks, model, iterations, convergence, aligned});
 }
 
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,

@@ -38,13 +38,13 @@ struct FourWarps {
 
 /// Where four patches may be.
 struct WarpBounds {
-  Column start_x, start_y, right, bottom;  ///< px
+  Column start_x, start_y;  ///< px
+  LevelBounds level;
 
   void findInside(const FourWarps& warps, MaskLanes& inside) const {
-    const DoubleLanes &x = warps.x.lanes(), &y = warps.y.lanes();
-    const DoubleLanes move_x = x - start_x.lanes(), move_y = y - start_y.lanes();
-    inside = (move_x * move_x + move_y * move_y <= kMaximumMove * kMaximumMove) & (x >= 0.0) & (y >= 0.0) &
-             (x <= right.lanes()) & (y <= bottom.lanes());
+    level.findInside(warps.x, warps.y, inside);
+    const DoubleLanes move_x = warps.x.lanes() - start_x.lanes(), move_y = warps.y.lanes() - start_y.lanes();
+    inside &= move_x * move_x + move_y * move_y <= kMaximumMove * kMaximumMove;
     bound(warps.xx.lanes() - 1.0, inside);
     bound(warps.xy.lanes(), inside);
     bound(warps.yx.lanes(), inside);
@@ -152,15 +152,12 @@ class AlignmentEquations {
     const DoubleLanes new_xy = warps.xx.lanes() * xy + warps.xy.lanes() * yy;
     const DoubleLanes new_yx = warps.yx.lanes() * xx + warps.yy.lanes() * yx;
     const DoubleLanes new_yy = warps.yx.lanes() * xy + warps.yy.lanes() * yy;
-    replace(moving, new_xx, warps.xx);
-    replace(moving, new_xy, warps.xy);
-    replace(moving, new_yx, warps.yx);
-    replace(moving, new_yy, warps.yy);
-    replace(moving, warps.x.lanes() - (new_xx * step[0] + new_xy * step[1]), warps.x);
-    replace(moving, warps.y.lanes() - (new_yx * step[0] + new_yy * step[1]), warps.y);
-  }
-  static void replace(const MaskLanes& where, const DoubleLanes& by, Column& column) {
-    column.lanes() = where ? by : column.lanes();
+    warps.xx.replace(moving, new_xx);
+    warps.xy.replace(moving, new_xy);
+    warps.yx.replace(moving, new_yx);
+    warps.yy.replace(moving, new_yy);
+    warps.x.replace(moving, warps.x.lanes() - (new_xx * step[0] + new_xy * step[1]));
+    warps.y.replace(moving, warps.y.lanes() - (new_yx * step[0] + new_yy * step[1]));
   }
 
   /// What stretches the patch moves its edge and not its centre, so that less is asked of it.

@@ -88,8 +88,8 @@ struct ShiftColumns {
 };
 }  // namespace affine_patch_detail
 
-/// And what its equations need of it. A derivative by a parameter is a gradient times 1 or the pixel's
-/// offset.
+/// The template around `centre`, px of the level, and what its equations need of it. A derivative by a
+/// parameter is a gradient times 1 or the pixel's offset.
 template <typename Processor>
 void sampleTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate& out,
                     TemplateSums<OfPatch>& sums) {

@@ -19,7 +19,8 @@ using DoubleLanes =
 using BitLanes =
     std::uint64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 
-/// As comparing gives it: all bits where it holds, else none.
+/// As comparing gives it: all bits where it holds, else none. For a few comparisons, which need not be as
+/// fast as bits are where they do not fit into one register.
 using MaskLanes =
     std::int64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 

@@ -9,11 +9,10 @@
 namespace cartvo {
 namespace {
 
-// Found on rendered worlds and kitti_06 (docs/accuracy.md). px of the level:
-constexpr double kPatchFloor = 0.07;  // of the steepest patch
-constexpr double kVideoFloor = 0.12;  // and in a video
-// px of the image, of what has a relative noise of one, in each level.
-constexpr double kTypicalNoise = 0.1;
+// Least noise of a position, that of the steepest patch, in images and in a video. Found on rendered worlds
+// and kitti_06 (docs/accuracy.md).
+constexpr double kPatchFloor = 0.07, kVideoFloor = 0.12;  // px of the level
+constexpr double kTypicalNoise = 0.1;                     // px of the image: a relative noise of one
 
 }  // namespace
 

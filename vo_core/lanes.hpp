@@ -179,3 +179,24 @@ inline bool shufflesBytes() {
 #endif
 
 }  // namespace cartvo
+
+// Defines name(parameters), which is implementation<Processor>(arguments), a template's, for what the
+// processor can do that it runs on: compiled for each, the choice made once. Parameters and arguments stand
+// in parentheses.
+#ifdef CARTVO_BYTE_SHUFFLES
+#define CARTVO_BY_PROCESSOR(Result, name, parameters, arguments, implementation)    \
+  CARTVO_VECTOR_CLONES Result name##Anywhere parameters {                           \
+    return implementation<AnyProcessor> arguments;                                  \
+  }                                                                                 \
+  CARTVO_BYTE_SHUFFLES Result name##ByShuffles parameters {                         \
+    return implementation<ByteShufflingProcessor> arguments;                        \
+  }                                                                                 \
+  Result name parameters {                                                          \
+    return shufflesBytes() ? name##ByShuffles arguments : name##Anywhere arguments; \
+  }
+#else
+#define CARTVO_BY_PROCESSOR(Result, name, parameters, arguments, implementation) \
+  Result name parameters {                                                       \
+    return implementation<AnyProcessor> arguments;                               \
+  }
+#endif

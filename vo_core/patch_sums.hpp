@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstring>
 
 #include "vo_core/double_lanes.hpp"
+#include "vo_core/image_pyramid.hpp"
 #include "vo_core/lanes.hpp"
 
 // How what is summed over a patch gets into the equations of four patches. Not for use outside tracking.
@@ -55,6 +57,22 @@ struct alignas(DoubleLanes) Column {
 
   DoubleLanes& lanes() { return *reinterpret_cast<DoubleLanes*>(value); }
   const DoubleLanes& lanes() const { return *reinterpret_cast<const DoubleLanes*>(value); }
+  void replace(const MaskLanes& where, const DoubleLanes& by) { lanes() = where ? by : lanes(); }
+};
+
+/// The levels that four patches are looked for in, by their last pixels.
+struct LevelBounds {
+  Column right, bottom;  ///< px
+
+  void set(std::size_t i, const PyramidLevel& level) {
+    right.value[i] = level.width() - 1;
+    bottom.value[i] = level.height() - 1;
+  }
+  /// As PyramidLevel::contains().
+  void findInside(const Column& x, const Column& y, MaskLanes& inside) const {
+    inside = (x.lanes() >= 0.0) & (y.lanes() >= 0.0) & (x.lanes() <= right.lanes()) &
+             (y.lanes() <= bottom.lanes());
+  }
 };
 
 }  // namespace cartvo

@@ -162,8 +162,7 @@ class FourShifts {
       after_[i] = &after;
       centre_x_.value[i] = centre.x();
       centre_y_.value[i] = centre.y();
-      right_.value[i] = after.width() - 1;
-      bottom_.value[i] = after.height() - 1;
+      bounds_.set(i, after);
       linearise<Processor>(before, centre, patches_[i], sums[i]);
     }
     StructureSums<OfFourPatches> lanes;
@@ -173,8 +172,8 @@ class FourShifts {
     here &= textured;
     iterate(scale, here, inside);
     const MaskLanes arrived = here & inside;
-    x_.lanes() = arrived ? (position_x_.lanes() - centre_x_.lanes()) / scale : x_.lanes();
-    y_.lanes() = arrived ? (position_y_.lanes() - centre_y_.lanes()) / scale : y_.lanes();
+    x_.replace(arrived, (position_x_.lanes() - centre_x_.lanes()) / scale);
+    y_.replace(arrived, (position_y_.lanes() - centre_y_.lanes()) / scale);
     // The last step, if it was short, hardly changes the correlation that was found before it.
     alive_ &= ~last | (arrived & (correlation_.lanes() >= minimum_correlation_));
   }
@@ -182,7 +181,7 @@ class FourShifts {
   void iterate(double scale, const MaskLanes& here, MaskLanes& inside) {
     position_x_.lanes() = centre_x_.lanes() + x_.lanes() * scale;
     position_y_.lanes() = centre_y_.lanes() + y_.lanes() * scale;
-    findInside(inside);
+    bounds_.findInside(position_x_, position_y_, inside);
     MaskLanes busy = here & inside;
     for (int iteration = 0; iteration < kIterations && any(busy); ++iteration) {
       for (std::size_t i = 0; i < kFour; ++i)
@@ -192,16 +191,11 @@ class FourShifts {
       gatherLanes(sums_, lanes);
       DoubleLanes step_x, step_y;
       equations_.solve(lanes, step_x, step_y, correlation_);
-      position_x_.lanes() = busy ? position_x_.lanes() - step_x : position_x_.lanes();
-      position_y_.lanes() = busy ? position_y_.lanes() - step_y : position_y_.lanes();
-      findInside(inside);
+      position_x_.replace(busy, position_x_.lanes() - step_x);
+      position_y_.replace(busy, position_y_.lanes() - step_y);
+      bounds_.findInside(position_x_, position_y_, inside);
       busy &= inside & (step_x * step_x + step_y * step_y >= kCoarse * kCoarse);
     }
-  }
-
-  void findInside(MaskLanes& inside) const {
-    const DoubleLanes &x = position_x_.lanes(), &y = position_y_.lanes();
-    inside = (x >= 0.0) & (y >= 0.0) & (x <= right_.lanes()) & (y <= bottom_.lanes());
   }
 
   std::span<const ShiftTask> tasks_;
@@ -211,7 +205,7 @@ class FourShifts {
   Column x_, y_;                    // the shift, px of the image
   Column centre_x_, centre_y_;      // of the patch before, px of the level
   Column position_x_, position_y_;  // of the patch after
-  Column right_, bottom_;           // the last pixel of the image after
+  LevelBounds bounds_;              // of the level after
   Column correlation_;
   std::array<const PyramidLevel*, kFour> after_{};
   std::array<AlignedTemplate, kFour> patches_;
@@ -236,27 +230,13 @@ void answer(const Question& asked) {
   }
 }
 
-CARTVO_VECTOR_CLONES
-void answerAnywhere(const Question& asked) {
-  answer<AnyProcessor>(asked);
-}
-
-#ifdef CARTVO_BYTE_SHUFFLES
-CARTVO_BYTE_SHUFFLES
-void answerByShuffles(const Question& asked) {
-  answer<ByteShufflingProcessor>(asked);
-}
-#endif
+CARTVO_BY_PROCESSOR(void, answerAll, (const Question& asked), (asked), answer)
 
 }  // namespace
 
 void trackShifts(std::span<const ShiftTask> tasks, double minimum_correlation,
                  std::span<std::optional<Eigen::Vector2d>> shifted) {
-  const Question asked{tasks, minimum_correlation, shifted};
-#ifdef CARTVO_BYTE_SHUFFLES
-  if (shufflesBytes()) return answerByShuffles(asked);
-#endif
-  answerAnywhere(asked);
+  answerAll({tasks, minimum_correlation, shifted});
 }
 
 std::optional<Eigen::Vector2d> trackShift(const ShiftTask& task, double minimum_correlation) {

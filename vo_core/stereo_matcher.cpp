@@ -217,24 +217,7 @@ std::optional<StereoMatch> onlyMatch(const Question& asked) {
   return best;
 }
 
-CARTVO_VECTOR_CLONES
-std::optional<StereoMatch> matchAnywhere(const Question& asked) {
-  return onlyMatch<AnyProcessor>(asked);
-}
-
-#ifdef CARTVO_BYTE_SHUFFLES
-CARTVO_BYTE_SHUFFLES
-std::optional<StereoMatch> matchByShuffles(const Question& asked) {
-  return onlyMatch<ByteShufflingProcessor>(asked);
-}
-#endif
-
-std::optional<StereoMatch> match(const Question& asked) {
-#ifdef CARTVO_BYTE_SHUFFLES
-  if (shufflesBytes()) return matchByShuffles(asked);
-#endif
-  return matchAnywhere(asked);
-}
+CARTVO_BY_PROCESSOR(std::optional<StereoMatch>, match, (const Question& asked), (asked), onlyMatch)
 
 }  // namespace
 

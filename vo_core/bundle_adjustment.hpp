@@ -53,7 +53,8 @@ struct BundleProblem {
   StereoCamera camera;
   /// The start, then the result. `by_late_right` of those that stand is given, of the free ones a result.
   TimedPoses poses;
-  int fixed = 1;  ///< so many of the oldest poses stand
+  int fixed = 1;                ///< so many of the oldest poses stand
+  double standing_share = 1.0;  ///< weight of left positions in their pairs: less than 1 if these poses err
   /// Information that holds a free pose where it starts, perturbations on the right: pose by pose, no more
   /// than there are. Of poses that stand it is not used; what is beyond its end is free.
   FixedVector<Matrix6d, kMostWindowPairs> held;

@@ -68,6 +68,7 @@ class BlockResiduals {
       : camera_(problem.camera),
         cameras_(cameras),
         fixed_(problem.fixed),
+        standing_share_(problem.standing_share),
         robustness_(1.0 / (robust_width * robust_width)) {}
 
   /// 1 where all cameras that see a landmark have it in front of them, else 0.
@@ -114,7 +115,8 @@ class BlockResiduals {
     column.residual = column_precision * (sighting.left[0] - camera_.cx) - f_column * view.left.x;
     row.residual = row_precision * (sighting.left[1] - camera_.cy) - f_row * view.left.y;
     const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
-    column.weight = row.weight = weight * view.seen / (1.0 + robustness_ * square);
+    const double share = sighting.pose < fixed_ ? standing_share_ : 1.0;
+    column.weight = row.weight = share * weight * view.seen / (1.0 + robustness_ * square);
     const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
     const PixelLanes by_depth = viewByInverseDepth(T, view.left);
     column.by_inverse_depth = f_column * by_depth.x;
@@ -162,6 +164,7 @@ class BlockResiduals {
   const StereoCamera& camera_;
   const BundleCameras& cameras_;
   int fixed_;
+  double standing_share_;
   double robustness_;
 };
 

@@ -77,8 +77,10 @@ Eigen::Vector3d rayByLateRight(const WindowFrame& old_host, const WindowFrame& n
          (new_error.tail<3>().cross(ray) + rho * new_error.head<3>());
 }
 
-/// The last sighting becomes the host: the landmark's depth, seen from there, goes on as a prior.
-void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window) {
+/// The last sighting becomes the host: the landmark's depth, seen from there, goes on as a prior, and so much
+/// of what was known of it: `share`.
+void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window,
+              double share) {
   const WindowFrame* old_host = findFrame(window, landmark.host().frame);
   const WindowFrame* new_host = findFrame(window, landmark.last().frame);
   if (old_host != nullptr && new_host != nullptr && landmark.hasDepth()) {
@@ -99,7 +101,7 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
   }
   // What the new host sees in stereo has its share in what is known already.
   landmark.prior_inverse_depth = landmark.inverse_depth;
-  landmark.prior_information = landmark.information;
+  landmark.prior_information = share * landmark.information;
   landmark.prior_by_late_right = landmark.by_late_right;
   Sighting last = landmark.last();
   last.stereo = false;
@@ -183,7 +185,7 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
   const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
   if (last == nullptr) return std::nullopt;
   if (landmark.host().frame < oldest_host || stretched(landmark.warp))
-    moveHost(landmark, camera_, scene.window);
+    moveHost(landmark, camera_, scene.window, settings_.bundle.standing_share);
   const int host = placeOf(scene.window, landmark.host().frame);
   if (host < 0) return std::nullopt;
   const auto expected = expectedPixel(landmark, host, scene);
@@ -237,7 +239,7 @@ void LandmarkTracker::followBlock(std::span<Landmark> landmarks, const Scene& sc
     Pursuit& pursuit = pursuits[i];
     if (!pursuit.shifted || pursuit.aligned) continue;
     if (landmarks[i].sightings.size() > 1)
-      moveHost(landmarks[i], camera_, scene.window);
+      moveHost(landmarks[i], camera_, scene.window, settings_.bundle.standing_share);
     else
       pursuit.shifted.reset();
   }

@@ -97,6 +97,7 @@ void validate(const OdometrySettings& settings) {
   requireRange("bundle.frames", settings.bundle.frames, 2, kMostWindowPairs - 1);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
   requireRange("bundle.hold", settings.bundle.hold, 0.0, 1e3);
+  requireRange("bundle.standing_share", settings.bundle.standing_share, 0.0, 1.0);
   requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);
   requireRange("bundle.robust_width", settings.bundle.robust_width, 0.1, 1000.0);
   requireRange("standstill.translation", settings.standstill.translation, 0.0, 1.0);

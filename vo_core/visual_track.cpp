@@ -308,6 +308,7 @@ void VisualTrack::stateBundle(const Draft& draft, const RigCorrection& rig) {
   problem.poses = timedPoses(draft.window);
   const int poses = static_cast<int>(draft.window.size());
   problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kLeastStanding));
+  problem.standing_share = settings_.bundle.standing_share;
   holdPublished(draft.window, settings_.bundle.hold, problem);
   takeLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen_);
 }

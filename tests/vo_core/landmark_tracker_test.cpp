@@ -115,9 +115,10 @@ TEST_F(LandmarkTrackerTest, CoarseOnesAreFollowedAndMatchedToo) {
 
 TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {
   const double inverse_depth = 1.0 / wallDepth();
+  constexpr double kInformation = 1e4;  // m^2
   for (Landmark& landmark : landmarks_) {
     landmark.inverse_depth = inverse_depth;
-    landmark.information = 1e4;
+    landmark.information = kInformation;
   }
   follow(1, 0, frameAt(1).T_world_camera);
   follow(2, 1, frameAt(2).T_world_camera);  // the first pair may no longer be a host
@@ -127,6 +128,8 @@ TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {
     EXPECT_EQ(landmark.sightings.size(), 2U);
     EXPECT_NEAR(landmark.inverse_depth, inverse_depth, 1e-9);  // the camera has moved along the wall
     EXPECT_EQ(landmark.prior_inverse_depth, landmark.inverse_depth);
+    // As exact as the poses that it was told against it is not.
+    EXPECT_NEAR(landmark.prior_information, settings_.bundle.standing_share * kInformation, 1e-6);
   }
   EXPECT_LT(medianError(), 0.03);
 }

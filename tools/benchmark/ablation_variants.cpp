@@ -16,6 +16,8 @@ const std::vector<Ablation>& ablations() {
        [](OdometrySettings& s) { s.bundle.free_frames = 4; }},
       {"no-hold", "the last pose but one moves as freely as the newest",
        [](OdometrySettings& s) { s.bundle.hold = 0.0; }},
+      {"certain", "poses that stand in the window count as exact",
+       [](OdometrySettings& s) { s.bundle.standing_share = 1.0; }},
       {"not-robust", "each residual has its full weight",
        [](OdometrySettings& s) { s.bundle.robust_width = 1000.0; }},
       {"no-history", "no landmark is distrusted or removed for how it fitted before",

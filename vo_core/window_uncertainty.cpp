@@ -6,7 +6,7 @@ namespace {
 
 // A motion errs less than the sum of its two poses' errors: both are found by comparing with the same hosts,
 // whose noise they share. Found on rendered worlds (docs/accuracy.md).
-constexpr double kMotionShare = 0.53;
+constexpr double kMotionShare = 0.56;
 
 /// From the last pair but one to the last.
 Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {

@@ -94,8 +94,8 @@ struct BundleSettings {
   /// Of what was known of a pose when it was published, so much holds it while it is still free: not all, for
   /// the sightings that it is known by are in the window once more. 0: nothing.
   double hold = 0.3;
-  /// Poses that stand err, each all landmarks alike, but count as exact. So of what is told against them, left
-  /// positions in their pairs and depths that earlier hosts knew, so much counts. 1: all.
+  /// Poses that stand err, each all landmarks alike, but count as exact. So of what is told against them,
+  /// left positions in their pairs and depths that earlier hosts knew, so much counts. 1: all.
   double standing_share = 0.2;
   int iterations = 4;         ///< at most
   double robust_width = 1.5;  ///< standard deviations at which a residual has half its weight

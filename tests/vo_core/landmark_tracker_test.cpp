@@ -128,7 +128,7 @@ TEST_F(LandmarkTrackerTest, AnOldHostIsReplacedAndTheDepthGoesOn) {
     EXPECT_EQ(landmark.sightings.size(), 2U);
     EXPECT_NEAR(landmark.inverse_depth, inverse_depth, 1e-9);  // the camera has moved along the wall
     EXPECT_EQ(landmark.prior_inverse_depth, landmark.inverse_depth);
-    // As exact as the poses that it was told against it is not.
+    // It was told against poses that err.
     EXPECT_NEAR(landmark.prior_information, settings_.bundle.standing_share * kInformation, 1e-6);
   }
   EXPECT_LT(medianError(), 0.03);

@@ -9,10 +9,10 @@
 namespace cartvo {
 namespace {
 
-/// Of the depths, relative, root mean square, where the standing poses are off by `away` standard deviations
-/// of a pair's motion and left positions in their pairs have that share of their weight.
+/// Relative error of the depths, root mean square over twenty scenes. Standing poses are off by `away` times
+/// what a motion usually errs by, and left positions in their pairs have that share of their weight.
 double depthError(double away, double share) {
-  constexpr double kTranslation = 2e-3, kRotation = 1e-4;  // m and rad, of a pair's motion
+  constexpr double kTranslation = 2e-3, kRotation = 1e-4;  // m and rad
   double squares = 0.0;
   int count = 0;
   for (int seed = 1; seed <= 20; ++seed) {

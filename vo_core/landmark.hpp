@@ -36,7 +36,8 @@ struct Landmark {
 
   double inverse_depth = 0.0;  ///< 1/m, along the host camera's z axis
   double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: not known
-  /// What earlier hosts knew of inverse_depth, when the landmark got its present one.
+  /// What earlier hosts knew of inverse_depth, when the landmark got its present one; of the information,
+  /// what counts of it (BundleSettings::standing_share).
   double prior_inverse_depth = 0.0;
   double prior_information = 0.0;
   /// How much the two err, 1/m, for each second by which the right cameras were exposed later than is

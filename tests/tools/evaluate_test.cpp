@@ -9,6 +9,7 @@
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/evaluate/association.hpp"
+#include "tools/evaluate/axes_alignment.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/plot.hpp"
 #include "tools/evaluate/report.hpp"
@@ -142,6 +143,42 @@ TEST(Evaluation, OfAVehicleThatStandsHasNoPercentage) {
   EXPECT_THAT(evaluationTable(evaluation), HasSubstr("the path is too short"));
 }
 
+TEST(AxesAlignment, FindsHowTheTruthsAxesAreTurned) {
+  const Trajectory truth = circle(400, 30.0, 0.5);
+  const Eigen::Vector3d turned(0.004, -0.003, 0.005);
+  const Evaluation evaluation = evaluate(associateByRows(inTurnedAxes(truth, -turned), truth));
+  EXPECT_NEAR(evaluation.short_segments.all.translation, std::hypot(0.003, 0.005), 0.0015);
+  ASSERT_TRUE(evaluation.aligned_axes);
+  EXPECT_LT((evaluation.aligned_axes->rotation - turned).norm(), 1e-9);
+  EXPECT_NEAR(evaluation.aligned_axes->short_segments.all.translation, 0.0, 1e-9);
+  EXPECT_NEAR(evaluation.aligned_axes->short_segments.all.rotation, 0.0, 1e-9);
+}
+
+TEST(AxesAlignment, OfAStraightPathLeavesTheRotationAboutItAlone) {
+  const Trajectory truth = straight(200, 0.5);
+  const Trajectory estimate = inTurnedAxes(truth, {0.05, -0.003, 0.005});
+  const Eigen::Vector3d found = axesRotation(associateByRows(estimate, truth)).value();
+  EXPECT_NEAR(found.x(), 0.0, 1e-4);
+  EXPECT_NEAR(found.y(), 0.003, 2e-4);
+  EXPECT_NEAR(found.z(), -0.005, 2e-4);
+}
+
+TEST(AxesAlignment, LeavesAnErrorOfScaleAsItIs) {
+  const Trajectory truth = circle(400, 30.0, 0.5);
+  const Trajectory longer = scaled(truth, 1.02);
+  const AlignedAxes aligned = evaluate(associateByRows(longer, truth)).aligned_axes.value();
+  EXPECT_NEAR(aligned.rotation.norm(), 0.0, 1e-9);
+  EXPECT_NEAR(aligned.short_segments.all.translation, 0.02, 0.002);
+}
+
+TEST(AxesAlignment, OfAnEstimateThatStandsOrAPathThatIsTooShortIsNone) {
+  const Trajectory truth = straight(200, 0.5);
+  EXPECT_EQ(axesRotation(associateByRows(straight(200, 0.0), truth)).value(), Eigen::Vector3d::Zero());
+  const Evaluation evaluation = evaluate(associateByRows(straight(5, 0.1), straight(5, 0.1)));
+  EXPECT_FALSE(evaluation.aligned_axes);
+  EXPECT_TRUE(evaluationJson(evaluation)["axes_aligned"].is_null());
+}
+
 TEST(Association, ByTimeInterpolatesTheTruth) {
   const Trajectory truth = circle(100, 10.0, 0.05);
   Trajectory estimate;
@@ -216,6 +253,10 @@ TEST(Report, HoldsTheSameNumbersAsTableAndJson) {
   const std::string table = evaluationTable(evaluation);
   EXPECT_THAT(table, HasSubstr("final drift of the path            2.000 %"));
   EXPECT_THAT(table, HasSubstr("300.030 m (estimated: 306.031 m)"));
+  EXPECT_THAT(table, HasSubstr("(turned by 0.000, 0.000, 0.000 deg)"));
+  EXPECT_EQ(json["axes_aligned"]["rotation_deg"], (nlohmann::json{0.0, 0.0, 0.0}));
+  EXPECT_EQ(json["axes_aligned"]["segments_5_to_40_m"]["translation_percent"],
+            json["segments_5_to_40_m"]["translation_percent"]);
 }
 
 TEST(Plot, ShowsBothPathsInTheirColours) {

@@ -1,9 +1,11 @@
 #include "tools/evaluate/evaluation.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <span>
+
+#include "tools/evaluate/axes_alignment.hpp"
+#include "tools/evaluate/segments.hpp"
 
 namespace cartvo {
 namespace {
@@ -47,13 +49,10 @@ SegmentGroup segmentErrors(const AssociatedTrajectories& associated, std::span<c
   SegmentMean all;
   for (const double length : lengths) {
     SegmentMean mean;
-    for (std::size_t first = 0; first < distances.size(); first += step) {
-      const auto last =
-          std::upper_bound(distances.begin() + first, distances.end(), distances[first] + length);
-      if (last == distances.end()) break;
-      const Eigen::Isometry3d error = motionError(associated, first, last - distances.begin());
+    forEachSegment(distances, std::span(&length, 1), step, [&](double, std::size_t first, std::size_t last) {
+      const Eigen::Isometry3d error = motionError(associated, first, last);
       mean.add({length, 1, error.translation().norm() / length, angle(error.linear()) / length});
-    }
+    });
     const SegmentErrors errors = mean.mean(length);
     if (errors.count > 0) group.each.push_back(errors);
     all.add(errors);
@@ -94,6 +93,14 @@ void measureRelative(const AssociatedTrajectories& associated, Evaluation& evalu
   }
   evaluation.relative_translation = std::sqrt(translation / static_cast<double>(motions));
   evaluation.relative_rotation = std::sqrt(rotation / static_cast<double>(motions));
+}
+
+std::optional<AlignedAxes> alignedAxes(const AssociatedTrajectories& associated) {
+  const auto rotation = axesRotation(associated);
+  if (!rotation) return std::nullopt;
+  AssociatedTrajectories turned = associated;
+  turned.estimate = inTurnedAxes(associated.estimate, *rotation);
+  return AlignedAxes{*rotation, segmentErrors(turned, kShortSegments, 1)};
 }
 
 }  // namespace
@@ -137,6 +144,7 @@ Evaluation evaluate(const AssociatedTrajectories& associated) {
   measureRelative(associated, evaluation);
   evaluation.short_segments = segmentErrors(associated, kShortSegments, 1);
   evaluation.long_segments = segmentErrors(associated, kLongSegments, 10);
+  evaluation.aligned_axes = alignedAxes(associated);
   return evaluation;
 }
 

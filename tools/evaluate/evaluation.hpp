@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -28,6 +29,12 @@ struct SegmentGroup {
   std::vector<SegmentErrors> each;  ///< a length each, those without a segment left out
 };
 
+/// Errors that are left when the truth's axes are turned (axesRotation()).
+struct AlignedAxes {
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, from the estimate's axes, rad
+  SegmentGroup short_segments;
+};
+
 struct Evaluation {
   AssociationMethod method = AssociationMethod::rows;
   std::size_t poses = 0;      ///< compared
@@ -48,6 +55,7 @@ struct Evaluation {
 
   SegmentGroup short_segments;  ///< 5 to 40 m, one starting at each pose
   SegmentGroup long_segments;   ///< 100 to 800 m, one starting at each tenth pose, as in the devkit
+  std::optional<AlignedAxes> aligned_axes;  ///< none without a short segment
 };
 
 Evaluation evaluate(const AssociatedTrajectories& associated);

@@ -29,6 +29,13 @@ std::string segmentTable(const char* title, const SegmentGroup& group) {
   return text + segmentRow("all", group.all);
 }
 
+std::string alignedRow(const AlignedAxes& aligned) {
+  const Eigen::Vector3d rotation = kDegrees * aligned.rotation;
+  std::string row = segmentRow("axes aligned", aligned.short_segments.all);
+  row.pop_back();
+  return row + line("  (turned by %.3f, %.3f, %.3f deg)", rotation.x(), rotation.y(), rotation.z());
+}
+
 nlohmann::ordered_json segmentJson(const SegmentErrors& errors) {
   nlohmann::ordered_json json;
   if (errors.length > 0.0) json["length_m"] = errors.length;
@@ -48,6 +55,12 @@ nlohmann::ordered_json groupJson(const SegmentGroup& group) {
   for (const SegmentErrors& errors : group.each)
     json["by_length"].push_back(segmentJson(errors));
   return json;
+}
+
+nlohmann::ordered_json alignedJson(const AlignedAxes& aligned) {
+  const Eigen::Vector3d rotation = kDegrees * aligned.rotation;
+  return {{"rotation_deg", {rotation.x(), rotation.y(), rotation.z()}},
+          {"segments_5_to_40_m", groupJson(aligned.short_segments)}};
 }
 
 }  // namespace
@@ -71,6 +84,7 @@ std::string evaluationTable(const Evaluation& evaluation) {
   text += line("%-34s %.4f m", "position, aligned (ATE, RMSE)", evaluation.absolute_aligned);
   text += line("%-34s %.4f m", "position, same start (RMSE)", evaluation.absolute_origin);
   text += segmentTable("5 to 40 m", evaluation.short_segments);
+  if (evaluation.aligned_axes) text += alignedRow(*evaluation.aligned_axes);
   text += segmentTable("100 to 800 m", evaluation.long_segments);
   return text;
 }
@@ -92,6 +106,8 @@ nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   json["origin_rmse_m"] = evaluation.absolute_origin;
   json["segments_5_to_40_m"] = groupJson(evaluation.short_segments);
   json["segments_100_to_800_m"] = groupJson(evaluation.long_segments);
+  json["axes_aligned"] = nullptr;
+  if (evaluation.aligned_axes) json["axes_aligned"] = alignedJson(*evaluation.aligned_axes);
   return json;
 }
 

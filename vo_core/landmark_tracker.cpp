@@ -33,11 +33,15 @@ bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
   return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
 }
 
-/// Levels of the shift that comes before an alignment in `level`. A prediction is within some 10 px of where
-/// the world has carried the landmark, so that one level will do; else it is looked for from the top.
-PyramidLevels shiftLevels(int level, bool predicted, int tracked) {
+/// Levels of the shift that comes before an alignment in `level`, of so many that are tracked in. Where pose
+/// and depth are expected, the landmark is within some 10 px of its prediction, and one level will do; where
+/// the depth is not, one more reaches all but the nearest, of which most are lost in any case. Without a pose
+/// it is looked for from the top.
+PyramidLevels shiftLevels(int level, bool pose_expected, bool has_depth, int tracked) {
   const int finest = level + kShiftLevel;
-  return {finest, predicted ? finest : std::max(finest, tracked - 1)};
+  const int top = std::max(finest, tracked - 1);
+  if (!pose_expected) return {finest, top};
+  return {finest, has_depth ? finest : std::min(finest + 1, top)};
 }
 
 /// Whether the landmark was a new corner until it was looked for and `found` or not.
@@ -190,8 +194,8 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
   if (host < 0) return std::nullopt;
   const auto expected = expectedPixel(landmark, host, scene);
   if (!expected) return std::nullopt;
-  const bool predicted = scene.poseExpected() && landmark.hasDepth();
-  const PyramidLevels levels = shiftLevels(landmark.level, predicted, settings_.tracking.levels);
+  const PyramidLevels levels =
+      shiftLevels(landmark.level, scene.poseExpected(), landmark.hasDepth(), settings_.tracking.levels);
   return ShiftTask{last->left.get(), &scene.left, landmark.last().left, *expected, levels};
 }
 

@@ -95,6 +95,13 @@ TEST_F(LandmarkTrackerTest, FollowsWithoutKnowingTheMotion) {
   EXPECT_GT(of_the_first_host, 0.95 * static_cast<double>(landmarks_.size()));
 }
 
+TEST_F(LandmarkTrackerTest, OfUnknownDepthAreFoundBesideWhereTheyAreExpected) {
+  const std::size_t before = landmarks_.size();
+  follow(1, 0, Eigen::Isometry3d::Identity());  // the wall has moved on by 5 px
+  EXPECT_GT(landmarks_.size(), 0.8 * static_cast<double>(before));
+  EXPECT_LT(medianError(), 0.1);
+}
+
 TEST_F(LandmarkTrackerTest, CoarseOnesAreFollowedAndMatchedToo) {
   const ImagePyramid left = buildPyramid(wallAt(Eigen::Vector2d::Zero()), 4);
   const ImagePyramid right = buildPyramid(wallAt({-kDisparity, 0.0}), kLandmarkLevels);

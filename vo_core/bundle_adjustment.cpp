@@ -11,8 +11,7 @@
 namespace cartvo {
 namespace {
 
-constexpr double kSettled = 1e-5;  // m and rad: the step that ends the iterations
-constexpr double kNotSeen = 1e3;   // error of a landmark behind a camera
+constexpr double kNotSeen = 1e3;  // error of a landmark behind a camera
 
 /// An iteration needs nothing but the equations.
 struct NoVisit {
@@ -64,6 +63,12 @@ void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residual
 CARTVO_VECTOR_CLONES
 void takeStep(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
   system.takeStep(step, blocks);
+}
+
+/// By the step's size in standard deviations of what it changes.
+bool isSettled(const PoseVector& step, const ReducedSystem& system, double convergence) {
+  const auto unknowns = static_cast<double>(step.size());
+  return step.dot(system.hessian * step) < convergence * convergence * unknowns;
 }
 
 void movePoses(const PoseVector& step, BundleProblem& problem) {
@@ -127,7 +132,7 @@ BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings
     takeStep(system, step, blocks);
     movePoses(step, problem);
     cameras.update(problem);
-    if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
+    if (isSettled(step, system, settings.convergence)) break;
   }
   conclusions.reset(problem, cameras, blocks);
   buildConclusions(blocks, residuals, system, conclusions);

@@ -96,6 +96,7 @@ void validate(const OdometrySettings& settings) {
   requireRange("pose_search.maximum_turn", settings.pose_search.maximum_turn, 0.1, 1e6);
   requireRange("bundle.frames", settings.bundle.frames, 2, kMostWindowPairs - 1);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
+  requireRange("bundle.convergence", settings.bundle.convergence, 0.0, 1.0);
   requireRange("bundle.hold", settings.bundle.hold, 0.0, 1e3);
   requireRange("bundle.standing_share", settings.bundle.standing_share, 0.0, 1.0);
   requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);

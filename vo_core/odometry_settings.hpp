@@ -98,6 +98,7 @@ struct BundleSettings {
   /// left positions in their pairs and depths that earlier hosts knew, so much counts. 1: all.
   double standing_share = 0.2;
   int iterations = 4;         ///< at most
+  double convergence = 0.1;   ///< standard deviations, rms; done when a step of the poses is shorter
   double robust_width = 1.5;  ///< standard deviations at which a residual has half its weight
 };
 

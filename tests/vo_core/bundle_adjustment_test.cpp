@@ -19,8 +19,7 @@ constexpr double kOffsets[] = {-0.02, 0.0, 0.02};  // s
 constexpr double kPlain = 1e6;                     // width of a robust weight that is always one
 
 TEST(BundleAdjustment, FindsPosesAndDepthsExactlyWithoutNoise) {
-  BundleSettings settings;
-  settings.iterations = 20;
+  const BundleSettings settings{.iterations = 20, .convergence = 0.0};
   for (const int free_frames : {1, 3}) {
     for (const double offset : kOffsets) {
       const LandmarkScene scene{.free_frames = free_frames, .offset = offset};
@@ -79,7 +78,8 @@ double errorAmongNoisyLandmarks(bool said) {
         if (said) sightings[k].relative_noise.setConstant(kRelative);
       }
     }
-    EXPECT_TRUE(adjustBundle(problem, {.iterations = 10, .robust_width = kPlain}).converged);
+    EXPECT_TRUE(
+        adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain}).converged);
     squares += test::poseErrors(problem).squaredNorm();
   }
   return std::sqrt(squares);
@@ -107,7 +107,7 @@ BundleProblem withDelay(const LandmarkScene& scene, double delay) {
 
 TEST(BundleAdjustment, SaysHowTheResultErrsIfRightCamerasAreLate) {
   constexpr double kDelay = 1e-5;
-  const BundleSettings settings{.iterations = 10, .robust_width = kPlain};
+  const BundleSettings settings{.iterations = 10, .convergence = 0.0, .robust_width = kPlain};
   for (const int free_frames : {1, 3}) {
     for (const double offset : kOffsets) {
       const LandmarkScene scene{.free_frames = free_frames, .offset = offset};
@@ -140,7 +140,7 @@ TEST(BundleAdjustment, PassesOnWhatLateRightCamerasDidToPosesAndPriors) {
     landmark.prior_by_late_right = 2.0;
     landmark.prior_inverse_depth = landmark.inverse_depth + 2.0 * kDelay;
   }
-  ASSERT_TRUE(adjustBundle(late, {.iterations = 10, .robust_width = kPlain}).converged);
+  ASSERT_TRUE(adjustBundle(late, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain}).converged);
   const Vector6d expected = test::poseErrors(late) / kDelay;
   EXPECT_LT((late.poses.back().by_late_right - expected).norm(), 0.01 * expected.norm());
 }
@@ -203,7 +203,8 @@ TEST(BundleAdjustment, SolvesThePlainEquationsOfAllPosesAndDepths) {
         problem.landmarks[i].weight = 0.5 + 0.02 * static_cast<double>(i);
         if (i % 3 == 0) problem.landmarks[i].sightings.back().stereo = false;
       }
-      const BundleResult result = adjustBundle(problem, {.iterations = 20, .robust_width = kPlain});
+      const BundleResult result =
+          adjustBundle(problem, {.iterations = 20, .convergence = 0.0, .robust_width = kPlain});
       ASSERT_TRUE(result.converged);
       Eigen::VectorXd weights(residualsOf(problem).size());
       Eigen::Index row = 0;
@@ -238,7 +239,7 @@ double meanNees(const LandmarkScene& scene, double robust_width) {
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     BundleProblem problem = test::seenBy(scene, 1000 + trial);
-    const BundleResult result = adjustBundle(problem, {.robust_width = robust_width});
+    const BundleResult result = adjustBundle(problem, {.convergence = 0.0, .robust_width = robust_width});
     EXPECT_TRUE(result.converged);
     const Eigen::VectorXd error = test::poseErrors(problem);
     sum += error.dot(result.covariance.ldlt().solve(error));
@@ -278,7 +279,8 @@ TEST(BundleAdjustment, RigGradientIsItsInformationTimesTheChange) {
   for (const double offset : kOffsets) {
     BundleProblem problem =
         test::seenBy({.free_frames = 3, .landmarks = 20, .offset = offset, .rig = rig}, 1);
-    const BundleResult result = adjustBundle(problem, {.iterations = 10, .robust_width = kPlain});
+    const BundleResult result =
+        adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain});
     const RigCorrection::Vector found = result.rig_information.ldlt().solve(result.rig_gradient);
     EXPECT_NEAR(found[0], rig.yaw, 1e-7) << offset;
     EXPECT_NEAR(found[1], rig.bend, 2e-7) << offset;
@@ -301,8 +303,8 @@ TEST(BundleAdjustment, EndsWhereItWouldWithoutThemIfAFifthOfTheDisparitiesIsWron
         test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0, .wrong_disparities = 0.2}, 5);
     test::disturb(problem);
     BundleProblem clean = test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0}, 5);
-    const BundleResult result = adjustBundle(problem, {.iterations = 10});
-    adjustBundle(clean, {.iterations = 10});
+    const BundleResult result = adjustBundle(problem, {.iterations = 10, .convergence = 0.0});
+    adjustBundle(clean, {.iterations = 10, .convergence = 0.0});
     ASSERT_TRUE(result.converged);
     const Eigen::ArrayXd deviation = result.covariance.diagonal().cwiseSqrt();
     EXPECT_LT((test::poseErrors(problem).array().abs() / deviation).maxCoeff(), 4.0) << offset;

@@ -25,7 +25,7 @@ BundleProblem heldAway(const Vector6d& away, double information) {
 
 TEST(HeldPoses, AHeldPoseMovesAsFarAsItIsWorthAgainstWhatIsSeen) {
   const Vector6d away = test::vector6(2e-3, -1e-3, 3e-3, 1e-4, -2e-4, 1e-4);
-  const BundleSettings settings{.iterations = 20, .robust_width = kPlain};
+  const BundleSettings settings{.iterations = 20, .convergence = 0.0, .robust_width = kPlain};
   BundleProblem free = heldAway(away, 0.0);
   const BundleResult by_sight = adjustBundle(free, settings);
   EXPECT_LT(test::poseErrors(free).norm(), 1e-6) << "no information";
@@ -49,7 +49,7 @@ TEST(HeldPoses, AHeldPoseMovesAsFarAsItIsWorthAgainstWhatIsSeen) {
 TEST(HeldPoses, PassesOnWhatLateRightCamerasDidToAHeldPose) {
   constexpr double kDelay = 1e-5;
   const Vector6d by_late_right = test::vector6(0.3, -0.1, 0.4, 0.02, 0.05, -0.01);
-  const BundleSettings settings{.iterations = 10, .robust_width = kPlain};
+  const BundleSettings settings{.iterations = 10, .convergence = 0.0, .robust_width = kPlain};
   BundleProblem late = heldAway(kDelay * by_late_right, 1e6);
   for (TimedPose& pose : late.poses)
     pose.offset -= kDelay;

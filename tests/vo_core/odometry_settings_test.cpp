@@ -36,6 +36,8 @@ TEST(OdometrySettings, EachRefusalNamesTheValueAndWhatIsExpected) {
   EXPECT_EQ(refusal([](OdometrySettings& s) { s.motion.subset_size = 2; }),
             "motion.subset_size is 2: expected 3 to 100");
   EXPECT_EQ(refusal([](OdometrySettings& s) { s.bundle.frames = 8; }), "bundle.frames is 8: expected 2 to 7");
+  EXPECT_EQ(refusal([](OdometrySettings& s) { s.bundle.convergence = 2.0; }),
+            "bundle.convergence is 2: expected 0 to 1");
   EXPECT_EQ(refusal([](OdometrySettings& s) { s.refinement.frames = 9; }),
             "refinement.frames is 9: expected 1 to 8");
   EXPECT_EQ(refusal([](OdometrySettings& s) { s.validity.maximum_speed = std::nan(""); }),

@@ -1,0 +1,29 @@
+// When the bundle adjustment has done enough.
+#include <Eigen/LU>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/landmark_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+TEST(BundleConvergence, EndsWithinAFifthOfADeviationOfTheMinimum) {
+  for (int seed = 1; seed <= 5; ++seed) {
+    BundleProblem problem = test::seenBy({.offset = 0.02, .noise = 1.0}, seed);
+    test::disturb(problem);
+    BundleProblem minimum = problem;
+    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    ASSERT_TRUE(result.converged);
+    ASSERT_TRUE(adjustBundle(minimum, {.iterations = 20, .convergence = 0.0}).converged);
+    const Vector6d apart =
+        vectorFromMotion(minimum.poses.back().T_world_camera.inverse() * problem.poses.back().T_world_camera);
+    EXPECT_LT(std::sqrt(apart.dot(result.covariance.inverse() * apart) / 6.0), 0.2) << seed;
+    EXPECT_GT(apart.norm(), 0.0) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -5,6 +5,7 @@
 
 #include "vo_core/held_poses.hpp"
 #include "vo_core/late_right.hpp"
+#include "vo_core/parallel_loop.hpp"
 #include "vo_core/residual_sizes.hpp"
 #include "vo_core/rig_system.hpp"
 
@@ -49,15 +50,21 @@ struct Conclusions {
 };
 
 CARTVO_VECTOR_CLONES
-void buildEquations(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system) {
+void buildPart(const BundleBlocks& blocks, const BlockResiduals& residuals, std::size_t part,
+               ReducedSystem& system) {
   NoVisit visit;
-  system.build(blocks, residuals, visit);
+  system.build(blocks, residuals, part, visit);
+}
+
+void buildEquations(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system) {
+  forEachIndex(ReducedSystem::kParts, [&](std::size_t part) { buildPart(blocks, residuals, part, system); });
 }
 
 CARTVO_VECTOR_CLONES
 void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system,
                       Conclusions& conclusions) {
-  system.build(blocks, residuals, conclusions);
+  for (std::size_t part = 0; part < ReducedSystem::kParts; ++part)
+    system.build(blocks, residuals, part, conclusions);
 }
 
 CARTVO_VECTOR_CLONES

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "vo_core/bundle_residuals.hpp"
@@ -23,15 +25,21 @@ PoseVector sumOf(const PoseSums& sums);
 /// The normal equations, the inverse depths eliminated.
 class ReducedSystem {
  public:
+  /// The blocks are divided so that threads can share the work. Each part is added up by itself, and the
+  /// parts in their order: the same bits on any number of threads.
+  static constexpr std::size_t kParts = 4;
+
   void reset(const BundleProblem& problem, const BundleBlocks& blocks);
 
-  /// Builds the equations of all blocks; `visit` sees, of each block,
+  /// Builds the equations of one part of the blocks; `visit` sees, of each block,
   ///   begin(block), add(view, rows) for each sighting, and eliminate(block, depth, by_poses).
   /// Inline: the callers are compiled per processor; what is not unrolled keeps them small.
   template <typename Visit>
-  void build(const BundleBlocks& blocks, const BlockResiduals& residuals, Visit& visit) {
-    clear();
-    for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
+  void build(const BundleBlocks& blocks, const BlockResiduals& residuals, std::size_t part, Visit& visit) {
+    Sums& sums = sums_[part];
+    sums.clear();
+    const std::size_t count = blocks.landmarks.size();
+    for (std::size_t i = count * part / kParts; i < count * (part + 1) / kParts; ++i) {
       const LandmarkBlock& block = blocks.landmarks[i];
       DepthBlock& depth = depths[i];
       PoseLanes* const by_poses = by_poses_.data() + free_ * i;
@@ -44,15 +52,15 @@ class ReducedSystem {
         SightingRows rows;
         residuals.linearise(view, block.weight, rows);
         for (int row = view.isHost() ? SightingRows::kDisparity : 0; row < SightingRows::kCount; ++row)
-          add(rows.row[row], depth, by_poses);
+          add(rows.row[row], depth, by_poses, sums);
         visit.add(view, rows);
       }
-      eliminate(depth, by_poses);
+      eliminate(depth, by_poses, sums);
       visit.eliminate(block, depth, by_poses);
     }
   }
 
-  /// What has been built, added up.
+  /// What has been built of all parts, added up.
   void conclude();
 
   /// The poses' step, applied to the inverse depths. Inline, as build().
@@ -76,10 +84,16 @@ class ReducedSystem {
   struct MatrixLanes {
     DoubleLanes value[6][6];
   };
-  /// a >= b. Of a diagonal block, the lower triangle is used.
-  MatrixLanes& hessianOf(int a, int b) { return hessian_sums_[a * (a + 1) / 2 + b]; }
+  /// Of one part.
+  struct Sums {
+    std::vector<MatrixLanes> hessian;
+    PoseSums gradient;
 
-  void clear();
+    /// a >= b. Of a diagonal block, the lower triangle is used.
+    MatrixLanes& hessianOf(int a, int b) { return hessian[a * (a + 1) / 2 + b]; }
+    void clear();
+    void add(const Sums& other);
+  };
 
   void begin(const LandmarkBlock& block, const BlockResiduals& residuals, const SightingBlock* sightings,
              DepthBlock& depth, PoseLanes* by_poses) const {
@@ -91,14 +105,14 @@ class ReducedSystem {
       by_poses[pose] = {};
   }
 
-  void addProduct(int a, int b, const PoseLanes& weighted, const PoseLanes& other) {
-    MatrixLanes& into = hessianOf(a, b);
+  static void addProduct(int a, int b, const PoseLanes& weighted, const PoseLanes& other, Sums& sums) {
+    MatrixLanes& into = sums.hessianOf(a, b);
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < (a == b ? i + 1 : 6); ++j)
         into.value[i][j] += weighted.value[i] * other.value[j];
   }
 
-  void add(const RowLanes& row, DepthBlock& depth, PoseLanes* by_poses) {
+  static void add(const RowLanes& row, DepthBlock& depth, PoseLanes* by_poses, Sums& sums) {
     const DoubleLanes weighted_depth = row.weight * row.by_inverse_depth;
     depth.hessian += weighted_depth * row.by_inverse_depth;
     depth.gradient += weighted_depth * row.residual;
@@ -111,17 +125,17 @@ class ReducedSystem {
       for (int i = 0; i < 6; ++i) {
         const DoubleLanes& derivative = row.by_pose[a].value[i];
         weighted.value[i] = row.weight * derivative;
-        gradient_sums_[pose].value[i] += weighted_residual * derivative;
+        sums.gradient[pose].value[i] += weighted_residual * derivative;
         by_poses[pose].value[i] += weighted_depth * derivative;
       }
 #pragma GCC unroll 1
       for (int b = 0; b < row.poses; ++b)
-        if (row.pose[b] <= row.pose[a]) addProduct(pose, row.pose[b], weighted, row.by_pose[b]);
+        if (row.pose[b] <= row.pose[a]) addProduct(pose, row.pose[b], weighted, row.by_pose[b], sums);
     }
   }
 
   /// The Schur complement.
-  void eliminate(DepthBlock& depth, const PoseLanes* by_poses) {
+  void eliminate(DepthBlock& depth, const PoseLanes* by_poses, Sums& sums) const {
     constexpr double kLeastInformation = 1e-9;
     BitLanes little;
     findNegative(depth.hessian - kLeastInformation, little);
@@ -134,16 +148,15 @@ class ReducedSystem {
 #pragma GCC unroll 1
       for (int i = 0; i < 6; ++i) {
         weighted.value[i] = -depth.variance * by_poses[a].value[i];
-        gradient_sums_[a].value[i] += weighted.value[i] * depth.gradient;
+        sums.gradient[a].value[i] += weighted.value[i] * depth.gradient;
       }
       for (int b = 0; b <= a; ++b)
-        addProduct(a, b, weighted, by_poses[b]);
+        addProduct(a, b, weighted, by_poses[b], sums);
     }
   }
 
   int free_ = 0;
-  std::vector<MatrixLanes> hessian_sums_;
-  PoseSums gradient_sums_;
+  std::array<Sums, kParts> sums_;
   std::vector<PoseLanes> by_poses_;
 };
 

@@ -254,7 +254,7 @@ TEST(Report, HoldsTheSameNumbersAsTableAndJson) {
   EXPECT_THAT(table, HasSubstr("final drift of the path            2.000 %"));
   EXPECT_THAT(table, HasSubstr("300.030 m (estimated: 306.031 m)"));
   EXPECT_THAT(table, HasSubstr("(turned by 0.000, 0.000, 0.000 deg)"));
-  EXPECT_EQ(json["axes_aligned"]["rotation_deg"], (nlohmann::json{0.0, 0.0, 0.0}));
+  EXPECT_EQ(json["axes_aligned"]["rotation_deg"], (nlohmann::ordered_json{0.0, 0.0, 0.0}));
   EXPECT_EQ(json["axes_aligned"]["segments_5_to_40_m"]["translation_percent"],
             json["segments_5_to_40_m"]["translation_percent"]);
 }

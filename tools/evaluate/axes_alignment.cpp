@@ -1,3 +1,4 @@
+// How the truth's axes are turned against the estimate's.
 #include "tools/evaluate/axes_alignment.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -10,10 +11,11 @@
 namespace cartvo {
 namespace {
 
-constexpr int kIterations = 5;       // of Gauss-Newton; angles are small
-constexpr double kLeastBend = 0.01;  // of the greatest eigenvalue: squared sine of six degrees
-constexpr double kLeastMotion =
-    1e-9;  // of a segment's length, squared; an estimate that stands tells nothing
+constexpr int kIterations = 5;  // of Gauss-Newton; angles are small
+// Of a segment's length, squared; an estimate that stands tells nothing.
+constexpr double kLeastMotion = 1e-9;
+// Of the greatest eigenvalue: the squared sine of six degrees.
+constexpr double kLeastBend = 0.01;
 
 struct Displacements {
   Eigen::Vector3d estimate, truth;  // of a segment, in the axes at its start, as parts of its length
@@ -24,11 +26,12 @@ std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& asso
     return Eigen::Vector3d(trajectory[first].pose.inverse() * trajectory[last].pose.translation());
   };
   std::vector<Displacements> displacements;
-  forEachSegment(distancesAlong(associated.truth), kShortSegments, 1,
-                 [&](double length, std::size_t first, std::size_t last) {
-                   displacements.push_back({displacement(associated.estimate, first, last) / length,
-                                            displacement(associated.truth, first, last) / length});
-                 });
+  const std::vector<double> distances = distancesAlong(associated.truth);
+  for (const double length : kShortSegments)
+    forEachSegment(distances, length, 1, [&](std::size_t first, std::size_t last) {
+      displacements.push_back({displacement(associated.estimate, first, last) / length,
+                               displacement(associated.truth, first, last) / length});
+    });
   return displacements;
 }
 
@@ -60,6 +63,7 @@ Eigen::Vector3d solveWhereTold(const Eigen::Matrix3d& matrix, const Eigen::Vecto
 std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associated) {
   const std::vector<Displacements> displacements = shortDisplacements(associated);
   if (displacements.empty()) return std::nullopt;
+  const auto count = static_cast<double>(displacements.size());
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
@@ -71,9 +75,7 @@ std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associ
       hessian += by_rotation.transpose() * by_rotation;
       gradient += by_rotation.transpose() * (of.truth - turned);
     }
-    R = rotationFromVector(solveWhereTold(hessian / static_cast<double>(displacements.size()),
-                                          gradient / static_cast<double>(displacements.size()))) *
-        R;
+    R = rotationFromVector(solveWhereTold(hessian / count, gradient / count)) * R;
   }
   const Eigen::AngleAxisd rotation(R);
   return rotation.angle() * rotation.axis();

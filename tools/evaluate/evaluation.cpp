@@ -49,7 +49,7 @@ SegmentGroup segmentErrors(const AssociatedTrajectories& associated, std::span<c
   SegmentMean all;
   for (const double length : lengths) {
     SegmentMean mean;
-    forEachSegment(distances, std::span(&length, 1), step, [&](double, std::size_t first, std::size_t last) {
+    forEachSegment(distances, length, step, [&](std::size_t first, std::size_t last) {
       const Eigen::Isometry3d error = motionError(associated, first, last);
       mean.add({length, 1, error.translation().norm() / length, angle(error.linear()) / length});
     });

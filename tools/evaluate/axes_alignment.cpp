@@ -2,11 +2,11 @@
 #include "tools/evaluate/axes_alignment.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <vector>
 
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/segments.hpp"
+#include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
 namespace {
@@ -35,14 +35,10 @@ std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& asso
   return displacements;
 }
 
-Eigen::Matrix3d crossProductMatrix(const Eigen::Vector3d& vector) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -vector.z(), vector.y(), vector.z(), 0.0, -vector.x(), -vector.y(), vector.x(), 0.0;
-  return matrix;
-}
-
-Eigen::Matrix3d rotationFromVector(const Eigen::Vector3d& rotation) {
-  return Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()).toRotationMatrix();
+Eigen::Isometry3d turnBy(const Eigen::Vector3d& rotation) {
+  Vector6d motion;
+  motion << Eigen::Vector3d::Zero(), rotation;
+  return motionFromVector(motion);
 }
 
 /// The least of the solutions of matrix x = right_side, without the directions that hardly count.
@@ -64,25 +60,24 @@ std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associ
   const std::vector<Displacements> displacements = shortDisplacements(associated);
   if (displacements.empty()) return std::nullopt;
   const auto count = static_cast<double>(displacements.size());
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     for (const Displacements& of : displacements) {
-      // exp(w) R t = R t - [R t]x w, to first order.
-      const Eigen::Vector3d turned = R * of.estimate;
-      const Eigen::Matrix3d by_rotation = -crossProductMatrix(turned);
+      // Turned by w more, it is t - skew(t) w to first order.
+      const Eigen::Vector3d turned = turn * of.estimate;
+      const Eigen::Matrix3d by_rotation = -skew(turned);
       hessian += by_rotation.transpose() * by_rotation;
       gradient += by_rotation.transpose() * (of.truth - turned);
     }
-    R = rotationFromVector(solveWhereTold(hessian / count, gradient / count)) * R;
+    turn = turnBy(solveWhereTold(hessian / count, gradient / count)) * turn;
   }
-  const Eigen::AngleAxisd rotation(R);
-  return rotation.angle() * rotation.axis();
+  return vectorFromMotion(turn).tail<3>();
 }
 
 Trajectory inTurnedAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation) {
-  const Eigen::Isometry3d turn(rotationFromVector(rotation));
+  const Eigen::Isometry3d turn = turnBy(rotation);
   Trajectory turned = estimate;
   for (StampedPose& stamped : turned)
     stamped.pose = turn * estimate.front().pose.inverse() * stamped.pose * turn.inverse();

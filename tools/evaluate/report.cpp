@@ -15,9 +15,9 @@ std::string line(const char* format, Values... values) {
   return std::string(text) + "\n";
 }
 
-std::string segmentRow(const char* name, const SegmentErrors& errors) {
-  return line("  %-12s %9d %12.3f %16.5f", name, errors.count, 100.0 * errors.translation,
-              kDegrees * errors.rotation);
+std::string segmentRow(const char* name, const SegmentErrors& errors, const char* remark = "") {
+  return line("  %-12s %9d %12.3f %16.5f%s", name, errors.count, 100.0 * errors.translation,
+              kDegrees * errors.rotation, remark);
 }
 
 std::string segmentTable(const char* title, const SegmentGroup& group) {
@@ -31,9 +31,10 @@ std::string segmentTable(const char* title, const SegmentGroup& group) {
 
 std::string alignedRow(const AlignedAxes& aligned) {
   const Eigen::Vector3d rotation = kDegrees * aligned.rotation;
-  std::string row = segmentRow("axes aligned", aligned.short_segments.all);
-  row.pop_back();
-  return row + line("  (turned by %.3f, %.3f, %.3f deg)", rotation.x(), rotation.y(), rotation.z());
+  char remark[80];
+  std::snprintf(remark, sizeof remark, "  (turned by %.3f, %.3f, %.3f deg)", rotation.x(), rotation.y(),
+                rotation.z());
+  return segmentRow("axes aligned", aligned.short_segments.all, remark);
 }
 
 nlohmann::ordered_json segmentJson(const SegmentErrors& errors) {

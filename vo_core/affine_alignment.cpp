@@ -5,8 +5,8 @@
 #include <array>
 
 #include "vo_core/affine_equations.hpp"
-#include "vo_core/affine_patch.hpp"
-#include "vo_core/affine_sums.hpp"
+#include "vo_core/patch_comparison.hpp"
+#include "vo_core/patch_sums.hpp"
 
 namespace cartvo {
 namespace {
@@ -39,10 +39,10 @@ class FourAlignments {
     bounds_.findInside(warps_, busy_);
     for (std::size_t i = tasks.size(); i < kFour; ++i)
       busy_[i] = 0;
-    std::array<TemplateSums<OfPatch>, kFour> sums{};
+    std::array<SumsOfPatch<TemplateSums<Parameters>>, kFour> sums{};
     for (std::size_t i = 0; i < kFour; ++i)
-      if (busy_[i] != 0) sampleTemplate<Processor>(*tasks[i].before, tasks[i].from, patches_[i], sums[i]);
-    TemplateSums<OfFourPatches> lanes;
+      if (busy_[i] != 0) takeTemplate<Processor>(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
+    SumsOfFour<TemplateSums<Parameters>> lanes;
     gatherLanes(sums, lanes);
     MaskLanes regular;
     equations_.setUp(lanes, regular);
@@ -65,15 +65,13 @@ class FourAlignments {
   }
 
   void answer(std::span<std::optional<AffineAlignment>> answers) const {
-    std::array<ReturnSums<OfPatch>, kFour> sums{};
+    std::array<SumsOfPatch<ReturnSums>, kFour> sums{};
     for (std::size_t i = 0; i < kFour; ++i)
-      if (done_[i] != 0)
-        compareBothWays(patches_[i], now_[i], static_cast<float>(at_.mean.value[i]),
-                        static_cast<float>(at_.gain.value[i]), sums[i]);
-    ReturnSums<OfFourPatches> lanes;
+      if (done_[i] != 0) compareBothWays<Processor>(templates_[i], now_[i], sums[i]);
+    SumsOfFour<ReturnSums> lanes;
     gatherLanes(sums, lanes);
     Column misses, variance_x, variance_y;
-    returnMisses(lanes, at_.gain, misses);
+    returnMisses(lanes, at_, equations_.mean(), misses);
     equations_.findVariances(at_, variance_x, variance_y);
     for (std::size_t i = 0; i < answers.size(); ++i) {
       answers[i].reset();
@@ -89,20 +87,21 @@ class FourAlignments {
  private:
   /// Of those that are not busy all stays as it was.
   void compare() {
-    for (std::size_t i = 0; i < kFour; ++i)
-      if (busy_[i] != 0)
-        comparePatches<Processor>(patches_[i], *tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i],
-                                  sums_[i]);
-    ComparisonSums<OfFourPatches> lanes;
+    for (std::size_t i = 0; i < kFour; ++i) {
+      if (busy_[i] == 0) continue;
+      samplePatch<Processor>(*tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i]);
+      comparePatches<Processor>(templates_[i], now_[i], sums_[i]);
+    }
+    SumsOfFour<ComparisonSums<Parameters>> lanes;
     gatherLanes(sums_, lanes);
     equations_.compare(lanes, at_);
   }
 
   std::span<const AlignmentTask> tasks_;
   MaskLanes busy_{}, done_{};
-  std::array<AlignedTemplate, kFour> patches_;
+  std::array<AlignedTemplate<Parameters>, kFour> templates_;
   std::array<AlignedPatch, kFour> now_;
-  std::array<ComparisonSums<OfPatch>, kFour> sums_{};
+  std::array<SumsOfPatch<ComparisonSums<Parameters>>, kFour> sums_{};
   AlignmentEquations<Parameters> equations_;
   FourComparisons at_;
   FourWarps warps_;
@@ -124,8 +123,8 @@ void answerWith(const Question& asked) {
 
 template <typename Processor>
 void answer(const Question& asked) {
-  if (asked.model == WarpModel::stereo) return answerWith<Processor, kStereoWarpParameters>(asked);
-  answerWith<Processor, kWarpParameters>(asked);
+  if (asked.model == WarpModel::stereo) return answerWith<Processor, kStereoParameters>(asked);
+  answerWith<Processor, kAffineParameters>(asked);
 }
 
 CARTVO_BY_PROCESSOR(void, answerAll, (const Question& asked), (asked), answer)

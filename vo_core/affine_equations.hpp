@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "vo_core/affine_sums.hpp"
-#include "vo_core/aligned_template.hpp"
+#include "vo_core/aligned_patch.hpp"
 #include "vo_core/double_lanes.hpp"
+#include "vo_core/patch_sums.hpp"
 #include "vo_core/small_inverse.hpp"
 
 // The equations of four affine alignments, a lane each: what follows from one sum to the next takes long and
@@ -59,60 +59,61 @@ struct WarpBounds {
 
 /// How four patches after compare with their templates.
 struct FourComparisons {
-  Column mean;  ///< of the patch after, less the template's
+  Column mean;  ///< of the patch after
   Column gain;  ///< against the template
   Column correlation;
-  DoubleLanes right_side[kWarpParameters];  ///< of the normal equations
+  DoubleLanes right_side[kAffineParameters];  ///< of the normal equations
 };
 
 /// Of four templates' alignments by the first so many Parameters: shift x, y, then the warp's elements xx,
-/// xy, yx, yy, scaled by the patch's half side so that all are pixels. From all derivatives the mean is
-/// removed: brightness does not matter.
+/// xy, yx, yy, scaled by the patch's half side so that all are pixels. From all that is summed the mean is
+/// removed, which rounds nothing as the sums are exact: brightness does not matter.
 template <int Parameters>
 class AlignmentEquations {
  public:
   /// Lanes are `regular` whose texture holds the warp.
-  void setUp(const TemplateSums<OfFourPatches>& sums, MaskLanes& regular) {
-    const GradientMoments<OfFourPatches>&p = sums.xx, &q = sums.xy, &r = sums.yy;
-    DoubleLanes hessian[kWarpParameters][kWarpParameters] = {
-        {p.one, q.one, p.x, p.y, q.x, q.y}, {q.one, r.one, q.x, q.y, r.x, r.y},
-        {p.x, q.x, p.xx, p.xy, q.xx, q.xy}, {p.y, q.y, p.xy, p.yy, q.xy, q.yy},
-        {q.x, r.x, q.xx, q.xy, r.xx, r.xy}, {q.y, r.y, q.xy, q.yy, r.xy, r.yy}};
+  void setUp(const SumsOfFour<TemplateSums<Parameters>>& sums, MaskLanes& regular) {
+    using Sums = TemplateSums<Parameters>;
+    mean_ = kPerPixel * sums[Sums::kGreys];
+    DoubleLanes normal[Parameters][Parameters];
 #pragma GCC unroll 6
     for (int i = 0; i < Parameters; ++i) {
-      slope_sums_[i] = sums.slopes[i];
-      slope_greys_[i] = sums.slope_greys[i];
+      slopes_[i] = sums[Sums::slope(i)];
+      slope_greys_[i] = sums[Sums::slopeGrey(i)] - mean_ * slopes_[i];
 #pragma GCC unroll 6
       for (int j = 0; j <= i; ++j)
-        hessian[i][j] -= sums.slopes[i] * (kPerPixel * sums.slopes[j]);
+        normal[i][j] = sums[Sums::normal(i, j)] - slopes_[i] * (kPerPixel * slopes_[j]);
     }
-    invertCorner<Parameters>(hessian, kMinimumPivot, inverse_, regular);
-    norm_ = sums.squares;
+    invertCorner<Parameters>(normal, kMinimumPivot, inverse_, regular);
+    greys_ = sums[Sums::kGreys];
+    norm_ = sums[Sums::kSquares] - mean_ * greys_;
     takeRoots(norm_);
   }
 
   /// The patch's gain is taken out, else a darker image would shorten each step.
-  void compare(const ComparisonSums<OfFourPatches>& sums, FourComparisons& out) const {
-    const DoubleLanes mean = sums.values * kPerPixel;
-    DoubleLanes deviation = sums.squares - kAlignedSize * mean * mean;
+  void compare(const SumsOfFour<ComparisonSums<Parameters>>& sums, FourComparisons& out) const {
+    using Sums = ComparisonSums<Parameters>;
+    const DoubleLanes mean = kPerPixel * sums[Sums::kValues];
+    DoubleLanes deviation = sums[Sums::kSquares] - mean * sums[Sums::kValues];
     raiseTo(1e-6, deviation);
     takeRoots(deviation);
-    DoubleLanes gain = sums.products / (norm_ * norm_ + 1e-12);
+    const DoubleLanes product = sums[Sums::kWithGrey] - mean * greys_;
+    DoubleLanes gain = product / (norm_ * norm_ + 1e-12);
     raiseTo(kMinimumGain, gain);
     const DoubleLanes per_gain = 1.0 / gain;
 #pragma GCC unroll 6
     for (int i = 0; i < Parameters; ++i)
-      out.right_side[i] = (sums.slopes[i] - mean * slope_sums_[i]) * per_gain - slope_greys_[i];
+      out.right_side[i] = (sums[Sums::slope(i)] - mean * slopes_[i]) * per_gain - slope_greys_[i];
     out.mean.lanes() = mean;
     out.gain.lanes() = gain;
-    out.correlation.lanes() = sums.products / (norm_ * deviation + 1e-12);
+    out.correlation.lanes() = product / (norm_ * deviation + 1e-12);
   }
 
   /// Moves the warps `moving` by a Gauss-Newton step. Steps are `settled` that are too short for another to
   /// be worth it.
   void improve(const FourComparisons& at, double convergence, const MaskLanes& moving, FourWarps& warps,
                MaskLanes& settled) const {
-    DoubleLanes step[kWarpParameters] = {};
+    DoubleLanes step[kAffineParameters] = {};
 #pragma GCC unroll 6
     for (int i = 0; i < Parameters; ++i) {
       step[i] = inverse_[i][0] * at.right_side[0];
@@ -122,6 +123,11 @@ class AlignmentEquations {
     }
     moveBack(step, moving, warps);
     findSettled(step, convergence, settled);
+  }
+
+  /// Of the templates' grey values.
+  const DoubleLanes& mean() const {
+    return mean_;
   }
 
   /// px^2, of the positions (AffineAlignment::variance).
@@ -141,13 +147,18 @@ class AlignmentEquations {
   static constexpr double kPerHalfSide = 2.0 / kPatchSide;
   static constexpr double kShiftShare = 0.5, kStretchShare = 3.0;  // of the step that ends the iterations
 
-  /// By the inverses of the steps' warps.
+  /// By the inverses of the steps' warps. Rows that are to stay do so to the last bit.
   static void moveBack(const DoubleLanes* step, const MaskLanes& moving, FourWarps& warps) {
-    const DoubleLanes a = 1.0 + kPerHalfSide * step[2], b = kPerHalfSide * step[3],
-                      c = kPerHalfSide * step[4], d = 1.0 + kPerHalfSide * step[5];
-    const DoubleLanes per_determinant = 1.0 / (a * d - c * b);
-    const DoubleLanes xx = d * per_determinant, xy = -b * per_determinant, yx = -c * per_determinant,
-                      yy = a * per_determinant;
+    const DoubleLanes a = 1.0 + kPerHalfSide * step[2], b = kPerHalfSide * step[3];
+    DoubleLanes xx = 1.0 / a, xy = -b * xx, yx{}, yy = 1.0 + DoubleLanes{};
+    if constexpr (Parameters == kAffineParameters) {
+      const DoubleLanes c = kPerHalfSide * step[4], d = 1.0 + kPerHalfSide * step[5];
+      const DoubleLanes per_determinant = 1.0 / (a * d - c * b);
+      xx = d * per_determinant;
+      xy = -b * per_determinant;
+      yx = -c * per_determinant;
+      yy = a * per_determinant;
+    }
     const DoubleLanes new_xx = warps.xx.lanes() * xx + warps.xy.lanes() * yx;
     const DoubleLanes new_xy = warps.xx.lanes() * xy + warps.xy.lanes() * yy;
     const DoubleLanes new_yx = warps.yx.lanes() * xx + warps.yy.lanes() * yx;
@@ -169,26 +180,39 @@ class AlignmentEquations {
     settled = (shifted < shift * shift) & (stretched < stretch * stretch);
   }
 
-  DoubleLanes inverse_[kWarpParameters][kWarpParameters];  // of the Gauss-Newton matrix
-  DoubleLanes slope_sums_[kWarpParameters], slope_greys_[kWarpParameters];
-  DoubleLanes norm_;  // of grey
+  DoubleLanes inverse_[Parameters][Parameters];  // of the Gauss-Newton matrix
+  DoubleLanes slopes_[Parameters];               // sums
+  DoubleLanes slope_greys_[Parameters];          // sums, grey without its mean
+  DoubleLanes greys_, mean_, norm_;              // of grey: sum, mean, and deviation from it
 };
 
-inline void solveShift(const ShiftSums<OfFourPatches>& sums, DoubleLanes& x, DoubleLanes& y) {
-  const DoubleLanes determinant = sums.xx * sums.yy - sums.xy * sums.xy;
-  x = (sums.yy * sums.x - sums.xy * sums.y) / determinant;
-  y = (sums.xx * sums.y - sums.xy * sums.x) / determinant;
+/// Of four patches, the shift by which gradients explain the difference: the sums of one side of ReturnSums.
+inline void solveShift(const DoubleLanes* sums, const DoubleLanes& mean, const DoubleLanes& gain,
+                       const DoubleLanes& grey_mean, DoubleLanes& x, DoubleLanes& y) {
+  using Sums = ReturnSums;
+  DoubleLanes error[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    const DoubleLanes& alone = sums[Sums::kAlone + axis];
+    error[axis] =
+        (sums[Sums::kNows + axis] - mean * alone) - gain * (sums[Sums::kGreys + axis] - grey_mean * alone);
+  }
+  const DoubleLanes &xx = sums[Sums::kXx], &xy = sums[Sums::kXy], &yy = sums[Sums::kYy];
+  const DoubleLanes determinant = xx * yy - xy * xy;
+  x = (yy * error[0] - xy * error[1]) / determinant;
+  y = (xx * error[1] - xy * error[0]) / determinant;
 }
 
 /// px between the shift that the templates' gradients ask for and that by the gradients of the patches after:
 /// backwards, from the patch after to the template, one would miss the start by so much; at most
-/// kMaximumMove.
-inline void returnMisses(const ReturnSums<OfFourPatches>& sums, const Column& gain, Column& misses) {
+/// kMaximumMove. `grey_mean`: the templates'.
+inline void returnMisses(const SumsOfFour<ReturnSums>& sums, const FourComparisons& at,
+                         const DoubleLanes& grey_mean, Column& misses) {
+  const DoubleLanes &mean = at.mean.lanes(), &gain = at.gain.lanes();
   DoubleLanes backward_x, backward_y, forward_x, forward_y;
-  solveShift(sums.backward, backward_x, backward_y);
-  solveShift(sums.forward, forward_x, forward_y);
-  const DoubleLanes x = 2.0 * backward_x - forward_x / gain.lanes();
-  const DoubleLanes y = 2.0 * backward_y - forward_y / gain.lanes();
+  solveShift(sums.sum, mean, gain, grey_mean, backward_x, backward_y);
+  solveShift(sums.sum + ReturnSums::kOfOne, mean, gain, grey_mean, forward_x, forward_y);
+  const DoubleLanes x = backward_x - forward_x / gain;
+  const DoubleLanes y = backward_y - forward_y / gain;
   misses.lanes() = x * x + y * y;
   takeRoots(misses.lanes());
   for (double& miss : misses.value)

@@ -17,47 +17,11 @@ namespace cartvo {
 /// AVX-512 register, two of AVX or four of SSE or NEON. Never passed by value, as how that is done depends on
 /// the processor.
 constexpr int kLanes = 16;
-using Lanes = float __attribute__((vector_size(4 * kLanes), may_alias));
 using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 using ShortLanes = std::uint16_t __attribute__((vector_size(2 * kLanes), may_alias));
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes), may_alias));
 /// Twice as many, in one register of AVX-512.
 using WideShorts = std::uint16_t __attribute__((vector_size(4 * kLanes), may_alias));
-
-namespace lanes_detail {
-using Half = float __attribute__((vector_size(2 * kLanes)));
-using Quarter = float __attribute__((vector_size(kLanes)));
-
-inline void fold(const Lanes& lanes, Quarter& sum) {
-  const Half half = __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3, 4, 5, 6, 7) +
-                    __builtin_shufflevector(lanes, lanes, 8, 9, 10, 11, 12, 13, 14, 15);
-  sum = __builtin_shufflevector(half, half, 0, 1, 2, 3) + __builtin_shufflevector(half, half, 4, 5, 6, 7);
-}
-}  // namespace lanes_detail
-
-inline double sumOf(const Lanes& lanes) {
-  lanes_detail::Quarter sum;
-  lanes_detail::fold(lanes, sum);
-  return static_cast<double>((sum[0] + sum[2]) + (sum[1] + sum[3]));
-}
-
-/// The same of four at once, for less than the work of two.
-inline void sumsOf(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d, double* sums) {
-  using lanes_detail::Quarter;
-  Quarter sum_a, sum_b, sum_c, sum_d;
-  lanes_detail::fold(a, sum_a);
-  lanes_detail::fold(b, sum_b);
-  lanes_detail::fold(c, sum_c);
-  lanes_detail::fold(d, sum_d);
-  const Quarter a_and_b =
-      __builtin_shufflevector(sum_a, sum_b, 0, 4, 1, 5) + __builtin_shufflevector(sum_a, sum_b, 2, 6, 3, 7);
-  const Quarter c_and_d =
-      __builtin_shufflevector(sum_c, sum_d, 0, 4, 1, 5) + __builtin_shufflevector(sum_c, sum_d, 2, 6, 3, 7);
-  const Quarter all = __builtin_shufflevector(a_and_b, c_and_d, 0, 1, 4, 5) +
-                      __builtin_shufflevector(a_and_b, c_and_d, 2, 3, 6, 7);
-  for (int i = 0; i < 4; ++i)
-    sums[i] = static_cast<double>(all[i]);
-}
 
 /// What is worth doing differently from processor to processor. The results are the same bits.
 struct AnyProcessor {
@@ -66,9 +30,6 @@ struct AnyProcessor {
     ByteLanes bytes;
     std::memcpy(&bytes, from, sizeof bytes);
     to = __builtin_convertvector(bytes, ShortLanes);
-  }
-  static void convert(const ShortLanes& from, Lanes& to) {
-    to = __builtin_convertvector(__builtin_convertvector(from, IntLanes), Lanes);
   }
   /// The second lowest byte of each number, in both its halves.
   static void secondBytes(const IntLanes& from, IntLanes& to) {
@@ -92,15 +53,8 @@ struct AnyProcessor {
 /// puts them together again. Forms with a full mask, as GCC 12 warns of its own ones without.
 struct ByteShufflingProcessor {
   static constexpr bool kShufflesBytes = true;
-  /// Pairs are multiplied as signed numbers, so that what is positive is made less for it.
-  static constexpr int kLess = 32768;
-  static constexpr int kRowsLess = 256 * kLess;
   CARTVO_BYTE_SHUFFLES static void load(const std::uint8_t* from, ShortLanes& to) {
     to = ShortLanes(_mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
-  }
-  CARTVO_BYTE_SHUFFLES static void convert(const ShortLanes& from, Lanes& to) {
-    const auto wide = IntLanes(_mm512_maskz_cvtepu16_epi32(0xffff, __m256i(from)));
-    to = __builtin_convertvector(wide, Lanes);
   }
   /// Of sixteen pixels their bytes, those right of them, below them and below to the right, lowest first, out
   /// of four rows of 32 pixels that begin at `first`. `place`: row times 32 plus column, at most 94.
@@ -119,28 +73,18 @@ struct ByteShufflingProcessor {
     secondBytes(y, lower_share);
     // The upper number has the rest of 256: 65535 less the share, and 257 more.
     const __m512i shares = _mm512_add_epi16(__m512i(lower_share ^ 0xffff), _mm512_set1_epi32(257));
-    const IntLanes less = pairs ^ static_cast<std::int32_t>(0x80008000);  // by kLess, in both halves
-    sum = IntLanes(_mm512_madd_epi16(__m512i(less), shares)) + kRowsLess;
+    // They are multiplied as signed numbers, so that what is positive is made less for it, in both halves.
+    const IntLanes less = pairs ^ static_cast<std::int32_t>(0x80008000);
+    sum = IntLanes(_mm512_madd_epi16(__m512i(less), shares)) + 256 * 32768;
   }
-  /// Between 32 pixels and those right of them, times 256 and less kLess.
-  CARTVO_BYTE_SHUFFLES static void blendColumns(const std::uint8_t* first, std::uint16_t fraction,
-                                                WideShorts& to) {
-    const WideShorts here = widened(first), right = widened(first + 1);
-    to = ((here << 8) + fraction * (right - here)) ^ kLess;  // modulo 2^16; the sum is less
-  }
-  /// Between sixteen of those of two rows, from column First on, times 256 and less kRowsLess. `shares`: the
-  /// upper row's, the lower half, and the lower one's, the upper half; 256 together.
-  template <int First>
-  CARTVO_BYTE_SHUFFLES static void blendRows(const WideShorts& upper, const WideShorts& lower,
-                                             const IntLanes& shares, IntLanes& sum) {
-    constexpr int kUpper = First, kLower = First + 2 * kLanes;
-    const WideShorts pairs = __builtin_shufflevector(
-        upper, lower, kUpper, kLower, kUpper + 1, kLower + 1, kUpper + 2, kLower + 2, kUpper + 3, kLower + 3,
-        kUpper + 4, kLower + 4, kUpper + 5, kLower + 5, kUpper + 6, kLower + 6, kUpper + 7, kLower + 7,
-        kUpper + 8, kLower + 8, kUpper + 9, kLower + 9, kUpper + 10, kLower + 10, kUpper + 11, kLower + 11,
-        kUpper + 12, kLower + 12, kUpper + 13, kLower + 13, kUpper + 14, kLower + 14, kUpper + 15,
-        kLower + 15);
-    sum = IntLanes(_mm512_madd_epi16(__m512i(pairs), __m512i(shares)));
+  /// Four bytes of each number by their places in it, the lowest first.
+  template <int A, int B, int C, int D>
+  CARTVO_BYTE_SHUFFLES static IntLanes shuffled(const IntLanes& from) {
+    constexpr int kPattern = static_cast<int>(std::uint32_t{D} << 24 | C << 16 | B << 8 | A);
+    // Four numbers are shuffled together, so that each one's bytes have places of their own.
+    const IntLanes number = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+    const IntLanes places = number * 0x04040404 + kPattern;
+    return IntLanes(_mm512_maskz_shuffle_epi8(~__mmask64{0}, __m512i(from), __m512i(places)));
   }
   CARTVO_BYTE_SHUFFLES static bool allBelow(const ShortLanes& lanes, std::uint16_t bound) {
     return _mm256_cmplt_epu16_mask(__m256i(lanes), _mm256_set1_epi16(static_cast<short>(bound))) == 0xffff;
@@ -152,18 +96,6 @@ struct ByteShufflingProcessor {
 
  private:
   static constexpr int kZero = 0x80;
-  /// Four bytes of each number by their places in it, the lowest first.
-  template <int A, int B, int C, int D>
-  CARTVO_BYTE_SHUFFLES static IntLanes shuffled(const IntLanes& from) {
-    constexpr int kPattern = static_cast<int>(std::uint32_t{D} << 24 | C << 16 | B << 8 | A);
-    // Four numbers are shuffled together, so that each one's bytes have places of their own.
-    const IntLanes number = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-    const IntLanes places = number * 0x04040404 + kPattern;
-    return IntLanes(_mm512_maskz_shuffle_epi8(~__mmask64{0}, __m512i(from), __m512i(places)));
-  }
-  CARTVO_BYTE_SHUFFLES static WideShorts widened(const std::uint8_t* from) {
-    return WideShorts(_mm512_cvtepu8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
-  }
   CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
     const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
     const __m256i high = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(second));
@@ -172,8 +104,9 @@ struct ByteShufflingProcessor {
 };
 
 inline bool shufflesBytes() {
-  static const bool supported =
-      __builtin_cpu_supports("x86-64-v4") != 0 && __builtin_cpu_supports("avx512vbmi") != 0;
+  static const bool supported = __builtin_cpu_supports("x86-64-v4") != 0 &&
+                                __builtin_cpu_supports("avx512vbmi") != 0 &&
+                                __builtin_cpu_supports("avx512vnni") != 0;
   return supported;
 }
 #endif

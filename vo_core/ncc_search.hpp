@@ -1,12 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <iterator>
 
+#include "vo_core/aligned_patch.hpp"
 #include "vo_core/double_lanes.hpp"
-#include "vo_core/patch.hpp"
+#include "vo_core/even_rows.hpp"
+#include "vo_core/patch_lanes.hpp"
+#include "vo_core/patch_sums.hpp"
 #include "vo_core/subpixel_fit.hpp"
 
 namespace cartvo {
@@ -15,18 +21,37 @@ constexpr int kNccColumns = 15, kNccRows = 9;    ///< px, of the windows that ar
 constexpr int kNccRadius = 2;                    ///< px to the left and right in which a peak may lie
 constexpr int kNccSamples = 2 * kNccRadius + 3;  ///< one more on each side, for the sub-pixel fit
 
-/// A left patch with its mean removed, its mean and its norm.
+constexpr int kNccSize = kNccColumns * kNccRows;
+static_assert(kNccSize * kMostValue * kMostValue / 4 < 2147483648.0, "sums of products fit into 32 bits");
+
+/// A left patch: whole numbers, half as many to a grey value as those of an AlignedPatch.
 struct NccTemplate {
-  Patch<kNccColumns, kNccRows> centred;
-  float mean = 0.0F;
-  double norm = 0.0;
+  alignas(64) std::int16_t value[wholeFours(kNccRows) * kLanes];  ///< zero in the padding
+  double mean = 0.0;
+  double norm = 0.0;  ///< of the values less their mean
+
+  const std::int16_t* row(int y) const { return value + y * kLanes; }
 };
 
 template <typename Processor>
 void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
-  samplePatch<Processor>(level, pixel, out.centred);
-  out.mean = removeMean(out.centred);
-  out.norm = std::sqrt(sumOfProducts(out.centred, out.centred));
+  EvenRows<Processor> rows(level, pixel, kNccColumns / 2, kNccRows / 2);
+  IntLanes sum, other;
+  for (int y = 0; y < kNccRows; y += 2) {
+    rows.load(y);
+    rows.template sample<0>(sum);
+    rows.load(y + 1);
+    rows.template sample<0>(other);
+    PatchLanes<Processor>::storeHalf(sum, other, out.value + y * kLanes);
+  }
+  std::fill(std::begin(out.value) + kNccRows * kLanes, std::end(out.value), 0);
+  std::int32_t values = 0, squares = 0;
+  for (const std::int16_t value : out.value) {
+    values += value;
+    squares += value * value;
+  }
+  out.mean = static_cast<double>(values) / kNccSize;
+  out.norm = std::sqrt(squares - out.mean * values);
 }
 
 /// Three neighbouring correlations, the greatest in the middle.
@@ -40,114 +65,62 @@ struct NccPeak {
 
 namespace ncc_detail {
 
-/// What the windows around a place cover.
+/// What the windows around a place cover: rows of 32, of which more than enough are used.
 template <int Rows>
-using Strip = Patch<kNccColumns + kNccSamples - 1, kNccRows + 2 * Rows>;
-using StripRow = Strip<0>;
+struct Strip {
+  static constexpr int kRows = kNccRows + 2 * Rows, kColumns = kNccColumns + kNccSamples - 1;
+  static constexpr int kStride = 2 * kLanes;
+  alignas(64) std::int16_t value[kRows * kStride];
 
-/// One number for each sample, which are windows side by side, and one more.
-constexpr int kLanesOfSamples = 8;
-using Samples = float __attribute__((vector_size(4 * kLanesOfSamples), may_alias));
-static_assert(kNccSamples <= kLanesOfSamples && StripRow::kStride >= kNccColumns + kLanesOfSamples - 1);
-
-/// As they lie anywhere in a row.
-using SamplesInRow = float __attribute__((vector_size(4 * kLanesOfSamples), aligned(4), may_alias));
-inline const SamplesInRow& samplesFrom(const float* row) {
-  return *reinterpret_cast<const SamplesInRow*>(row);
-}
-
-/// Sums over a window's rows, by column of the strip.
-struct ColumnSums {
-  static constexpr int kBlocks = StripRow::kBlocks;
-  Lanes values[kBlocks], squares[kBlocks];
-
-  template <int Rows>
-  void add(const Strip<Rows>& strip, int row) {
-#pragma GCC unroll 4
-    for (int block = 0; block < kBlocks; ++block) {
-      const Lanes& value = strip.lanes(row, block);
-      values[block] += value;
-      squares[block] += value * value;
-    }
-  }
+  std::int16_t* row(int y) { return value + y * kStride; }
+  const std::int16_t* row(int y) const { return value + y * kStride; }
 };
 
-/// Those of the windows from the strip's first rows down to its last ones.
-template <int Rows>
-void sumColumns(const Strip<Rows>& strip, std::array<ColumnSums, 2 * Rows + 1>& windows) {
-  ColumnSums common{};  // of the rows that lie in all windows
-  for (int y = 2 * Rows; y < kNccRows; ++y)
-    common.add<Rows>(strip, y);
-#pragma GCC unroll 8
-  for (int row = 0; row <= 2 * Rows; ++row) {
-    windows[row] = common;
-    for (int y = row; y < 2 * Rows; ++y)
-      windows[row].template add<Rows>(strip, y);
-    for (int y = kNccRows; y < row + kNccRows; ++y)
-      windows[row].template add<Rows>(strip, y);
+template <typename Processor, int Rows>
+void sampleStrip(const PyramidLevel& level, const Eigen::Vector2d& centre, Strip<Rows>& strip) {
+  EvenRows<Processor> rows(level, centre, Strip<Rows>::kColumns / 2, Strip<Rows>::kRows / 2);
+  for (int y = 0; y < Strip<Rows>::kRows; ++y) {
+    IntLanes left, right;
+    rows.load(y);
+    rows.template sample<0>(left);
+    rows.template sample<kLanes>(right);
+    PatchLanes<Processor>::storeHalfRow(left, right, strip.row(y));
   }
 }
 
-/// Sums over the window's columns, by sample.
-inline void sumSamples(const Lanes* columns, Samples& sums) {
-  const auto* column = reinterpret_cast<const float*>(columns);
-  sums = Samples{};
-#pragma GCC unroll 15
-  for (int x = 0; x < kNccColumns; ++x)
-    sums += samplesFrom(column + x);
-}
-
-/// The samples' sums of products with the template.
-template <int Rows>
-void sumProducts(const NccTemplate& left, const Strip<Rows>& strip, Samples (&products)[2 * Rows + 1]) {
-  constexpr int kCount = 2 * Rows + 1;
-  Samples even[kCount] = {}, odd[kCount] = {};  // two sums of each, so that they need not wait for each other
-  for (int x = 0; x < kNccColumns; ++x) {
-#pragma GCC unroll 16
-    for (int y = 0; y < kNccRows + 2 * Rows; ++y) {
-      const Samples right = samplesFrom(strip.row(y) + x);
-#pragma GCC unroll 8
-      for (int row = 0; row < kCount; ++row)
-        if (y >= row && y < row + kNccRows)
-          (y % 2 == 0 ? even : odd)[row] += left.centred.row(y - row)[x] * right;
-    }
-  }
-  for (int row = 0; row < kCount; ++row)
-    products[row] = even[row] + odd[row];
-}
+/// One number for each sample, which are windows side by side, and one more.
+constexpr int kLanesOfSamples = kMostWindows;
+using Samples = WindowSums;
+static_assert(kNccSamples <= kLanesOfSamples && Strip<0>::kStride >= kNccColumns + kLanesOfSamples - 1);
 
 inline void widen(const Samples& samples, int first, DoubleLanes& numbers) {
-  for (int i = 0; i < kDoubleLanes; ++i)
-    numbers[i] = static_cast<double>(samples[first + i]);
+  using Some = std::int32_t __attribute__((vector_size(4 * kDoubleLanes), may_alias));
+  numbers =
+      __builtin_convertvector(reinterpret_cast<const Some*>(&samples)[first / kDoubleLanes], DoubleLanes);
 }
+
+constexpr double kLeastVariance = 0.25 * kGreyUnits * kGreyUnits;  // of a window that shows anything
 
 /// Squared correlations with their sign, so that no root is drawn of those that are no peak.
 using SquaredCorrelations = std::array<double, kLanesOfSamples>;
 
 /// Of the windows of the strip with the template.
-template <int Rows>
-void correlate(const NccTemplate& left, Strip<Rows>& strip,
+template <typename Processor, int Rows>
+void correlate(const NccTemplate& left, const Strip<Rows>& strip,
                std::array<SquaredCorrelations, 2 * Rows + 1>& correlations) {
-  for (int y = 0; y < kNccRows + 2 * Rows; ++y)
-    for (int block = 0; block < StripRow::kBlocks; ++block)
-      strip.lanes(y, block) -= left.mean;  // about equal to the right mean, which saves digits
-  constexpr int kCount = 2 * Rows + 1;
-  std::array<ColumnSums, kCount> columns;
-  sumColumns<Rows>(strip, columns);
-  Samples products[kCount];
-  sumProducts<Rows>(left, strip, products);
-  for (int row = 0; row < kCount; ++row) {
-    Samples sums, squares;
-    sumSamples(columns[row].values, sums);
-    sumSamples(columns[row].squares, squares);
+  for (int row = 0; row <= 2 * Rows; ++row) {
+    Samples sums, squares, products;
+    PatchLanes<Processor>::template sumWindows<kNccSamples, kNccRows, Strip<Rows>::kStride>(
+        left.value, strip.row(row), products, sums, squares);
     for (int first = 0; first < kLanesOfSamples; first += kDoubleLanes) {
       DoubleLanes sum, square, product;
       widen(sums, first, sum);
       widen(squares, first, square);
-      widen(products[row], first, product);
-      const DoubleLanes variance = square - sum * sum / (1.0 * kNccColumns * kNccRows);
+      widen(products, first, product);
+      product -= left.mean * sum;
+      const DoubleLanes variance = square - sum * sum / (1.0 * kNccSize);
       DoubleLanes squared = product * (product < 0.0 ? -product : product) / variance;
-      squared = variance > 1.0 ? squared : DoubleLanes{};
+      squared = variance > kLeastVariance ? squared : DoubleLanes{};
       std::memcpy(&correlations[row][first], &squared, sizeof squared);
     }
   }
@@ -156,9 +129,9 @@ void correlate(const NccTemplate& left, Strip<Rows>& strip,
 template <typename Processor, int Rows>
 NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre) {
   Strip<Rows> strip;
-  samplePatch<Processor>(right, centre, strip);
+  sampleStrip<Processor, Rows>(right, centre, strip);
   std::array<SquaredCorrelations, 2 * Rows + 1> correlations;
-  correlate<Rows>(left, strip, correlations);
+  correlate<Processor, Rows>(left, strip, correlations);
   const auto root = [&left](double squared) {
     return std::copysign(std::sqrt(std::abs(squared)), squared) / left.norm;
   };

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "vo_core/aligned_template.hpp"
+#include "vo_core/aligned_patch.hpp"
 #include "vo_core/double_lanes.hpp"
-#include "vo_core/patch.hpp"
+#include "vo_core/patch_comparison.hpp"
 #include "vo_core/patch_sums.hpp"
 
 namespace cartvo {
@@ -17,98 +17,56 @@ constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of
 constexpr int kIterations = 5;           // a shift that takes longer is lost
 constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
 
-template <typename Of>
-struct StructureSums {
-  typename Of::Number xx, xy, yy;  // of the gradients' products
-  typename Of::Number squares;     // of grey
-  typename Of::Number x, y;        // of the gradients
-  typename Of::Number unused[2];
-};
+using OfTemplate = TemplateSums<kShiftParameters>;
+using OfComparison = ComparisonSums<kShiftParameters>;
 
-template <typename Of>
-struct MismatchSums {
-  typename Of::Number x, y;             // of the gradients times the difference
-  typename Of::Number values, squares;  // of the patch after, less the mean of that before
-  typename Of::Number products;         // of both
-  typename Of::Number unused[3];
-};
-
-template <typename Processor>
-void linearise(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate& out,
-               StructureSums<OfPatch>& sums) {
-  takeTemplate<Processor>(level, centre, out);
-  StructureSums<OfColumns> columns{};
-  for (int row = 0; row < kAlignedRows; ++row) {
-    const Lanes& along_x = out.gradient_x.lanes(row, 0);
-    const Lanes& along_y = out.gradient_y.lanes(row, 0);
-    columns.xx += along_x * along_x;
-    columns.xy += along_x * along_y;
-    columns.yy += along_y * along_y;
-    columns.x += along_x;
-    columns.y += along_y;
-    columns.squares += out.grey.lanes(row, 0) * out.grey.lanes(row, 0);
-  }
-  foldColumns(columns, sums);
-}
-
-template <typename Processor>
-void compare(const AlignedTemplate& before, const PyramidLevel& after, const Eigen::Vector2d& position,
-             MismatchSums<OfPatch>& sums) {
-  AlignedPatch moved;
-  samplePatch<Processor, kAlignedRowStep>(after, position, moved);
-  const Lanes& mask = kAlignedMask.lanes(0, 0);
-  MismatchSums<OfColumns> columns{};
-  for (int row = 0; row < kAlignedRows; ++row) {
-    const Lanes value = (moved.lanes(row, 0) - before.mean) * mask;  // small, so that little is rounded
-    const Lanes& grey = before.grey.lanes(row, 0);
-    const Lanes difference = value - grey;
-    columns.x += before.gradient_x.lanes(row, 0) * difference;
-    columns.y += before.gradient_y.lanes(row, 0) * difference;
-    columns.values += value;
-    columns.squares += value * value;
-    columns.products += value * grey;
-  }
-  foldColumns(columns, sums);
-}
-
-/// Of four patches, a lane each. From the gradients the mean is taken off where they are summed, which makes
-/// the shift blind to a change of brightness.
+/// Of four patches, a lane each. From all that is summed the mean is taken off, which makes the shift blind
+/// to a change of brightness.
 class ShiftEquations {
  public:
   /// Lanes are `textured` that hold a shift.
-  void setUp(const StructureSums<OfFourPatches>& sums, MaskLanes& textured) {
-    norm_ = sums.squares;
+  void setUp(const SumsOfFour<OfTemplate>& sums, MaskLanes& textured) {
+    constexpr int kX = OfTemplate::slope(0), kY = OfTemplate::slope(1);
+    greys_ = sums[OfTemplate::kGreys];
+    const DoubleLanes mean = greys_ / kSize;
+    norm_ = sums[OfTemplate::kSquares] - mean * greys_;
     takeRoots(norm_);
-    mean_x_ = sums.x / kSize;
-    mean_y_ = sums.y / kSize;
-    const DoubleLanes xx = sums.xx - sums.x * mean_x_, xy = sums.xy - sums.x * mean_y_,
-                      yy = sums.yy - sums.y * mean_y_;
+    mean_x_ = sums[kX] / kSize;
+    mean_y_ = sums[kY] / kSize;
+    grey_x_ = sums[OfTemplate::slopeGrey(0)] - mean * sums[kX];
+    grey_y_ = sums[OfTemplate::slopeGrey(1)] - mean * sums[kY];
+    const DoubleLanes xx = sums[OfTemplate::normal(0, 0)] - sums[kX] * mean_x_,
+                      xy = sums[OfTemplate::normal(1, 0)] - sums[kX] * mean_y_,
+                      yy = sums[OfTemplate::normal(1, 1)] - sums[kY] * mean_y_;
     DoubleLanes root = 0.25 * (xx - yy) * (xx - yy) + xy * xy;
     takeRoots(root);
-    textured = (0.5 * (xx + yy) - root) / kSize >= kMinimumTexture;
+    textured = 0.5 * (xx + yy) - root >= kSize * kMinimumTexture * kGreyUnits * kGreyUnits;
     const DoubleLanes determinant = xx * yy - xy * xy;
     inverse_xx_ = yy / determinant;
     inverse_xy_ = -xy / determinant;
     inverse_yy_ = xx / determinant;
   }
 
-  void solve(const MismatchSums<OfFourPatches>& sums, DoubleLanes& step_x, DoubleLanes& step_y,
+  void solve(const SumsOfFour<OfComparison>& sums, DoubleLanes& step_x, DoubleLanes& step_y,
              Column& correlation) const {
-    const DoubleLanes x = sums.x - sums.values * mean_x_;  // the patch before has no mean
-    const DoubleLanes y = sums.y - sums.values * mean_y_;
+    const DoubleLanes& values = sums[OfComparison::kValues];
+    const DoubleLanes x = sums[OfComparison::slope(0)] - values * mean_x_ - grey_x_;
+    const DoubleLanes y = sums[OfComparison::slope(1)] - values * mean_y_ - grey_y_;
     step_x = inverse_xx_ * x + inverse_xy_ * y;
     step_y = inverse_xy_ * x + inverse_yy_ * y;
-    DoubleLanes deviation = sums.squares - sums.values * sums.values / kSize;
+    const DoubleLanes mean = values / kSize;
+    DoubleLanes deviation = sums[OfComparison::kSquares] - values * mean;
     raiseTo(1e-6, deviation);
     takeRoots(deviation);
-    correlation.lanes() = sums.products / (norm_ * deviation + 1e-12);
+    correlation.lanes() = (sums[OfComparison::kWithGrey] - mean * greys_) / (norm_ * deviation + 1e-12);
   }
 
  private:
   static constexpr double kSize = kAlignedSize;
 
-  DoubleLanes norm_;                                  // of grey, less its mean
+  DoubleLanes greys_, norm_;                          // of grey: sum, and deviation from its mean
   DoubleLanes mean_x_, mean_y_;                       // of the gradients
+  DoubleLanes grey_x_, grey_y_;                       // sums of them times grey without its mean
   DoubleLanes inverse_xx_, inverse_xy_, inverse_yy_;  // of the structure matrix G (thesis 4.12)
 };
 
@@ -148,7 +106,7 @@ class FourShifts {
  private:
   void trackIn(int level) {
     MaskLanes here{}, last{};  // those of this level, and those whose finest it is
-    std::array<StructureSums<OfPatch>, kFour> sums{};
+    std::array<SumsOfPatch<OfTemplate>, kFour> sums{};
     const double scale = 1.0 / levelScale(level);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const PyramidLevels levels{tasks_[i].levels.finest, coarsest_[i]};
@@ -163,9 +121,9 @@ class FourShifts {
       centre_x_.value[i] = centre.x();
       centre_y_.value[i] = centre.y();
       bounds_.set(i, after);
-      linearise<Processor>(before, centre, patches_[i], sums[i]);
+      takeTemplate<Processor>(before, centre, templates_[i], sums[i]);
     }
-    StructureSums<OfFourPatches> lanes;
+    SumsOfFour<OfTemplate> lanes;
     gatherLanes(sums, lanes);
     MaskLanes textured, inside;
     equations_.setUp(lanes, textured);
@@ -184,10 +142,13 @@ class FourShifts {
     bounds_.findInside(position_x_, position_y_, inside);
     MaskLanes busy = here & inside;
     for (int iteration = 0; iteration < kIterations && any(busy); ++iteration) {
-      for (std::size_t i = 0; i < kFour; ++i)
-        if (busy[i] != 0)
-          compare<Processor>(patches_[i], *after_[i], {position_x_.value[i], position_y_.value[i]}, sums_[i]);
-      MismatchSums<OfFourPatches> lanes;
+      for (std::size_t i = 0; i < kFour; ++i) {
+        if (busy[i] == 0) continue;
+        AlignedPatch now;
+        samplePatch<Processor>(*after_[i], {position_x_.value[i], position_y_.value[i]}, now);
+        comparePatches<Processor>(templates_[i], now, sums_[i]);
+      }
+      SumsOfFour<OfComparison> lanes;
       gatherLanes(sums_, lanes);
       DoubleLanes step_x, step_y;
       equations_.solve(lanes, step_x, step_y, correlation_);
@@ -208,8 +169,8 @@ class FourShifts {
   LevelBounds bounds_;              // of the level after
   Column correlation_;
   std::array<const PyramidLevel*, kFour> after_{};
-  std::array<AlignedTemplate, kFour> patches_;
-  std::array<MismatchSums<OfPatch>, kFour> sums_{};
+  std::array<AlignedTemplate<kShiftParameters>, kFour> templates_;
+  std::array<SumsOfPatch<OfComparison>, kFour> sums_{};
   ShiftEquations equations_;
 };
 

@@ -196,7 +196,7 @@ std::optional<StereoMatch> onlyMatch(const Question& asked) {
 
   NccTemplate patch;
   makeTemplate<Processor>(images.left, left, patch);
-  if (patch.norm < 1.0) return std::nullopt;
+  if (patch.norm < 0.5 * kGreyUnits) return std::nullopt;
   StereoMatch best;
   double rival = 0.0;  // correlation of the best candidate elsewhere
   for (int i = 0; i < candidates.count; ++i) {

@@ -4,69 +4,86 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "vo_core/patch.hpp"
+#include "vo_core/aligned_patch.hpp"
+#include "vo_core/image_pyramid.hpp"
+#include "vo_core/patch_lanes.hpp"
 #include "vo_core/quads.hpp"
 
 namespace cartvo {
 
-/// The rows of a window around `position`, which must lie inside the level, under a warp from offsets in the
-/// window to offsets in the level. All integers: places in 1/65536 px, from which pixels are interpolated by
-/// 1/256 px, exactly.
-template <typename Processor, int Side, int RowStep>
+/// The places of a patch around `position`, which must lie inside the level, under a warp from offsets in the
+/// patch to offsets in the level. All integers: places in 1/65536 px.
+template <typename Processor>
 class WarpedRows {
  public:
-  static constexpr float kUnit = 1.0F / 65536.0F;  ///< of what is sampled, in grey values
-
   /// No element of the warp may reach more than the level's border, nor turn columns around.
   WarpedRows(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp)
       : stride_(level.stride()) {
     // Counted from a pixel left of and above all that is read, as positive numbers shift to whole pixels
     // below.
     constexpr int kBias = PyramidLevel::kBorder;
-    constexpr double kOne = 65536.0, kRounding = 128.0;  // the latter for what is cut off below 1/256 px
+    constexpr double kOne = 65536.0;
     const int whole_x = static_cast<int>(position.x()), whole_y = static_cast<int>(position.y());
     corner_ = level.at(whole_x, whole_y) - kBias * stride_ - kBias;
     const Eigen::Vector2d first = position - Eigen::Vector2d(whole_x - kBias, whole_y - kBias) -
-                                  (Side / 2) * (warp.col(0) + warp.col(1));
-    x_ = static_cast<int>(kOne * first.x() + kRounding);
-    y_ = static_cast<int>(kOne * first.y() + kRounding);
-    x_by_row_ = static_cast<int>(kOne * RowStep * warp(0, 1));
-    y_by_row_ = static_cast<int>(kOne * RowStep * warp(1, 1));
+                                  (kPatchSide / 2) * (warp.col(0) + warp.col(1));
+    x_ = static_cast<int>(kOne * first.x());
+    y_ = static_cast<int>(kOne * first.y());
+    x_by_row_ = static_cast<int>(kOne * kAlignedRowStep * warp(0, 1));
+    y_by_row_ = static_cast<int>(kOne * kAlignedRowStep * warp(1, 1));
     const int y_by_column = static_cast<int>(kOne * warp(1, 0));
-    rise_ = (Side - 1) * std::abs(y_by_column);
+    rise_ = (kPatchSide - 1) * std::abs(y_by_column);
     to_top_ = y_by_column < 0 ? -rise_ : 0;
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     x_ramp_ = column * static_cast<int>(kOne * warp(0, 0));
     y_ramp_ = column * y_by_column;
   }
 
-  /// The next row, first the upmost one and then each RowStep-th below it.
-  void sample(Lanes& out) {
-    IntLanes x, y, quads, fraction_x, sum;
-    fetch(x, y, quads);
-    Processor::secondBytes(x, fraction_x);
-    blendQuads<Processor>(quads, fraction_x, y, sum);
-    out = __builtin_convertvector(sum, Lanes);
-    x_ += x_by_row_;
-    y_ += y_by_row_;
+  void sample(AlignedPatch& patch) {
+    if constexpr (Processor::kShufflesBytes) {
+      constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
+      if (rise_ == 0) return sampleBy(patch, [this](IntLanes& sum) { blendLevelRow(sum); });
+      if (rise_ <= kMostRows << 16) return sampleBy(patch, [this](IntLanes& sum) { blendNearRow(sum); });
+    }
+    sampleBy(patch, [this](IntLanes& sum) { blendAnyRow(sum); });
   }
 
  private:
-  /// The places' whole pixels may be counted from anywhere.
-  void fetch(IntLanes& x, IntLanes& y, IntLanes& quads) const {
-    if constexpr (Processor::kShufflesBytes) {
-      constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
-      if (rise_ <= kMostRows << 16) {
-        const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
-        x = x_ramp_ + (x_ - (left << 16));
-        y = y_ramp_ + (y_ - (top << 16));
-        Processor::fetchQuads(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), quads);
-        return;
+  /// First the upmost row and then each kAlignedRowStep-th below it. `blend`: as PatchLanes::blend().
+  template <typename Blend>
+  void sampleBy(AlignedPatch& patch, const Blend& blend) {
+    IntLanes sum[2];
+    for (int row = 0; row < kAlignedRows; row += 2) {
+#pragma GCC unroll 2
+      for (int i = 0; i < 2; ++i) {
+        blend(sum[i]);
+        x_ += x_by_row_;
+        y_ += y_by_row_;
       }
+      PatchLanes<Processor>::store(sum[0], sum[1], patch.row(row));
     }
-    x = x_ramp_ + x_;
-    y = y_ramp_ + y_;
-    fetchQuadsOneByOne(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), Side, quads);
+  }
+
+  /// Of pixels that all lie between the same two rows.
+  void blendLevelRow(IntLanes& sum) const {
+    const int top = y_ >> 16, left = x_ >> 16;
+    PatchLanes<Processor>::blendBetween(corner_ + top * stride_ + left, stride_, x_ramp_ + (x_ & 0xffff), y_,
+                                        sum);
+  }
+  void blendNearRow(IntLanes& sum) const {
+    const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
+    // Whole pixels may be counted from anywhere.
+    const IntLanes x = x_ramp_ + (x_ & 0xffff), y = y_ramp_ + (y_ - (top << 16));
+    IntLanes quads;
+    Processor::fetchQuads(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), quads);
+    PatchLanes<Processor>::blendQuads(quads, x, y, sum);
+  }
+  void blendAnyRow(IntLanes& sum) const {
+    const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
+    IntLanes quads;
+    fetchQuadsOneByOne(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), kPatchSide,
+                       quads);
+    PatchLanes<Processor>::blendQuads(quads, x, y, sum);
   }
 
   std::ptrdiff_t stride_;

@@ -122,8 +122,8 @@ TEST_P(EachEstimator, IdenticalImagesMeanRest) {
   for (std::size_t i = 1; i < estimates.size(); ++i) {
     EXPECT_TRUE(estimates[i].valid);
     // Not nil to the last digit: an alignment ends where its steps are short, and begins where it is
-    // expected.
-    EXPECT_LT(vectorFromMotion(estimates[i].T_world_camera).norm(), 1e-5);
+    // expected; patches are sampled at 255ths of a pixel.
+    EXPECT_LT(vectorFromMotion(estimates[i].T_world_camera).norm(), 3e-5);
   }
 }
 

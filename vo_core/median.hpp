@@ -13,10 +13,11 @@ inline double median(std::vector<double>& values) {
   return *middle;
 }
 
+constexpr double kMedianOfNormal = 0.6745;  ///< of |e| for a standard normal e
+
 /// Standard deviation of normal errors by the median of their sizes |e|, which outliers hardly move. Reorders
 /// the sizes, of which there must be some.
 inline double deviationOf(std::vector<double>& sizes) {
-  constexpr double kMedianOfNormal = 0.6745;  // of |e| for a standard normal e
   return median(sizes) / kMedianOfNormal;
 }
 

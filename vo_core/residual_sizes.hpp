@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "vo_core/bundle_residuals.hpp"
-#include "vo_core/median.hpp"
+#include "vo_core/size_histogram.hpp"
 
 // Not for use outside the bundle adjustment.
 
@@ -17,10 +17,8 @@ class ResidualSizes {
  public:
   void reset(const BundleBlocks& blocks) {
     for (ByLevel* sizes : {&pixels_, &disparities_})
-      for (std::vector<double>& of_level : *sizes) {
+      for (SizeHistogram& of_level : *sizes)
         of_level.clear();
-        of_level.reserve(2 * kDoubleLanes * blocks.sightings.capacity());
-      }
     last_.clear();
     last_.reserve(blocks.landmarks.capacity());
   }
@@ -53,14 +51,14 @@ class ResidualSizes {
     return count > 0.0 ? std::sqrt(last_[block].squares[lane] / count) : 0.0;
   }
 
-  void conclude(BundleResult& result) {
+  void conclude(BundleResult& result) const {
     for (int level = 0; level < kLandmarkLevels; ++level)
       result.noise_scale[level] = {scaleOf(pixels_, level), scaleOf(disparities_, level)};
   }
 
  private:
-  using ByLevel = std::array<std::vector<double>, kLandmarkLevels>;
-  static constexpr std::size_t kEnough = 30;  ///< residuals, of which a level knows its noise
+  using ByLevel = std::array<SizeHistogram, kLandmarkLevels>;
+  static constexpr int kEnough = 30;  ///< residuals, of which a level knows its noise
 
   struct Last {
     DoubleLanes squares{}, count{};
@@ -68,16 +66,16 @@ class ResidualSizes {
 
   void add(const DoubleLanes& counts, const DoubleLanes& residual, ByLevel& sizes) const {
     for (int lane = 0; lane < kDoubleLanes; ++lane)
-      if (counts[lane] > 0.0) sizes[block_->level[lane]].push_back(std::abs(residual[lane]));
+      if (counts[lane] > 0.0) sizes[block_->level[lane]].add(std::abs(residual[lane]));
   }
 
   /// A level that has too few goes with the one that has most.
-  static double scaleOf(ByLevel& sizes, int level) {
-    std::vector<double>* told = &sizes[level];
-    if (told->size() < kEnough)
+  static double scaleOf(const ByLevel& sizes, int level) {
+    const SizeHistogram* told = &sizes[level];
+    if (told->count() < kEnough)
       told = &*std::max_element(sizes.begin(), sizes.end(),
-                                [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    return told->empty() ? 1.0 : deviationOf(*told);
+                                [](const auto& a, const auto& b) { return a.count() < b.count(); });
+    return told->count() == 0 ? 1.0 : told->deviation();
   }
 
   ByLevel pixels_, disparities_;

@@ -9,7 +9,7 @@
 namespace cartvo {
 namespace {
 
-constexpr int kEnough = 1000;  // patches, of which a mean is known well enough
+constexpr int kEnough = 250;  // patches, of which a mean is known well enough
 
 /// Of two squares of side 1 the part that they share.
 double shared(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

@@ -58,7 +58,7 @@ TEST(PatchOverlap, IsOneWithoutAnyAndTheirNumberWhereAllAreOne) {
 TEST(PatchOverlap, IsWhatAllPairsAddUpTo) {
   test::Noise noise(2);
   PatchOverlap overlap;
-  for (const int count : {3, 40, 400}) {
+  for (const int count : {3, 40, 240}) {
     BundleProblem problem = problemOfTwoPoses();
     problem.noise[1].pixel = 0.3;
     for (int i = 0; i < count; ++i)  // some at the very edge, and a little beyond

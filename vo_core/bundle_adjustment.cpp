@@ -2,6 +2,9 @@
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 #include "vo_core/held_poses.hpp"
 #include "vo_core/late_right.hpp"
@@ -13,6 +16,7 @@ namespace cartvo {
 namespace {
 
 constexpr double kNotSeen = 1e3;  // error of a landmark behind a camera
+constexpr double kNearly = 3.0;   // times the size of a step that ends the iterations: the next one should
 
 /// An iteration needs nothing but the equations.
 struct NoVisit {
@@ -68,14 +72,13 @@ void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residual
 }
 
 CARTVO_VECTOR_CLONES
-void takeStep(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
+void moveDepths(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
   system.takeStep(step, blocks);
 }
 
-/// By the step's size in standard deviations of what it changes.
-bool isSettled(const PoseVector& step, const ReducedSystem& system, double convergence) {
-  const auto unknowns = static_cast<double>(step.size());
-  return step.dot(system.hessian * step) < convergence * convergence * unknowns;
+/// In standard deviations of what it changes: mean of squares, root.
+double sizeOf(const PoseVector& step, const ReducedSystem& system) {
+  return std::sqrt(step.dot(system.hessian * step) / static_cast<double>(step.size()));
 }
 
 void movePoses(const PoseVector& step, BundleProblem& problem) {
@@ -107,8 +110,51 @@ struct BundleAdjuster::Work {
   BundleCameras cameras;
   HeldPoses held;
   ReducedSystem system;
+  Eigen::LDLT<PoseMatrix> factor;
   Conclusions conclusions;
+
+  void take(const BundleProblem& problem) {
+    blocks.take(problem);
+    cameras.take(problem);
+    held.reset(problem);
+    system.reset(problem, blocks);
+  }
+  std::optional<double> takeStep(const BlockResiduals& residuals, bool may_end, BundleProblem& problem);
+  void conclude(BundleProblem& problem, BundleResult& result) const;
 };
+
+/// The step's size; nothing if the equations do not hold it. If it may be the last one, what is asked at the
+/// end is asked on the way.
+std::optional<double> BundleAdjuster::Work::takeStep(const BlockResiduals& residuals, bool may_end,
+                                                     BundleProblem& problem) {
+  if (may_end) {
+    conclusions.reset(problem, cameras, blocks);
+    buildConclusions(blocks, residuals, system, conclusions);
+  } else {
+    buildEquations(blocks, residuals, system);
+  }
+  system.conclude();
+  held.pull(problem, system);
+  factor.compute(system.hessian);
+  const auto pivots = factor.vectorD();
+  if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return std::nullopt;
+  const PoseVector step = factor.solve(system.gradient);
+  if (!step.allFinite()) return std::nullopt;
+  moveDepths(system, step, blocks);
+  movePoses(step, problem);
+  cameras.update(problem);
+  return sizeOf(step, system);
+}
+
+void BundleAdjuster::Work::conclude(BundleProblem& problem, BundleResult& result) const {
+  handBack(blocks, system, conclusions.sizes, problem);
+  result.covariance = factor.solve(PoseMatrix::Identity(system.hessian.rows(), system.hessian.cols()));
+  if (!result.covariance.allFinite()) return;
+  conclusions.sizes.conclude(result);
+  conclusions.rig.conclude(system, factor, result);
+  conclusions.late_right.conclude(factor, system, held, blocks, problem);
+  result.converged = true;
+}
 
 BundleAdjuster::BundleAdjuster() : work_(std::make_unique<Work>()) {}
 BundleAdjuster::BundleAdjuster(BundleAdjuster&&) noexcept = default;
@@ -121,38 +167,17 @@ BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings
 
 BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
   BundleResult result;
-  auto& [blocks, cameras, held, system, conclusions] = *work_;
-  blocks.take(problem);
-  cameras.take(problem);
-  held.reset(problem);
-  system.reset(problem, blocks);
-  const BlockResiduals residuals(problem, cameras, settings.robust_width);
-  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
-    buildEquations(blocks, residuals, system);
-    system.conclude();
-    held.pull(problem, system);
-    const Eigen::LDLT<PoseMatrix> factor(system.hessian);
-    const auto pivots = factor.vectorD();
-    if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return result;
-    const PoseVector step = factor.solve(system.gradient);
-    if (!step.allFinite()) return result;
-    takeStep(system, step, blocks);
-    movePoses(step, problem);
-    cameras.update(problem);
-    if (isSettled(step, system, settings.convergence)) break;
+  work_->take(problem);
+  const BlockResiduals residuals(problem, work_->cameras, settings.robust_width);
+  double size = std::numeric_limits<double>::infinity();
+  for (int iteration = 1; iteration <= settings.iterations; ++iteration) {
+    const bool may_end = iteration == settings.iterations || size < kNearly * settings.convergence;
+    const auto step = work_->takeStep(residuals, may_end, problem);
+    if (!step) return result;
+    size = *step;
+    if (may_end && size < settings.convergence) break;
   }
-  conclusions.reset(problem, cameras, blocks);
-  buildConclusions(blocks, residuals, system, conclusions);
-  system.conclude();
-  held.pull(problem, system);
-  handBack(blocks, system, conclusions.sizes, problem);
-  const Eigen::LDLT<PoseMatrix> factor(system.hessian);
-  result.covariance = factor.solve(PoseMatrix::Identity(system.hessian.rows(), system.hessian.cols()));
-  if (!result.covariance.allFinite()) return result;
-  conclusions.sizes.conclude(result);
-  conclusions.rig.conclude(system, factor, result);
-  conclusions.late_right.conclude(factor, system, held, blocks, problem);
-  result.converged = true;
+  work_->conclude(problem, result);
   return result;
 }
 

@@ -94,6 +94,7 @@ class PairProcessor::Implementation {
     images_.offset_deviation = 1e-9 * pair.offsetDeviationNs();
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(Stage::rectify);
+    odometry_.placeNext(images_);
     rectifier_.rectifyLeft(pair.left.image, images_.left);
     rectifier_.rectifyRight(pair.right.image, images_.right);
     clock_.end(Stage::rectify);
@@ -102,7 +103,7 @@ class PairProcessor::Implementation {
   Rectifier rectifier_;
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
-  StereoImages images_;  ///< the last pair's, rectified; kept for their memory
+  StereoImages images_;  ///< rectified; where the odometry would have them, or kept for their memory
   StereoOdometry odometry_;
   int features_;
   VelocityAtExposure velocity_{kVelocityNoiseShare};

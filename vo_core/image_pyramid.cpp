@@ -229,23 +229,37 @@ void PyramidLevel::writeBorder() {
   }
 }
 
-SharedPyramid PyramidPool::build(const cv::Mat& image) {
+/// The first that nobody holds, so that it is the same one until somebody does.
+std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
   auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
                            [](const auto& pyramid) { return pyramid.use_count() == 1; });
   if (free == pyramids_.end()) {
-    const auto sizes = levelSizes(image.size(), std::max(grey_levels_, kFinestDog + kDogLevels));
+    const auto sizes = levelSizes(size, std::max(grey_levels_, kFinestDog + kDogLevels));
     free = pyramids_.insert(free, emptyPyramid(sizes, grey_levels_));
     for (std::size_t level = (*free)->grey.size() + halves_.size(); level < sizes.size(); ++level)
       halves_.emplace_back(sizes[level]);
   }
-  fill(image, **free);
   return *free;
 }
 
-void PyramidPool::fill(const cv::Mat& image, ImagePyramid& pyramid) {
+cv::Mat PyramidPool::place(const cv::Size& size) {
+  PyramidLevel& level = findFree(size)->grey.front();
+  return {size, CV_8UC1, level.row(0), static_cast<std::size_t>(level.stride())};
+}
+
+SharedPyramid PyramidPool::build(const cv::Mat& image) {
+  const std::shared_ptr<ImagePyramid>& pyramid = findFree(image.size());
+  PyramidLevel& level = pyramid->grey.front();
+  if (image.data != level.row(0))
+    for (int y = 0; y < image.rows; ++y)
+      std::memcpy(level.row(y), image.ptr(y), static_cast<std::size_t>(image.cols));
+  fill(*pyramid);
+  return pyramid;
+}
+
+/// All that follows from the image.
+void PyramidPool::fill(ImagePyramid& pyramid) {
   PyramidLevel* level = &pyramid.grey.front();
-  for (int y = 0; y < image.rows; ++y)
-    std::memcpy(level->row(y), image.ptr(y), static_cast<std::size_t>(image.cols));
   level->writeBorder();
   const std::size_t greys = pyramid.grey.size();
   for (std::size_t index = 1; index < greys + halves_.size(); ++index) {

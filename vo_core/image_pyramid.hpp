@@ -88,10 +88,14 @@ using SharedPyramid = std::shared_ptr<const ImagePyramid>;
 class PyramidPool {
  public:
   explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
+
+  /// Where the next image may be written (CV_8UC1): build() of it copies nothing. Valid until that.
+  cv::Mat place(const cv::Size& size);
   SharedPyramid build(const cv::Mat& image);
 
  private:
-  void fill(const cv::Mat& image, ImagePyramid& pyramid);
+  std::shared_ptr<ImagePyramid>& findFree(const cv::Size& size);
+  void fill(ImagePyramid& pyramid);
 
   int grey_levels_;
   std::vector<std::shared_ptr<ImagePyramid>> pyramids_;

@@ -10,6 +10,8 @@ class OdometryMethod {
   virtual ~OdometryMethod() = default;
   virtual OdometryEstimate process(const StereoImages& images, StageObserver& observer) = 0;
   virtual void aimAt(int features) = 0;
+  /// As StereoOdometry's.
+  virtual void placeNext(StereoImages&) {}
 };
 
 }  // namespace cartvo

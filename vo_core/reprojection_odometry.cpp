@@ -25,6 +25,7 @@ class ReprojectionOdometry final : public OdometryMethod {
 
   OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
   void aimAt(int features) override;
+  void placeNext(StereoImages& images) override;
 
  private:
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
@@ -58,6 +59,12 @@ void ReprojectionOdometry::aimAt(int features) {
   settings_.features = features;
   for (std::optional<VisualTrack>* track : {&track_, &successor_})
     if (*track) (*track)->aimAt(features);
+}
+
+void ReprojectionOdometry::placeNext(StereoImages& images) {
+  const cv::Size size(camera_.width, camera_.height);
+  images.left = left_pyramids_.place(size);
+  images.right = right_pyramids_.place(size);
 }
 
 PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObserver& observer) {

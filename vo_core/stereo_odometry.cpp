@@ -42,6 +42,10 @@ void StereoOdometry::aimAt(int features) {
   method_->aimAt(features);
 }
 
+void StereoOdometry::placeNext(StereoImages& images) {
+  method_->placeNext(images);
+}
+
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");

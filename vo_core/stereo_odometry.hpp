@@ -99,8 +99,13 @@ class StereoOdometry {
 
   /// Takes the next pair and says how the camera moved since the one before. Never throws on what the images
   /// show; throws std::invalid_argument if they are not CV_8UC1 of the camera's size. Keeps no reference to
-  /// the images.
+  /// the images but to those that were placed (placeNext).
   OdometryEstimate process(const StereoImages& images, StageObserver& observer);
+
+  /// Lets `images.left` and `.right` show where the next pair's images may be written, of the camera's size
+  /// (CV_8UC1): process() of them copies nothing. Valid until that; what is not written there is copied, and
+  /// left as it is by methods that have no place to give.
+  void placeNext(StereoImages& images);
 
   /// From the next pair on, aims at so many features in each left image (OdometrySettings::features), so that
   /// a caller who is short of time can have fewer. Throws std::invalid_argument if out of its range.

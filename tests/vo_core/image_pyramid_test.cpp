@@ -98,6 +98,20 @@ TEST(ImagePyramid, APoolOverwritesOnlyWhatNobodyHas) {
   expectEqual(kept->grey[1], buildPyramid(image(1), 2).grey[1]);
 }
 
+TEST(ImagePyramid, WhatIsWrittenInItsPlaceIsNotCopied) {
+  PyramidPool pool(3);
+  const SharedPyramid kept = pool.build(image(1));
+  const cv::Mat placed = pool.place({kWidth, kHeight});
+  image(2).copyTo(placed);
+  const SharedPyramid built = pool.build(placed);
+  EXPECT_EQ(built->grey[0].at(0, 0), placed.data);
+  const ImagePyramid fresh = buildPyramid(image(2), 3);
+  for (std::size_t i = 0; i < fresh.grey.size(); ++i)
+    expectEqual(built->grey[i], fresh.grey[i]);
+  expectEqual(kept->grey[0], buildPyramid(image(1), 3).grey[0]);
+  EXPECT_NE(pool.place({kWidth, kHeight}).data, placed.data);  // somebody has it
+}
+
 TEST(ImagePyramid, TheBorderMirrorsTheImage) {
   const ImagePyramid pyramid = buildPyramid(image(1), 1);
   const PyramidLevel& level = pyramid.grey.front();

@@ -98,6 +98,23 @@ TEST_P(EachEstimator, EachPoseIsTheReferencesTimesTheMotion) {
         << i;
 }
 
+TEST_P(EachEstimator, GivesTheSameBytesWhereverImagesAreWritten) {
+  const auto copied = run(drivePairs(), smallSettings());
+  StereoOdometry odometry(kCamera, smallSettings());
+  NullStageObserver observer;
+  for (std::size_t i = 0; i < copied.size(); ++i) {
+    StereoImages placed = drivePairs()[i];
+    placed.left = placed.right = cv::Mat();
+    odometry.placeNext(placed);
+    drivePairs()[i].left.copyTo(placed.left);
+    if (i % 3 == 0) placed.right = cv::Mat();  // as if it had been rectified already
+    drivePairs()[i].right.copyTo(placed.right);
+    const OdometryEstimate estimate = odometry.process(placed, observer);
+    EXPECT_EQ(estimate.T_world_camera.matrix(), copied[i].T_world_camera.matrix());
+    EXPECT_EQ(estimate.pose_covariance, copied[i].pose_covariance);
+  }
+}
+
 TEST_P(EachEstimator, GivesTheSameBytesWhateverTheNumberOfThreads) {
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);

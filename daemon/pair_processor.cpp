@@ -6,6 +6,7 @@
 
 #include "calib/rectifier.hpp"
 #include "daemon/velocity_at_exposure.hpp"
+#include "vo_core/parallel_loop.hpp"
 
 namespace cartvo {
 namespace {
@@ -95,8 +96,8 @@ class PairProcessor::Implementation {
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(Stage::rectify);
     odometry_.placeNext(images_);
-    rectifier_.rectifyLeft(pair.left.image, images_.left);
-    rectifier_.rectifyRight(pair.right.image, images_.right);
+    doBoth([&] { rectifier_.rectifyLeft(pair.left.image, images_.left); },
+           [&] { rectifier_.rectifyRight(pair.right.image, images_.right); });
     clock_.end(Stage::rectify);
   }
 

@@ -16,6 +16,17 @@ void forEachIndex(std::size_t count, const Work& work) {
   });
 }
 
+/// Calls both, at the same time if there are threads for it.
+template <typename First, typename Second>
+void doBoth(const First& first, const Second& second) {
+  forEachIndex(2, [&](std::size_t i) {
+    if (i == 0)
+      first();
+    else
+      second();
+  });
+}
+
 /// Calls work(first, size) for blocks of at most `block` of count indices.
 template <typename Work>
 void forEachBlock(std::size_t count, std::size_t block, const Work& work) {

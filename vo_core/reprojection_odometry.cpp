@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "vo_core/key_frame_shift.hpp"
+#include "vo_core/parallel_loop.hpp"
 #include "vo_core/visual_track.hpp"
 
 namespace cartvo {
@@ -77,8 +78,8 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.key_frames = images.key_frames;
   coded_ = coded_ || images.key_frames.any();
   pair.coded = coded_;
-  pair.left = left_pyramids_.build(images.left);
-  pair.right = right_pyramids_.build(images.right);
+  doBoth([&] { pair.left = left_pyramids_.build(images.left); },
+         [&] { pair.right = right_pyramids_.build(images.right); });
   return pair;
 }
 

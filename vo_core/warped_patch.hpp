@@ -55,8 +55,8 @@ class WarpedRows {
     IntLanes sum[2];
     for (int row = 0; row < kAlignedRows; row += 2) {
 #pragma GCC unroll 2
-      for (int i = 0; i < 2; ++i) {
-        blend(sum[i]);
+      for (IntLanes& of_row : sum) {
+        blend(of_row);
         x_ += x_by_row_;
         y_ += y_by_row_;
       }

@@ -48,15 +48,21 @@ bool fetchTogether(const cv::Mat& source, const Places& places, IntLanes& quads)
   return true;
 }
 
-/// Between four pixels each, rounded once.
+/// Between four pixels each, exactly, and rounded once.
 template <typename Processor>
 void blend(const IntLanes& quads, const Places& places, std::uint8_t* target) {
   ShortLanes x16, y16;
   Processor::load(places.column_fraction, x16);
   Processor::load(places.row_fraction, y16);
   const IntLanes x = __builtin_convertvector(x16, IntLanes), y = __builtin_convertvector(y16, IntLanes);
+  // Of each quad a pair: above and below.
+  const IntLanes x_of_both = x | x << 16, left_bytes = quads & 0x00ff00ff;
+  const WideShorts &both = reinterpret_cast<const WideShorts&>(quads),
+                   &left = reinterpret_cast<const WideShorts&>(left_bytes),
+                   &share = reinterpret_cast<const WideShorts&>(x_of_both);
+  const WideShorts between = (both << 8) + share * ((both >> 8) - left);  // modulo 2^16
   IntLanes sum;
-  blendQuads<Processor>(quads, x | x << 16, y << 8, sum);
+  Processor::blendRows(reinterpret_cast<const IntLanes&>(between), y << 8, sum);
   Processor::storeBytes((sum + (1 << 15)) >> 16, target);
 }
 

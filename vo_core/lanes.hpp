@@ -31,11 +31,6 @@ struct AnyProcessor {
     std::memcpy(&bytes, from, sizeof bytes);
     to = __builtin_convertvector(bytes, ShortLanes);
   }
-  /// The second lowest byte of each number, in both its halves.
-  static void secondBytes(const IntLanes& from, IntLanes& to) {
-    const IntLanes byte = from >> 8 & 0xff;
-    to = byte | byte << 16;
-  }
   /// Between an upper number, the lower half, and a lower one, the upper half, times 256; `y` as places have
   /// it that count 1/65536 px: its second lowest byte is the lower one's share.
   static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
@@ -65,12 +60,8 @@ struct ByteShufflingProcessor {
     const IntLanes places = shuffled<0, 0, 0, 0>(place) + (33 << 24 | 32 << 16 | 1 << 8);
     quads = IntLanes(_mm512_permutex2var_epi8(upper, __m512i(places), lower));
   }
-  CARTVO_BYTE_SHUFFLES static void secondBytes(const IntLanes& from, IntLanes& to) {
-    to = shuffled<1, kZero, 1, kZero>(from);
-  }
   CARTVO_BYTE_SHUFFLES static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
-    IntLanes lower_share;
-    secondBytes(y, lower_share);
+    const IntLanes lower_share = shuffled<1, kZero, 1, kZero>(y);
     // The upper number has the rest of 256: 65535 less the share, and 257 more.
     const __m512i shares = _mm512_add_epi16(__m512i(lower_share ^ 0xffff), _mm512_set1_epi32(257));
     // They are multiplied as signed numbers, so that what is positive is made less for it, in both halves.

@@ -6,7 +6,7 @@
 
 #include "vo_core/lanes.hpp"
 
-// Bilinear interpolation of sixteen pixels at any places: for each, a quad of four bytes.
+// What sixteen pixels at any places are interpolated from: for each, a quad of four bytes.
 
 namespace cartvo {
 
@@ -25,19 +25,6 @@ inline void fetchQuadsOneByOne(const std::uint8_t* corner, std::ptrdiff_t stride
     asm volatile("");  // Else the compiler gathers into registers first, which takes four times as long.
   }
   std::memcpy(&quads, fetched, sizeof quads);
-}
-
-/// Between the four pixels of each quad, times 65536, exactly. `fraction_x`: 1/256 px, twice in each number,
-/// as Processor::secondBytes() has it; `y` as Processor::blendRows() does.
-template <typename Processor>
-void blendQuads(const IntLanes& quads, const IntLanes& fraction_x, const IntLanes& y, IntLanes& sum) {
-  // Of each quad a pair: above and below.
-  const IntLanes left_bytes = quads & 0x00ff00ff;
-  const WideShorts &both = reinterpret_cast<const WideShorts&>(quads),
-                   &left = reinterpret_cast<const WideShorts&>(left_bytes);
-  const WideShorts between =
-      (both << 8) + reinterpret_cast<const WideShorts&>(fraction_x) * ((both >> 8) - left);  // modulo 2^16
-  Processor::blendRows(reinterpret_cast<const IntLanes&>(between), y, sum);
 }
 
 }  // namespace cartvo

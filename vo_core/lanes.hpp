@@ -57,7 +57,7 @@ struct ByteShufflingProcessor {
                                               const IntLanes& place, IntLanes& quads) {
     const __m512i upper = rowPair(first, first + stride);
     const __m512i lower = rowPair(first + 2 * stride, first + 3 * stride);
-    const IntLanes places = shuffled<0, 0, 0, 0>(place) + (33 << 24 | 32 << 16 | 1 << 8);
+    const IntLanes places = shuffled<0, 0, 0, 0>(place) + kQuad;
     quads = IntLanes(_mm512_permutex2var_epi8(upper, __m512i(places), lower));
   }
   CARTVO_BYTE_SHUFFLES static void blendRows(const IntLanes& pairs, const IntLanes& y, IntLanes& sum) {
@@ -68,6 +68,14 @@ struct ByteShufflingProcessor {
     const IntLanes less = pairs ^ static_cast<std::int32_t>(0x80008000);
     sum = IntLanes(_mm512_madd_epi16(__m512i(less), shares)) + 256 * 32768;
   }
+  /// 32 pixels of a row and, behind them, of another.
+  CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
+    const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
+    const __m256i high = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(second));
+    return _mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(low), high, 1);
+  }
+  /// Of a pixel's place in a pair of rows, one below the other, that of its quad.
+  static constexpr int kQuad = 33 << 24 | 32 << 16 | 1 << 8;
   /// Four bytes of each number by their places in it, the lowest first.
   template <int A, int B, int C, int D>
   CARTVO_BYTE_SHUFFLES static IntLanes shuffled(const IntLanes& from) {
@@ -87,11 +95,6 @@ struct ByteShufflingProcessor {
 
  private:
   static constexpr int kZero = 0x80;
-  CARTVO_BYTE_SHUFFLES static __m512i rowPair(const std::uint8_t* first, const std::uint8_t* second) {
-    const __m256i low = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
-    const __m256i high = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(second));
-    return _mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(low), high, 1);
-  }
 };
 
 inline bool shufflesBytes() {

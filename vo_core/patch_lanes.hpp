@@ -139,6 +139,7 @@ class PatchLanes {
 template <>
 class PatchLanes<ByteShufflingProcessor> {
  public:
+  using Processor = ByteShufflingProcessor;
   using RowPair = IntLanes;
   struct Shares {
     IntLanes across, down;
@@ -149,23 +150,21 @@ class PatchLanes<ByteShufflingProcessor> {
     out.down = IntLanes{} + (shares.lower << 16 | (kDown - shares.lower));
   }
   CARTVO_BYTE_SHUFFLES static void load(const std::uint8_t* first, std::ptrdiff_t stride, RowPair& rows) {
-    const __m256i upper = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first));
-    const __m256i lower = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(first + stride));
-    rows = IntLanes(_mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(upper), lower, 1)) ^ kMiddleGrey;
+    rows = IntLanes(Processor::rowPair(first, first + stride)) ^ kMiddleGrey;
   }
 
   template <int Column>
   CARTVO_BYTE_SHUFFLES static void blend(const RowPair& rows, const Shares& shares, IntLanes& sum) {
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    const IntLanes places = (column + Column) * 0x01010101 + kQuad;
+    const IntLanes places = (column + Column) * 0x01010101 + Processor::kQuad;
     const __m512i quads = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
     blendBytes(quads, __m512i(shares.across), __m512i(shares.down), sum);
   }
 
   CARTVO_BYTE_SHUFFLES static void blendQuads(const IntLanes& quads, const IntLanes& x, const IntLanes& y,
                                               IntLanes& sum) {
-    const IntLanes across = shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
-    const IntLanes down = IntLanes(_mm512_srli_epi16(__m512i(shuffled<0, 1, 0, 1>(y)), 3)) ^ kDown;
+    const IntLanes across = Processor::shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
+    const IntLanes down = IntLanes(_mm512_srli_epi16(__m512i(Processor::shuffled<0, 1, 0, 1>(y)), 3)) ^ kDown;
     blendBytes(__m512i(quads ^ kMiddleGrey), __m512i(across), __m512i(down), sum);
   }
 
@@ -174,9 +173,9 @@ class PatchLanes<ByteShufflingProcessor> {
                                                 const IntLanes& x, int y, IntLanes& sum) {
     RowPair rows;
     load(first, stride, rows);
-    const IntLanes places = shuffled<2, 2, 2, 2>(x) + kQuad;
+    const IntLanes places = Processor::shuffled<2, 2, 2, 2>(x) + Processor::kQuad;
     const __m512i quads = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
-    const IntLanes across = shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
+    const IntLanes across = Processor::shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
     const int lower = y >> 3 & kDown;
     const IntLanes down = IntLanes{} + (lower << 16 | (kDown - lower));
     blendBytes(quads, __m512i(across), __m512i(down), sum);
@@ -260,7 +259,6 @@ class PatchLanes<ByteShufflingProcessor> {
   static constexpr __mmask32 kUnpadded = 0x7fff7fff;
   static constexpr int kMiddleGrey = static_cast<int>(0x80808080);
   static constexpr int kLeftBytes = 0x00ff00ff;
-  static constexpr int kQuad = 33 << 24 | 32 << 16 | 1 << 8;  // places in a RowPair
 
   CARTVO_BYTE_SHUFFLES static void blendBytes(const __m512i& quads, const __m512i& across,
                                               const __m512i& down, IntLanes& sum) {
@@ -299,11 +297,6 @@ class PatchLanes<ByteShufflingProcessor> {
     constexpr int kEven = 0b10'00'10'00, kOdd = 0b11'01'11'01;
     a = _mm512_add_epi32(_mm512_maskz_shuffle_i32x4(0xffff, a, b, kEven),
                          _mm512_maskz_shuffle_i32x4(0xffff, a, b, kOdd));
-  }
-  /// Four bytes of each number by their places in it, the lowest first.
-  template <int A, int B, int C, int D>
-  CARTVO_BYTE_SHUFFLES static IntLanes shuffled(const IntLanes& from) {
-    return ByteShufflingProcessor::shuffled<A, B, C, D>(from);
   }
 };
 #endif

@@ -9,21 +9,27 @@
 
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
-#include "capture/image_folder.hpp"
-#include "capture/stereo_source.hpp"
 #include "daemon/health_monitor.hpp"
 #include "daemon/pair_processor.hpp"
+#include "tools/benchmark/drive_in_memory.hpp"
 #include "tools/benchmark/sequence.hpp"
-#include "tools/replay/source_rig.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
-/// A drive, in memory.
-struct Drive {
-  Rig rig;
-  std::vector<FramePair> pairs;
-};
+void requireEnough(int pairs) {
+  if (pairs < kWarmUp + 2) {
+    throw std::invalid_argument("too few pairs to time: " + std::to_string(pairs) + ", of which the first " +
+                                std::to_string(kWarmUp) + " do not count");
+  }
+}
+
+void check(const SpeedSettings& settings) {
+  if ((settings.sizes.empty() && settings.data.empty()) || settings.features.empty() ||
+      settings.threads.empty() || settings.repeats < 1)
+    throw std::invalid_argument("nothing to time: sizes or data, features, threads and repeats are needed");
+  requireEnough(settings.pairs);
+}
 
 /// The view of the usual cameras, in more or fewer pixels.
 world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
@@ -34,23 +40,6 @@ world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
   world.seconds = settings.pairs / world.frame_rate;
   world.threads = settings.rendering_threads;
   return world;
-}
-
-Drive loadDrive(const std::filesystem::path& folder, int pairs) {
-  Drive drive;
-  drive.rig = findRig(openSource(folder), folder, {}).rig;
-  const ImageFolder images = readImageFolder(folder);
-  const auto frame = [](const ImageSequence& camera, std::size_t index) {
-    Frame read;
-    read.image = readGreyImage(camera.images[index]);
-    read.exposure_ns = camera.instants_ns[index];
-    read.sequence = index;
-    return read;
-  };
-  const std::size_t count = std::min(images.left.images.size(), static_cast<std::size_t>(pairs));
-  for (std::size_t i = 0; i < count; ++i)
-    drive.pairs.push_back({frame(images.left, i), frame(images.right, i)});
-  return drive;
 }
 
 /// Gathers the times of one row.
@@ -69,6 +58,14 @@ class Samples {
     pyramids_.push_back(times.pyramids);
     klt_.push_back(times.klt);
   }
+  /// Ends a repeat, before and after which the reference took so long.
+  void compare(const ReferenceTimes& before, const ReferenceTimes& after) {
+    const double klt = 0.5 * (before.klt + after.klt), remap = 0.5 * (before.remap + after.remap);
+    for (std::size_t i = raw_ratios_.size(); i < raw_.size(); ++i) {
+      rectified_ratios_.push_back(rectified_[i] / klt);
+      raw_ratios_.push_back(raw_[i] / (klt + remap));
+    }
+  }
 
   SpeedResult result() const {
     SpeedResult result;
@@ -79,21 +76,54 @@ class Samples {
     for (int i = 0; i < kStageCount; ++i)
       result.stages[i] = percentile(stages_[i], 0.5);
     result.reference = {percentile(remap_, 0.5), percentile(pyramids_, 0.5), percentile(klt_, 0.5)};
+    result.rectified_ratio = percentile(rectified_ratios_, 0.5);
+    result.raw_ratio = percentile(raw_ratios_, 0.5);
     return result;
   }
 
  private:
-  std::vector<double> raw_, rectified_, used_, remap_, pyramids_, klt_;
+  std::vector<double> raw_, rectified_, used_, remap_, pyramids_, klt_, rectified_ratios_, raw_ratios_;
   std::array<std::vector<double>, kStageCount> stages_;
 };
 
-SpeedResult timeDrive(const Drive& drive, const Rectifier& rectifier, const OdometrySettings& odometry,
-                      int threads, int repeats, const simulate::Progress& progress) {
-  const ReferenceWork reference(drive.pairs[0].left.image, drive.pairs[1].left.image);
+/// The reference's work on images from all over a drive: how far the KLT has to go differs.
+class ReferenceWorks {
+ public:
+  explicit ReferenceWorks(const DriveInMemory& drive) {
+    const std::size_t steps = drive.pairs.size() - 1;
+    for (std::size_t i = 0; i < kPlaces; ++i) {
+      const std::size_t at = i * (steps - 1) / (kPlaces - 1);
+      works_.emplace_back(drive.pairs[at].left.image, drive.pairs[at + 1].left.image);
+    }
+  }
+
+  /// The mean of all.
+  ReferenceTimes run() const {
+    ReferenceTimes sum;
+    for (const ReferenceWork& work : works_) {
+      const ReferenceTimes times = work.run();
+      sum.remap += times.remap / kPlaces;
+      sum.pyramids += times.pyramids / kPlaces;
+      sum.klt += times.klt / kPlaces;
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr std::size_t kPlaces = 5;
+  std::vector<ReferenceWork> works_;
+};
+
+SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
+                      const OdometrySettings& odometry, int threads, int repeats,
+                      const simulate::Progress& progress) {
+  const ReferenceWorks reference(drive);
   Samples samples;
   const int count = static_cast<int>(drive.pairs.size());
+  reference.run();  // asks for the memory
+  ReferenceTimes before = reference.run();
+  samples.add(before);
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    samples.add(reference.run());  // between the repeats, as a busy machine is busy for seconds
     cv::setNumThreads(threads);
     PairProcessor processor(drive.rig, rectifier, odometry);
     for (int i = 0; i < count; ++i) {
@@ -101,17 +131,55 @@ SpeedResult timeDrive(const Drive& drive, const Rectifier& rectifier, const Odom
       if (i >= kWarmUp) samples.add(result);
       progress(repeat * count + i + 1, repeats * count);
     }
-    samples.add(reference.run());
+    const ReferenceTimes after = reference.run();
+    samples.add(after);
+    samples.compare(before, after);  // in between, as a busy machine is busy for seconds
+    before = after;
   }
   return samples.result();
 }
 
-void check(const SpeedSettings& settings) {
-  if (settings.sizes.empty() || settings.features.empty() || settings.threads.empty() || settings.repeats < 1)
-    throw std::invalid_argument("nothing to time: sizes, features, threads and repeats are needed");
-  if (settings.pairs < kWarmUp + 2)
-    throw std::invalid_argument("too few pairs to time: the first " + std::to_string(kWarmUp) +
-                                " do not count");
+/// A row for each number of features and threads.
+void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const WorkObserver& observer,
+              std::vector<SpeedResult>& results) {
+  const RectificationSettings rectification;
+  const Rectifier rectifier(drive.rig, rectification, buildTables(drive.rig, rectification));
+  for (const int features : settings.features) {
+    for (const int threads : settings.threads) {
+      observer.begin(drive.name + ", " + std::to_string(drive.rig.left.size.width) + "x" +
+                     std::to_string(drive.rig.left.size.height) + ": " + std::to_string(features) +
+                     " features, threads: " + std::to_string(threads));
+      OdometrySettings odometry = settings.odometry;
+      odometry.features = features;
+      SpeedResult result =
+          timeDrive(drive, rectifier, odometry, threads, settings.repeats, observer.progress);
+      result.drive = drive.name;
+      result.size = drive.rig.left.size;
+      result.features = features;
+      result.threads = threads;
+      results.push_back(result);
+    }
+  }
+}
+
+DriveInMemory renderedDrive(cv::Size size, const SpeedSettings& settings, const WorldCache& worlds,
+                            const WorkObserver& observer) {
+  observer.begin(std::to_string(size.width) + "x" + std::to_string(size.height) +
+                 ": rendering, unless it is cached");
+  const Sequence sequence = renderedSequence(worldOf(size, settings), worlds, observer.progress);
+  return loadDrive("campus", sequence.folder, settings.pairs);
+}
+
+void timeReal(const Sequence& sequence, const SpeedSettings& settings, const WorkObserver& observer,
+              std::vector<SpeedResult>& results) {
+  const DriveInMemory drive = loadDrive(sequence.name, sequence.folder, settings.pairs);
+  try {
+    requireEnough(static_cast<int>(drive.pairs.size()));
+    timeEach(drive, settings, observer, results);
+    if (isRectified(drive)) timeEach(throughLenses(drive), settings, observer, results);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(sequence.folder.string() + ": " + error.what());
+  }
 }
 
 }  // namespace
@@ -138,28 +206,11 @@ std::vector<SpeedResult> runSpeedBenchmark(const SpeedSettings& settings, const 
   check(settings);
   const WorldCache worlds(settings.cache / "worlds");
   std::vector<SpeedResult> results;
-  for (const cv::Size& size : settings.sizes) {
-    const std::string name = std::to_string(size.width) + "x" + std::to_string(size.height);
-    observer.begin(name + ": rendering, unless it is cached");
-    const Sequence sequence = renderedSequence(worldOf(size, settings), worlds, observer.progress);
-    const Drive drive = loadDrive(sequence.folder, settings.pairs);
-    const RectificationSettings rectification;
-    const Rectifier rectifier(drive.rig, rectification, buildTables(drive.rig, rectification));
-    for (const int features : settings.features) {
-      for (const int threads : settings.threads) {
-        observer.begin(name + ": " + std::to_string(features) +
-                       " features, threads: " + std::to_string(threads));
-        OdometrySettings odometry = settings.odometry;
-        odometry.features = features;
-        SpeedResult result =
-            timeDrive(drive, rectifier, odometry, threads, settings.repeats, observer.progress);
-        result.size = size;
-        result.features = features;
-        result.threads = threads;
-        results.push_back(result);
-      }
-    }
-  }
+  for (const cv::Size& size : settings.sizes)
+    timeEach(renderedDrive(size, settings, worlds, observer), settings, observer, results);
+  if (!settings.data.empty())
+    for (const Sequence& sequence : realSequences(settings.data))
+      timeReal(sequence, settings, observer, results);
   return results;
 }
 

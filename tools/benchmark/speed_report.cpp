@@ -13,7 +13,8 @@ std::string sizeName(const cv::Size& size) {
 }
 
 std::vector<std::string> rowName(const SpeedResult& result) {
-  return {sizeName(result.size), std::to_string(result.features), std::to_string(result.threads)};
+  return {result.drive, sizeName(result.size), std::to_string(result.features),
+          std::to_string(result.threads)};
 }
 
 std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
@@ -22,21 +23,21 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
 }
 
 std::string timesTable(const std::vector<SpeedResult>& results, ReportFormat format) {
-  Table table({"images", "features", "threads", "used", "rectified: median, ms", "p99", "max", "x KLT",
-               "raw: median, ms", "p99", "max", "x KLT + remap", "pairs/s"});
+  Table table({"drive", "images", "features", "threads", "used", "rectified: median, ms", "p99", "max",
+               "x KLT", "raw: median, ms", "p99", "max", "x KLT + remap", "pairs/s"});
   for (const SpeedResult& result : results) {
     const Distribution &rectified = result.rectified, &raw = result.raw;
     table.add(joined(
         rowName(result),
         {fixed(result.used, 0), fixed(rectified.median, 2), fixed(rectified.p99, 2),
-         fixed(rectified.maximum, 2), fixed(result.rectifiedRatio(), 2), fixed(raw.median, 2),
-         fixed(raw.p99, 2), fixed(raw.maximum, 2), fixed(result.rawRatio(), 2), fixed(1e3 / raw.median, 0)}));
+         fixed(rectified.maximum, 2), fixed(result.rectified_ratio, 2), fixed(raw.median, 2),
+         fixed(raw.p99, 2), fixed(raw.maximum, 2), fixed(result.raw_ratio, 2), fixed(1e3 / raw.median, 0)}));
   }
   return table.as(format);
 }
 
 std::string stagesTable(const std::vector<SpeedResult>& results, ReportFormat format) {
-  std::vector<std::string> header{"images", "features", "threads"};
+  std::vector<std::string> header{"drive", "images", "features", "threads"};
   for (int i = 0; i < kStageCount; ++i)
     header.emplace_back(stageName(static_cast<Stage>(i)));
   Table table(header);
@@ -50,7 +51,7 @@ std::string stagesTable(const std::vector<SpeedResult>& results, ReportFormat fo
 }
 
 std::string referenceTable(const std::vector<SpeedResult>& results, ReportFormat format) {
-  Table table({"images", "features", "threads", "remap, ms", "pyramids, ms", "KLT, ms"});
+  Table table({"drive", "images", "features", "threads", "remap, ms", "pyramids, ms", "KLT, ms"});
   for (const SpeedResult& result : results) {
     table.add(joined(rowName(result), {fixed(result.reference.remap, 2), fixed(result.reference.pyramids, 2),
                                        fixed(result.reference.klt, 2)}));
@@ -81,14 +82,16 @@ std::string growthTable(const std::vector<SpeedResult>& results, ReportFormat fo
   for (const SpeedResult& result : results) {
     gather(
         curves, result,
-        [&](const SpeedResult& r) { return sizeName(r.size) + threads(r) + ", over features"; },
+        [&](const SpeedResult& r) {
+          return r.drive + " " + sizeName(r.size) + threads(r) + ", over features";
+        },
         [](const SpeedResult& r) { return static_cast<double>(r.features); });
   }
   for (const SpeedResult& result : results) {
     gather(
         curves, result,
         [&](const SpeedResult& r) {
-          return std::to_string(r.features) + " features" + threads(r) + ", over pixels";
+          return r.drive + ", " + std::to_string(r.features) + " features" + threads(r) + ", over pixels";
         },
         [](const SpeedResult& r) { return static_cast<double>(r.size.area()); });
   }
@@ -120,7 +123,8 @@ Json json(const SpeedResult& result) {
   Json stages;
   for (int i = 0; i < kStageCount; ++i)
     stages[stageName(static_cast<Stage>(i))] = result.stages[i];
-  return {{"width", result.size.width},
+  return {{"drive", result.drive},
+          {"width", result.size.width},
           {"height", result.size.height},
           {"features", result.features},
           {"threads", result.threads},
@@ -128,8 +132,8 @@ Json json(const SpeedResult& result) {
           {"used", result.used},
           {"rectified_ms", json(result.rectified)},
           {"raw_ms", json(result.raw)},
-          {"rectified_ratio", result.rectifiedRatio()},
-          {"raw_ratio", result.rawRatio()},
+          {"rectified_ratio", result.rectified_ratio},
+          {"raw_ratio", result.raw_ratio},
           {"stages_ms", stages},
           {"reference_ms",
            {{"remap", result.reference.remap},

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,18 +42,24 @@ cv::Size sizeFrom(const std::string& text) {
   return height.ec == std::errc() && height.ptr == end ? size : cv::Size();
 }
 
+constexpr const char* kNoSize = "none";
+
 std::string checkSize(const std::string& text) {
+  if (text == kNoSize) return "";
   constexpr int kLeast = 160, kMost = 8192;  // px
   const cv::Size size = sizeFrom(text);
   const bool fits = std::min(size.width, size.height) >= kLeast && std::max(size.width, size.height) <= kMost;
-  return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420";
+  return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420, or none";
 }
 
 void run(const SpeedOptions& options) {
   checkOutput(options.common.output);
   SpeedSettings settings;
   for (const std::string& size : options.sizes)
-    settings.sizes.push_back(sizeFrom(size));
+    if (size != kNoSize) settings.sizes.push_back(sizeFrom(size));
+  settings.data = dataFolder(options.common);
+  if (settings.sizes.empty() && settings.data.empty())
+    throw std::runtime_error("there is nothing to time: neither sizes to render nor real sequences");
   settings.features = options.features;
   settings.threads = options.thread_counts;
   settings.odometry.estimator = estimatorNamed(options.estimator);
@@ -68,7 +75,7 @@ void run(const SpeedOptions& options) {
 }
 
 void addChoices(CLI::App& command, SpeedOptions& options) {
-  command.add_option("--sizes", options.sizes, "Of the images")
+  command.add_option("--sizes", options.sizes, "To render a drive over the campus in, or none")
       ->delimiter(',')
       ->check(CLI::Validator(checkSize, "WIDTHxHEIGHT"))
       ->type_name("LIST")
@@ -86,7 +93,7 @@ void addChoices(CLI::App& command, SpeedOptions& options) {
   command.add_option("--estimator", options.estimator, "Which to time")
       ->check(CLI::IsMember(estimatorNames()))
       ->capture_default_str();
-  command.add_option("--pairs", options.pairs, "Of each drive; the first four do not count")
+  command.add_option("--pairs", options.pairs, "Of each drive at most; the first four do not count")
       ->check(CLI::Range(kWarmUp + 2, 10000))
       ->capture_default_str();
   command.add_option("--repeats", options.repeats, "Of each drive")
@@ -102,18 +109,22 @@ void addChoices(CLI::App& command, SpeedOptions& options) {
 void addSpeedBenchmark(CLI::App& benchmark) {
   CLI::App* command = benchmark.add_subcommand("speed", "Time per pair and stage, beside OpenCV's");
   const auto options = std::make_shared<SpeedOptions>();
-  addReportOptions(*command, options->common);
+  addBenchmarkOptions(*command, options->common);
   addChoices(*command, *options);
   command->footer(
-      "A drive over the campus is rendered in each size (some minutes, once), read into memory and run "
-      "through the\n"
-      "daemon's stages from the raw images to the pose. OpenCV's remap, pyramids and KLT are timed in "
-      "between on the same\n"
+      "A drive over the campus is rendered in each size (some minutes, once). These drives and the real "
+      "sequences are read\n"
+      "into memory and run through the daemon's stages from the raw images to the pose; sequences whose "
+      "images are rectified\n"
+      "already a second time as if seen through lenses. OpenCV's remap, pyramids and KLT are timed in "
+      "between "
+      "on the same\n"
       "images, so that ratios hold on a machine that is busy with other things. "
       "build/release/tools/benchmark/cartvo_kernels\n"
       "times the inner loops alone.\n"
       "Examples:\n"
-      "  cartvo benchmark speed --sizes 680x420 --features 1000\n"
+      "  cartvo benchmark speed --sizes 680x420 --features 1000 --data none\n"
+      "  cartvo benchmark speed --sizes none --data ../shared/data --pairs 60 --repeats 5\n"
       "  cartvo benchmark speed --format markdown --output speed.md");
   command->callback([options] { run(*options); });
 }

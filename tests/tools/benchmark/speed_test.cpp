@@ -1,11 +1,18 @@
 // `cartvo benchmark speed`: what is made of times, and a tiny run.
+#include <filesystem>
+#include <fstream>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
+#include "calib/rectifier.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/test_data.hpp"
+#include "tools/benchmark/drive_in_memory.hpp"
 #include "tools/benchmark/silent.hpp"
 #include "tools/benchmark/speed_benchmark.hpp"
 #include "tools/benchmark/speed_report.hpp"
@@ -13,6 +20,7 @@
 namespace cartvo::benchmark {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 TEST(Distribution, IsOfNearestRanks) {
@@ -56,6 +64,7 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
   const std::vector<SpeedResult> results = runSpeedBenchmark(settings, test::silent());
   ASSERT_EQ(results.size(), 2u);
   for (const SpeedResult& result : results) {
+    EXPECT_EQ(result.drive, "campus");
     EXPECT_EQ(result.size, settings.sizes[0]);
     EXPECT_EQ(result.pairs, 4u) << "but for those of the warm-up";
     EXPECT_GT(result.rectified.median, 0.0);
@@ -63,6 +72,8 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
     EXPECT_GT(result.stage(Stage::rectify), 0.0);
     EXPECT_GT(result.reference.klt, 0.0);
     EXPECT_GT(result.reference.remap, 0.0);
+    EXPECT_GT(result.rectified_ratio, 0.0);
+    EXPECT_GT(result.raw_ratio, 0.0);
     EXPECT_GT(result.used, 30.0) << "the odometry works";
   }
   EXPECT_GT(results[1].used, results[0].used);
@@ -73,7 +84,92 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
   const nlohmann::ordered_json json = speedJson(results);
   ASSERT_EQ(json["speeds"].size(), 2u);
   EXPECT_EQ(json["speeds"][1]["features"], 300);
+  EXPECT_EQ(json["speeds"][0]["drive"], "campus");
   EXPECT_GT(json["speeds"][0]["rectified_ratio"], 0.0);
+}
+
+/// A data folder with one sequence of `count` images, in KITTI's layout.
+std::filesystem::path linkedSequence(const test::TemporaryFolder& data, const std::filesystem::path& source,
+                                     int count) {
+  std::filesystem::path folder = data / "short";
+  for (const char* camera : {"image_0", "image_1"}) {
+    std::filesystem::create_directories(folder / camera);
+    for (int i = 0; i < count; ++i) {
+      const std::string name = "00000" + std::to_string(i) + ".png";
+      std::filesystem::create_symlink(source / camera / name, folder / camera / name);
+    }
+  }
+  std::filesystem::create_symlink(source / "calib.txt", folder / "calib.txt");
+  std::ofstream times(folder / "times.txt"), poses(folder / "poses.txt");
+  for (int i = 0; i < count; ++i) {
+    times << 0.1 * i << "\n";
+    poses << "1 0 0 0 0 1 0 0 0 0 1 " << i << "\n";
+  }
+  return folder;
+}
+
+SpeedSettings realOnly(const std::filesystem::path& data) {
+  SpeedSettings settings;
+  settings.data = data;
+  settings.features = {300};
+  settings.threads = {1};
+  settings.pairs = kWarmUp + 2;
+  settings.repeats = 1;
+  return settings;
+}
+
+TEST(SpeedBenchmark, TimesRealSequencesAndRectifiedOnesBehindLensesToo) {
+  CARTVO_NEEDS_DATA(kitti, "kitti_06");
+  const test::TemporaryFolder data;
+  linkedSequence(data, kitti, kWarmUp + 3);
+  const std::vector<SpeedResult> results = runSpeedBenchmark(realOnly(data.path()), test::silent());
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].drive, "short");
+  EXPECT_EQ(results[1].drive, "short behind lenses");
+  for (const SpeedResult& result : results) {
+    EXPECT_EQ(result.size, cv::Size(1226, 370));
+    EXPECT_EQ(result.pairs, 2u) << "as many as asked for, but for those of the warm-up";
+    EXPECT_GT(result.used, 100.0) << "the odometry works";
+    EXPECT_GT(result.reference.klt, 0.0);
+  }
+  EXPECT_GT(results[1].raw.median, results[1].rectified.median) << "the lenses are rectified";
+}
+
+TEST(ThroughLenses, ImagesAreRawAndRectifyToMuchTheSame) {
+  CARTVO_NEEDS_DATA(kitti, "kitti_06");
+  const DriveInMemory drive = loadDrive("kitti_06", kitti, 1);
+  ASSERT_TRUE(isRectified(drive));
+  const DriveInMemory bent = throughLenses(drive);
+  EXPECT_FALSE(isRectified(bent));
+  const Rectifier rectifier(bent.rig, {}, buildTables(bent.rig, {}));
+  const Rectification& rectification = rectifier.rectification();
+  // Where a pinhole's pixels lie in the rectified image: it sees the same rays by another focal length.
+  const CameraModel& pinhole = drive.rig.left;
+  const double scale = rectification.focal_length / pinhole.fx;
+  const cv::Matx23d to_rectified(scale, 0, rectification.cx - scale * pinhole.cx, 0, scale,
+                                 rectification.cy - scale * pinhole.cy);
+  const auto expect_much_the_same = [&](const cv::Mat& image, const cv::Mat& rectified) {
+    cv::Mat expected;
+    cv::warpAffine(image, expected, to_rectified, rectified.size(), cv::INTER_CUBIC);
+    cv::Mat difference;
+    cv::absdiff(expected, rectified, difference);
+    const cv::Rect inner(20, 20, rectified.cols - 40, rectified.rows - 40);
+    EXPECT_LT(cv::mean(difference(inner))[0], 3.0) << "grey values";
+  };
+  cv::Mat left, right;
+  rectifier.rectifyLeft(bent.pairs[0].left.image, left);
+  rectifier.rectifyRight(bent.pairs[0].right.image, right);
+  expect_much_the_same(drive.pairs[0].left.image, left);
+  expect_much_the_same(drive.pairs[0].right.image, right);
+}
+
+TEST(SpeedBenchmark, NamesARealSequenceThatIsTooShort) {
+  CARTVO_NEEDS_DATA(kitti, "kitti_06");
+  const test::TemporaryFolder data;
+  const std::filesystem::path folder = linkedSequence(data, kitti, 5);
+  EXPECT_THAT([&] { runSpeedBenchmark(realOnly(data.path()), test::silent()); },
+              ::testing::ThrowsMessage<std::runtime_error>(
+                  AllOf(HasSubstr(folder.string()), HasSubstr("too few pairs to time: 5"))));
 }
 
 }  // namespace

@@ -17,14 +17,14 @@ void AccessUnitAssembler::add(const StreamFragment& fragment) {
       return;
     }
     if (!beginsWithStartCode(fragment.data)) learnFromContinuation();
+    if (lastFragmentEndsUnit()) went_on_after_ = slices_;
   } else {
     judgePreviousPicture();
     beginPicture(fragment);
   }
   append(fragment);
 
-  const bool rule_applies = full_fragment_ > 0 && usual_slices_ > 0 && slices_ == usual_slices_;
-  seems_complete_ = rule_applies && (!fragment_may_go_on_ || fragment_length_ != full_fragment_);
+  seems_complete_ = slices_ > 0 && slices_ == usual_slices_ && lastFragmentEndsUnit();
   if (seems_complete_ && completesEarly()) {
     AssembledUnit unit = std::move(*current_);
     current_ = AssembledUnit{{}, unit.pts, 0, 0, std::nullopt, false};
@@ -59,6 +59,7 @@ void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {
   handed_out_ = false;
   slices_ = 0;
   key_ = false;
+  went_on_after_ = 0;
   // Without a start code its beginning is missing.
   if (!beginsWithStartCode(fragment.data)) current_->data_lost = true;
 }
@@ -89,6 +90,11 @@ void AccessUnitAssembler::append(const StreamFragment& fragment) {
   fragment_may_go_on_ = units.size() <= 1;  // an aggregate holds whole NAL units
 }
 
+/// As far as fragments tell; never before it is known how long they are.
+bool AccessUnitAssembler::lastFragmentEndsUnit() const {
+  return full_fragment_ > 0 && (!fragment_may_go_on_ || fragment_length_ != full_fragment_);
+}
+
 /// The last fragment went on in the next one, so its length is that of full fragments.
 void AccessUnitAssembler::learnFromContinuation() {
   if (fragment_length_ == full_fragment_) return;
@@ -96,15 +102,16 @@ void AccessUnitAssembler::learnFromContinuation() {
   proved_pictures_ = 0;
 }
 
-/// The next picture begins, so the last fragment of this one is known.
+/// The next picture begins, so the last fragment of this one is known. The first one proves the rule, too:
+/// its number of slices is known now.
 void AccessUnitAssembler::judgePreviousPicture() {
   if (!current_) return;
   if (slices_ != usual_slices_) {
     usual_slices_ = slices_;
     proved_pictures_ = 0;
-    return;
   }
-  if (!seems_complete_) return;
+  const bool right = slices_ > 0 && lastFragmentEndsUnit() && went_on_after_ != slices_;
+  if (!right) return;
   if (proved_pictures_ == 0) proved_on_key_ = false;
   proved_on_key_ = proved_on_key_ || key_;
   if (proved_pictures_ < kPicturesToProve) ++proved_pictures_;

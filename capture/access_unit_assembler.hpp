@@ -39,9 +39,11 @@ struct AssembledUnit {
 /// a shorter last one, and cameras cut each picture into the same number of slices. Both are learned from the
 /// stream: a picture counts as complete when its usual number of slices has begun and a fragment of other
 /// than the full size ends the last one. The rule first proves itself unused: only after it would have been
-/// right for many pictures in a row, a key picture among them, it is acted upon. Where it does not hold, a
-/// picture is complete when the next one begins. Should it fail after all, the cut picture and those after it
-/// count as damaged until the next key frame, and the rule is not used again.
+/// right for kPicturesToProve in a row, a key picture among them, it is acted upon. Where it does not hold, a
+/// picture is complete when the next one begins, and few pictures show it: NAL units that are cut evenly have
+/// fragments of another size in each picture, and where slices are limited in size a key picture has more of
+/// them. Should it fail after all, the cut picture and those after it count as damaged until the next key
+/// frame, and the rule is not used again.
 class AccessUnitAssembler {
  public:
   explicit AccessUnitAssembler(VideoCodec codec) : codec_(codec) {}
@@ -58,10 +60,11 @@ class AccessUnitAssembler {
   std::uint64_t wrongGuesses() const { return wrong_guesses_; }
 
  private:
-  static constexpr int kPicturesToProve = 24;
+  static constexpr int kPicturesToProve = 5;
   static constexpr std::size_t kLargestUnit = 16U << 20;  ///< bytes; beyond any camera's picture
 
   bool isRepeated(const StreamFragment& fragment) const;
+  bool lastFragmentEndsUnit() const;
   void beginPicture(const StreamFragment& fragment);
   void append(const StreamFragment& fragment);
   void learnFromContinuation();
@@ -80,6 +83,7 @@ class AccessUnitAssembler {
   bool seems_complete_ = false;      ///< the rule says that the last fragment was the picture's last
   std::size_t fragment_length_ = 0;  ///< of the last fragment, without start code and NAL header
   bool fragment_may_go_on_ = false;  ///< the last fragment held the beginning or middle of one NAL unit
+  int went_on_after_ = 0;            ///< slices, when it last went on though a NAL unit had ended
 
   // What was learned.
   std::size_t full_fragment_ = 0;  ///< length of the fragments that were continued; 0: none seen yet

@@ -114,6 +114,47 @@ TEST(AccessUnitAssembler, OnceProvedAPictureIsCompleteWithItsLastPacket) {
   EXPECT_EQ(feeder.assembler.wrongGuesses(), 0U);
 }
 
+TEST(AccessUnitAssembler, AFewPicturesProveItTheFirstKeyPictureAmongThem) {
+  Feeder feeder;
+  feeder.feed(picture(true, {9000}));
+  for (const std::size_t size : {3000UL, 3100UL, 2900UL, 3050UL}) {
+    for (const auto& result : feeder.feed(picture(false, {size})))
+      EXPECT_FALSE(result.early) << size;
+  }
+  const auto results = feeder.feed(picture(false, {3200}));
+  ASSERT_EQ(results.size(), 2U) << "the one before, and itself";
+  EXPECT_FALSE(results[0].early);
+  EXPECT_TRUE(results[1].early);
+}
+
+TEST(AccessUnitAssembler, WithoutAKeyPictureNothingIsProved) {
+  Feeder feeder;
+  for (std::size_t i = 0; i < 100; ++i)
+    feeder.feed(picture(false, {3000 + 37 * i}));
+  EXPECT_FALSE(feeder.assembler.completesEarly());
+  feeder.feed(picture(true, {9000}));
+  feeder.feed(picture(false, {3000}));
+  EXPECT_TRUE(feeder.assembler.completesEarly());
+}
+
+TEST(AccessUnitAssembler, SlicesOfLimitedSizeAreNeverGuessed) {
+  Feeder feeder;
+  for (int i = 0; i < 100; ++i)  // a key picture has more of them
+    feeder.feed(picture(i % 10 == 0, std::vector<std::size_t>(i % 10 == 0 ? 5 : 2, 2000)));
+  EXPECT_FALSE(feeder.assembler.completesEarly());
+  EXPECT_EQ(feeder.assembler.wrongGuesses(), 0U);
+}
+
+TEST(AccessUnitAssembler, AFirstPictureThatGoesOnBehindItsSlicesProvesNothing) {
+  Feeder feeder;
+  std::vector<Bytes> first = picture(true, {4000});
+  first.push_back(packets(kSei, 20).front());
+  feeder.feed(first);
+  for (std::size_t i = 0; i < 50; ++i)
+    feeder.feed(picture(false, {3000 + 37 * i}));
+  EXPECT_FALSE(feeder.assembler.completesEarly()) << "no key picture has ended as the rule says";
+}
+
 TEST(AccessUnitAssembler, ALastFragmentOfFullSizeWaitsForTheNextPicture) {
   Feeder feeder;
   feeder.warmUp(40, {4000});

@@ -16,7 +16,8 @@ constexpr double kPixelNoise = 0.2, kDisparityNoise = 0.3;
 inline Eigen::Vector3d measured(const Eigen::Vector3d& point, Noise& noise) {
   const Eigen::Vector2d pixel = project(kSceneCamera, point);
   const double disparity = kSceneCamera.focal_length * kSceneCamera.baseline / point.z();
-  const Eigen::Vector2d offset(kPixelNoise * noise.gaussian(), kPixelNoise * noise.gaussian());
+  const double right = kPixelNoise * noise.gaussian();  // one by one: compilers order arguments as they like
+  const Eigen::Vector2d offset(right, kPixelNoise * noise.gaussian());
   return triangulate(kSceneCamera, {pixel + offset, disparity + kDisparityNoise * noise.gaussian()});
 }
 
@@ -29,7 +30,8 @@ inline std::vector<Eigen::Vector3d> scatter(int count, Noise& noise) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < count; ++i) {
     const double z = 4.0 + 26.0 * noise.uniform();
-    points.emplace_back((noise.uniform() - 0.5) * z, (noise.uniform() - 0.5) * 0.6 * z, z);
+    const double x = (noise.uniform() - 0.5) * z;
+    points.emplace_back(x, (noise.uniform() - 0.5) * 0.6 * z, z);
   }
   return points;
 }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "vo_core/median.hpp"
 #include "vo_core/motion_estimator.hpp"
 #include "vo_core/point_scene.hpp"
 
@@ -55,10 +56,10 @@ Vector6d errorOf(const Eigen::Isometry3d& pose, int frames) {
 }
 
 TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
-  double before = 0.0;
-  double two_frames = 0.0;
-  double five_frames = 0.0;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  // Medians: now and then a start is so far off that no refinement mends it, and sums tell of nothing else.
+  std::vector<double> before, two_frames, five_frames;
+  const auto squared = [](const Eigen::Isometry3d& pose) { return errorOf(pose, 5).squaredNorm(); };
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const auto features = seenBy(5, 150, seed);
     auto last_only = features;
     std::vector<PointMatch> matches;
@@ -69,14 +70,15 @@ TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
     }
     SubsetRandom random(seed);
     const Eigen::Isometry3d start = estimateMotion(matches, MotionSettings{}, random)->T_reference_current;
-    before += errorOf(start, 5).squaredNorm();
-    two_frames += errorOf(refinePose(start, last_only, 1.0, kRadius, RefinementSettings{}).T_world_camera, 5)
-                      .squaredNorm();
-    five_frames += errorOf(refinePose(start, features, 1.0, kRadius, RefinementSettings{}).T_world_camera, 5)
-                       .squaredNorm();
+    const auto refined = [&start](const std::vector<RefinementFeature>& seen) {
+      return refinePose(start, seen, 1.0, kRadius, RefinementSettings{}).T_world_camera;
+    };
+    before.push_back(squared(start));
+    two_frames.push_back(squared(refined(last_only)));
+    five_frames.push_back(squared(refined(features)));
   }
-  EXPECT_LT(two_frames, 0.7 * before);
-  EXPECT_LT(five_frames, 0.9 * two_frames);
+  EXPECT_LT(median(two_frames), 0.05 * median(before));
+  EXPECT_LT(median(five_frames), 0.9 * median(two_frames));
 }
 
 /// Mean normalised estimation error squared over many trials; 6 if the covariance is honest.

@@ -331,8 +331,10 @@ Path campusPath(const WorldSettings& settings) {
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 102U}));
   std::vector<Vector2d> polygon = loopPolygon(settings.scenario);
   const double reach = settings.scenario == Scenario::turns ? 1.0 : 4.0;
-  for (Vector2d& corner : polygon)
-    corner += Vector2d(random.uniform(-reach, reach), random.uniform(-reach, reach));
+  for (Vector2d& corner : polygon) {
+    const double north = random.uniform(-reach, reach);  // one by one: compilers order arguments as they like
+    corner += Vector2d(random.uniform(-reach, reach), north);
+  }
   return Path(polygon, cornerRadius(settings.scenario));
 }
 

@@ -60,7 +60,7 @@ class AccessUnitAssembler {
   std::uint64_t wrongGuesses() const { return wrong_guesses_; }
 
  private:
-  static constexpr int kPicturesToProve = 5;
+  static constexpr int kPicturesToProve = 4;              // a key picture and three others
   static constexpr std::size_t kLargestUnit = 16U << 20;  ///< bytes; beyond any camera's picture
 
   bool isRepeated(const StreamFragment& fragment) const;

@@ -8,10 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string sizeName(const cv::Size& size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 std::vector<std::string> rowName(const SpeedResult& result) {
   return {result.drive, sizeName(result.size), std::to_string(result.features),
           std::to_string(result.threads)};

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -58,8 +57,6 @@ void run(const SpeedOptions& options) {
   for (const std::string& size : options.sizes)
     if (size != kNoSize) settings.sizes.push_back(sizeFrom(size));
   settings.data = dataFolder(options.common);
-  if (settings.sizes.empty() && settings.data.empty())
-    throw std::runtime_error("there is nothing to time: neither sizes to render nor real sequences");
   settings.features = options.features;
   settings.threads = options.thread_counts;
   settings.odometry.estimator = estimatorNamed(options.estimator);
@@ -117,9 +114,8 @@ void addSpeedBenchmark(CLI::App& benchmark) {
       "into memory and run through the daemon's stages from the raw images to the pose; sequences whose "
       "images are rectified\n"
       "already a second time as if seen through lenses. OpenCV's remap, pyramids and KLT are timed in "
-      "between "
-      "on the same\n"
-      "images, so that ratios hold on a machine that is busy with other things. "
+      "between on images of the\n"
+      "same drives, so that ratios hold on a machine that is busy with other things. "
       "build/release/tools/benchmark/cartvo_kernels\n"
       "times the inner loops alone.\n"
       "Examples:\n"

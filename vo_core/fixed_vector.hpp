@@ -1,28 +1,30 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <memory>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace cartvo {
 
 /// A vector of at most `kMost` items that holds them inside itself, so that no pair allocates one for each
-/// landmark (C++26 has std::inplace_vector). More are refused: std::length_error. Assigning copies no more
-/// than it holds.
+/// landmark (C++26 has std::inplace_vector). More are refused: std::length_error. Memory is written to only
+/// for items it holds: thousands of landmarks are made and copied for each pair.
 template <typename T, std::size_t kMost>
 class FixedVector {
  public:
-  FixedVector() = default;
+  FixedVector() {}  // NOLINT(modernize-use-equals-default): which the union would delete
   FixedVector(std::initializer_list<T> items) {
     for (const T& item : items)
       push_back(item);
   }
   FixedVector(const FixedVector& other) { *this = other; }
   FixedVector& operator=(const FixedVector& other) {
+    if (this == &other) return *this;
     for (std::size_t i = 0; i < other.size_; ++i)
-      items_[i] = other.items_[i];
+      std::construct_at(items_ + i, other.items_[i]);
     size_ = other.size_;
     return *this;
   }
@@ -32,9 +34,9 @@ class FixedVector {
 
   T& operator[](std::size_t i) { return items_[i]; }
   const T& operator[](std::size_t i) const { return items_[i]; }
-  T* begin() { return items_.data(); }
+  T* begin() { return items_; }
   T* end() { return begin() + size_; }
-  const T* begin() const { return items_.data(); }
+  const T* begin() const { return items_; }
   const T* end() const { return begin() + size_; }
   T& front() { return items_[0]; }
   T& back() { return items_[size_ - 1]; }
@@ -45,12 +47,12 @@ class FixedVector {
   // NOLINTBEGIN(readability-identifier-naming): as std::vector has them
   void push_back(const T& item) {
     requireRoomFor(size_ + 1);
-    items_[size_++] = item;
+    std::construct_at(items_ + size_++, item);
   }
   void resize(std::size_t size) {
     requireRoomFor(size);
     for (; size_ < size; ++size_)
-      items_[size_] = T{};
+      std::construct_at(items_ + size_);
     size_ = size;
   }
   template <typename... Arguments>
@@ -65,7 +67,10 @@ class FixedVector {
     if (size > kMost) throw std::length_error("a FixedVector cannot hold so many items");
   }
 
-  std::array<T, kMost> items_{};
+  static_assert(std::is_trivially_destructible_v<T>);  // so that nothing is to be done for those that go
+  union {
+    T items_[kMost];  // NOLINT(readability-identifier-naming): private
+  };
   std::size_t size_ = 0;
 };
 

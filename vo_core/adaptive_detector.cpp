@@ -28,13 +28,17 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
     : settings_(settings),
       features_(0),
       corner_target_(0.0),
-      image_size_(image_size),
       scale_(scale),
       first_looks_(kFirstLooks),
       window_thresholds_(image_size, settings.window_rows),
       finders_(static_cast<std::size_t>(settings.window_rows)) {
   const int columns = settings.window_columns;
   const int rows = settings.window_rows;
+  // The inverse of the windows' integer division: window c holds the pixels [c W / n, (c + 1) W / n).
+  for (int x = 0; x < image_size.width; ++x)
+    column_of_.push_back(((x + 1) * columns - 1) / image_size.width);
+  for (int y = 0; y < image_size.height; ++y)
+    row_of_.push_back(((y + 1) * rows - 1) / image_size.height);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const cv::Point from(column * image_size.width / columns, row * image_size.height / rows);
@@ -76,12 +80,9 @@ void AdaptiveDetector::adaptThreshold(int index, int corners) {
 }
 
 int AdaptiveDetector::windowAt(double x, double y) const {
-  const int pixel_x = std::clamp(static_cast<int>(x), 0, image_size_.width - 1);
-  const int pixel_y = std::clamp(static_cast<int>(y), 0, image_size_.height - 1);
-  // The inverse of the windows' integer division: window c holds the pixels [c W / n, (c + 1) W / n).
-  const int column = ((pixel_x + 1) * settings_.window_columns - 1) / image_size_.width;
-  const int row = ((pixel_y + 1) * settings_.window_rows - 1) / image_size_.height;
-  return row * settings_.window_columns + column;
+  const int pixel_x = std::clamp(static_cast<int>(x), 0, static_cast<int>(column_of_.size()) - 1);
+  const int pixel_y = std::clamp(static_cast<int>(y), 0, static_cast<int>(row_of_.size()) - 1);
+  return row_of_[pixel_y] * settings_.window_columns + column_of_[pixel_x];
 }
 
 void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>& wanted) {

@@ -49,10 +49,10 @@ class AdaptiveDetector {
   DetectionSettings settings_;
   int features_;
   double corner_target_;
-  cv::Size image_size_;
   double scale_;
   int first_looks_;  ///< still to be had at the first image, whose thresholds are a mere guess
   std::vector<cv::Rect> windows_;
+  std::vector<int> column_of_, row_of_;  ///< among the windows, of each column and row of pixels
   std::vector<double> thresholds_;
   std::vector<int> corner_counts_;
 

@@ -27,7 +27,8 @@ double sinusoidalOffset(double left, double middle, double right) {
   const double cosine = (left + right) / (2.0 * middle);
   if (!fits(middle, cosine)) return 0.0;
   const double frequency = std::acos(cosine);
-  const double phase = std::atan((left - right) / (2.0 * middle * std::sin(frequency)));
+  const double sine = std::sqrt(1.0 - cosine * cosine);
+  const double phase = std::atan((left - right) / (2.0 * middle * sine));
   return std::clamp(-phase / frequency, -0.5, 0.5);
 }
 

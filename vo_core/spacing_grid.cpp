@@ -2,30 +2,54 @@
 #include "vo_core/spacing_grid.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace cartvo {
+namespace {
+
+constexpr float kNowhere = -1e6F;  // px
+
+constexpr int kFloats = 4;  // a register of any processor
+using Floats = float __attribute__((vector_size(4 * kFloats)));
+using Mask = std::int32_t __attribute__((vector_size(4 * kFloats)));
+
+/// Where the cells are that reach to within the distance of a point, which is the diagonal of a cell: in five
+/// rows, but not at their corners. As many from each place on as a register holds.
+struct Run {
+  int row, column;
+};
+constexpr Run kRuns[] = {{-2, -1}, {-1, -2}, {-1, -1}, {0, -2}, {0, -1}, {1, -2}, {1, -1}, {2, -1}};
+
+}  // namespace
 
 void SpacingGrid::reset(int width, int height, double distance) {
-  distance_ = distance;
-  cells_per_pixel_ = std::sqrt(2.0) / distance;  // a cell's diagonal is the distance
+  square_distance_ = static_cast<float>(distance * distance);
+  cells_per_pixel_ = std::sqrt(2.0) / distance;
   columns_ = static_cast<int>(width * cells_per_pixel_) + 1;
   rows_ = static_cast<int>(height * cells_per_pixel_) + 1;
   stride_ = columns_ + 2 * kReach;
-  cells_.assign(static_cast<std::size_t>(stride_) * (rows_ + 2 * kReach), kEmpty);
-  points_.clear();
-  points_.reserve(static_cast<std::size_t>(columns_) * rows_);
+  const std::size_t cells = static_cast<std::size_t>(stride_) * (rows_ + 2 * kReach);
+  x_.assign(cells, kNowhere);
+  y_.assign(cells, kNowhere);
 }
 
-bool SpacingGrid::tooClose(const std::int32_t* cell, const Eigen::Vector2d& point) const {
-  for (int row = -kReach; row <= kReach; ++row) {
-    const std::int32_t* cells = cell + row * stride_;
-    if ((cells[-2] & cells[-1] & cells[0] & cells[1] & cells[2]) == kEmpty) continue;  // most are
-    for (int column = -kReach; column <= kReach; ++column)
-      if (cells[column] != kEmpty &&
-          (points_[static_cast<std::size_t>(cells[column])] - point).squaredNorm() < distance_ * distance_)
-        return true;
+bool SpacingGrid::tooClose(std::ptrdiff_t cell, float x, float y) const {
+  if (x_[cell] != kNowhere) return true;
+  Mask close{};
+#pragma GCC unroll 8
+  for (const Run& run : kRuns) {
+    const std::ptrdiff_t first = cell + run.row * stride_ + run.column;
+    Floats across, down;
+    std::memcpy(&across, x_.data() + first, sizeof across);
+    std::memcpy(&down, y_.data() + first, sizeof down);
+    across -= x;
+    down -= y;
+    close |= across * across + down * down < square_distance_;
   }
-  return false;
+  std::uint64_t halves[2];
+  std::memcpy(halves, &close, sizeof halves);
+  return (halves[0] | halves[1]) != 0;
 }
 
 bool SpacingGrid::insert(const Eigen::Vector2d& point) {
@@ -33,10 +57,11 @@ bool SpacingGrid::insert(const Eigen::Vector2d& point) {
   const int column = static_cast<int>(point.x() * cells_per_pixel_);
   const int row = static_cast<int>(point.y() * cells_per_pixel_);
   if (column >= columns_ || row >= rows_) return false;
-  std::int32_t* cell = &cells_[static_cast<std::size_t>(row + kReach) * stride_ + column + kReach];
-  if (tooClose(cell, point)) return false;
-  *cell = static_cast<std::int32_t>(points_.size());
-  points_.push_back(point);
+  const std::ptrdiff_t cell = (row + kReach) * stride_ + column + kReach;
+  const auto x = static_cast<float>(point.x()), y = static_cast<float>(point.y());
+  if (tooClose(cell, x, y)) return false;
+  x_[cell] = x;
+  y_[cell] = y;
   return true;
 }
 

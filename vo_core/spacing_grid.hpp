@@ -1,12 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 namespace cartvo {
 
-/// Keeps points of an image a minimum distance apart: each is let in only if none is closer already.
+/// Keeps points of an image a minimum distance apart: each is let in only if none is closer already. In
+/// single precision: to a thousandth of a pixel in images of 8192.
 class SpacingGrid {
  public:
   SpacingGrid() = default;
@@ -21,15 +22,15 @@ class SpacingGrid {
 
  private:
   static constexpr int kReach = 2;  ///< cells away from a point's own, within which others may be too close
-  static constexpr std::int32_t kEmpty = -1;
 
-  bool tooClose(const std::int32_t* cell, const Eigen::Vector2d& point) const;
+  bool tooClose(std::ptrdiff_t cell, float x, float y) const;
 
   int columns_ = 0, rows_ = 0;
-  int stride_ = 0;  ///< cells in a row, with kReach empty ones on each side
-  double distance_ = 0.0, cells_per_pixel_ = 0.0;
-  std::vector<std::int32_t> cells_;  ///< so small that each holds one point at most: its place in points_
-  std::vector<Eigen::Vector2d> points_;
+  std::ptrdiff_t stride_ = 0;  ///< cells in a row, with kReach empty ones on each side
+  double cells_per_pixel_ = 0.0;
+  float square_distance_ = 0.0F;
+  /// Each cell's point, px, or one far from all; so small are cells that they hold one at most.
+  std::vector<float> x_, y_;
 };
 
 }  // namespace cartvo

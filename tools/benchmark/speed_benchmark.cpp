@@ -206,13 +206,18 @@ double growthExponent(const std::vector<double>& amounts, const std::vector<doub
 
 std::vector<SpeedResult> runSpeedBenchmark(const SpeedSettings& settings, const WorkObserver& observer) {
   check(settings);
+  const std::vector<Sequence> real =
+      settings.data.empty() ? std::vector<Sequence>{} : realSequences(settings.data);
+  if (settings.sizes.empty() && real.empty()) {
+    throw std::invalid_argument("nothing to time: " + settings.data.string() +
+                                " holds no sequence, a folder of images with their true poses each");
+  }
   const WorldCache worlds(settings.cache / "worlds");
   std::vector<SpeedResult> results;
   for (const cv::Size& size : settings.sizes)
     timeEach(renderedDrive(size, settings, worlds, observer), settings, observer, results);
-  if (!settings.data.empty())
-    for (const Sequence& sequence : realSequences(settings.data))
-      timeReal(sequence, settings, observer, results);
+  for (const Sequence& sequence : real)
+    timeReal(sequence, settings, observer, results);
   return results;
 }
 

@@ -101,10 +101,8 @@ class AccuracyRun {
 std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& settings,
                                                    const WorkObserver& observer) {
   AccuracyRun run(settings, observer);
-  if (!settings.data.empty()) {
-    for (const Sequence& sequence : realSequences(settings.data))
-      run.measure(sequence);
-  }
+  for (const Sequence& sequence : realSequences(settings.data))
+    run.measure(sequence);
   const WorldCache worlds(settings.cache / "worlds");
   for (const world::WorldSettings& world : settings.worlds) {
     observer.begin(worldName(world) + ": rendering, unless it is cached");

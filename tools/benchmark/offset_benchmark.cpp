@@ -141,15 +141,14 @@ OffsetModel offsetModelNamed(const std::string& wanted) {
 }
 
 std::vector<OffsetAccuracy> runOffsetBenchmark(const OffsetSettings& settings, const WorkObserver& observer) {
+  const std::vector<Sequence> real = realSequences(settings.data);  // fails, if it does, before the work
   OffsetRun run(settings, observer);
   for (const world::WorldSettings& world : settings.worlds) {
     for (const RightClock& clock : settings.clocks)
       run.measureWorld(world, clock);
   }
-  if (!settings.data.empty()) {
-    for (const Sequence& sequence : realSequences(settings.data))
-      if (moves(sequence)) run.measureReal(sequence);
-  }
+  for (const Sequence& sequence : real)
+    if (moves(sequence)) run.measureReal(sequence);
   return run.take();
 }
 

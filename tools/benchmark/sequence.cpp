@@ -50,6 +50,7 @@ Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
 }  // namespace
 
 std::vector<Sequence> realSequences(const fs::path& data) {
+  if (data.empty()) return {};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(data))
     if (entry.is_directory() && detectImageFolder(entry.path())) folders.push_back(entry.path());

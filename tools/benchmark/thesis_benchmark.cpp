@@ -78,11 +78,10 @@ class ThesisRun {
 }  // namespace
 
 ThesisResults runThesisBenchmark(const ThesisSettings& settings, const WorkObserver& observer) {
+  const std::vector<Sequence> sequences = realSequences(settings.data);  // fails, if it does, before the work
   ThesisRun run(settings, observer);
   run.measureDepth("KITTI's rig", kittiLikeWorld(settings));
   run.measureDepth("the cart's rig", depthWorld(settings));
-  if (settings.data.empty()) return run.take();
-  const std::vector<Sequence> sequences = realSequences(settings.data);
   for (const Sequence& sequence : sequences)
     run.measure(sequence);
   const auto length = [](const Sequence& sequence) { return sequence.truth.left_camera.size(); };

@@ -62,6 +62,11 @@ std::vector<Sequence> realSequences(const fs::path& data) {
       sequences.push_back({folder.filename().string(), SequenceKind::real, folder, {*std::move(truth), {}}});
     }
   }
+  if (sequences.empty()) {
+    throw std::runtime_error(data.string() +
+                             ": holds no sequence; expected folders of images (KITTI or EuRoC layout) with "
+                             "poses.txt, or whose name ends in _still");
+  }
   return sequences;
 }
 

@@ -35,7 +35,8 @@ struct Sequence {
 
 /// The image folders in `data` (KITTI's or EuRoC's layout), by name. Truth is poses.txt (KITTI rows); a
 /// folder whose name ends in "_still" stands still; others are left out. None if `data` is an empty path.
-/// Throws std::runtime_error naming the file if one of them is contradictory.
+/// Throws std::runtime_error naming the folder if there is none in it, or the file if one of them is
+/// contradictory.
 std::vector<Sequence> realSequences(const std::filesystem::path& data);
 
 /// A rendered world, from the cache or rendered into it.

@@ -207,10 +207,6 @@ double growthExponent(const std::vector<double>& amounts, const std::vector<doub
 std::vector<SpeedResult> runSpeedBenchmark(const SpeedSettings& settings, const WorkObserver& observer) {
   check(settings);
   const std::vector<Sequence> real = realSequences(settings.data);  // fails, if it does, before the work
-  if (settings.sizes.empty() && real.empty()) {
-    throw std::invalid_argument("nothing to time: " + settings.data.string() +
-                                " holds no sequence, a folder of images with their true poses each");
-  }
   const WorldCache worlds(settings.cache / "worlds");
   std::vector<SpeedResult> results;
   for (const cv::Size& size : settings.sizes)

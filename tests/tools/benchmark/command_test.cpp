@@ -66,7 +66,11 @@ TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
         std::pair("offset --data none --plot /no/such/folder/plot", "there is no folder /no/such/folder"),
         std::pair("offset --scenarios none --data . --plot plot", "--plot draws rendered worlds"),
         std::pair("speed --data none --sizes none", "nothing to time"),
-        std::pair("speed --data . --sizes none", ". holds no sequence"),
+        std::pair("accuracy --data . --scenarios none", ".: holds no sequence"),
+        std::pair("ablation --data . --scenarios none", ".: holds no sequence"),
+        std::pair("offset --data . --scenarios none", ".: holds no sequence"),
+        std::pair("speed --data . --sizes none", ".: holds no sequence"),
+        std::pair("thesis --data .", ".: holds no sequence"),
         std::pair("thesis --data /no/such/folder", "/no/such/folder: is no folder")}) {
     const Finished run = runBenchmark(arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;

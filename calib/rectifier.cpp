@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calib/image_size.hpp"
 #include "calib/remap.hpp"
 
 namespace cartvo {
@@ -24,14 +25,11 @@ void Rectifier::rectifyRight(const cv::Mat& raw, cv::Mat& rectified) const {
 
 void Rectifier::rectify(const char* side, const PixelSources& sources, const cv::Mat& raw,
                         cv::Mat& rectified) const {
-  const auto text = [](cv::Size size) {
-    return std::to_string(size.width) + "x" + std::to_string(size.height);
-  };
   if (raw.size() != rectification_.size) {
-    throw std::runtime_error(std::string("the ") + side + " camera's images are " + text(raw.size()) +
-                             " but rig '" + rig_name_ + "' was calibrated at " + text(rectification_.size) +
-                             ": set the camera to " + text(rectification_.size) + ", or calibrate it at " +
-                             text(raw.size()));
+    throw std::runtime_error(std::string("the ") + side + " camera's images are " + sizeText(raw.size()) +
+                             " but rig '" + rig_name_ + "' was calibrated at " +
+                             sizeText(rectification_.size) + ": set the camera to " +
+                             sizeText(rectification_.size) + ", or calibrate it at " + sizeText(raw.size()));
   }
   if (raw.type() != CV_8UC1) {
     throw std::runtime_error(std::string("the ") + side +

@@ -20,6 +20,7 @@
 #include <xxhash.h>
 
 #include "calib/atomic_file.hpp"
+#include "calib/image_size.hpp"
 #include "calib/rectification_tables.hpp"
 
 namespace cartvo {
@@ -130,8 +131,7 @@ RectificationTables readTables(const std::filesystem::path& file, cv::Size size,
   const auto width = reader.take<std::uint32_t>(), height = reader.take<std::uint32_t>();
   if (width != static_cast<std::uint32_t>(size.width) || height != static_cast<std::uint32_t>(size.height)) {
     throw TablesOfAnotherRig(file.string() + ": is for images of " + std::to_string(width) + "x" +
-                             std::to_string(height) + ", the rig's are " + std::to_string(size.width) + "x" +
-                             std::to_string(size.height));
+                             std::to_string(height) + ", the rig's are " + sizeText(size));
   }
   if (bytes.size() != length) fail("is cut short or too long");
   const std::string_view checked = std::string_view(bytes).substr(0, bytes.size() - kChecksum);

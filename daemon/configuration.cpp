@@ -5,12 +5,12 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <regex>
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "calib/image_size.hpp"
 #include "calib/strict_yaml.hpp"
 #include "daemon/lcm_connection.hpp"
 
@@ -97,13 +97,10 @@ std::string streamUrl(const StrictYaml& yaml) {
   return url;
 }
 
-/// WIDTHxHEIGHT.
 cv::Size imageSize(const StrictYaml& yaml) {
-  static const std::regex kSize("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})");
-  std::smatch match;
-  const std::string text = yaml.text();
-  if (!std::regex_match(text, match, kSize)) yaml.failExpecting("a size in pixels such as 1280x720");
-  return {std::stoi(match[1]), std::stoi(match[2])};
+  const std::optional<cv::Size> size = sizeFrom(yaml.text());
+  if (!size) yaml.failExpecting("a size in pixels such as 1280x720");
+  return *size;
 }
 
 /// What only a camera of this computer has, and what it has not.
@@ -274,8 +271,7 @@ std::string effectiveConfiguration(const Configuration& configuration) {
       yaml << YAML::Key << "password_file" << settings.password_file.string();
     if (!settings.password_credential.empty())
       yaml << YAML::Key << "password_credential" << settings.password_credential;
-    if (!settings.size.empty())
-      yaml << YAML::Key << "size" << fmt::format("{}x{}", settings.size.width, settings.size.height);
+    if (!settings.size.empty()) yaml << YAML::Key << "size" << sizeText(settings.size);
     if (settings.format) yaml << YAML::Key << "format" << nameOf(*settings.format, kFormats);
     if (settings.exposure) yaml << YAML::Key << "exposure" << *settings.exposure;
     if (settings.gain) yaml << YAML::Key << "gain" << *settings.gain;

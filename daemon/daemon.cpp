@@ -15,6 +15,7 @@
 #include <opencv2/core/utility.hpp>
 #include <spdlog/spdlog.h>
 
+#include "calib/image_size.hpp"
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
 #include "calib/rig_file.hpp"
@@ -153,9 +154,9 @@ std::string Daemon::Implementation::recordingProblem() {
 }
 
 void Daemon::Implementation::run() {
-  spdlog::info("cartvod " CARTVO_VERSION ": rig '{}', {}x{}, baseline {:.1f} mm; left {}, right {}",
-               rig_.name, rig_.left.size.width, rig_.left.size.height, 1e3 * rig_.baseline(),
-               configuration_.left.url, configuration_.right.url);
+  spdlog::info("cartvod " CARTVO_VERSION ": rig '{}', {}, baseline {:.1f} mm; left {}, right {}", rig_.name,
+               sizeText(rig_.left.size), 1e3 * rig_.baseline(), configuration_.left.url,
+               configuration_.right.url);
   service_.status("waiting for both cameras");
   pipeline_.runLive({[this](const PairResult& result) { onPair(result); },
                      [this](const NoPair& no_pair) { onNoPair(no_pair); }});

@@ -4,14 +4,9 @@
 
 #include <utility>
 
+#include "calib/image_size.hpp"
+
 namespace cartvo {
-namespace {
-
-std::string text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
-}  // namespace
 
 PairingTotals totals(const PairSynchroniser& synchroniser) {
   const PairingCounts& left = synchroniser.counts(CameraSide::left);
@@ -29,8 +24,8 @@ PairingTotals totals(const PairSynchroniser& synchroniser) {
 }
 
 std::string wrongSizeMessage(CameraSide side, cv::Size stream, cv::Size rig) {
-  return std::string(side == CameraSide::left ? "left" : "right") + " camera: the stream is " + text(stream) +
-         ", but the rig is for " + text(rig) +
+  return std::string(side == CameraSide::left ? "left" : "right") + " camera: the stream is " +
+         sizeText(stream) + ", but the rig is for " + sizeText(rig) +
          "; set the camera's resolution to the rig's, or calibrate at this one (it may crop instead of "
          "scale)";
 }

@@ -7,6 +7,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "calib/image_size.hpp"
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
 #include "daemon/health_monitor.hpp"
@@ -146,7 +147,7 @@ void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const W
   const Rectifier rectifier(drive.rig, rectification, buildTables(drive.rig, rectification));
   for (const int features : settings.features) {
     for (const int threads : settings.threads) {
-      observer.begin(drive.name + ", " + sizeName(drive.rig.left.size) + ": " + std::to_string(features) +
+      observer.begin(drive.name + ", " + sizeText(drive.rig.left.size) + ": " + std::to_string(features) +
                      " features, threads: " + std::to_string(threads));
       OdometrySettings odometry = settings.odometry;
       odometry.features = features;
@@ -163,7 +164,7 @@ void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const W
 
 DriveInMemory renderedDrive(cv::Size size, const SpeedSettings& settings, const WorldCache& worlds,
                             const WorkObserver& observer) {
-  observer.begin(sizeName(size) + ": rendering, unless it is cached");
+  observer.begin(sizeText(size) + ": rendering, unless it is cached");
   const Sequence sequence = renderedSequence(worldOf(size, settings), worlds, observer.progress);
   return loadDrive("campus", sequence.folder, settings.pairs);
 }
@@ -181,10 +182,6 @@ void timeReal(const Sequence& sequence, const SpeedSettings& settings, const Wor
 }
 
 }  // namespace
-
-std::string sizeName(const cv::Size& size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 Distribution distributionOf(const std::vector<double>& milliseconds) {
   return {percentile(milliseconds, 0.5), percentile(milliseconds, 0.99),

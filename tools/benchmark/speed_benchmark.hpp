@@ -31,9 +31,6 @@ struct SpeedSettings {
 /// Pairs at the beginning of each repeat that are not counted: the odometry fills its window and its memory.
 inline constexpr int kWarmUp = 4;
 
-/// "680x420".
-std::string sizeName(const cv::Size& size);
-
 /// Of some times, ms.
 struct Distribution {
   double median = 0.0;

@@ -3,13 +3,15 @@
 
 #include <algorithm>
 
+#include "calib/image_size.hpp"
+
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 std::vector<std::string> rowName(const SpeedResult& result) {
-  return {result.drive, sizeName(result.size), std::to_string(result.features),
+  return {result.drive, sizeText(result.size), std::to_string(result.features),
           std::to_string(result.threads)};
 }
 
@@ -79,7 +81,7 @@ std::string growthTable(const std::vector<SpeedResult>& results, ReportFormat fo
     gather(
         curves, result,
         [&](const SpeedResult& r) {
-          return r.drive + " " + sizeName(r.size) + threads(r) + ", over features";
+          return r.drive + " " + sizeText(r.size) + threads(r) + ", over features";
         },
         [](const SpeedResult& r) { return static_cast<double>(r.features); });
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "calib/image_size.hpp"
 #include "tools/benchmark/thesis_values.hpp"
 
 namespace cartvo::benchmark {
@@ -109,8 +110,7 @@ std::string stageTable(const ThesisResults& results, ReportFormat format) {
   };
   table.add({"all", total(times.few), fixed(kThesisTotal1000Ms, 2), total(times.many),
              fixed(kThesisTotal9600Ms, 1)});
-  return title + table.as(format) + "\nMedians over " + times.sequence + " (" +
-         std::to_string(times.image_size.width) + "x" + std::to_string(times.image_size.height) +
+  return title + table.as(format) + "\nMedians over " + times.sequence + " (" + sizeText(times.image_size) +
          "); the thesis: 1241x376 on its own machine. Rectification is measured with raw\nimages of that "
          "size if the "
          "sequence comes rectified.\n";

@@ -8,13 +8,10 @@
 #include <opencv2/core/utility.hpp>
 
 #include "calib/board_detection.hpp"
+#include "calib/image_size.hpp"
 
 namespace cartvo {
 namespace {
-
-std::string sizeText(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 void requireSize(const cv::Mat& image, cv::Size size, const std::filesystem::path& file) {
   if (image.size() == size) return;

@@ -2,12 +2,12 @@
 #include "tools/cartvo/benchmark_speed.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "calib/image_size.hpp"
 #include "tools/benchmark/speed_benchmark.hpp"
 #include "tools/benchmark/speed_report.hpp"
 #include "tools/cartvo/benchmark_options.hpp"
@@ -31,22 +31,12 @@ struct SpeedOptions {
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();
 };
 
-/// WIDTHxHEIGHT; empty if it is not that.
-cv::Size sizeFrom(const std::string& text) {
-  const char* const end = text.data() + text.size();
-  cv::Size size;
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return {};
-  const auto height = std::from_chars(width.ptr + 1, end, size.height);
-  return height.ec == std::errc() && height.ptr == end ? size : cv::Size();
-}
-
 constexpr const char* kNoSize = "none";
 
 std::string checkSize(const std::string& text) {
   if (text == kNoSize) return "";
   constexpr int kLeast = 160, kMost = 8192;  // px
-  const cv::Size size = sizeFrom(text);
+  const cv::Size size = sizeFrom(text).value_or(cv::Size());
   const bool fits = std::min(size.width, size.height) >= kLeast && std::max(size.width, size.height) <= kMost;
   return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420, or none";
 }
@@ -55,7 +45,7 @@ void run(const SpeedOptions& options) {
   checkOutput(options.common.output);
   SpeedSettings settings;
   for (const std::string& size : options.sizes)
-    if (size != kNoSize) settings.sizes.push_back(sizeFrom(size));
+    if (size != kNoSize) settings.sizes.push_back(sizeFrom(size).value());
   settings.data = dataFolder(options.common);
   settings.features = options.features;
   settings.threads = options.thread_counts;

@@ -1,9 +1,10 @@
 // The command line of `cartvo simulate`.
 #include "tools/cartvo/simulate_options.hpp"
 
-#include <cstdio>
+#include <optional>
 #include <stdexcept>
 
+#include "calib/image_size.hpp"
 #include "tools/simulate/camera_pair_simulation.hpp"
 
 namespace cartvo {
@@ -117,12 +118,9 @@ void addFileOptions(CLI::App& command, SimulateOptions& options) {
 }  // namespace
 
 cv::Size parseSize(const std::string& text) {
-  cv::Size size;
-  char more = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &more) != 2) {
-    throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
-  }
-  return size;
+  const std::optional<cv::Size> size = sizeFrom(text);
+  if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
+  return *size;
 }
 
 void addSimulateOptions(CLI::App& command, SimulateOptions& options) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "calib/image_size.hpp"
 #include "capture/stream_recorder.hpp"
 #include "tools/report/table.hpp"
 
@@ -148,9 +149,7 @@ std::string informationText(const RecordingSummary& summary) {
     row(name, [member](const RecordedCamera& camera) { return std::to_string(camera.*member); });
   };
   row("codec", [](const RecordedCamera& camera) { return std::string(codecName(camera.codec)); });
-  row("picture size", [](const RecordedCamera& camera) {
-    return std::to_string(camera.picture_size.width) + "x" + std::to_string(camera.picture_size.height);
-  });
+  row("picture size", [](const RecordedCamera& camera) { return sizeText(camera.picture_size); });
   row("frames/s", [](const RecordedCamera& camera) { return fixed(frameRate(camera), 2); });
   row("Mbit/s", [](const RecordedCamera& camera) { return fixed(megabits(camera), 2); });
   count("pictures", &RecordedCamera::pictures);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "calib/euroc_rig.hpp"
+#include "calib/image_size.hpp"
 #include "calib/kitti_rig.hpp"
 #include "calib/rig_file.hpp"
 #include "tools/simulate/truth.hpp"
@@ -68,10 +69,8 @@ void SequenceContent::readRigOf(cv::Size image_size) {
                              ": nothing says what the cameras are: calib.txt (KITTI) or rig.yaml is missing");
   }
   if (rig_.left.size != image_size) {
-    throw std::runtime_error(folder_.left.images.front().string() + ": " + std::to_string(image_size.width) +
-                             "x" + std::to_string(image_size.height) + " pixels, but the rig is for " +
-                             std::to_string(rig_.left.size.width) + "x" +
-                             std::to_string(rig_.left.size.height));
+    throw std::runtime_error(folder_.left.images.front().string() + ": " + sizeText(image_size) +
+                             " pixels, but the rig is for " + sizeText(rig_.left.size));
   }
   rig_.left.size = evenSize(rig_.left.size);
   rig_.right.size = evenSize(rig_.right.size);

@@ -11,6 +11,8 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
+#include "calib/image_size.hpp"
+
 namespace cartvo::simulate {
 namespace {
 
@@ -31,8 +33,7 @@ void require(int result, const char* what) {
 
 void check(const EncoderSettings& settings, cv::Size size, double frame_rate) {
   if (size.width < 16 || size.height < 16 || size.width % 2 != 0 || size.height % 2 != 0) {
-    throw std::invalid_argument("pictures of " + std::to_string(size.width) + "x" +
-                                std::to_string(size.height) +
+    throw std::invalid_argument("pictures of " + sizeText(size) +
                                 " cannot be encoded: both sides must be even and at least 16 pixels");
   }
   if (!(frame_rate > 0.0 && frame_rate <= 240.0))
@@ -107,7 +108,7 @@ class StreamEncoder::Implementation {
   EncodedPicture encode(const cv::Mat& image) {
     if (image.type() != CV_8UC1 || image.cols != frame_->width || image.rows != frame_->height) {
       throw std::invalid_argument("a picture to encode must be grey, 8 bit, " +
-                                  std::to_string(frame_->width) + "x" + std::to_string(frame_->height));
+                                  sizeText({frame_->width, frame_->height}));
     }
     fill(image);
     frame_->pts = next_pts_++;

@@ -22,6 +22,7 @@ constexpr double kLeastAgreement = 0.5;
 constexpr double kApart = 3.0;             // s: two shifts that are further apart are two answers
 constexpr double kLeastDistinction = 0.1;  // in agreement, of the best answer from the next
 
+constexpr std::size_t kLeastPictures = 10;
 constexpr double kPart = 20.0;            // s
 constexpr double kMostSkew = 200e-6;      // of two crystals
 constexpr double kTellsSkew = 60.0;       // s
@@ -31,6 +32,12 @@ constexpr double kLeastDeviation = 1e-3;  // s: parallax, which moves both image
 [[noreturn]] void fail(const std::string& reason) {
   throw std::runtime_error("how far apart the two videos are cannot be found from their pictures: " + reason +
                            "; give --offset-ms");
+}
+
+void requireEnoughPictures(const char* side, const ImageMotion& motion) {
+  const std::size_t count = motion.times.size();
+  if (count < kLeastPictures)
+    fail(std::string("the ") + side + " one holds fewer than ten pictures: " + std::to_string(count));
 }
 
 double medianStep(const std::vector<double>& times) {
@@ -317,7 +324,8 @@ void dropStrays(std::vector<PartOffset>& parts) {
 }  // namespace
 
 PictureOffset findOffset(const ImageMotion& left, const ImageMotion& right) {
-  if (left.times.size() < 10 || right.times.size() < 10) fail("one of them holds fewer than ten pictures");
+  requireEnoughPictures("left", left);
+  requireEnoughPictures("right", right);
   const double step =
       std::clamp(0.5 * std::min(medianStep(left.times), medianStep(right.times)), 5e-3, 50e-3);
   const Coarse coarse = coarseOffset(left, right, step);

@@ -132,7 +132,8 @@ TEST(PictureOffset, OfVideosThatAreTooShortIsNotGuessed) {
   const Drive drive(1);
   const ImageMotion motion = filmed([&](double time) { return drive.at(time); }, {.duration = 3.0}, 1);
   EXPECT_THAT(test::messageOf([&] { findOffset(motion, motion); }), HasSubstr("too short"));
-  EXPECT_THAT(test::messageOf([&] { findOffset({}, motion); }), HasSubstr("fewer than ten pictures"));
+  EXPECT_THAT(test::messageOf([&] { findOffset({}, motion); }),
+              HasSubstr("the left one holds fewer than ten pictures: 0"));
 }
 
 TEST(ImageMotion, SumsUpHowThePictureMoves) {

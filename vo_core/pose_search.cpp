@@ -231,14 +231,4 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   return found;
 }
 
-std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
-  PointBlocks points;
-  points.take(problem);
-  std::vector<SquareLanes> squares;
-  std::vector<double> errors(problem.points.size());
-  forEachError(problem, points.blocks, T_world_camera, squares,
-               [&](int point, double error) { errors[point] = error; });
-  return errors;
-}
-
 }  // namespace cartvo

@@ -62,7 +62,4 @@ class PoseFinder {
   std::unique_ptr<Work> work_;  // kept from problem to problem for its memory
 };
 
-/// Normalised errors (rms of both coordinates, the depths' uncertainty included) of all points under a pose.
-std::vector<double> pointErrors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera);
-
 }  // namespace cartvo

@@ -2,6 +2,7 @@
 #include "vo_core/pose_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -61,9 +62,10 @@ void allowLittleChange(PoseProblem& problem) {
   problem.admissible_change = vector6(0.1, 0.1, 0.1, 0.03, 0.03, 0.03);
 }
 
-std::optional<FoundPose> search(PoseProblem& problem, std::uint64_t seed = 1) {
+std::optional<FoundPose> search(PoseProblem& problem, std::uint64_t seed = 1,
+                                const PoseSearchSettings& settings = {}) {
   SubsetRandom random(seed);
-  return PoseFinder().find(problem, PoseSearchSettings{}, random);
+  return PoseFinder().find(problem, settings, random);
 }
 
 void expectPose(const std::optional<FoundPose>& found, const Eigen::Isometry3d& expected, int seed) {
@@ -164,16 +166,22 @@ TEST(PoseSearch, TheSameSeedGivesTheSameBits) {
 }
 
 TEST(PoseSearch, ErrorsAreInStandardDeviationsTheDepthsIncluded) {
-  PoseProblem problem = look({.points = 1000}, 1);
-  double sum = 0.0;
-  for (const double error : pointErrors(problem, kNow))
-    sum += error * error;
-  EXPECT_NEAR(sum / 1000.0, 1.0, 0.1);
+  // The mean square of two coordinates is chi-squared with two degrees of freedom, over two.
+  for (const double gate : {1.0, 1.5, 2.0}) {
+    PoseProblem problem = look({.points = 1000}, 1);
+    const auto found = search(problem, 1, {.gate = gate});
+    ASSERT_TRUE(found.has_value()) << gate;
+    EXPECT_NEAR(found->inliers / 1000.0, 1.0 - std::exp(-gate * gate), 0.04) << gate;
+  }
+}
 
-  PosePoint behind;
-  behind.bearing = {0.0, 0.0, -1.0};
-  problem.points = {behind};
-  EXPECT_GT(pointErrors(problem, kNow)[0], 100.0);
+TEST(PoseSearch, APointBehindTheCameraIsNotExplained) {
+  PoseProblem problem = look({}, 1);
+  problem.points.front().bearing = {0.0, 0.0, -1.0};
+  const auto found = search(problem);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_FALSE(problem.points.front().inlier);
+  EXPECT_GT(found->inliers, 190);
 }
 
 }  // namespace

@@ -11,10 +11,6 @@
 namespace cartvo {
 namespace {
 
-// Landmarks last, so that neighbouring motions err less against each other than if their poses' errors were
-// independent. Found on rendered worlds (docs/accuracy.md).
-constexpr double kVelocityNoiseShare = 0.71;
-
 StereoCamera stereoCamera(const Rectification& rectification) {
   StereoCamera camera;
   camera.focal_length = rectification.focal_length;
@@ -107,7 +103,7 @@ class PairProcessor::Implementation {
   StereoImages images_;  ///< rectified; where the odometry would have them, or kept for their memory
   StereoOdometry odometry_;
   int features_;
-  VelocityAtExposure velocity_{kVelocityNoiseShare};
+  VelocityAtExposure velocity_;
   StageClock clock_;
   std::uint64_t next_sequence_ = 0;
 };

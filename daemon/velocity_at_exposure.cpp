@@ -7,7 +7,7 @@
 namespace cartvo {
 namespace {
 
-constexpr double kMemory = 0.95;            // of what has been seen, from pair to pair
+constexpr double kMemory = 0.9;             // of what has been seen, from pair to pair
 constexpr double kFirstAcceleration = 2.0;  // m/s^2 and rad/s^2, expected before anything has been seen
 constexpr double kFirstJerk = 20.0;         // m/s^3 and rad/s^3
 
@@ -23,9 +23,8 @@ void remember(Matrix6d& mean, const Vector6d& value) {
 
 }  // namespace
 
-VelocityAtExposure::VelocityAtExposure(double noise_share)
-    : noise_share_(noise_share),
-      changes_(Matrix6d::Identity() * kFirstAcceleration * kFirstAcceleration),
+VelocityAtExposure::VelocityAtExposure()
+    : changes_(Matrix6d::Identity() * kFirstAcceleration * kFirstAcceleration),
       bends_(Matrix6d::Identity() * kFirstJerk * kFirstJerk) {}
 
 Twist VelocityAtExposure::next(const Twist& mean, double time_step) {
@@ -55,7 +54,7 @@ Twist VelocityAtExposure::next(const Twist& mean, double time_step) {
   const Vector6d kept_back = ahead * (1.0 - a).matrix();
   // A mean slope that itself changes is, at the exposure, off by the third of that over a time step squared.
   const Vector6d bent = (time_step * time_step / 3.0) * part;
-  now.covariance = noise_share_ * (growth.asDiagonal() * mean.covariance * growth.asDiagonal());
+  now.covariance = growth.asDiagonal() * mean.covariance * growth.asDiagonal();
   now.covariance += kept_back.asDiagonal() * beyondNoise(changes_, slope_noise) * kept_back.asDiagonal();
   now.covariance += bent.asDiagonal() * beyondNoise(bends_, bend_noise) * bent.asDiagonal();
 

@@ -27,8 +27,7 @@ struct Twist {
 /// over, the last two from what has been seen of changes so far. Not thread-safe.
 class VelocityAtExposure {
  public:
-  /// `noise_share`: variance of the noise over what it were if the poses' errors were independent.
-  explicit VelocityAtExposure(double noise_share = 1.0);
+  VelocityAtExposure();
 
   /// `mean`: over the last `time_step` (s, positive), with its covariance.
   Twist next(const Twist& mean, double time_step);
@@ -45,7 +44,6 @@ class VelocityAtExposure {
     double time_step = 0.0;
   };
 
-  double noise_share_;
   /// Mean of outer products, of changes per second and of changes of that; new ones count more than old ones.
   Matrix6d changes_, bends_;
   std::optional<Mean> last_;

@@ -49,16 +49,17 @@ struct ByteVectors<64> {
   }
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
-#define CARTVO_BY_VECTOR_WIDTH(declaration, ...)                   \
-  __attribute__((flatten, target("arch=x86-64-v4"))) declaration { \
-    constexpr int kSize = 64;                                      \
-    __VA_ARGS__                                                    \
-  }                                                                \
-  __attribute__((flatten, target("arch=x86-64-v3"))) declaration { \
-    constexpr int kSize = 32;                                      \
-    __VA_ARGS__                                                    \
-  }                                                                \
-  __attribute__((flatten, target("default"))) CARTVO_FOR_ANY_PROCESSOR(declaration, __VA_ARGS__)
+#define CARTVO_WIDE_VECTORS(processor) __attribute__((flatten, target(processor)))
+#define CARTVO_BY_VECTOR_WIDTH(declaration, ...)      \
+  CARTVO_WIDE_VECTORS("arch=x86-64-v4") declaration { \
+    constexpr int kSize = 64;                         \
+    __VA_ARGS__                                       \
+  }                                                   \
+  CARTVO_WIDE_VECTORS("arch=x86-64-v3") declaration { \
+    constexpr int kSize = 32;                         \
+    __VA_ARGS__                                       \
+  }                                                   \
+  CARTVO_WIDE_VECTORS("default") CARTVO_FOR_ANY_PROCESSOR(declaration, __VA_ARGS__)
 #else
 #define CARTVO_BY_VECTOR_WIDTH(declaration, ...) CARTVO_FOR_ANY_PROCESSOR(declaration, __VA_ARGS__)
 #endif

@@ -96,7 +96,7 @@ void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>&
     for (const Corner& corner : finders_[row].find(image, rows, window_thresholds_))
       corners_[windowAt(corner.x, corner.y)].push_back(corner);
     for (std::size_t i = first; i < first + settings_.window_columns; ++i)
-      std::sort(corners_[i].begin(), corners_[i].end(), kStronger);
+      std::make_heap(corners_[i].begin(), corners_[i].end(), kWeaker);
   });
   for (int i = 0; i < windowCount(); ++i)
     if (wanted[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
@@ -122,34 +122,29 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image, const 
     findCorners(image, wanted);
   findCorners(image, wanted);
 
-  const auto fits = [&](const Corner& corner) {
-    return spacing.insert(scale_ * Eigen::Vector2d(corner.x, corner.y));
-  };
   chosen_.clear();
   left_over_.clear();
   for (int i = 0; i < windowCount(); ++i) {
-    int still_wanted = wanted[i];
-    for (const Corner& corner : corners_[i]) {
-      if (still_wanted <= 0 || room <= 0) {
-        left_over_.push_back(corner);
-      } else if (fits(corner)) {
-        chosen_.push_back(corner);
-        --still_wanted;
-        --room;
-      }
-    }
+    std::vector<Corner>& corners = corners_[i];
+    room -= chooseFrom(corners, std::min(wanted[i], room), spacing);
+    left_over_.insert(left_over_.end(), corners.begin(), corners.end());
   }
-  // A heap, as few of them are wanted.
   std::make_heap(left_over_.begin(), left_over_.end(), kWeaker);
-  while (room > 0 && !left_over_.empty()) {
-    std::pop_heap(left_over_.begin(), left_over_.end(), kWeaker);
-    const Corner corner = left_over_.back();
-    left_over_.pop_back();
-    if (!fits(corner)) continue;
-    chosen_.push_back(corner);
-    --room;
-  }
+  chooseFrom(left_over_, room, spacing);
   return chosen_;
+}
+
+int AdaptiveDetector::chooseFrom(std::vector<Corner>& heap, int wanted, SpacingGrid& spacing) {
+  int chosen = 0;
+  while (chosen < wanted && !heap.empty()) {
+    std::pop_heap(heap.begin(), heap.end(), kWeaker);
+    const Corner corner = heap.back();
+    heap.pop_back();
+    if (!spacing.insert(scale_ * Eigen::Vector2d(corner.x, corner.y))) continue;
+    chosen_.push_back(corner);
+    ++chosen;
+  }
+  return chosen;
 }
 
 }  // namespace cartvo

@@ -42,8 +42,11 @@ class AdaptiveDetector {
   double cornerTarget() const { return corner_target_; }
 
  private:
-  /// Makes corners_ those of each window that wants some, strongest first; adapts the thresholds.
+  /// Makes corners_ those of each window that wants some, heaps with the strongest first; adapts the
+  /// thresholds.
   void findCorners(const cv::Mat& image, const std::vector<int>& wanted);
+  /// Moves the strongest that are not too close to others to chosen_, until so many are; how many these are.
+  int chooseFrom(std::vector<Corner>& heap, int wanted, SpacingGrid& spacing);
   void adaptThreshold(int index, int corners);
 
   DetectionSettings settings_;

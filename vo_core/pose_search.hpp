@@ -30,7 +30,7 @@ struct PoseProblem {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_world_camera of the current one, expected
   std::vector<PosePoint> points;
   /// Of left positions, in each coordinate, level by level; no other part of it is used. Whatever their
-  /// patches: a gate that opens for what is vague lets in what is wrong (docs/accuracy.md).
+  /// patches: a gate that opens for what is vague lets in what is wrong (docs/experiments.md).
   BundleNoises noise;
   /// How far the motion may lie from the prediction, or nothing if there is none.
   std::optional<Vector6d> admissible_change;  ///< m and rad, per component

@@ -23,8 +23,8 @@ inline Circle circle(std::ptrdiff_t step) {
           3 * step,  3 * step - 1,  2 * step - 2,  step - 3,  -3, -step - 3, -2 * step - 2, -3 * step - 1};
 }
 
-/// Whether any of the pixels' bytes is not 0; and one bit of each of the pixels, which are 0 or 255, the first
-/// pixel's the lowest.
+/// Whether any of the pixels' bytes is not 0; and one bit of each of the pixels, which are 0 or 255, the
+/// first pixel's the lowest.
 template <int kSize>
 bool anyOf(const typename ByteVectors<kSize>::Bytes& pixels) {
   std::array<std::uint64_t, kSize / 8> words;

@@ -20,7 +20,7 @@ bool hardlyAny(const FeatureCounts& counts) {
 /// Whether both images were looked at: not those of a pair that was refused or measured against a stand.
 bool looked(OdometryReason reason) {
   return reason != OdometryReason::zero_velocity && reason != OdometryReason::offset_uncertain &&
-         reason != OdometryReason::time_step;
+         reason != OdometryReason::repeated_picture && reason != OdometryReason::time_step;
 }
 
 }  // namespace

@@ -42,6 +42,8 @@ constexpr std::int32_t messageBit(OdometryReason reason) {
       return odometry_t::REASON_DEGENERATE_GEOMETRY;
     case OdometryReason::offset_uncertain:
       return odometry_t::REASON_OFFSET_UNCERTAIN;
+    case OdometryReason::repeated_picture:
+      return odometry_t::REASON_REPEATED_PICTURE;
     case OdometryReason::zero_velocity:
       return odometry_t::REASON_ZERO_VELOCITY;
   }

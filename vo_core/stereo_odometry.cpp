@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "vo_core/repeated_pictures.hpp"
 #include "vo_core/reprojection_odometry.hpp"
 #include "vo_core/thesis_odometry.hpp"
 
@@ -23,10 +24,22 @@ std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const Odo
   return makeReprojectionOdometry(camera, settings);
 }
 
+/// As if the pair had not come: the pose is the last one that was known.
+OdometryEstimate unknownSince(const OdometryEstimate& last, const StereoImages& images) {
+  OdometryEstimate estimate;
+  estimate.exposure_ns = images.left_exposure_ns;
+  estimate.reasons = OdometryReason::repeated_picture;
+  estimate.reset_counter = last.reset_counter;
+  estimate.T_world_camera = last.T_world_camera;
+  estimate.pose_covariance = last.pose_covariance;
+  estimate.rig = last.rig;
+  return estimate;
+}
+
 }  // namespace
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-    : camera_(camera), settings_(settings) {
+    : camera_(camera), settings_(settings), repeated_(std::make_unique<RepeatedPictures>()) {
   validate(camera);
   validate(settings);
   method_ = makeMethod(camera, settings);
@@ -49,7 +62,8 @@ void StereoOdometry::placeNext(StereoImages& images) {
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");
-  return method_->process(images, observer);
+  last_ = repeated_->repeat(images, last_) ? unknownSince(last_, images) : method_->process(images, observer);
+  return last_;
 }
 
 }  // namespace cartvo

@@ -132,7 +132,7 @@ std::map<std::string, std::int32_t> declaredReasons() {
 TEST(OdometryMessage, KnowsEachReasonOfTheOdometryAndNamesEachOfItsOwn) {
   constexpr std::int32_t kFirstOfTheCameras = odometry_t::REASON_NO_PAIR;
   const std::map<std::string, std::int32_t> reasons = declaredReasons();
-  ASSERT_EQ(reasons.size(), 13U);
+  ASSERT_EQ(reasons.size(), 14U);
   for (const auto& [name, bit] : reasons) {
     std::string words = name;
     std::transform(words.begin(), words.end(), words.begin(), [](char c) {
@@ -143,7 +143,8 @@ TEST(OdometryMessage, KnowsEachReasonOfTheOdometryAndNamesEachOfItsOwn) {
     // The odometry's have the same bits there, which the compiler holds to be all that there are.
     const auto reason = static_cast<OdometryReason>(bit);
     const bool of_odometry = bit < kFirstOfTheCameras || bit == odometry_t::REASON_ZERO_VELOCITY ||
-                             bit == odometry_t::REASON_OFFSET_UNCERTAIN;
+                             bit == odometry_t::REASON_OFFSET_UNCERTAIN ||
+                             bit == odometry_t::REASON_REPEATED_PICTURE;
     EXPECT_EQ(reasonBits(reason), of_odometry ? bit : 0) << name;
   }
   EXPECT_EQ(reasonBits(OdometryReason::first_pair | OdometryReason::implausible_motion),

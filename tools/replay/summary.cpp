@@ -37,6 +37,8 @@ const char* reasonName(OdometryReason reason) {
       return "degenerate_geometry";
     case OdometryReason::offset_uncertain:
       return "offset_uncertain";
+    case OdometryReason::repeated_picture:
+      return "repeated_picture";
     case OdometryReason::zero_velocity:
       return "zero_velocity";
   }

@@ -1,0 +1,84 @@
+// A camera that hangs and goes on sending what it showed before.
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/corridor_world.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+namespace {
+
+const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+constexpr std::int64_t kPeriod = 50'000'000;  // ns
+constexpr int kHangs = 5, kGoesOn = 8;        // pairs from which on, and up to which, pictures are the last's
+constexpr int kPairs = 11;
+constexpr double kFast = 0.15, kSlow = 0.01;  // m a pair: 3 m/s, and what brakes stop in less than that
+
+enum class Hangs { both, left, right };
+
+/// Which pair's picture that pair shows.
+int shown(int pair, bool hangs) {
+  return hangs && pair >= kHangs && pair < kGoesOn ? kHangs - 1 : pair;
+}
+
+/// Straight ahead; the camera moves so far from pair to pair.
+std::vector<OdometryEstimate> driven(double step, Hangs hangs, Estimator estimator) {
+  static const test::CorridorWorld world(1);
+  OdometrySettings settings;
+  settings.estimator = estimator;
+  settings.features = 400;
+  settings.rig_refinement = RigRefinement::off;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  const auto pose = [&](int pair) { return Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, step * pair)); };
+  std::vector<OdometryEstimate> estimates;
+  for (int i = 0; i < kPairs; ++i) {
+    const StereoImages pair{world.view(kCamera, pose(shown(i, hangs != Hangs::right))),
+                            world.rightView(kCamera, pose(shown(i, hangs != Hangs::left))), i * kPeriod,
+                            i * kPeriod};
+    estimates.push_back(odometry.process(pair, observer));
+  }
+  return estimates;
+}
+
+class RepeatedPicture : public testing::TestWithParam<std::tuple<Estimator, Hangs>> {};
+
+TEST_P(RepeatedPicture, OfAMovingCartIsNoStop) {
+  const auto [estimator, hangs] = GetParam();
+  const auto estimates = driven(kFast, hangs, estimator);
+  for (int i = 1; i < kPairs; ++i) {
+    const bool hung = i >= kHangs && i < kGoesOn;
+    if (i < kHangs) {
+      EXPECT_TRUE(estimates[i].valid) << i;
+    }
+    if (!hung) continue;
+    EXPECT_FALSE(estimates[i].valid) << i;
+    EXPECT_EQ(estimates[i].reasons, OdometryReason::repeated_picture);
+    EXPECT_TRUE(estimates[i].T_world_camera.isApprox(estimates[kHangs - 1].T_world_camera)) << i;
+  }
+  EXPECT_TRUE(estimates.back().valid);
+  EXPECT_NEAR(estimates.back().T_previous_current.translation().z(), kFast, 0.02 * kFast);
+}
+
+INSTANTIATE_TEST_SUITE_P(Odometry, RepeatedPicture,
+                         testing::Combine(testing::Values(Estimator::reprojection, Estimator::thesis),
+                                          testing::Values(Hangs::both, Hangs::left, Hangs::right)));
+
+TEST(RepeatedPictures, LeaveNoGapInThePoseOnceTheCameraGoesOn) {
+  const auto estimates = driven(kFast, Hangs::both, Estimator::reprojection);
+  EXPECT_TRUE(estimates[kGoesOn].valid);
+  EXPECT_EQ(estimates.back().reset_counter, 0);
+  EXPECT_NEAR(estimates.back().T_world_camera.translation().z(), kFast * (kPairs - 1), 0.02 * kFast * kPairs);
+}
+
+TEST(RepeatedPictures, OfASlowCartMeanThatItHasStopped) {
+  const auto estimates = driven(kSlow, Hangs::both, Estimator::reprojection);
+  for (int i = kHangs; i < kGoesOn; ++i) {
+    EXPECT_TRUE(estimates[i].valid) << i;
+    EXPECT_LT(estimates[i].T_previous_current.translation().norm(), 0.1 * kSlow) << i;
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

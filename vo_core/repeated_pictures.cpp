@@ -1,0 +1,47 @@
+// Pictures that come again while the cart moves.
+#include "vo_core/repeated_pictures.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace cartvo {
+namespace {
+
+constexpr int kRows = 32;                  // of a picture, evenly spread: what moves shows in some of them
+constexpr double kHardestBraking = 10.0;   // m/s^2, as much as tyres hold
+constexpr double kFastestTurnsEnd = 10.0;  // rad/s^2
+
+/// Whether the cart, which moved so, can stand a time step (s) later.
+bool canStop(const OdometryEstimate& last, double time_step) {
+  if (!last.valid) return true;  // who knows
+  const Vector6d velocity = vectorFromMotion(last.T_previous_current) / last.time_step;
+  return velocity.head<3>().norm() <= kHardestBraking * time_step &&
+         velocity.tail<3>().norm() <= kFastestTurnsEnd * time_step;
+}
+
+}  // namespace
+
+bool RepeatedPictures::Picture::next(const cv::Mat& image) {
+  const auto width = static_cast<std::size_t>(image.cols);
+  const int count = std::min(kRows, image.rows);
+  const bool comparable = rows.size() == count * width;
+  rows.resize(count * width);
+  bool same = comparable;
+  for (int i = 0; i < count; ++i) {
+    const std::uint8_t* const row = image.ptr(i * image.rows / count);
+    std::uint8_t* const before = rows.data() + i * width;
+    same = same && std::memcmp(row, before, width) == 0;
+    if (!same) std::memcpy(before, row, width);
+  }
+  return same;
+}
+
+bool RepeatedPictures::repeat(const StereoImages& images, const OdometryEstimate& last) {
+  const bool can_stop = canStop(last, 1e-9 * static_cast<double>(images.left_exposure_ns - last.exposure_ns));
+  const cv::Mat* const now[] = {&images.left, &images.right};
+  for (std::size_t i = 0; i < pictures_.size(); ++i)
+    pictures_[i].repeats = pictures_[i].next(*now[i]) && (pictures_[i].repeats || !can_stop);
+  return pictures_[0].repeats || pictures_[1].repeats;
+}
+
+}  // namespace cartvo

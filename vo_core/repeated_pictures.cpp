@@ -4,20 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "vo_core/plausible_motion.hpp"
+
 namespace cartvo {
 namespace {
 
-constexpr int kRows = 32;                  // of a picture, evenly spread: what moves shows in some of them
-constexpr double kHardestBraking = 10.0;   // m/s^2, as much as tyres hold
-constexpr double kFastestTurnsEnd = 10.0;  // rad/s^2
-
-/// Whether the cart, which moved so, can stand a time step (s) later.
-bool canStop(const OdometryEstimate& last, double time_step) {
-  if (!last.valid) return true;  // who knows
-  const Vector6d velocity = vectorFromMotion(last.T_previous_current) / last.time_step;
-  return velocity.head<3>().norm() <= kHardestBraking * time_step &&
-         velocity.tail<3>().norm() <= kFastestTurnsEnd * time_step;
-}
+constexpr int kRows = 32;  // of a picture, evenly spread: what moves shows in some of them
 
 }  // namespace
 
@@ -37,7 +29,10 @@ bool RepeatedPictures::Picture::next(const cv::Mat& image) {
 }
 
 bool RepeatedPictures::repeat(const StereoImages& images, const OdometryEstimate& last) {
-  const bool can_stop = canStop(last, 1e-9 * static_cast<double>(images.left_exposure_ns - last.exposure_ns));
+  // After a pair that told no motion nobody knows.
+  const double time_step = 1e-9 * static_cast<double>(images.left_exposure_ns - last.exposure_ns);
+  const bool can_stop =
+      !last.valid || canStop(vectorFromMotion(last.T_previous_current) / last.time_step, time_step);
   const cv::Mat* const now[] = {&images.left, &images.right};
   for (std::size_t i = 0; i < pictures_.size(); ++i)
     pictures_[i].repeats = pictures_[i].next(*now[i]) && (pictures_[i].repeats || !can_stop);

@@ -6,6 +6,7 @@
 
 #include "vo_core/key_frame_shift.hpp"
 #include "vo_core/parallel_loop.hpp"
+#include "vo_core/plausible_motion.hpp"
 #include "vo_core/visual_track.hpp"
 
 namespace cartvo {
@@ -33,6 +34,8 @@ class ReprojectionOdometry final : public OdometryMethod {
   bool offsetInRange(const PreparedPair& pair) const;
   OdometryEstimate refuse(const PreparedPair& pair, OdometryReason reason) const;
   bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
+  bool stopsTooSoon(const PreparedPair& pair) const;
+  bool atRest(const TrackedMotion& motion) const;
   RigMonitor knownOfRig() const;
   void takeOutShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
@@ -52,6 +55,8 @@ class ReprojectionOdometry final : public OdometryMethod {
   KeyFrameShift key_frame_shift_;
   std::optional<PoseShift> shift_;  ///< of the track's last pair, which is taken out of what is told of it
   int lost_pairs_ = 0;
+  /// Since when a picture stands still though the cart cannot have stopped when it began to, if one does.
+  std::optional<std::int64_t> hangs_since_ns_;
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
 };
@@ -110,9 +115,27 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     ++epoch_;
     return begin(pair, OdometryReason::time_step, observer);
   }
+  const bool of_hanging = hangs_since_ns_ && track_->lastExposure() >= *hangs_since_ns_;
   TrackedMotion motion = track_->process(pair, observer);
+  if (motion.valid() && hangs_since_ns_) {
+    if (atRest(motion)) return refuse(pair, OdometryReason::repeated_picture);
+    hangs_since_ns_.reset();
+    if (of_hanging) {
+      ++epoch_;
+      return begin(pair, OdometryReason::repeated_picture, observer);
+    }
+  }
   if (!motion.valid() && successor_) {
     const TrackedMotion anew = successor_->process(pair, observer);
+    if (anew.valid() && atRest(anew) && (hangs_since_ns_ || stopsTooSoon(pair))) {
+      if (!hangs_since_ns_) hangs_since_ns_ = pair.left_exposure_ns;
+      return refuse(pair, OdometryReason::repeated_picture);
+    }
+    if (anew.valid() && hangs_since_ns_) {
+      // It goes by the picture that hung, whose instant is not what the stamps say.
+      hangs_since_ns_.reset();
+      return lose(pair, motion, observer);
+    }
     if (anew.valid()) {
       track_ = std::move(successor_);
       ++epoch_;
@@ -148,6 +171,19 @@ void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion&
   if (!shift_) return;
   motion.motion_covariance += shift_->variance.asDiagonal();
   T = withoutShift(T, *shift_);
+}
+
+/// Whether the cart, as fast as the track knew it, is still on its way at that pair. A camera that hangs is
+/// told by its pictures' bytes (RepeatedPictures), unless an encoder goes on refining the same picture.
+bool ReprojectionOdometry::stopsTooSoon(const PreparedPair& pair) const {
+  const double time_step = 1e-9 * static_cast<double>(pair.left_exposure_ns - track_->lastExposure());
+  return track_->velocity() && !canStop(*track_->velocity(), time_step);
+}
+
+bool ReprojectionOdometry::atRest(const TrackedMotion& motion) const {
+  const Vector6d moved = vectorFromMotion(motion.T_previous_current);
+  return moved.head<3>().norm() <= 2.0 * settings_.standstill.translation &&
+         moved.tail<3>().norm() <= 2.0 * settings_.standstill.rotation;
 }
 
 /// By the newest track, even if it came to nothing: what it found out would not be looked for again so soon.

@@ -57,6 +57,8 @@ class VisualTrack {
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }
+  /// m/s and rad/s of the camera, in its axes, at the last pair; nothing after the first.
+  const std::optional<Vector6d>& velocity() const { return velocity_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   int stereoCount() const;  ///< of the landmarks, found in the last pair's right image
   const RigMonitor& rig() const { return rig_; }
@@ -100,7 +102,7 @@ class VisualTrack {
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand
   std::vector<Landmark> landmarks_;
   std::vector<WindowFrame> window_;    ///< oldest first; never empty
-  std::optional<Vector6d> velocity_;   ///< m/s and rad/s of the camera, in its axes
+  std::optional<Vector6d> velocity_;   ///< as velocity() tells
   std::int64_t last_exposure_ns_ = 0;  ///< of the last pair that was explained
   // Of the present pair only; kept for their memory.
   Draft draft_;

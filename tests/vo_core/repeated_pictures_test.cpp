@@ -14,6 +14,7 @@ constexpr std::int64_t kPeriod = 50'000'000;  // ns
 constexpr int kHangs = 5, kGoesOn = 8;        // pairs from which on, and up to which, pictures are the last's
 constexpr int kPairs = 11;
 constexpr double kFast = 0.15, kSlow = 0.01;  // m a pair: 3 m/s, and what brakes stop in less than that
+constexpr double kFastSpeed = kFast * 1e9 / kPeriod;  // m/s
 
 enum class Hangs { both, left, right };
 
@@ -70,6 +71,40 @@ TEST(RepeatedPictures, LeaveNoGapInThePoseOnceTheCameraGoesOn) {
   EXPECT_TRUE(estimates[kGoesOn].valid);
   EXPECT_EQ(estimates.back().reset_counter, 0);
   EXPECT_NEAR(estimates.back().T_world_camera.translation().z(), kFast * (kPairs - 1), 0.02 * kFast * kPairs);
+}
+
+TEST(RepeatedPictures, ThatAnEncoderGoesOnRefiningAreNoStopEither) {
+  constexpr int kGoesOnLate = 15, kEnd = 18;
+  const test::CorridorWorld world(1);
+  test::Noise noise(1);
+  OdometrySettings settings;
+  settings.features = 400;
+  settings.rig_refinement = RigRefinement::off;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  OdometryEstimate estimate;
+  for (int i = 0; i < kEnd; ++i) {
+    const bool hangs = i >= kHangs && i < kGoesOnLate;
+    const Eigen::Translation3d place(0.0, 0.0, kFast * (hangs ? kHangs - 1 : i));
+    StereoImages pair = world.render(kCamera, Eigen::Isometry3d(place), i * kPeriod);
+    for (cv::Mat* image : {&pair.left, &pair.right})
+      for (std::uint8_t& grey : cv::Mat_<std::uint8_t>(*image))
+        grey = cv::saturate_cast<std::uint8_t>(grey + noise.gaussian());
+    estimate = odometry.process(pair, observer);
+    if (hangs) {
+      EXPECT_FALSE(estimate.valid) << i;
+    }
+    if (estimate.valid) {
+      EXPECT_NEAR(estimate.T_previous_current.translation().z(), kFastSpeed * estimate.time_step,
+                  0.03 * kFastSpeed * estimate.time_step)
+          << i;
+    }
+    // The first one is like any that cannot be explained.
+    if (hangs && i > kHangs) {
+      EXPECT_EQ(estimate.reasons, OdometryReason::repeated_picture) << i;
+    }
+  }
+  EXPECT_TRUE(estimate.valid);
 }
 
 TEST(RepeatedPictures, OfASlowCartMeanThatItHasStopped) {

@@ -17,6 +17,10 @@ Eigen::Isometry3d withoutShift(const Eigen::Isometry3d& shown, const PoseShift& 
   return shown * motionFromVector(shift.value).inverse();
 }
 
+double secondsSince(const VisualTrack& track, std::int64_t exposure_ns) {
+  return 1e-9 * static_cast<double>(exposure_ns - track.lastExposure());
+}
+
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
@@ -89,7 +93,7 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
 }
 
 bool ReprojectionOdometry::timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const {
-  const double step = 1e-9 * static_cast<double>(exposure_ns - track.lastExposure());
+  const double step = secondsSince(track, exposure_ns);
   return step > 0.0 && step <= settings_.validity.maximum_time_step;
 }
 
@@ -115,6 +119,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     ++epoch_;
     return begin(pair, OdometryReason::time_step, observer);
   }
+  // Begun at a picture that hung, whose instant is not what the stamps say: it measures no motion from there.
   const bool of_hanging = hangs_since_ns_ && track_->lastExposure() >= *hangs_since_ns_;
   TrackedMotion motion = track_->process(pair, observer);
   if (motion.valid() && hangs_since_ns_) {
@@ -132,7 +137,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
       return refuse(pair, OdometryReason::repeated_picture);
     }
     if (anew.valid() && hangs_since_ns_) {
-      // It goes by the picture that hung, whose instant is not what the stamps say.
+      // The successor began at such a picture; another begins.
       hangs_since_ns_.reset();
       return lose(pair, motion, observer);
     }
@@ -176,8 +181,7 @@ void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion&
 /// Whether the cart, as fast as the track knew it, is still on its way at that pair. A camera that hangs is
 /// told by its pictures' bytes (RepeatedPictures), unless an encoder goes on refining the same picture.
 bool ReprojectionOdometry::stopsTooSoon(const PreparedPair& pair) const {
-  const double time_step = 1e-9 * static_cast<double>(pair.left_exposure_ns - track_->lastExposure());
-  return track_->velocity() && !canStop(*track_->velocity(), time_step);
+  return track_->velocity() && !canStop(*track_->velocity(), secondsSince(*track_, pair.left_exposure_ns));
 }
 
 bool ReprojectionOdometry::atRest(const TrackedMotion& motion) const {

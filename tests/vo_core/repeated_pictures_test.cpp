@@ -1,4 +1,5 @@
 // A camera that hangs and goes on sending what it showed before.
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,14 +24,18 @@ int shown(int pair, bool hangs) {
   return hangs && pair >= kHangs && pair < kGoesOn ? kHangs - 1 : pair;
 }
 
-/// Straight ahead; the camera moves so far from pair to pair.
-std::vector<OdometryEstimate> driven(double step, Hangs hangs, Estimator estimator) {
-  static const test::CorridorWorld world(1);
+StereoOdometry odometryBy(Estimator estimator) {
   OdometrySettings settings;
   settings.estimator = estimator;
   settings.features = 400;
   settings.rig_refinement = RigRefinement::off;
-  StereoOdometry odometry(kCamera, settings);
+  return {kCamera, settings};
+}
+
+/// Straight ahead; the camera moves so far from pair to pair.
+std::vector<OdometryEstimate> driven(double step, Hangs hangs, Estimator estimator) {
+  static const test::CorridorWorld world(1);
+  StereoOdometry odometry = odometryBy(estimator);
   NullStageObserver observer;
   const auto pose = [&](int pair) { return Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, step * pair)); };
   std::vector<OdometryEstimate> estimates;
@@ -77,10 +82,7 @@ TEST(RepeatedPictures, ThatAnEncoderGoesOnRefiningAreNoStopEither) {
   constexpr int kGoesOnLate = 15, kEnd = 18;
   const test::CorridorWorld world(1);
   test::Noise noise(1);
-  OdometrySettings settings;
-  settings.features = 400;
-  settings.rig_refinement = RigRefinement::off;
-  StereoOdometry odometry(kCamera, settings);
+  StereoOdometry odometry = odometryBy(Estimator::reprojection);
   NullStageObserver observer;
   OdometryEstimate estimate;
   for (int i = 0; i < kEnd; ++i) {

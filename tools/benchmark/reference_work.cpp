@@ -1,9 +1,9 @@
 // The yardstick: OpenCV's remap, pyramids and KLT.
 #include "tools/benchmark/reference_work.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
-#include <utility>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +12,7 @@
 namespace cartvo::benchmark {
 namespace {
 
+constexpr std::size_t kMostSteps = 50;
 constexpr int kPoints = 1000;
 constexpr int kSide = 21;    // px
 constexpr int kLevels = 4;   // of the pyramid, the image itself included
@@ -36,20 +37,30 @@ double millisecondsOf(const Work& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace
-
-ReferenceWork::ReferenceWork(cv::Mat before, cv::Mat after)
-    : before_(std::move(before)), after_(std::move(after)) {
+std::vector<cv::Point2f> cornersOf(const cv::Mat& image) {
   constexpr double kQuality = 1e-4;
   constexpr double kDistance = 5.0;  // px
-  cv::goodFeaturesToTrack(before_, points_, kPoints, kQuality, kDistance);
-  if (points_.size() < kPoints)
+  std::vector<cv::Point2f> points;
+  cv::goodFeaturesToTrack(image, points, kPoints, kQuality, kDistance);
+  if (points.size() < kPoints)
     throw std::invalid_argument("the reference's image has fewer corners than the reference follows");
-  cv::Mat map_x(before_.size(), CV_32FC1), map_y(before_.size(), CV_32FC1);
-  for (int y = 0; y < before_.rows; ++y) {
-    for (int x = 0; x < before_.cols; ++x) {
-      const double across = static_cast<double>(x) / before_.cols,
-                   down = static_cast<double>(y) / before_.rows;
+  return points;
+}
+
+}  // namespace
+
+ReferenceWork::ReferenceWork(const std::vector<cv::Mat>& images) {
+  if (images.size() < 2) throw std::invalid_argument("the reference needs two images");
+  const std::size_t all = images.size() - 1, count = std::min(all, kMostSteps);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = i * all / count;
+    steps_.push_back({images[at], images[at + 1], cornersOf(images[at])});
+  }
+  const cv::Size size = images.front().size();
+  cv::Mat map_x(size, CV_32FC1), map_y(size, CV_32FC1);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double across = static_cast<double>(x) / size.width, down = static_cast<double>(y) / size.height;
       map_x.at<float>(y, x) = static_cast<float>(x + kBend * (down - 0.5));
       map_y.at<float>(y, x) = static_cast<float>(y + kBend * (across - 0.5));
     }
@@ -59,24 +70,36 @@ ReferenceWork::ReferenceWork(cv::Mat before, cv::Mat after)
 
 ReferenceTimes ReferenceWork::run() const {
   const OneThread one_thread;
+  const auto count = static_cast<double>(steps_.size());
+  ReferenceTimes mean;
+  for (const Step& step : steps_) {
+    const ReferenceTimes times = timesOf(step);
+    mean.remap += times.remap / count;
+    mean.pyramids += times.pyramids / count;
+    mean.klt += times.klt / count;
+  }
+  return mean;
+}
+
+ReferenceTimes ReferenceWork::timesOf(const Step& step) const {
   const cv::Size window(kSide, kSide);
   ReferenceTimes times;
   cv::Mat rectified;
   times.remap = millisecondsOf([&] {
-    for (const cv::Mat& image : {before_, after_})
+    for (const cv::Mat& image : {step.before, step.after})
       cv::remap(image, rectified, map_, map_fraction_, cv::INTER_LINEAR);
   });
   std::vector<cv::Mat> pyramid;
   times.pyramids = millisecondsOf([&] {
-    for (const cv::Mat& image : {before_, after_})
+    for (const cv::Mat& image : {step.before, step.after})
       cv::buildOpticalFlowPyramid(image, pyramid, window, kLevels - 1, /*withDerivatives=*/false);
   });
   std::vector<cv::Point2f> found;
   std::vector<unsigned char> status;
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
   times.klt = millisecondsOf([&] {
-    cv::calcOpticalFlowPyrLK(before_, after_, points_, found, status, cv::noArray(), window, kLevels - 1,
-                             until);
+    cv::calcOpticalFlowPyrLK(step.before, step.after, step.points, found, status, cv::noArray(), window,
+                             kLevels - 1, until);
   });
   return times;
 }

@@ -87,38 +87,17 @@ class Samples {
   std::array<std::vector<double>, kStageCount> stages_;
 };
 
-/// The reference's work on images from all over a drive: how far the KLT has to go differs.
-class ReferenceWorks {
- public:
-  explicit ReferenceWorks(const DriveInMemory& drive) {
-    const std::size_t steps = drive.pairs.size() - 1;
-    for (std::size_t i = 0; i < kPlaces; ++i) {
-      const std::size_t at = i * (steps - 1) / (kPlaces - 1);
-      works_.emplace_back(drive.pairs[at].left.image, drive.pairs[at + 1].left.image);
-    }
-  }
-
-  /// The mean of all.
-  ReferenceTimes run() const {
-    ReferenceTimes sum;
-    for (const ReferenceWork& work : works_) {
-      const ReferenceTimes times = work.run();
-      sum.remap += times.remap / kPlaces;
-      sum.pyramids += times.pyramids / kPlaces;
-      sum.klt += times.klt / kPlaces;
-    }
-    return sum;
-  }
-
- private:
-  static constexpr std::size_t kPlaces = 5;
-  std::vector<ReferenceWork> works_;
-};
+std::vector<cv::Mat> leftImages(const DriveInMemory& drive) {
+  std::vector<cv::Mat> images;
+  for (const FramePair& pair : drive.pairs)
+    images.push_back(pair.left.image);
+  return images;
+}
 
 SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
                       const OdometrySettings& odometry, int threads, int repeats,
                       const simulate::Progress& progress) {
-  const ReferenceWorks reference(drive);
+  const ReferenceWork reference(leftImages(drive));
   Samples samples;
   const int count = static_cast<int>(drive.pairs.size());
   reference.run();  // asks for the memory

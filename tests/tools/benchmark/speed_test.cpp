@@ -39,7 +39,11 @@ TEST(Growth, IsTheExponent) {
 
 TEST(ReferenceWork, NeedsATexture) {
   const cv::Mat blank = cv::Mat::zeros(200, 300, CV_8UC1);
-  EXPECT_THROW(ReferenceWork(blank, blank), std::invalid_argument);
+  EXPECT_THROW(ReferenceWork({blank, blank}), std::invalid_argument);
+}
+
+TEST(ReferenceWork, NeedsTwoImages) {
+  EXPECT_THROW(ReferenceWork({}), std::invalid_argument);
 }
 
 TEST(SpeedBenchmark, RefusesWhatLeavesNothingToTime) {

@@ -50,7 +50,7 @@ struct Frame {
   std::uint64_t sequence = 0;  ///< counts the camera's frames from 0, lost ones included where that is known
   std::uint64_t order = 0;     ///< of recordings: counts both cameras' frames from 1 as they came; else 0
   FrameStatus status = FrameStatus::good;
-  /// Of a video: its picture is coded by itself, not as a change of the one before (see KeyFrameShift).
+  /// Of a video: its picture is coded by itself, not as a change of the one before (see VideoErrors).
   bool key_frame = false;
   InstantSource instant_source = InstantSource::file;
   std::shared_ptr<const void> storage;  ///< owner of the image's memory, or empty if `image` owns it

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include "vo_core/key_frame_shift.hpp"
 #include "vo_core/parallel_loop.hpp"
 #include "vo_core/plausible_motion.hpp"
+#include "vo_core/video_errors.hpp"
 #include "vo_core/visual_track.hpp"
 
 namespace cartvo {
@@ -56,7 +56,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   std::optional<VisualTrack> successor_;
   KeyFrames successor_begins_;  ///< at a pair with these
   bool coded_ = false;          ///< as PreparedPair's
-  KeyFrameShift key_frame_shift_;
+  VideoErrors video_errors_;
   std::optional<PoseShift> shift_;  ///< of the track's last pair, which is taken out of what is told of it
   int lost_pairs_ = 0;
   /// Since when a picture stands still though the cart cannot have stopped when it began to, if one does.
@@ -87,6 +87,7 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   pair.key_frames = images.key_frames;
   coded_ = coded_ || images.key_frames.any();
   pair.coded = coded_;
+  if (coded_) pair.excess = video_errors_.excess();
   doBoth([&] { pair.left = left_pyramids_.build(images.left); },
          [&] { pair.right = right_pyramids_.build(images.right); });
   return pair;
@@ -144,7 +145,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     if (anew.valid()) {
       track_ = std::move(successor_);
       ++epoch_;
-      shift_ = key_frame_shift_.begin(successor_begins_);
+      shift_ = video_errors_.begin(successor_begins_);
       motion = anew;
     }
   }
@@ -160,14 +161,15 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
 void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion& motion) {
   // During a stand the pose is held, with what was taken out of it.
   if (motion.reasons == OdometryReason::zero_velocity) {
-    key_frame_shift_.begin(pair.key_frames);
+    video_errors_.begin(pair.key_frames);
     return;
   }
   const std::optional<PoseShift> before = shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
-  const Vector6d own = motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2();
-  shift_ = key_frame_shift_.next(pair.key_frames,
-                                 {vectorFromMotion(T), own.cwiseMax(0.0).cwiseSqrt(), motion.time_step});
+  const Vector6d own =
+      (motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2()) / pair.excess;
+  shift_ = video_errors_.next(pair.key_frames,
+                              {vectorFromMotion(T), own.cwiseMax(0.0).cwiseSqrt(), motion.time_step});
   if (before) {
     const Matrix6d carried = adjoint(T.inverse());
     motion.motion_covariance += carried * before->variance.asDiagonal() * carried.transpose();
@@ -199,7 +201,7 @@ RigMonitor ReprojectionOdometry::knownOfRig() const {
 OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryReason reason,
                                              StageObserver& observer) {
   track_.emplace(camera_, settings_, pair, knownOfRig(), pitch_suspicion_, observer);
-  shift_ = key_frame_shift_.begin(pair.key_frames);
+  shift_ = video_errors_.begin(pair.key_frames);
   successor_.reset();
   lost_pairs_ = 0;
   TrackedMotion motion;
@@ -222,7 +224,7 @@ OdometryEstimate ReprojectionOdometry::lose(const PreparedPair& pair, const Trac
     successor_.reset();
     lost_pairs_ = 0;
     ++epoch_;
-    shift_ = key_frame_shift_.begin(successor_begins_);
+    shift_ = video_errors_.begin(successor_begins_);
   }
   if (motion.counts.detected < settings_.validity.minimum_features)
     motion.reasons = OdometryReason::too_few_features;

@@ -335,8 +335,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   weigh(draft);
-  const MotionUncertainty uncertainty =
-      takeUncertainties(bundle_, result, overlap_.of(bundle_), pair.offset_deviation, draft.window);
+  const MotionUncertainty uncertainty = takeUncertainties(bundle_, result, pair.excess * overlap_.of(bundle_),
+                                                          pair.offset_deviation, draft.window);
   motion.motion_covariance = uncertainty.covariance;
   motion.motion_offset_error = uncertainty.offset_error;
   motion.pose_covariance = poseCovarianceOf(draft.window.back());
@@ -346,7 +346,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.reasons = judge(motion);
   if (!motion.valid()) return;
   // After the judgement: a vague scale makes a motion vague, not degenerate.
-  motion.motion_covariance += uncertainty.by_scale;
+  motion.motion_covariance += pair.excess * uncertainty.by_scale;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   noise_ = adapted(noise_, result, 1);

@@ -24,7 +24,8 @@ struct PreparedPair {
   std::int64_t right_exposure_ns = 0;
   double offset_deviation = 0.0;  ///< s
   KeyFrames key_frames{};
-  bool coded = false;  ///< its pictures are of a video, of which a key frame has been seen
+  bool coded = false;   ///< its pictures are of a video, of which a key frame has been seen
+  double excess = 1.0;  ///< of its pose's variance, times what the landmarks tell: VideoErrors'
   SharedPyramid left, right;
 };
 

@@ -19,9 +19,10 @@ struct MotionUncertainty {
 };
 
 /// Gives the adjusted pairs of a window, whose poses have been taken over from `problem`, their covariances
-/// and the errors that an uncertain offset makes of them. `overlap`: PatchOverlap's. `offset_deviation`: s,
-/// of the newest pair.
-MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result, double overlap,
+/// and the errors that an uncertain offset makes of them. `excess`: how many times as large a pose's variance
+/// is as if landmarks erred independently (PatchOverlap, VideoErrors). `offset_deviation`: s, of the newest
+/// pair.
+MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result, double excess,
                                     double offset_deviation, std::vector<WindowFrame>& window);
 
 /// Of a pair's pose against the first one, with what the offset's error has added up to.

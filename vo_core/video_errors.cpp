@@ -1,5 +1,5 @@
-// What key frames show ahead of the others, learned from how poses leap at them.
-#include "vo_core/key_frame_shift.hpp"
+// What pictures of a video show elsewhere than it was, learned from how poses leap.
+#include "vo_core/video_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,12 @@ using Axes = Eigen::Array<double, 6, 1>;
 
 // The sum of five poses with these weights is by how much the middle one is off the cubic through the others.
 constexpr std::array<double, 5> kOffCubic{1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0};
-constexpr double kFirstDeviations = 2.0;  // of the shift, in standard deviations of a motion
-constexpr double kLeastDeviations = 0.2;  // that remain in doubt
+// The mean square of that sum for each square of a motion's deviation, if poses err independently of each
+// other: a motion has the errors of two.
+constexpr double kLeapVariance = 70.0 / 36.0 / 2.0;
+constexpr std::array<Eigen::Index, 2> kSmoothAxes{2, 4};  // forwards and yaw
+constexpr double kFirstDeviations = 2.0;                  // of the shift, in standard deviations of a motion
+constexpr double kLeastDeviations = 0.2;                  // that remain in doubt
 constexpr double kMemory = 0.8;           // from key frame to key frame, if nothing were noise
 constexpr int kRoughnessMemory = 20;      // pairs
 constexpr int kRoughnessKnown = 5;        // pairs
@@ -22,11 +26,11 @@ constexpr double kLeastVariance = 1e-14;  // m^2 and rad^2; no motion is known b
 
 }  // namespace
 
-KeyFrameShift::Learned KeyFrameShift::unknown() {
+VideoErrors::Learned VideoErrors::unknown() {
   return {Vector6d::Zero(), Vector6d::Constant(kFirstDeviations * kFirstDeviations)};
 }
 
-std::optional<PoseShift> KeyFrameShift::begin(KeyFrames pair) {
+std::optional<PoseShift> VideoErrors::begin(KeyFrames pair) {
   const Vector6d lever = passed_.empty() ? Vector6d(Vector6d::Zero()) : passed_.back().lever;
   passed_.clear();
   passed_.push_back({pair});
@@ -36,7 +40,7 @@ std::optional<PoseShift> KeyFrameShift::begin(KeyFrames pair) {
   return PoseShift{Vector6d::Zero(), lever.cwiseAbs2().cwiseProduct(square)};
 }
 
-std::optional<PoseShift> KeyFrameShift::next(KeyFrames pair, const ShownMotion& shown) {
+std::optional<PoseShift> VideoErrors::next(KeyFrames pair, const ShownMotion& shown) {
   const KeyFrames before = passed_.back().key_frames;
   if (std::abs(shown.time_step - time_step_) > kEven * time_step_) begin(before);
   time_step_ = shown.time_step;
@@ -45,14 +49,14 @@ std::optional<PoseShift> KeyFrameShift::next(KeyFrames pair, const ShownMotion& 
     passed_.resize(kPairs - 1);
   }
   const Vector6d lever = std::copysign(1.0, shown.motion.z()) * shown.deviation;
-  passed_.push_back({pair, shown.motion, lever});
+  passed_.push_back({pair, shown, lever});
   if (passed_.size() == kPairs) learn();
   if (!pair.any() || pair == before) return std::nullopt;
   const Learned& learned = learned_[classOf(pair)];
   return PoseShift{lever.cwiseProduct(learned.mean), lever.cwiseAbs2().cwiseProduct(learned.square)};
 }
 
-void KeyFrameShift::learn() {
+void VideoErrors::learn() {
   Vector6d leap = Vector6d::Zero();
   Levers levers;
   levers.fill(Vector6d::Zero());
@@ -63,7 +67,7 @@ void KeyFrameShift::learn() {
   for (std::size_t i = kPairs; i-- > 0;) {
     const Passed& passed = passed_[i];
     weight += kOffCubic[i];
-    if (i > 0) leap += weight * passed.motion;
+    if (i > 0) leap += weight * passed.shown.motion;
     if (!passed.key_frames.any()) continue;
     has_key_frame = true;
     levers[classOf(passed.key_frames)] += kOffCubic[i] * passed.lever;
@@ -72,16 +76,28 @@ void KeyFrameShift::learn() {
   if (passed_[kPairs / 2].key_frames.any() && rough_pairs_ >= kRoughnessKnown) learnShift(leap, levers);
 }
 
-void KeyFrameShift::learnRoughness(const Vector6d& leap) {
+void VideoErrors::learnRoughness(const Vector6d& leap) {
   Axes square = leap.array().square();
   if (rough_pairs_ >= kRoughnessKnown)
     square = square.min(kMostDeviations * kMostDeviations * roughness_.array());
+  Vector6d foretold = Vector6d::Zero();
+  for (std::size_t i = 1; i < kPairs; ++i)
+    foretold += kLeapVariance / (kPairs - 1) * passed_[i].shown.deviation.cwiseAbs2();
   rough_pairs_ = std::min(rough_pairs_ + 1, kRoughnessMemory);
   roughness_ += (square.matrix() - roughness_) / rough_pairs_;
+  foretold_ += (foretold - foretold_) / rough_pairs_;
+}
+
+double VideoErrors::excess() const {
+  if (rough_pairs_ < kRoughnessKnown) return 1.0;
+  double sum = 0.0;
+  for (const Eigen::Index axis : kSmoothAxes)
+    sum += roughness_[axis] / (foretold_[axis] + kLeastVariance);
+  return std::max(sum / kSmoothAxes.size(), 1.0);
 }
 
 /// `levers`: by how much the leap grows with each class' b.
-void KeyFrameShift::learnShift(const Vector6d& leap, const Levers& levers) {
+void VideoErrors::learnShift(const Vector6d& leap, const Levers& levers) {
   const std::size_t middle = classOf(passed_[kPairs / 2].key_frames);
   Axes unexplained = leap.array();
   Axes noise = roughness_.array() + kLeastVariance;

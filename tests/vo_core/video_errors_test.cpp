@@ -1,5 +1,5 @@
-// How far ahead key frames are, learned from motions whose truth is known.
-#include "vo_core/key_frame_shift.hpp"
+// How far ahead key frames are and how much poses leap, learned from motions whose truth is known.
+#include "vo_core/video_errors.hpp"
 
 #include <cmath>
 #include <optional>
@@ -40,25 +40,42 @@ Vector6d noiseOf(test::Noise& noise) {
 struct Drive {
   KeyFrames key_frames = kBoth;
   double direction = 1.0;
-  double roughness = 0.0;  ///< of poses, in standard deviations of motions, beyond noise
+  Vector6d roughness = Vector6d::Zero();  ///< of poses, in standard deviations of motions, beyond noise
 };
 
-/// What is said of the pairs of a drive whose key frames are ahead by kAhead.
-std::vector<std::optional<PoseShift>> shiftsOf(const Drive& drive, int pairs) {
+/// What a drive tells whose key frames are ahead by kAhead.
+struct Told {
+  VideoErrors errors;
+  std::vector<std::optional<PoseShift>> shifts;  ///< from the second pair on
+};
+
+Told toldBy(const Drive& drive, int pairs) {
   test::Noise noise(7);
-  KeyFrameShift shift;
-  shift.begin(kNone);
-  const double size = std::hypot(std::sqrt(0.5), drive.roughness);
+  Told told;
+  told.errors.begin(kNone);
+  const Vector6d size = (drive.roughness.array().square() + 0.5).sqrt();
   Vector6d last = Vector6d::Zero();
-  std::vector<std::optional<PoseShift>> shifts;
   for (int i = 1; i < pairs; ++i) {
     const bool is_key = i % kInterval == 0;
-    Vector6d pose = truth(i, drive.direction) + size * kDeviation.cwiseProduct(noiseOf(noise));
+    Vector6d pose = truth(i, drive.direction) + size.cwiseProduct(kDeviation).cwiseProduct(noiseOf(noise));
     if (is_key) pose += drive.direction * kDeviation.cwiseProduct(kAhead);
-    shifts.push_back(shift.next(is_key ? drive.key_frames : kNone, {pose - last, kDeviation, kStep}));
+    told.shifts.push_back(
+        told.errors.next(is_key ? drive.key_frames : kNone, {pose - last, kDeviation, kStep}));
     last = pose;
   }
-  return shifts;
+  return told;
+}
+
+std::vector<std::optional<PoseShift>> shiftsOf(const Drive& drive, int pairs) {
+  return toldBy(drive, pairs).shifts;
+}
+
+double excessOf(const Drive& drive) {
+  return toldBy(drive, 20 * kInterval).errors.excess();
+}
+
+Vector6d onAxis(int axis, double roughness) {
+  return roughness * Vector6d::Unit(axis);
 }
 
 const PoseShift& lastOf(const std::vector<std::optional<PoseShift>>& shifts) {
@@ -95,7 +112,7 @@ TEST(KeyFrameShift, IsTheSameForOneCamerasKeyFrames) {
 }
 
 TEST(KeyFrameShift, IsNotSoughtInARoughRoad) {
-  const PoseShift shift = lastOf(shiftsOf({.roughness = 20.0}, 60 * kInterval));
+  const PoseShift shift = lastOf(shiftsOf({.roughness = Vector6d::Constant(20.0)}, 60 * kInterval));
   EXPECT_LT(shift.value.cwiseQuotient(kDeviation).cwiseAbs().maxCoeff(), 3.0);
 }
 
@@ -106,20 +123,55 @@ TEST(KeyFrameShift, IsOfKeyFramesOnly) {
 }
 
 TEST(KeyFrameShift, IsNoneWhereThereIsNothingButKeyFrames) {
-  KeyFrameShift shift;
-  shift.begin(kBoth);
+  VideoErrors errors;
+  errors.begin(kBoth);
   for (int i = 1; i < 50; ++i)
-    EXPECT_FALSE(shift.next(kBoth, {truth(i, 1.0) - truth(i - 1, 1.0), kDeviation, kStep}));
+    EXPECT_FALSE(errors.next(kBoth, {truth(i, 1.0) - truth(i - 1, 1.0), kDeviation, kStep}));
 }
 
 TEST(KeyFrameShift, OfAPairThatNoMotionLeadsToIsUncertain) {
-  KeyFrameShift shift;
-  EXPECT_LE(shift.begin(kBoth)->variance.maxCoeff(), 0.0) << "nothing is known of how well motions are known";
-  shift.next(kNone, {truth(1, 1.0), kDeviation, kStep});
-  const auto again = shift.begin(kBoth);
+  VideoErrors errors;
+  EXPECT_LE(errors.begin(kBoth)->variance.maxCoeff(), 0.0)
+      << "nothing is known of how well motions are known";
+  errors.next(kNone, {truth(1, 1.0), kDeviation, kStep});
+  const auto again = errors.begin(kBoth);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->value, Vector6d::Zero());
   EXPECT_GE((again->variance.cwiseSqrt() - 1.5 * kDeviation).minCoeff(), 0.0);
+}
+
+TEST(VideoExcess, IsNoneWherePosesErrAsTheirLandmarksSay) {
+  EXPECT_LT(excessOf({}), 1.4);
+  EXPECT_GE(excessOf({}), 1.0);
+}
+
+TEST(VideoExcess, IsHowMuchMorePosesLeap) {
+  Drive dusk;
+  dusk.roughness = onAxis(2, 1.2) + onAxis(4, 1.2);  // standard deviations of motions; sqrt(0.5) is foretold
+  const double whole = (1.2 * 1.2 + 0.5) / 0.5;
+  EXPECT_NEAR(excessOf(dusk), whole, 0.35 * whole) << "of what twenty pairs have shown";
+}
+
+TEST(VideoExcess, IsNotThatOfABumpyRoad) {
+  for (const int axis : {0, 1, 3, 5}) {
+    Drive bumpy;
+    bumpy.roughness = onAxis(axis, 5.0);
+    EXPECT_LT(excessOf(bumpy), 1.4) << axis;
+  }
+}
+
+TEST(VideoExcess, IsNotKnownAtFirst) {
+  EXPECT_EQ(VideoErrors().excess(), 1.0);
+}
+
+TEST(VideoExcess, OutlastsAStand) {
+  Drive dusk;
+  dusk.roughness = Vector6d::Constant(1.5);
+  Told told = toldBy(dusk, 5 * kInterval);
+  const double before = told.errors.excess();
+  EXPECT_GT(before, 2.0);
+  told.errors.begin(kNone);
+  EXPECT_EQ(told.errors.excess(), before);
 }
 
 }  // namespace

@@ -48,6 +48,16 @@ void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
+/// How many times as large as residuals tell the variance of a pose is, while the window of `most` pairs
+/// fills with a track's first ones: their noise is a guess that has hardly been put right yet, and in the
+/// dark, where few landmarks of a first pair are found again, many of those agree by chance. At dusk the
+/// first motion's squared error was 11 times what it said, that of the second to the sixth 2.4 times
+/// (docs/accuracy.md).
+double doubtOfFirst(int pairs, int most) {
+  constexpr double kFirst = 9.0;
+  return pairs < most ? 1.0 + kFirst / (pairs - 1) : 1.0;
+}
+
 /// Poses that have been published and are not settled yet keep to where they are, by a share of what they are
 /// known by.
 void holdPublished(const std::vector<WindowFrame>& window, double share, BundleProblem& problem) {
@@ -335,8 +345,10 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   weigh(draft);
-  const MotionUncertainty uncertainty = takeUncertainties(bundle_, result, pair.excess * overlap_.of(bundle_),
-                                                          pair.offset_deviation, draft.window);
+  const double doubt =
+      pair.excess * doubtOfFirst(static_cast<int>(draft.window.size()), settings_.bundle.frames);
+  const MotionUncertainty uncertainty =
+      takeUncertainties(bundle_, result, doubt * overlap_.of(bundle_), pair.offset_deviation, draft.window);
   motion.motion_covariance = uncertainty.covariance;
   motion.motion_offset_error = uncertainty.offset_error;
   motion.pose_covariance = poseCovarianceOf(draft.window.back());
@@ -346,7 +358,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.reasons = judge(motion);
   if (!motion.valid()) return;
   // After the judgement: a vague scale makes a motion vague, not degenerate.
-  motion.motion_covariance += pair.excess * uncertainty.by_scale;
+  motion.motion_covariance += doubt * uncertainty.by_scale;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   noise_ = adapted(noise_, result, 1);

@@ -2,6 +2,7 @@
 #include "vo_core/visual_track.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,31 @@ TEST_F(VisualTrackTest, ErrsByWhatItsCovariancesOwnUpTo) {
     EXPECT_GT(motion.pose_covariance.trace(), 0.9 * pose_variance);
     pose_variance = motion.pose_covariance.trace();
   }
+}
+
+/// m, of the motion's translation.
+double deviationOf(const TrackedMotion& motion) {
+  return std::sqrt(motion.motion_covariance.topLeftCorner<3, 3>().trace());
+}
+
+TEST_F(VisualTrackTest, ItsFirstMotionsOwnUpToNoiseThatIsAGuess) {
+  VisualTrack track = begin();
+  const double first = deviationOf(show(track, drivePair(1), 1));
+  double last = 0.0;
+  for (int i = 2; i < 7; ++i)
+    last = deviationOf(show(track, drivePair(i), i));
+  EXPECT_GT(first, 2.0 * last);
+}
+
+TEST_F(VisualTrackTest, WhatAllLandmarksShareIsInItsCovariancesButMovesNothing) {
+  VisualTrack images = begin(), video = begin();
+  PreparedPair pair = prepared(drivePair(1), 1);
+  const TrackedMotion alone = images.process(pair, observer_);
+  pair.excess = 4.0;
+  const TrackedMotion shared = video.process(pair, observer_);
+  EXPECT_EQ(shared.T_world_camera.matrix(), alone.T_world_camera.matrix());
+  EXPECT_TRUE(shared.motion_covariance.isApprox(4.0 * alone.motion_covariance, 1e-9));
+  EXPECT_TRUE(shared.pose_covariance.isApprox(4.0 * alone.pose_covariance, 1e-9));
 }
 
 TEST_F(VisualTrackTest, APairThatCannotBeExplainedLeavesItAsItWas) {

@@ -41,6 +41,8 @@ class ReprojectionOdometry final : public OdometryMethod {
   bool stopsTooSoon(const PreparedPair& pair) const;
   bool atRest(const TrackedMotion& motion) const;
   RigMonitor knownOfRig() const;
+  enum class Succession { none, hangs, takes_over };  ///< hangs: at a picture that cannot stand still
+  Succession trySuccessor(const PreparedPair& pair, TrackedMotion& motion, StageObserver& observer);
   void takeOutShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
@@ -120,40 +122,50 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     ++epoch_;
     return begin(pair, OdometryReason::time_step, observer);
   }
-  // Begun at a picture that hung, whose instant is not what the stamps say: it measures no motion from there.
   const bool of_hanging = hangs_since_ns_ && track_->lastExposure() >= *hangs_since_ns_;
   TrackedMotion motion = track_->process(pair, observer);
   if (motion.valid() && hangs_since_ns_) {
     if (atRest(motion)) return refuse(pair, OdometryReason::repeated_picture);
     hangs_since_ns_.reset();
+    // Begun at a picture that hung, whose instant is not what the stamps say: it measures no motion from
+    // there.
     if (of_hanging) {
       ++epoch_;
       return begin(pair, OdometryReason::repeated_picture, observer);
     }
   }
-  if (!motion.valid() && successor_) {
-    const TrackedMotion anew = successor_->process(pair, observer);
-    if (anew.valid() && atRest(anew) && (hangs_since_ns_ || stopsTooSoon(pair))) {
-      if (!hangs_since_ns_) hangs_since_ns_ = pair.left_exposure_ns;
-      return refuse(pair, OdometryReason::repeated_picture);
-    }
-    if (anew.valid() && hangs_since_ns_) {
-      // The successor began at such a picture; another begins.
-      hangs_since_ns_.reset();
-      return lose(pair, motion, observer);
-    }
-    if (anew.valid()) {
-      track_ = std::move(successor_);
-      ++epoch_;
-      shift_ = video_errors_.begin(successor_begins_);
-      motion = anew;
-    }
+  if (!motion.valid()) {
+    const Succession succession = trySuccessor(pair, motion, observer);
+    if (succession == Succession::hangs) return refuse(pair, OdometryReason::repeated_picture);
+    if (succession == Succession::none) return lose(pair, motion, observer);
   }
-  if (!motion.valid()) return lose(pair, motion, observer);
   successor_.reset();
   lost_pairs_ = 0;
   takeOutShift(pair, motion);
   return estimateOf(pair, motion);
+}
+
+/// What becomes of the successor at a pair that the track does not explain; if it takes the track's place,
+/// `motion` is its own.
+ReprojectionOdometry::Succession ReprojectionOdometry::trySuccessor(const PreparedPair& pair,
+                                                                    TrackedMotion& motion,
+                                                                    StageObserver& observer) {
+  if (!successor_) return Succession::none;
+  const TrackedMotion anew = successor_->process(pair, observer);
+  if (!anew.valid()) return Succession::none;
+  if (atRest(anew) && (hangs_since_ns_ || stopsTooSoon(pair))) {
+    if (!hangs_since_ns_) hangs_since_ns_ = pair.left_exposure_ns;
+    return Succession::hangs;
+  }
+  if (hangs_since_ns_) {  // it began at a picture that hung
+    hangs_since_ns_.reset();
+    return Succession::none;
+  }
+  track_ = std::move(successor_);
+  ++epoch_;
+  shift_ = video_errors_.begin(successor_begins_);
+  motion = anew;
+  return Succession::takes_over;
 }
 
 /// The track goes by what the pictures show, shifted where key frames are; a motion that is told begins and

@@ -238,6 +238,17 @@ bool Calibration::passed() const {
   return std::all_of(checks.begin(), checks.end(), [](const ValidationCheck& check) { return check.passed; });
 }
 
+double scaleDeviation(const Calibration& calibration) {
+  constexpr double kBoard = 1e-3;
+  constexpr double kLargest = 0.05;  // of what halves that are too small may say
+  const std::string along = parameterName(kRelativeTranslation, lensOf(calibration.result().model)).name;
+  double scatter = 0.0;
+  for (const ParameterEstimate& parameter : calibration.result().parameters)
+    if (parameter.name.name == along) scatter = parameter.deviation / calibration.rig().baseline();
+  const double by_views = std::max(scatter, 0.5 * calibration.halves.baseline);
+  return std::min(std::hypot(by_views, kBoard), kLargest);
+}
+
 double depthError(double distance, double disparity_error, double focal_length, double baseline) {
   return distance * distance * disparity_error / (focal_length * baseline);
 }

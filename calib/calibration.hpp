@@ -60,6 +60,11 @@ inline const std::vector<double> kDepthDistances{5.0, 10.0, 20.0, 40.0};
 /// length) causes: Z^2 / (f b) to first order.
 double depthError(double distance, double disparity_error, double focal_length, double baseline);
 
+/// Standard deviation of the rig's scale, as a share: what the corners' scatter says of the baseline, or half
+/// of what the halves' baselines differ by if that is more, and a thousandth, as nobody knows the board's
+/// squares better.
+double scaleDeviation(const Calibration& calibration);
+
 /// Calibrates with each of the models (of a lens from few parameters to many), and chooses the one that
 /// foretells held-out views best; of models that do so within 1 %, the one with the fewest parameters.
 /// Outliers are told by the model with the least scatter, and all models are then judged on the same corners.

@@ -121,6 +121,7 @@ CalibrationDifference compareCalibrations(const Rig& a, const Rig& b, const Imag
   result.projection_rms = differences.empty() ? std::numeric_limits<double>::infinity()
                                               : std::sqrt(squares / static_cast<double>(differences.size()));
   result.projection_p95 = quantileOrInfinity(differences, 0.95);
+  result.baseline = std::abs(a.baseline() / b.baseline() - 1.0);
   for (const double distance : distances)
     result.depth.push_back(depthDifference(a, b, left, right, distance));
   return result;

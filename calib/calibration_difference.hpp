@@ -19,6 +19,7 @@ struct DepthDifference {
 struct CalibrationDifference {
   double projection_rms = 0.0;  ///< over both images, the cameras turned for the best agreement, px
   double projection_p95 = 0.0;  ///< px
+  double baseline = 0.0;        ///< of the two, as a share of one
   std::vector<DepthDifference> depth;
 };
 

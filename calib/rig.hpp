@@ -46,6 +46,9 @@ struct Rig {
   Eigen::Isometry3d T_body_camera =
       Eigen::Isometry3d::Identity();  ///< left camera axes to body axes (REP-103), m
   RectificationSettings rectification;
+  /// Standard deviation of the scale, as a share: how much all lengths that the rig measures may be too long
+  /// or too short together, as its baseline is. 0: not said.
+  double scale_deviation = 0.0;
 
   /// Distance of the two cameras, m.
   double baseline() const { return T_right_left.translation().norm(); }

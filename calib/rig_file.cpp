@@ -19,6 +19,7 @@ namespace {
 constexpr int kFormatVersion = 1;
 constexpr int kLargestSide = 8192;
 constexpr double kShortestBaseline = 0.005, kLongestBaseline = 10.0;
+constexpr double kLargestScaleDeviation = 0.1;
 constexpr double kShortestFocalLength = 1.0, kLongestFocalLength = 1e5;
 
 /// Where a principal point may lie along a side of the image, px.
@@ -65,8 +66,8 @@ Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
 }
 
 Rig readOwnRig(const StrictYaml& yaml) {
-  yaml.allowOnly(
-      {"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera", "free_scaling"});
+  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
+                  "free_scaling", "scale_deviation"});
   yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
   const std::vector<double> size = yaml["image_size"].numbers(2);
   for (const double side : size) {
@@ -86,6 +87,8 @@ Rig readOwnRig(const StrictYaml& yaml) {
   rig.T_body_camera =
       yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
   if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
+  if (yaml.has("scale_deviation"))
+    rig.scale_deviation = yaml["scale_deviation"].number(0.0, kLargestScaleDeviation);
   return rig;
 }
 
@@ -198,7 +201,11 @@ std::string rigText(const Rig& rig) {
          "keeps "
          "all.\n"
          "free_scaling: " +
-         exactText(rig.rectification.free_scaling) + "\n";
+         exactText(rig.rectification.free_scaling) +
+         "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
+         "together, as "
+         "the\n# baseline is. 0: not known.\nscale_deviation: " +
+         exactText(rig.scale_deviation) + "\n";
 }
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {
@@ -218,6 +225,9 @@ void validateRig(const Rig& rig) {
   }
   if (!(rig.rectification.free_scaling >= 0.0 && rig.rectification.free_scaling <= 1.0)) {
     throw std::invalid_argument("rig: free_scaling must lie in 0 to 1");
+  }
+  if (!(rig.scale_deviation >= 0.0 && rig.scale_deviation <= kLargestScaleDeviation)) {
+    throw std::invalid_argument("rig: scale_deviation must lie in 0 to 0.1");
   }
   if (!(rig.baseline() >= kShortestBaseline && rig.baseline() <= kLongestBaseline)) {
     throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +

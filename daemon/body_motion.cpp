@@ -43,6 +43,14 @@ Matrix6d inverseRightJacobian(const Vector6d& twist) {
   return Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
 }
 
+/// What a scale that is off by its standard deviation makes of a pose or motion: all ways are too long by the
+/// same share. Perturbation on the right.
+Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_deviation) {
+  Vector6d error = Vector6d::Zero();
+  error.head<3>() = scale_deviation * (pose.linear().transpose() * pose.translation());
+  return error;
+}
+
 }  // namespace
 
 Vector6d logarithm(const Eigen::Isometry3d& motion) {
@@ -62,14 +70,17 @@ Eigen::Isometry3d exponential(const Vector6d& twist) {
   return motion;
 }
 
-BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified) {
+BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
+                      double scale_deviation) {
   const Eigen::Isometry3d T_rectified_body = T_body_rectified.inverse();
   const Matrix6d Ad = adjoint(T_body_rectified);
 
   BodyMotion motion;
   motion.T_world_body = T_body_rectified * estimate.T_world_camera * T_rectified_body;
   // T_body (T exp(x)) T_body^-1 = (T_body T T_body^-1) exp(Ad x): Solà, eq. 20.
-  motion.pose_covariance = Ad * estimate.pose_covariance * Ad.transpose();
+  const Vector6d pose_scale_error = Ad * scaleError(estimate.T_world_camera, scale_deviation);
+  motion.pose_covariance =
+      Ad * estimate.pose_covariance * Ad.transpose() + pose_scale_error * pose_scale_error.transpose();
   motion.T_previous_current = T_body_rectified * estimate.T_previous_current * T_rectified_body;
 
   if (!estimate.valid || !(estimate.time_step > 0.0)) {
@@ -78,14 +89,17 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
     motion.angular_velocity.setConstant(kUnknown);
     motion.twist_covariance.setConstant(kUnknown);
     motion.twist_offset_error.setConstant(kUnknown);
+    motion.twist_scale_error.setConstant(kUnknown);
     return motion;
   }
   const Vector6d twist = logarithm(motion.T_previous_current);
   motion.velocity = twist.head<3>() / estimate.time_step;
   motion.angular_velocity = twist.tail<3>() / estimate.time_step;
   const Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
-  motion.twist_covariance = J * estimate.motion_covariance * J.transpose();
   motion.twist_offset_error = J * estimate.motion_offset_error;
+  motion.twist_scale_error = J * scaleError(estimate.T_previous_current, scale_deviation);
+  motion.twist_covariance = J * estimate.motion_covariance * J.transpose() +
+                            motion.twist_scale_error * motion.twist_scale_error.transpose();
   return motion;
 }
 

@@ -19,12 +19,17 @@ struct BodyMotion {
   /// What the offset's uncertainty has in it: its outer product is part of twist_covariance, and neighbouring
   /// velocities err together by it. NaN if there is no velocity.
   Vector6d twist_offset_error = Vector6d::Zero();
+  /// The same of what the rig's scale has in it.
+  Vector6d twist_scale_error = Vector6d::Zero();
 };
 
 /// Moves an estimate from the rectified left camera to the body that carries it. `T_body_rectified`:
 /// rectified left camera axes to body axes. Velocity and rates are those of the constant twist that makes the
 /// motion in its time step; an estimate that is not valid, or without a time step, has none: they are NaN.
-BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified);
+/// `scale_deviation`: the rig's (Rig::scale_deviation), of which no image tells; it is added here to what the
+/// estimate's covariances say of the images.
+BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
+                      double scale_deviation = 0.0);
 
 /// The logarithm of SE(3): the twist (v, omega) which, held for one unit of time, makes `motion`. Rotations
 /// below pi. (J. Solà et al., "A micro Lie theory for state estimation in robotics", 2018, eq. 173.)

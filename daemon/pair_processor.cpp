@@ -40,6 +40,7 @@ class PairProcessor::Implementation {
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
+        scale_deviation_(rig.scale_deviation),
         odometry_(stereoCamera(rectifier_.rectification()), settings),
         features_(settings.features) {}
 
@@ -53,7 +54,7 @@ class PairProcessor::Implementation {
     rectify(pair);
     result.features = features_;
     result.estimate = odometry_.process(images_, clock_);
-    result.motion = bodyMotion(result.estimate, T_body_rectified_);
+    result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_deviation_);
     takeVelocityToExposure(result);
     result.times = clock_.endPair();
     return result;
@@ -76,8 +77,10 @@ class PairProcessor::Implementation {
     if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.stand(time_step);
     Twist mean;
     mean.value << result.motion.velocity, result.motion.angular_velocity;
-    // An error that the velocities share is no noise in how they change.
-    const Matrix6d shared = result.motion.twist_offset_error * result.motion.twist_offset_error.transpose();
+    // Errors that the velocities share are no noise in how they change.
+    const Vector6d& by_offset = result.motion.twist_offset_error;
+    const Vector6d& by_scale = result.motion.twist_scale_error;
+    const Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
     mean.covariance = result.motion.twist_covariance - shared;
     const Twist now = velocity_.next(mean, time_step);
     result.motion.velocity = now.value.head<3>();
@@ -100,6 +103,7 @@ class PairProcessor::Implementation {
   Rectifier rectifier_;
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
+  double scale_deviation_;
   StereoImages images_;  ///< rectified; where the odometry would have them, or kept for their memory
   StereoOdometry odometry_;
   int features_;

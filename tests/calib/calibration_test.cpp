@@ -175,6 +175,13 @@ TEST(Calibration, TellsHowUncertainItsNumbersAre) {
   }
   EXPECT_GT(squares, 0.0);
   EXPECT_LT(squares, 14.0);  // of two normal values: once in a thousand
+
+  const double scale = calibration.rig().baseline() / truth.baseline() - 1.0;
+  EXPECT_LT(std::abs(scale), 3.0 * scaleDeviation(calibration));
+  EXPECT_GE(scaleDeviation(calibration), 1e-3) << "nobody knows the board's squares better";
+  Calibration poor = calibration;
+  poor.halves.baseline = 0.02;
+  EXPECT_NEAR(scaleDeviation(poor), 0.01, 1e-3);
 }
 
 TEST(Calibration, IsTheSameEachTime) {
@@ -260,6 +267,7 @@ TEST(CalibrationDifference, OfAFocalLengthIsThatOfItsProjectionAndDepth) {
   b.T_right_left.translation().x() *= 1.02;  // the same pictures from 2 % farther away
   EXPECT_LT(compareCalibrations(a, b, all, all, {10.0}).projection_p95, 1e-9);
   EXPECT_NEAR(compareCalibrations(a, b, all, all, {10.0}).depth[0].median, 0.2, 1e-3);
+  EXPECT_NEAR(compareCalibrations(b, a, all, all, {10.0}).baseline, 0.02, 1e-9);
   Rig turned = a;
   turned.T_right_left.linear() = Eigen::AngleAxisd(1e-3, Eigen::Vector3d::UnitY()).toRotationMatrix();
   // A turn of 1 mrad about the vertical is half a pixel of disparity: Z^2 / b.

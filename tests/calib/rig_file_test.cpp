@@ -42,15 +42,17 @@ TEST(RigFile, GivesBackWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(read.T_body_camera.matrix(), rig.T_body_camera.matrix());
 }
 
-TEST(RigFile, GivesBackAWideLensAndTheScaling) {
+TEST(RigFile, GivesBackAWideLensTheScalingAndTheScalesDeviation) {
   const test::TemporaryFolder folder;
   Rig rig = test::wideRig();
   rig.rectification.free_scaling = 0.25;
+  rig.scale_deviation = 0.002;
   writeRig(folder / "rig.yaml", rig);
   const Rig read = readRig(folder / "rig.yaml");
   expectEqual(read.left, rig.left);
   expectEqual(read.right, rig.right);
   EXPECT_EQ(read.rectification.free_scaling, 0.25);
+  EXPECT_EQ(read.scale_deviation, 0.002);
 }
 
 TEST(RigFile, WithoutALensModelOrScalingIsBrownsAndCropped) {
@@ -59,6 +61,7 @@ TEST(RigFile, WithoutALensModelOrScalingIsBrownsAndCropped) {
   const Rig read = parseRig(text.substr(0, text.find("free_scaling:")), "rig.yaml");
   EXPECT_EQ(read.left.lens, LensModel::brown);
   EXPECT_EQ(read.rectification.free_scaling, 0.0);
+  EXPECT_EQ(read.scale_deviation, 0.0);
 }
 
 TEST(RigFile, WithoutAPlaceOnTheCartLooksForward) {
@@ -123,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Fault{"UnknownKey", "name:", "nmae: x\nname:",
               "3: nmae: expected one of the keys cartvo_rig, name, image_size, left, right, T_right_left, "
-              "T_body_camera, free_scaling, found 'nmae'"},
+              "T_body_camera, free_scaling, scale_deviation, found 'nmae'"},
         Fault{"UnknownKeyInside", "  fx: 500.5", "  fx: 500.5\n  skew: 0",
               "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, found 'skew'"},
         Fault{"UnknownLens", "  fx: 500.5", "  lens: narrow\n  fx: 500.5",
@@ -134,6 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
               "0]"},
         Fault{"ScalingBeyondOne", "free_scaling: 0", "free_scaling: 1.5",
               "38: free_scaling: expected a number from 0 to 1, found '1.5'"},
+        Fault{"ScaleKnownToNothing", "scale_deviation: 0", "scale_deviation: 1",
+              "41: scale_deviation: expected a number from 0 to 0.1, found '1'"},
         Fault{"RepeatedKey", "name:", "name: x\nname:", "4: name: expected each key once, found 'name'"},
         Fault{"MissingKey", "  cx: 320.25\n", "",
               "9: left.cx: expected this key, which is missing, found a map"},

@@ -120,6 +120,26 @@ TEST(BodyMotion, PoseCovarianceIsWhatPerturbedPosesShow) {
   EXPECT_LT((sampled - motion.pose_covariance).norm(), 0.03 * motion.pose_covariance.norm());
 }
 
+TEST(BodyMotion, AWrongScaleOfTheRigMakesAllWaysTooLong) {
+  const Eigen::Isometry3d mount = tiltedMount();
+  constexpr double kScale = 1e-4, kTimeStep = 0.1;
+  OdometryEstimate estimate =
+      estimateOf(exponential(vector6(0.5, 0.1, 0.0, 0.02, -0.03, 0.2)), mount, kTimeStep);
+  estimate.T_world_camera = mount.inverse() * exponential(vector6(30.0, 10.0, 1.0, 0.1, 0.0, 2.0)) * mount;
+  OdometryEstimate longer = estimate;
+  for (Eigen::Isometry3d* const pose : {&longer.T_previous_current, &longer.T_world_camera})
+    pose->translation() *= 1.0 + kScale;
+  const BodyMotion motion = bodyMotion(estimate, mount, kScale), of_longer = bodyMotion(longer, mount);
+
+  const Vector6d pose_error = logarithm(motion.T_world_body.inverse() * of_longer.T_world_body);
+  EXPECT_GT(pose_error.norm(), 2e-3) << "a ten-thousandth of 30 m";
+  EXPECT_TRUE(motion.pose_covariance.isApprox(pose_error * pose_error.transpose(), 1e-6));
+  Vector6d twist_error;
+  twist_error << of_longer.velocity - motion.velocity, of_longer.angular_velocity - motion.angular_velocity;
+  EXPECT_TRUE(motion.twist_scale_error.isApprox(twist_error, 1e-3)) << motion.twist_scale_error.transpose();
+  EXPECT_TRUE(motion.twist_covariance.isApprox(twist_error * twist_error.transpose(), 2e-3));
+}
+
 TEST(BodyMotion, TwistCovarianceFollowsTheNumericJacobian) {
   const Eigen::Isometry3d mount = tiltedMount();
   const double time_step = 0.0556;

@@ -1,5 +1,6 @@
 // Replay: every pair is processed, in order, with the same result each time.
 
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -30,8 +31,10 @@ struct Replay {
   PipelineCounts counts;
 };
 
-Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, std::int64_t period_ns) {
-  const Rig rig = test::smallRig();
+Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, std::int64_t period_ns,
+              double scale_deviation = 0.0) {
+  Rig rig = test::smallRig();
+  rig.scale_deviation = scale_deviation;
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(std::move(left_frames));
   test::ListedCamera right(std::move(right_frames));
@@ -66,6 +69,22 @@ TEST(PipelineReplay, MeasuresTheMotionOfTheBody) {
   EXPECT_NEAR(last.motion.velocity.x(), 0.0, 0.1);
   EXPECT_GT(last.times.total, 0.0);
   EXPECT_GE(last.times.total, last.times.of(Stage::rectify));
+}
+
+TEST(PipelineReplay, OwnsUpToTheRigsScale) {
+  constexpr double kScale = 0.05;
+  const BodyMotion exact = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns).results.back().motion;
+  const BodyMotion vague =
+      replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, kScale).results.back().motion;
+  EXPECT_EQ(vague.velocity, exact.velocity) << "it is no noise";
+  const auto added = [&](double vague_variance, double exact_variance) {
+    return std::sqrt(vague_variance - exact_variance);
+  };
+  EXPECT_NEAR(added(vague.twist_covariance(1, 1), exact.twist_covariance(1, 1)),
+              kScale * std::abs(exact.velocity.y()), 0.05 * kScale * std::abs(exact.velocity.y()));
+  const double way = std::abs(exact.T_world_body.translation().y());
+  EXPECT_NEAR(added(vague.pose_covariance(1, 1), exact.pose_covariance(1, 1)), kScale * way,
+              0.05 * kScale * way);
 }
 
 TEST(PipelineReplay, GivesTheSameBitsTwice) {

@@ -82,7 +82,8 @@ Json calibrationJson(const Calibration& calibration) {
             {"image_size", {calibration.image_size.width, calibration.image_size.height}},
             {"passed", calibration.passed()},
             {"model", modelName(calibration.result().model)},
-            {"baseline_m", calibration.rig().baseline()}};
+            {"baseline_m", calibration.rig().baseline()},
+            {"scale_deviation", scaleDeviation(calibration)}};
   for (const ValidationCheck& check : calibration.checks) {
     json["checks"].push_back({{"name", check.name},
                               {"value", check.value},
@@ -125,8 +126,10 @@ std::string calibrationText(const Calibration& calibration) {
     text += modelLine(calibration.candidates[i], i == calibration.chosen);
   const Rig& rig = calibration.rig();
   text += "rig\n" + cameraLine("left", rig.left) + cameraLine("right", rig.right);
-  text += fmt::format("  baseline {:.2f} mm, turned by {:.3f} degrees\n", 1000.0 * rig.baseline(),
-                      Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI);
+  text += fmt::format("  baseline {:.2f} mm, turned by {:.3f} degrees; its scale is known to {:.2f} %\n",
+                      1000.0 * rig.baseline(),
+                      Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
+                      100.0 * scaleDeviation(calibration));
   text += "depth   error if disparity is as far off as rows   halves differ by (median, 95 of 100)\n";
   for (const DepthDifference& depth : calibration.halves.depth) {
     text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>41} {:>11}\n", depth.distance,

@@ -87,6 +87,7 @@ Rig rigToWrite(const Calibration& calibration, const std::optional<Rig>& before,
   rig.name = before ? before->name : options.output.stem().string();
   rig.T_body_camera = before ? before->T_body_camera : forwardLookingMount();
   rig.rectification.free_scaling = options.free_scaling;
+  rig.scale_deviation = scaleDeviation(calibration);
   return rig;
 }
 

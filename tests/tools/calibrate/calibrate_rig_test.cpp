@@ -55,6 +55,7 @@ TEST(CalibrateCommand, CalibratesAPairOfCamerasAndTellsHowWell) {
   EXPECT_THAT(run.said,
               AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED"))));
   const Rig rig = readRig(output);
+  EXPECT_GE(rig.scale_deviation, 1e-3);
   EXPECT_EQ(rig.rectification.free_scaling, 0.2);
   EXPECT_NEAR(rig.left.fx, 534.0, 3.0);  // OpenCV's intrinsics.yml says 534.2
   const auto json = nlohmann::json::parse(textOf(report / "calibration.json"));
@@ -119,6 +120,8 @@ TEST(CalibrateCommand, FindsTheOwnersRigOfAnAprilGridWithTheOwnersModel) {
   EXPECT_NEAR(value("right fx"), owners.right.fx, 3e-3 * owners.right.fx);
   EXPECT_NEAR(value("right fy"), owners.right.fy, 3e-3 * owners.right.fy);
   EXPECT_NEAR(json["baseline_m"].get<double>(), owners.baseline(), 3e-4);
+  EXPECT_NEAR(json["baseline_m"].get<double>() / owners.baseline(), 1.0,
+              3.0 * json["scale_deviation"].get<double>());
   EXPECT_LE(found["held_out_rms_px"].get<double>(), 0.3);
   EXPECT_TRUE(json["passed"].get<bool>());
   // With more of Brown's models to choose from it does no worse: at first, some fold within the image.

@@ -355,9 +355,9 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  motion.reasons = judge(motion);
+  motion.reasons = judge(motion, doubt);
   if (!motion.valid()) return;
-  // After the judgement: a vague scale makes a motion vague, not degenerate.
+  // After the judgement, for the same reason.
   motion.motion_covariance += doubt * uncertainty.by_scale;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
@@ -384,11 +384,12 @@ void VisualTrack::weigh(Draft& draft) const {
   dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
 }
 
-OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
+/// What is doubted beyond what the landmarks tell makes a motion vague, not degenerate.
+OdometryReason VisualTrack::judge(const TrackedMotion& motion, double doubt) const {
   const ValiditySettings& validity = settings_.validity;
   if (!plausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
-  if (!(motion.motion_covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_deviation, 2)))
+  if (!(motion.motion_covariance.diagonal().maxCoeff() <= doubt * std::pow(validity.maximum_deviation, 2)))
     return OdometryReason::degenerate_geometry;
   return OdometryReason::none;
 }

@@ -84,7 +84,7 @@ class VisualTrack {
   void stateBundle(const Draft& draft, const RigCorrection& rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(Draft& draft) const;
-  OdometryReason judge(const TrackedMotion& motion) const;
+  OdometryReason judge(const TrackedMotion& motion, double doubt) const;
   RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);

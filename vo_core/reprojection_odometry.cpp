@@ -179,7 +179,7 @@ void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion&
   const std::optional<PoseShift> before = shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
   const Vector6d own =
-      (motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2()) / pair.excess;
+      (motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2()) / motion.excess;
   shift_ = video_errors_.next(pair.key_frames,
                               {vectorFromMotion(T), own.cwiseMax(0.0).cwiseSqrt(), motion.time_step});
   if (before) {

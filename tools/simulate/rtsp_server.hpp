@@ -12,7 +12,8 @@
 namespace cartvo::simulate {
 
 /// One camera's network side: a GStreamer RTSP server in a thread of its own. Every client has its own
-/// pipeline, so that it can begin at a key frame. When it is destroyed, every pipeline has stopped.
+/// pipeline, so that it can begin at a key frame. When it is destroyed, every pipeline has stopped; a thread
+/// of GStreamer's may let go of a picture, which it owns with others, an instant later.
 class RtspServer {
  public:
   /// Throws std::runtime_error if it cannot listen.

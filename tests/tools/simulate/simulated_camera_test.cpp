@@ -121,7 +121,8 @@ TEST(SimulatedCamera, isDoneWithItsPicturesWhenItIsSwitchedOffWhileClientsComePl
           [packets, port = camera->port()] { test::receive(port, "admin:" + kPassword, packets); });
     EXPECT_TRUE(comesTrue([&camera] { return camera->playingClients() > 0; }));
     camera.reset();
-    EXPECT_EQ(stream.use_count(), 1);
+    // A thread of GStreamer's may let go of its last picture an instant later.
+    EXPECT_TRUE(comesTrue([&stream] { return stream.use_count() == 1; }));
     for (std::thread& client : clients)
       client.join();
   }

@@ -43,6 +43,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   RigMonitor knownOfRig() const;
   enum class Succession { none, hangs, takes_over };  ///< hangs: at a picture that cannot stand still
   Succession trySuccessor(const PreparedPair& pair, TrackedMotion& motion, StageObserver& observer);
+  void passOver(const PreparedPair& pair, const TrackedMotion& motion);
   void takeOutShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
@@ -125,7 +126,10 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
   const bool of_hanging = hangs_since_ns_ && track_->lastExposure() >= *hangs_since_ns_;
   TrackedMotion motion = track_->process(pair, observer);
   if (motion.valid() && hangs_since_ns_) {
-    if (atRest(motion)) return refuse(pair, OdometryReason::repeated_picture);
+    if (atRest(motion)) {
+      passOver(pair, motion);
+      return refuse(pair, OdometryReason::repeated_picture);
+    }
     hangs_since_ns_.reset();
     // Begun at a picture that hung, whose instant is not what the stamps say: it measures no motion from
     // there.
@@ -168,20 +172,21 @@ ReprojectionOdometry::Succession ReprojectionOdometry::trySuccessor(const Prepar
   return Succession::takes_over;
 }
 
+/// The track has gone on by a motion that tells nothing of the video.
+void ReprojectionOdometry::passOver(const PreparedPair& pair, const TrackedMotion& motion) {
+  const std::optional<PoseShift> shift = video_errors_.begin(pair.key_frames);
+  // During a stand the pose is held, with what was taken out of it.
+  if (motion.reasons != OdometryReason::zero_velocity) shift_ = shift;
+}
+
 /// The track goes by what the pictures show, shifted where key frames are; a motion that is told begins and
 /// ends without their shifts.
 void ReprojectionOdometry::takeOutShift(const PreparedPair& pair, TrackedMotion& motion) {
-  // During a stand the pose is held, with what was taken out of it.
-  if (motion.reasons == OdometryReason::zero_velocity) {
-    video_errors_.begin(pair.key_frames);
-    return;
-  }
+  if (motion.reasons == OdometryReason::zero_velocity) return passOver(pair, motion);
   const std::optional<PoseShift> before = shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
-  const Vector6d own =
-      (motion.motion_covariance.diagonal() - motion.motion_offset_error.cwiseAbs2()) / motion.excess;
-  shift_ = video_errors_.next(pair.key_frames,
-                              {vectorFromMotion(T), own.cwiseMax(0.0).cwiseSqrt(), motion.time_step});
+  shift_ = video_errors_.next(pair.key_frames, {vectorFromMotion(T), motion.deviation_by_landmarks,
+                                                motion.time_step, motion.guessed});
   if (before) {
     const Matrix6d carried = adjoint(T.inverse());
     motion.motion_covariance += carried * before->variance.asDiagonal() * carried.transpose();

@@ -9,11 +9,9 @@ namespace {
 
 using Axes = Eigen::Array<double, 6, 1>;
 
-// The sum of five poses with these weights is by how much the middle one is off the cubic through the others.
-constexpr std::array<double, 5> kOffCubic{1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0};
-// The mean square of that sum for each square of a motion's deviation, if poses err independently of each
-// other: a motion has the errors of two.
-constexpr double kLeapVariance = 70.0 / 36.0 / 2.0;
+// The variance of a pose for that of a motion, if poses err independently of each other: a motion has the
+// errors of two.
+constexpr double kPoseVariance = 0.5;
 constexpr std::array<Eigen::Index, 2> kSmoothAxes{2, 4};  // forwards and yaw
 constexpr double kFirstDeviations = 2.0;                  // of the shift, in standard deviations of a motion
 constexpr double kLeastDeviations = 0.2;                  // that remain in doubt
@@ -21,7 +19,8 @@ constexpr double kMemory = 0.8;           // from key frame to key frame, if not
 constexpr int kRoughnessMemory = 20;      // pairs
 constexpr int kRoughnessKnown = 5;        // pairs
 constexpr double kMostDeviations = 3.0;   // by which a leap is believed
-constexpr double kEven = 0.1;             // of a time step, that the next may differ by
+constexpr double kMostExcess = 30.0;      // beyond which poses are said to be off by something else
+constexpr double kMostUneven = 3.5;       // times a time step, that the next may be longer or shorter
 constexpr double kLeastVariance = 1e-14;  // m^2 and rad^2; no motion is known better
 
 }  // namespace
@@ -42,7 +41,8 @@ std::optional<PoseShift> VideoErrors::begin(KeyFrames pair) {
 
 std::optional<PoseShift> VideoErrors::next(KeyFrames pair, const ShownMotion& shown) {
   const KeyFrames before = passed_.back().key_frames;
-  if (std::abs(shown.time_step - time_step_) > kEven * time_step_) begin(before);
+  if (std::max(shown.time_step, time_step_) > kMostUneven * std::min(shown.time_step, time_step_))
+    begin(before);
   time_step_ = shown.time_step;
   if (passed_.size() == kPairs) {
     std::move(passed_.begin() + 1, passed_.end(), passed_.begin());
@@ -56,7 +56,27 @@ std::optional<PoseShift> VideoErrors::next(KeyFrames pair, const ShownMotion& sh
   return PoseShift{lever.cwiseProduct(learned.mean), lever.cwiseAbs2().cwiseProduct(learned.square)};
 }
 
+/// Weights of the last poses, whose sum with them is none if they lie on a cubic of their instants: those of
+/// the fourth divided difference, made to be of unit length, so that the sum's variance is a pose's.
+VideoErrors::Weights VideoErrors::weightsOffCubic() const {
+  Weights instants{}, weights{};
+  for (std::size_t i = 1; i < kPairs; ++i)
+    instants[i] = instants[i - 1] + passed_[i].shown.time_step;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < kPairs; ++i) {
+    double product = 1.0;
+    for (std::size_t j = 0; j < kPairs; ++j)
+      if (j != i) product *= (instants[i] - instants[j]) / instants.back();
+    weights[i] = 1.0 / product;
+    squares += weights[i] * weights[i];
+  }
+  for (double& weight : weights)
+    weight /= std::sqrt(squares);
+  return weights;
+}
+
 void VideoErrors::learn() {
+  const Weights off_cubic = weightsOffCubic();
   Vector6d leap = Vector6d::Zero();
   Levers levers;
   levers.fill(Vector6d::Zero());
@@ -66,11 +86,12 @@ void VideoErrors::learn() {
   double weight = 0.0;
   for (std::size_t i = kPairs; i-- > 0;) {
     const Passed& passed = passed_[i];
-    weight += kOffCubic[i];
+    weight += off_cubic[i];
     if (i > 0) leap += weight * passed.shown.motion;
+    if (i > 0 && passed.shown.guessed) return;
     if (!passed.key_frames.any()) continue;
     has_key_frame = true;
-    levers[classOf(passed.key_frames)] += kOffCubic[i] * passed.lever;
+    levers[classOf(passed.key_frames)] += off_cubic[i] * passed.lever;
   }
   if (!has_key_frame) return learnRoughness(leap);
   if (passed_[kPairs / 2].key_frames.any() && rough_pairs_ >= kRoughnessKnown) learnShift(leap, levers);
@@ -82,7 +103,7 @@ void VideoErrors::learnRoughness(const Vector6d& leap) {
     square = square.min(kMostDeviations * kMostDeviations * roughness_.array());
   Vector6d foretold = Vector6d::Zero();
   for (std::size_t i = 1; i < kPairs; ++i)
-    foretold += kLeapVariance / (kPairs - 1) * passed_[i].shown.deviation.cwiseAbs2();
+    foretold += kPoseVariance / (kPairs - 1) * passed_[i].shown.deviation.cwiseAbs2();
   rough_pairs_ = std::min(rough_pairs_ + 1, kRoughnessMemory);
   roughness_ += (square.matrix() - roughness_) / rough_pairs_;
   foretold_ += (foretold - foretold_) / rough_pairs_;
@@ -93,7 +114,7 @@ double VideoErrors::excess() const {
   double sum = 0.0;
   for (const Eigen::Index axis : kSmoothAxes)
     sum += roughness_[axis] / (foretold_[axis] + kLeastVariance);
-  return std::max(sum / kSmoothAxes.size(), 1.0);
+  return std::clamp(sum / kSmoothAxes.size(), 1.0, kMostExcess);
 }
 
 /// `levers`: by how much the leap grows with each class' b.

@@ -21,14 +21,15 @@ struct PoseShift {
 struct ShownMotion {
   Vector6d motion = Vector6d::Zero();     ///< vectorFromMotion, in the camera's axes
   Vector6d deviation = Vector6d::Zero();  ///< standard deviations, as the landmarks tell them
-  double time_step = 0.0;                 ///< s
+  double time_step = 0.0;                 ///< s, positive
+  bool guessed = false;                   ///< so is the deviation: nothing is learned from it
 };
 
 /// What a video's poses err by that all landmarks agree on, so that no residual tells. Pictures that are not
 /// key frames are made of the one before by motion vectors of quarter pixels, each coded as its difference
 /// from those to the left and above (ITU-T H.264, 8.4.1.3): what is not worth its bits stays behind, and all
-/// over the picture in the same direction. What tells is that a cart does not leap: how far a pose is off the
-/// cubic through the two before and the two after it.
+/// over the picture in the same direction. What tells is that a cart does not leap: how far five poses in a
+/// row are off a cubic of their instants.
 ///
 /// *Key frames* show the world ahead of the pictures between them. Axis by axis the shift is s b, forwards
 /// where the camera moves forwards and backwards where it moves backwards, with the motion's standard
@@ -40,7 +41,9 @@ struct ShownMotion {
 /// *The pictures between them* are off by little in the light, but at dusk, where noise takes the bits, by
 /// several standard deviations, another way in each. By how much poses leap more than their landmarks say is
 /// a running mean, too; of the axes along and around which a wheeled cart moves smoothly, as bumps in the
-/// road make it leap along and around the others.
+/// road make it leap along and around the others. These are the camera's axes: one that looks down steeply
+/// counts bumps in, on the safe side. It takes five pairs in a row without a key frame to learn it, and to
+/// learn shifts; a video with more of them is taken for what its landmarks say.
 class VideoErrors {
  public:
   /// Begins anew at a pair that no motion leads to, or where the cart is held; what has been learned stays.
@@ -52,8 +55,7 @@ class VideoErrors {
   /// nothing in a stream of nothing else.
   std::optional<PoseShift> next(KeyFrames pair, const ShownMotion& shown);
 
-  /// How many times as large as the landmarks say the variance of a pose is where no key frame is; 1 and
-  /// more.
+  /// How many times as large as the landmarks say the variance of a pose is where no key frame is: 1 to 30.
   double excess() const;
 
  private:
@@ -69,9 +71,11 @@ class VideoErrors {
   static constexpr std::size_t kClasses = 3;  ///< left, right, both
   static constexpr std::size_t kPairs = 5;    ///< the key frame's, and two on each side
   using Levers = std::array<Vector6d, kClasses>;
+  using Weights = std::array<double, kPairs>;
 
   static Learned unknown();
   static std::size_t classOf(KeyFrames pair) { return (pair.left ? 1 : 0) + (pair.right ? 2 : 0) - 1; }
+  Weights weightsOffCubic() const;
   void learn();
   void learnRoughness(const Vector6d& leap);
   void learnShift(const Vector6d& leap, const Levers& levers);
@@ -79,7 +83,7 @@ class VideoErrors {
   FixedVector<Passed, kPairs> passed_;  ///< oldest first
   std::array<Learned, kClasses> learned_{unknown(), unknown(), unknown()};
   double time_step_ = 0.0;                 ///< s, the last
-  Vector6d roughness_ = Vector6d::Zero();  ///< mean square of leaps where no key frame is
+  Vector6d roughness_ = Vector6d::Zero();  ///< mean square of leaps where no key frame is: a pose's variance
   Vector6d foretold_ = Vector6d::Zero();   ///< what it would be by the landmarks alone
   int rough_pairs_ = 0;                    ///< that tell both, up to the memory
 };

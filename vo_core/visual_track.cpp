@@ -48,14 +48,14 @@ void dropDistrusted(std::vector<Landmark>& landmarks, double least_trust) {
   std::erase_if(landmarks, [&](const Landmark& landmark) { return landmark.trust < least_trust; });
 }
 
-/// How many times as large as residuals tell the variance of a motion is, while the window of `most` pairs
-/// fills with a track's first ones: their noise is a guess that has hardly been put right yet, and in the
-/// dark, where few landmarks of a first pair are found again, many of those agree by chance. At dusk the
-/// first motion's squared error was 11 times what it said, that of the second to the sixth 2.4 times
+/// How many times as large as residuals tell the variance of the `n`-th motion of a track is, while a window
+/// of `most` pairs fills with its first ones: their noise is a guess that has hardly been put right yet, and
+/// in the dark, where few landmarks of a first pair are found again, many of those agree by chance. At dusk
+/// the first motion's squared error was 11 times what it said, that of the second to the sixth 2.4 times
 /// (docs/accuracy.md). Poses, whose covariance is more than the sum of their motions', have no need of it.
-double doubtOfFirst(int pairs, int most) {
+double doubtOfFirst(int n, int most) {
   constexpr double kFirst = 9.0;
-  return pairs < most ? 1.0 + kFirst / (pairs - 1) : 1.0;
+  return n < most ? 1.0 + kFirst / n : 1.0;
 }
 
 /// Poses that have been published and are not settled yet keep to where they are, by a share of what they are
@@ -345,21 +345,22 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   weigh(draft);
-  const MotionUncertainty uncertainty = takeUncertainties(bundle_, result, pair.excess * overlap_.of(bundle_),
-                                                          pair.offset_deviation, draft.window);
-  motion.motion_covariance = uncertainty.covariance;
-  motion.motion_offset_error = uncertainty.offset_error;
+  const MotionUncertainty uncertainty = takeUncertainties(
+      bundle_, result, {overlap_.of(bundle_), pair.excess, pair.offset_deviation}, draft.window);
   motion.pose_covariance = poseCovarianceOf(draft.window.back());
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  motion.reasons = judge(motion);
+  // A motion that is doubted for what its landmarks do not tell is vague, not degenerate.
+  motion.reasons = judge(motion, uncertainty.by_landmarks + uncertainty.byOffset());
   if (!motion.valid()) return;
-  // After the judgement: what is doubted makes a motion vague, not degenerate.
-  motion.motion_covariance += pair.excess * uncertainty.by_scale;
-  const double doubt = doubtOfFirst(static_cast<int>(draft.window.size()), settings_.bundle.frames);
-  motion.motion_covariance *= doubt;
-  motion.excess = pair.excess * doubt;
+  const double doubt = doubtOfFirst(static_cast<int>(draft.window.size()) - 1, settings_.bundle.frames);
+  // The scale errs by disparities, which pictures that are off put off as well.
+  motion.motion_covariance =
+      doubt * pair.excess * (uncertainty.by_landmarks + uncertainty.by_scale) + uncertainty.byOffset();
+  motion.motion_offset_error = uncertainty.offset_error;
+  motion.deviation_by_landmarks = uncertainty.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt();
+  motion.guessed = doubt > 1.0;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   noise_ = adapted(noise_, result, 1);
@@ -385,11 +386,11 @@ void VisualTrack::weigh(Draft& draft) const {
   dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
 }
 
-OdometryReason VisualTrack::judge(const TrackedMotion& motion) const {
+OdometryReason VisualTrack::judge(const TrackedMotion& motion, const Matrix6d& covariance) const {
   const ValiditySettings& validity = settings_.validity;
   if (!plausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
-  if (!(motion.motion_covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_deviation, 2)))
+  if (!(covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_deviation, 2)))
     return OdometryReason::degenerate_geometry;
   return OdometryReason::none;
 }

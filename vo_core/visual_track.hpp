@@ -37,7 +37,8 @@ struct TrackedMotion {
   Matrix6d pose_covariance = Matrix6d::Zero();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
-  double excess = 1.0;                              ///< of motion_covariance, times what the landmarks tell
+  Vector6d deviation_by_landmarks = Vector6d::Zero();  ///< of the motion, with no other doubt in it
+  bool guessed = false;  ///< so is the noise that this goes by: one of the track's first motions
   Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
   FeatureCounts counts;
 
@@ -85,7 +86,7 @@ class VisualTrack {
   void stateBundle(const Draft& draft, const RigCorrection& rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void weigh(Draft& draft) const;
-  OdometryReason judge(const TrackedMotion& motion) const;
+  OdometryReason judge(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
   bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);

@@ -30,8 +30,8 @@ double imageMotion(const BundleProblem& problem) {
   return count > 0 ? sum / count : 0.0;
 }
 
-/// Returns the motion's covariance.
-Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result, double excess,
+/// Returns the motion's covariance by its landmarks.
+Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& result, const PairDoubts& doubts,
                          std::vector<WindowFrame>& window) {
   const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
     if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
@@ -44,13 +44,13 @@ Matrix6d takeCovariances(const BundleProblem& problem, const BundleResult& resul
   const WindowFrame& anchor = window[standing];
   for (std::size_t i = standing + 1; i <= last; ++i) {
     window[i].local_covariance = block(i, i);
-    window[i].uncertainty =
-        afterMotion(anchor.uncertainty, anchor.T_world_camera.inverse() * window[i].T_world_camera,
-                    {static_cast<int>(i - standing), excess * block(i, i), image_motion});
+    window[i].uncertainty = afterMotion(
+        anchor.uncertainty, anchor.T_world_camera.inverse() * window[i].T_world_camera,
+        {static_cast<int>(i - standing), doubts.overlap * doubts.excess * block(i, i), image_motion});
   }
   // Both poses err against the landmarks: the motion has the errors of both, but for what they share.
   const Matrix6d carried = adjoint(lastMotion(window).inverse());
-  return kMotionShare * excess *
+  return kMotionShare * doubts.overlap *
          (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
@@ -88,13 +88,12 @@ Vector6d takeOffsetErrors(const BundleProblem& problem, double offset_deviation,
 
 }  // namespace
 
-MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result, double excess,
-                                    double offset_deviation, std::vector<WindowFrame>& window) {
+MotionUncertainty takeUncertainties(const BundleProblem& problem, const BundleResult& result,
+                                    const PairDoubts& doubts, std::vector<WindowFrame>& window) {
   MotionUncertainty motion;
-  motion.covariance = takeCovariances(problem, result, excess, window);
+  motion.by_landmarks = takeCovariances(problem, result, doubts, window);
   motion.by_scale = scaledCovariance(window, result.scale_variance);
-  motion.offset_error = takeOffsetErrors(problem, offset_deviation, window);
-  motion.covariance += motion.offset_error * motion.offset_error.transpose();
+  motion.offset_error = takeOffsetErrors(problem, doubts.offset_deviation, window);
   return motion;
 }
 

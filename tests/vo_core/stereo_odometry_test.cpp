@@ -308,5 +308,42 @@ TEST(KeyFramesOfAVideo, AreOwnedUpTo) {
   }
 }
 
+/// Pictures that show the cart a few millimetres off, ahead and behind in turn: a video's first one is a key
+/// frame.
+std::vector<StereoImages> leapingPairs(int count, KeyFrames first) {
+  constexpr double kOff = 0.004;  // m
+  const test::CorridorWorld world(1);
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Isometry3d shown = drive(i) * Eigen::Translation3d(0.0, 0.0, i % 2 == 0 ? kOff : -kOff);
+    pairs.push_back(world.render(kCamera, shown, i * kPeriod));
+  }
+  pairs.front().key_frames = first;
+  return pairs;
+}
+
+TEST(LeapsOfAVideo, AreInItsCovariances) {
+  constexpr int kPairs = 18;
+  const std::vector<OdometryEstimate> video = run(leapingPairs(kPairs, {true, true}), {});
+  const std::vector<OdometryEstimate> images = run(leapingPairs(kPairs, {}), {});
+  ASSERT_TRUE(video.back().valid && images.back().valid);
+  EXPECT_GT(video.back().motion_covariance(2, 2), 4.0 * images.back().motion_covariance(2, 2));
+  EXPECT_GT(video.back().pose_covariance(2, 2), 1.5 * images.back().pose_covariance(2, 2));
+  EXPECT_LT((video.back().T_world_camera.inverse() * images.back().T_world_camera).translation().norm(),
+            0.01);
+}
+
+TEST(LeapsOfAVideo, AreNotLearnedFromFirstMotions) {
+  constexpr int kFirst = 7;  // of which the noise is a guess
+  const std::vector<OdometryEstimate> video = run(leapingPairs(kFirst, {true, true}), {});
+  std::vector<StereoImages> calm;
+  const test::CorridorWorld world(1);
+  for (int i = 0; i < kFirst; ++i)
+    calm.push_back(world.render(kCamera, drive(i), i * kPeriod));
+  calm.front().key_frames = {true, true};
+  const std::vector<OdometryEstimate> quiet = run(calm, {});
+  EXPECT_LT(video.back().motion_covariance(2, 2), 2.0 * quiet.back().motion_covariance(2, 2));
+}
+
 }  // namespace
 }  // namespace cartvo

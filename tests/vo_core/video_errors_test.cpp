@@ -21,9 +21,8 @@ const Vector6d kDeviation = (Vector6d() << 2e-4, 2e-4, 3e-4, 2e-5, 3e-5, 2e-5).f
 /// In standard deviations.
 const Vector6d kAhead = (Vector6d() << 1.5, 0.0, -3.0, 0.5, 0.0, 1.0).finished();
 
-/// Poses of a cart that speeds up, turns and sways, a vector each: small enough to be added up.
-Vector6d truth(int pair, double direction) {
-  const double t = kStep * pair;
+/// Poses of a cart that speeds up, turns and sways, a vector each: small enough to be added up. `t` in s.
+Vector6d truth(double t, double direction) {
   Vector6d pose;
   pose << 0.02 * std::sin(0.7 * t), 0.004 * std::sin(3.0 * t), direction * (3.0 * t + 0.3 * std::sin(t)),
       0.004 * std::sin(3.0 * t), 0.05 * std::sin(0.5 * t), 0.003 * std::sin(2.0 * t);
@@ -41,6 +40,10 @@ struct Drive {
   KeyFrames key_frames = kBoth;
   double direction = 1.0;
   Vector6d roughness = Vector6d::Zero();  ///< of poses, in standard deviations of motions, beyond noise
+  double uneven = 0.0;                    ///< s; time steps are longer and shorter by this in turn
+  bool guessed = false;                   ///< as ShownMotion's
+
+  double instant(int pair) const { return kStep * pair + (pair % 2 == 0 ? 0.0 : uneven); }
 };
 
 /// What a drive tells whose key frames are ahead by kAhead.
@@ -54,13 +57,15 @@ Told toldBy(const Drive& drive, int pairs) {
   Told told;
   told.errors.begin(kNone);
   const Vector6d size = (drive.roughness.array().square() + 0.5).sqrt();
-  Vector6d last = Vector6d::Zero();
+  Vector6d last = truth(0.0, drive.direction);
   for (int i = 1; i < pairs; ++i) {
     const bool is_key = i % kInterval == 0;
-    Vector6d pose = truth(i, drive.direction) + size.cwiseProduct(kDeviation).cwiseProduct(noiseOf(noise));
+    Vector6d pose =
+        truth(drive.instant(i), drive.direction) + size.cwiseProduct(kDeviation).cwiseProduct(noiseOf(noise));
     if (is_key) pose += drive.direction * kDeviation.cwiseProduct(kAhead);
     told.shifts.push_back(
-        told.errors.next(is_key ? drive.key_frames : kNone, {pose - last, kDeviation, kStep}));
+        told.errors.next(is_key ? drive.key_frames : kNone,
+                         {pose - last, kDeviation, drive.instant(i) - drive.instant(i - 1), drive.guessed}));
     last = pose;
   }
   return told;
@@ -111,6 +116,11 @@ TEST(KeyFrameShift, IsTheSameForOneCamerasKeyFrames) {
   }
 }
 
+TEST(KeyFrameShift, IsLearnedFromStepsThatAlternate) {
+  const PoseShift shift = lastOf(shiftsOf({.uneven = 0.3 * kStep}, 60 * kInterval));
+  EXPECT_NEAR(shift.value.z() / kDeviation.z(), kAhead.z(), 1.2);
+}
+
 TEST(KeyFrameShift, IsNotSoughtInARoughRoad) {
   const PoseShift shift = lastOf(shiftsOf({.roughness = Vector6d::Constant(20.0)}, 60 * kInterval));
   EXPECT_LT(shift.value.cwiseQuotient(kDeviation).cwiseAbs().maxCoeff(), 3.0);
@@ -126,14 +136,15 @@ TEST(KeyFrameShift, IsNoneWhereThereIsNothingButKeyFrames) {
   VideoErrors errors;
   errors.begin(kBoth);
   for (int i = 1; i < 50; ++i)
-    EXPECT_FALSE(errors.next(kBoth, {truth(i, 1.0) - truth(i - 1, 1.0), kDeviation, kStep}));
+    EXPECT_FALSE(
+        errors.next(kBoth, {truth(kStep * i, 1.0) - truth(kStep * (i - 1), 1.0), kDeviation, kStep}));
 }
 
 TEST(KeyFrameShift, OfAPairThatNoMotionLeadsToIsUncertain) {
   VideoErrors errors;
   EXPECT_LE(errors.begin(kBoth)->variance.maxCoeff(), 0.0)
       << "nothing is known of how well motions are known";
-  errors.next(kNone, {truth(1, 1.0), kDeviation, kStep});
+  errors.next(kNone, {truth(kStep, 1.0), kDeviation, kStep});
   const auto again = errors.begin(kBoth);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->value, Vector6d::Zero());
@@ -158,6 +169,27 @@ TEST(VideoExcess, IsNotThatOfABumpyRoad) {
     bumpy.roughness = onAxis(axis, 5.0);
     EXPECT_LT(excessOf(bumpy), 1.4) << axis;
   }
+}
+
+TEST(VideoExcess, IsNotThatOfUnevenSteps) {
+  for (const double uneven : {0.0005, 0.002, 0.3 * kStep}) {  // at 3 m/s: millimetres to decimetres
+    Drive drive;
+    drive.uneven = uneven;
+    EXPECT_LT(excessOf(drive), 1.4) << uneven;
+  }
+}
+
+TEST(VideoExcess, IsNotLearnedFromGuesses) {
+  Drive first;
+  first.roughness = Vector6d::Constant(5.0);
+  first.guessed = true;
+  EXPECT_EQ(excessOf(first), 1.0);
+}
+
+TEST(VideoExcess, IsBounded) {
+  Drive wild;
+  wild.roughness = Vector6d::Constant(100.0);
+  EXPECT_EQ(excessOf(wild), 30.0);
 }
 
 TEST(VideoExcess, IsNotKnownAtFirst) {

@@ -29,7 +29,7 @@ const StereoImages& drivePair(int frame) {
   static const std::vector<StereoImages> pairs = [] {
     std::vector<StereoImages> rendered;
     const test::CorridorWorld world(3);
-    for (int i = 0; i < 7; ++i)
+    for (int i = 0; i < 8; ++i)
       rendered.push_back(world.render(kCamera, drive(i), 0));
     return rendered;
   }();
@@ -106,18 +106,33 @@ TEST_F(VisualTrackTest, ErrsByWhatItsCovariancesOwnUpTo) {
   }
 }
 
-/// m, of the motion's translation.
-double deviationOf(const TrackedMotion& motion) {
-  return std::sqrt(motion.motion_covariance.topLeftCorner<3, 3>().trace());
+/// How many times as large as its landmarks tell the variance of a motion's turning is; no scale is in it.
+double doubtOf(const TrackedMotion& motion) {
+  return motion.motion_covariance(4, 4) / std::pow(motion.deviation_by_landmarks[4], 2);
 }
 
 TEST_F(VisualTrackTest, ItsFirstMotionsOwnUpToNoiseThatIsAGuess) {
   VisualTrack track = begin();
-  const double first = deviationOf(show(track, drivePair(1), 1));
-  double last = 0.0;
-  for (int i = 2; i < 7; ++i)
-    last = deviationOf(show(track, drivePair(i), i));
-  EXPECT_GT(first, 2.0 * last);
+  const int most = smallSettings().bundle.frames;
+  for (int i = 1; i <= most; ++i) {
+    const TrackedMotion motion = show(track, drivePair(i), i);
+    ASSERT_TRUE(motion.valid()) << i;
+    EXPECT_NEAR(doubtOf(motion), i < most ? 1.0 + 9.0 / i : 1.0, 1e-6) << i;
+    EXPECT_EQ(motion.guessed, i < most) << i;
+  }
+}
+
+TEST_F(VisualTrackTest, WhatIsDoubtedDoesNotMultiplyAnUncertainOffset) {
+  VisualTrack track = begin();
+  PreparedPair pair = prepared(drivePair(1), 1);
+  pair.offset_deviation = 0.003;
+  pair.right_exposure_ns += 10'000'000;  // whatever it makes of the motion
+  const TrackedMotion motion = track.process(pair, observer_);
+  ASSERT_TRUE(motion.valid());
+  const Vector6d by_offset = motion.motion_offset_error;
+  ASSERT_GT(by_offset.norm(), 0.0);
+  const Matrix6d own = motion.motion_covariance - by_offset * by_offset.transpose();
+  EXPECT_NEAR(own(4, 4), 10.0 * std::pow(motion.deviation_by_landmarks[4], 2), 1e-6 * own(4, 4));
 }
 
 TEST_F(VisualTrackTest, WhatAllLandmarksShareIsInItsCovariancesButMovesNothing) {
@@ -127,8 +142,18 @@ TEST_F(VisualTrackTest, WhatAllLandmarksShareIsInItsCovariancesButMovesNothing) 
   pair.excess = 4.0;
   const TrackedMotion shared = video.process(pair, observer_);
   EXPECT_EQ(shared.T_world_camera.matrix(), alone.T_world_camera.matrix());
+  EXPECT_EQ(shared.deviation_by_landmarks, alone.deviation_by_landmarks);
   EXPECT_TRUE(shared.motion_covariance.isApprox(4.0 * alone.motion_covariance, 1e-9));
   EXPECT_TRUE(shared.pose_covariance.isApprox(4.0 * alone.pose_covariance, 1e-9));
+}
+
+TEST_F(VisualTrackTest, WhatAllLandmarksShareMakesAMotionVagueNotDegenerate) {
+  VisualTrack track = begin();
+  PreparedPair pair = prepared(drivePair(1), 1);
+  pair.excess = 1e8;
+  const TrackedMotion motion = track.process(pair, observer_);
+  EXPECT_TRUE(motion.valid());
+  EXPECT_GT(motion.motion_covariance(2, 2), 1.0);
 }
 
 TEST_F(VisualTrackTest, APairThatCannotBeExplainedLeavesItAsItWas) {

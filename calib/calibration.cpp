@@ -246,7 +246,8 @@ double scaleDeviation(const Calibration& calibration) {
   for (const ParameterEstimate& parameter : calibration.result().parameters)
     if (parameter.name.name == along) scatter = parameter.deviation / calibration.rig().baseline();
   const double by_views = std::max(scatter, 0.5 * calibration.halves.baseline);
-  return std::min(std::hypot(by_views, kBoard), kLargest);
+  const double all = std::hypot(by_views, kBoard);
+  return all < kLargest ? all : kLargest;  // nor is what is not a number
 }
 
 double depthError(double distance, double disparity_error, double focal_length, double baseline) {

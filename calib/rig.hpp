@@ -47,7 +47,8 @@ struct Rig {
       Eigen::Isometry3d::Identity();  ///< left camera axes to body axes (REP-103), m
   RectificationSettings rectification;
   /// Standard deviation of the scale, as a share: how much all lengths that the rig measures may be too long
-  /// or too short together, as its baseline is. 0: not said.
+  /// or too short together, as its baseline is. 0: not said, which counts as
+  /// exact.
   double scale_deviation = 0.0;
 
   /// Distance of the two cameras, m.

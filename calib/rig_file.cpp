@@ -204,7 +204,7 @@ std::string rigText(const Rig& rig) {
          exactText(rig.rectification.free_scaling) +
          "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
          "together, as "
-         "the\n# baseline is. 0: not known.\nscale_deviation: " +
+         "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
          exactText(rig.scale_deviation) + "\n";
 }
 

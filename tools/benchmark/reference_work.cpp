@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -42,8 +43,6 @@ std::vector<cv::Point2f> cornersOf(const cv::Mat& image) {
   constexpr double kDistance = 5.0;  // px
   std::vector<cv::Point2f> points;
   cv::goodFeaturesToTrack(image, points, kPoints, kQuality, kDistance);
-  if (points.size() < kPoints)
-    throw std::invalid_argument("the reference's image has fewer corners than the reference follows");
   return points;
 }
 
@@ -54,8 +53,11 @@ ReferenceWork::ReferenceWork(const std::vector<cv::Mat>& images) {
   const std::size_t all = images.size() - 1, count = std::min(all, kMostSteps);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i * all / count;
-    steps_.push_back({images[at], images[at + 1], cornersOf(images[at])});
+    Step step{images[at], images[at + 1], cornersOf(images[at])};
+    if (step.points.size() == kPoints) steps_.push_back(std::move(step));
   }
+  if (steps_.empty())
+    throw std::invalid_argument("the reference follows 1000 corners, which none of the images has");
   const cv::Size size = images.front().size();
   cv::Mat map_x(size, CV_32FC1), map_y(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y) {

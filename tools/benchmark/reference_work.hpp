@@ -22,13 +22,14 @@ class ReferenceWork {
  public:
   /// Images of one camera, one after the other: CV_8UC1, of one size. The work is done on each step from one
   /// to the next, or on some from all over them: how far the KLT has to go differs from step to step by a
-  /// half (kitti_06: 12 to 19 ms), and the mean of a few says little. Throws std::invalid_argument if there
-  /// are not two, or if one that a step begins with has no thousand corners.
+  /// half (kitti_06: 12 to 19 ms), and the mean of a few says little. Steps from an image without a thousand
+  /// corners are left out. Throws std::invalid_argument if there are not two, or if all are.
   explicit ReferenceWork(const std::vector<cv::Mat>& images);
 
   /// Does it all once: the mean of the steps. Sets OpenCV's number of threads for that long: nothing else
   /// must use it meanwhile.
   ReferenceTimes run() const;
+  std::size_t steps() const { return steps_.size(); }
 
  private:
   struct Step {

@@ -34,15 +34,26 @@ void write(const fs::path& output, const std::vector<RigFile>& files) {
   }
 }
 
+void sayWhatIsNotInThere(const Rig& rig, RigFormat format) {
+  if (format == RigFormat::cartvo || !(rig.scale_deviation > 0.0)) return;
+  std::fprintf(
+      stderr,
+      "cartvo: %s does not say how well the scale is known (scale_deviation: %g); read back, it counts "
+      "as exact\n",
+      rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_deviation);
+}
+
 void run(const Options& options) {
   std::optional<cv::Size> image_size;
   if (!options.image_size.empty()) image_size = parseSize(options.image_size);
   const Rig rig = readRigFiles(options.files, image_size);
   // That the cameras stand side by side is found out here, not when the cart is to drive.
   const Rectification rectified = computeRectification(rig, rig.rectification);
-  write(options.output, rigFilesOf(rig, rigFormatNamed(options.format)));
+  const RigFormat format = rigFormatNamed(options.format);
+  write(options.output, rigFilesOf(rig, format));
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
+  sayWhatIsNotInThere(rig, format);
 }
 
 }  // namespace
@@ -66,8 +77,8 @@ void addCalibrateConvert(CLI::App& calibrate) {
   command->add_option("--size", options->image_size, "Of the images, px: KITTI's calib.txt does not say")
       ->type_name("WIDTHxHEIGHT");
   command->footer(
-      "What FILE is, its contents tell. No other format says where the cameras sit on the cart: see\n"
-      "'cartvo calibrate mount'.\n"
+      "What FILE is, its contents tell. No other format says where the cameras sit on the cart, see\n"
+      "'cartvo calibrate mount', nor how well the scale is known.\n"
       "Examples:\n"
       "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
       "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"

@@ -50,6 +50,8 @@ struct ReplayedPair {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as BodyMotion's; NaN if not valid
   Matrix6d twist_covariance = Matrix6d::Zero();                ///< as BodyMotion's; NaN if not valid
 
+  // Velocities and their covariances are as published, with the rig's scale_deviation in them; what follows
+  // is the odometry's own, without it.
   // Of the rig's left camera, in its own axes: what OdometryEstimate says of the rectified one, whose
   // rotation is undone. Covariances are perturbations on the right, in the axes of the current camera.
   /// Pose since the first pair, across epochs.

@@ -42,6 +42,18 @@ TEST(ReferenceWork, NeedsATexture) {
   EXPECT_THROW(ReferenceWork({blank, blank}), std::invalid_argument);
 }
 
+TEST(ReferenceWork, LeavesOutWhatHasNoTexture) {
+  cv::Mat grey = cv::Mat::zeros(300, 400, CV_8UC1), noise = grey.clone();
+  cv::randu(noise, 0, 255);
+  EXPECT_EQ(ReferenceWork({noise, grey, noise, grey}).steps(), 2U);
+}
+
+TEST(ReferenceWork, TakesFiftyStepsAtMost) {
+  cv::Mat noise(300, 400, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  EXPECT_EQ(ReferenceWork(std::vector<cv::Mat>(60, noise)).steps(), 50U);
+}
+
 TEST(ReferenceWork, NeedsTwoImages) {
   EXPECT_THROW(ReferenceWork({}), std::invalid_argument);
 }

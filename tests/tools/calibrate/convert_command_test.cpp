@@ -14,6 +14,7 @@ namespace cartvo {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string in(const test::TemporaryFolder& folder, const char* name) {
   return (folder / name).string();
@@ -32,6 +33,23 @@ TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
                       in(folder, "camera_info/right.yaml") + " --output " + in(folder, "back.yaml"));
   ASSERT_EQ(back.exit_code, 0) << back.said;
   EXPECT_TRUE(readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
+}
+
+TEST(CalibrateConvertCommand, SaysWhatOtherFormatsLose) {
+  const test::TemporaryFolder folder;
+  Rig rig = test::rectifiedRig();
+  const auto said_of = [&](const char* format) {
+    writeRig(folder / "rig.yaml", rig);
+    return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --to " + format + " --output " +
+                           in(folder, "out.yaml"))
+        .said;
+  };
+  EXPECT_THAT(said_of("opencv"), Not(HasSubstr("scale")));
+  rig.scale_deviation = 0.002;
+  EXPECT_THAT(said_of("opencv"), HasSubstr("opencv does not say how well the scale is known"));
+  EXPECT_EQ(readRig(folder / "out.yaml").scale_deviation, 0.0) << "read as opencv's";
+  EXPECT_THAT(said_of("cartvo"), Not(HasSubstr("scale")));
+  EXPECT_EQ(readRig(folder / "out.yaml").scale_deviation, 0.002);
 }
 
 TEST(CalibrateConvertCommand, ReadsEurocsAndKittis) {

@@ -42,6 +42,11 @@ struct FoundPose {
   double share = 0.0;  ///< of the points' weight that is explained
 };
 
+/// Whether so many points agree on a pose that it is believed.
+inline bool enoughAgree(const FoundPose& found, const ValiditySettings& validity) {
+  return found.inliers >= validity.minimum_inliers && found.share >= validity.minimum_inlier_ratio;
+}
+
 /// The current pose that explains most of the points' weight. RANSAC (M. Fischler, R. Bolles, 1981) over
 /// subsets of four points, each of which gives a pose by a few Gauss-Newton steps on the reprojection error
 /// that begin at the start (A. Geiger et al., "StereoScan", 2011); the best one, and the start itself, are

@@ -11,7 +11,7 @@ namespace cartvo {
 /// Notices pictures that come again while the cart moves: of a camera that hangs and goes on sending, or of
 /// one that fills gaps. They would be taken for a sudden stop, byte for byte as they are. A cart that has
 /// stopped looks so too, if an encoder leaves out its noise; but it cannot have stopped from one pair to the
-/// next.
+/// next. What is slower than that, a method has to find out by itself.
 class RepeatedPictures {
  public:
   /// Whether the pair tells nothing, as either picture is the one before, and was that already while the cart

@@ -46,6 +46,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   void passOver(const PreparedPair& pair, const TrackedMotion& motion);
   void takeOutShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate begin(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
+  OdometryEstimate beginAnew(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate lose(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
   OdometryEstimate estimateOf(const PreparedPair& pair, const TrackedMotion& motion) const;
 
@@ -54,6 +55,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{kLandmarkLevels};
   PitchSuspicion pitch_suspicion_;  ///< at the first pairs of tracks: while lost, each pair is one
+  SharedPyramid last_left_, last_right_;
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
@@ -64,6 +66,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   int lost_pairs_ = 0;
   /// Since when a picture stands still though the cart cannot have stopped when it began to, if one does.
   std::optional<std::int64_t> hangs_since_ns_;
+  bool right_hangs_ = false;  ///< its picture has stayed the same though the cart moved
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
 };
@@ -91,8 +94,16 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   coded_ = coded_ || images.key_frames.any();
   pair.coded = coded_;
   if (coded_) pair.excess = video_errors_.excess();
+  if (!last_left_) {  // held at once: those of the window, the last pair's and this one's
+    left_pyramids_.provide(images.left.size(), settings_.bundle.frames + 2);
+    right_pyramids_.provide(images.right.size(), 2);
+  }
   doBoth([&] { pair.left = left_pyramids_.build(images.left); },
          [&] { pair.right = right_pyramids_.build(images.right); });
+  pair.left_repeats = last_left_ && sameImage(*last_left_, *pair.left);
+  pair.right_repeats = last_right_ && sameImage(*last_right_, *pair.right);
+  last_left_ = pair.left;
+  last_right_ = pair.right;
   return pair;
 }
 
@@ -118,13 +129,20 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
   if (!offsetInRange(pair)) return refuse(pair, OdometryReason::time_step);
   if (!(pair.offset_deviation <= settings_.validity.maximum_offset_uncertainty))
     return refuse(pair, OdometryReason::offset_uncertain);
+  right_hangs_ = right_hangs_ && pair.right_repeats;
+  if (right_hangs_) return refuse(pair, OdometryReason::repeated_picture);
   if (!track_) return begin(pair, OdometryReason::first_pair, observer);
-  if (!timeStepInRange(*track_, pair.left_exposure_ns)) {
-    ++epoch_;
-    return begin(pair, OdometryReason::time_step, observer);
-  }
+  const bool in_time = timeStepInRange(*track_, pair.left_exposure_ns);
+  // A track whose left picture hangs is what tells that it goes on, however late.
+  if (!in_time && !(track_->leftHangs() && secondsSince(*track_, pair.left_exposure_ns) > 0.0))
+    return beginAnew(pair, OdometryReason::time_step, observer);
   const bool of_hanging = hangs_since_ns_ && track_->lastExposure() >= *hangs_since_ns_;
   TrackedMotion motion = track_->process(pair, observer);
+  if (motion.reasons == OdometryReason::repeated_picture) {
+    right_hangs_ = !track_->leftHangs();
+    return refuse(pair, motion.reasons);
+  }
+  if (!in_time) return beginAnew(pair, OdometryReason::repeated_picture, observer);
   if (motion.valid() && hangs_since_ns_) {
     if (atRest(motion)) {
       passOver(pair, motion);
@@ -133,10 +151,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     hangs_since_ns_.reset();
     // Begun at a picture that hung, whose instant is not what the stamps say: it measures no motion from
     // there.
-    if (of_hanging) {
-      ++epoch_;
-      return begin(pair, OdometryReason::repeated_picture, observer);
-    }
+    if (of_hanging) return beginAnew(pair, OdometryReason::repeated_picture, observer);
   }
   if (!motion.valid()) {
     const Succession succession = trySuccessor(pair, motion, observer);
@@ -226,6 +241,13 @@ OdometryEstimate ReprojectionOdometry::begin(const PreparedPair& pair, OdometryR
   motion.counts.detected = track_->landmarkCount();
   motion.counts.stereo = track_->stereoCount();
   return estimateOf(pair, motion);
+}
+
+/// In another epoch.
+OdometryEstimate ReprojectionOdometry::beginAnew(const PreparedPair& pair, OdometryReason reason,
+                                                 StageObserver& observer) {
+  ++epoch_;
+  return begin(pair, reason, observer);
 }
 
 /// The pair explains nothing. A successor begins at it; the track itself is tried for some pairs more.

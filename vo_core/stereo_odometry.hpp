@@ -39,7 +39,7 @@ enum class OdometryReason : std::uint32_t {
   degenerate_geometry = 1u << 7,  ///< the matches leave a direction of the motion open
   zero_velocity = 1u << 11,       ///< of a valid estimate: the cart stands, and its pose is held
   offset_uncertain = 1u << 12,    ///< how far apart the exposures are is not known well enough
-  repeated_picture = 1u << 13,    ///< a camera shows once more what it showed before, and the cart was moving
+  repeated_picture = 1u << 13,    ///< a camera shows once more what it showed before, and the cart moved
 };
 constexpr OdometryReason operator|(OdometryReason a, OdometryReason b) {
   return static_cast<OdometryReason>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

@@ -94,6 +94,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       rig_witness_(camera, settings, first.left_exposure_ns),
       pitch_suspicion_(camera, settings.rig_refinement),
       standstill_(settings.standstill),
+      stand_witness_(camera, settings),
       last_exposure_ns_(first.left_exposure_ns) {
   // What is worked with has room for as many landmarks as these lists.
   landmarks_.reserve(settings.features);
@@ -130,6 +131,10 @@ RigCorrection VisualTrack::correctionBy(const RigMonitor& rig) const {
   return corrects() ? rig.correction() : RigCorrection{};
 }
 
+RigMonitor VisualTrack::assumedRig() const {
+  return corrects() ? rig_ : RigMonitor();
+}
+
 std::optional<RigCheck> VisualTrack::rigCheck() const {
   if (settings_.rig_refinement == RigRefinement::off) return std::nullopt;
   return rig_.check(correctionBy(rig_));
@@ -139,10 +144,10 @@ double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
   return seconds(pair.left_exposure_ns - last_exposure_ns_);
 }
 
-/// Where the camera should be now if it went on as before.
+/// Where the camera should be now if it went on as before; or, of a left picture that hangs, as it shows.
 Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
   const Eigen::Isometry3d& last = window_.back().T_world_camera;
-  return velocity_ ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
+  return velocity_ && !leftHangs() ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
 }
 
 TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
@@ -173,12 +178,19 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
     const StageScope stage(observer, Stage::motion);
     if (!searchPose(pair, draft, motion)) return motion;
   }
-  bool held = false;
+  const bool stays =
+      !standstill_.beyond(window_.back().T_world_camera.inverse() * draft.window.back().T_world_camera);
+  askRight(pair, stays, draft, observer);
+  if (leftHangs() || (!stays && pair.right_repeats)) {
+    motion.reasons = OdometryReason::repeated_picture;
+    return motion;
+  }
+  const bool held = standing_ && stays;
   const bool stood = standing_;
   if (standing_) {
-    held = holdStill(pair, draft.window.back().T_world_camera, motion);
-    const bool enough = motion.counts.matched >= kEnoughToHold * landmarks_when_stopped_;
     motion.counts.detected = static_cast<int>(landmarks_.size());
+    if (held) holdStill(pair, motion);
+    const bool enough = motion.counts.matched >= kEnoughToHold * landmarks_when_stopped_;
     if (held && enough) return motion;
     // The pair is taken in: the cart moves, or too much of what it saw when it stopped has gone.
     standing_ = held;
@@ -217,6 +229,7 @@ void VisualTrack::renewStand(const PreparedPair& pair, Draft& draft, const Track
   current.offset_error = window_.back().offset_error;
   current.local_covariance = motion.motion_covariance;
   accept(pair, draft);
+  stand_witness_.forget();
   landmarks_when_stopped_ = static_cast<int>(std::count_if(
       landmarks_.begin(), landmarks_.end(), [](const Landmark& landmark) { return landmark.hasDepth(); }));
 }
@@ -238,8 +251,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   const auto found = pose_finder_.find(pose_problem_, settings_.pose_search, random_);
-  if (!found || found->inliers < settings_.validity.minimum_inliers ||
-      found->share < settings_.validity.minimum_inlier_ratio) {
+  if (!found || !enoughAgree(*found, settings_.validity)) {
     motion.reasons = OdometryReason::too_few_inliers;
     return false;
   }
@@ -251,6 +263,16 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   return true;
 }
 
+/// By how much the pose may differ from what is expected, as carts are.
+Vector6d VisualTrack::admissibleChange(const PreparedPair& pair) const {
+  const double square = std::pow(secondsSinceLast(pair), 2);
+  const PoseSearchSettings& limits = settings_.pose_search;
+  Vector6d change;
+  change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square + kSlackTranslation),
+      Eigen::Vector3d::Constant(limits.maximum_turn * square + kSlackRotation);
+  return change;
+}
+
 void VisualTrack::statePoseProblem(const PreparedPair& pair, const Draft& draft) {
   PoseProblem& problem = pose_problem_;
   problem.camera = camera_;
@@ -260,23 +282,14 @@ void VisualTrack::statePoseProblem(const PreparedPair& pair, const Draft& draft)
     problem.hosts.push_back(frame.T_world_camera);
   problem.start = expectedPose(pair);
   problem.admissible_change.reset();
-  if (velocity_) {
-    const double square = std::pow(secondsSinceLast(pair), 2);
-    const PoseSearchSettings& limits = settings_.pose_search;
-    Vector6d change;
-    change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square + kSlackTranslation),
-        Eigen::Vector3d::Constant(limits.maximum_turn * square + kSlackRotation);
-    problem.admissible_change = change;
-  }
+  if (velocity_) problem.admissible_change = admissibleChange(pair);
   takePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
 }
 
 /// A parked cart is measured against the pairs from before its stand, and none is taken into the window:
-/// nothing adds up, however long it stands and whatever drives past. Whether the found pose is still that of
-/// the stand; then the motion is nil.
-bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion) {
+/// nothing adds up, however long it stands and whatever drives past. The motion is nil.
+void VisualTrack::holdStill(const PreparedPair& pair, TrackedMotion& motion) {
   const WindowFrame& stand = window_.back();
-  if (standstill_.beyond(stand.T_world_camera.inverse() * found)) return false;
   motion.reasons = OdometryReason::zero_velocity;
   motion.T_world_camera = stand.T_world_camera;
   motion.pose_covariance = poseCovarianceOf(stand);
@@ -284,7 +297,21 @@ bool VisualTrack::holdStill(const PreparedPair& pair, const Eigen::Isometry3d& f
   motion.motion_covariance.diagonal() << Eigen::Vector3d::Constant(kStillTranslation * kStillTranslation),
       Eigen::Vector3d::Constant(kStillRotation * kStillRotation);
   last_exposure_ns_ = pair.left_exposure_ns;
-  return true;
+}
+
+/// Of a left picture that shows no motion, where the cart stood or as it is the one before, the right one is
+/// asked whether that can be.
+void VisualTrack::askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer) {
+  if (!stays || !(standing_ || pair.left_repeats)) return stand_witness_.forget();
+  const StageScope stage(observer, Stage::disparity);
+  stand_witness_.hear({{tracker_, *pair.left, *pair.right, draft.window},
+                       pair.left_exposure_ns,
+                       pair.left_repeats,
+                       assumedRig(),
+                       noise_,
+                       admissibleChange(pair)},
+                      {window_, landmarks_}, draft.landmarks, {pose_problem_, chosen_, pose_finder_});
+  forgetLastStereo(draft.landmarks);
 }
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
@@ -294,7 +321,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     matchTurned({tracker_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
   };
   const MatchBy match = std::cref(match_turned);  // which it refers to: what it would hold, it would allocate
-  match(landmarks, corrects() ? rig_ : RigMonitor());
+  match(landmarks, assumedRig());
   if (suspicion.take({landmarks, window, match}, rig_) && corrects()) {
     forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);

@@ -12,6 +12,7 @@
 #include "vo_core/pose_search.hpp"
 #include "vo_core/rig_monitor.hpp"
 #include "vo_core/rig_witness.hpp"
+#include "vo_core/stand_witness.hpp"
 #include "vo_core/standstill.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
@@ -27,6 +28,7 @@ struct PreparedPair {
   bool coded = false;   ///< its pictures are of a video, of which a key frame has been seen
   double excess = 1.0;  ///< of its pose's variance, times what the landmarks tell: VideoErrors'
   SharedPyramid left, right;
+  bool left_repeats = false, right_repeats = false;  ///< whether it is that of the pair before, to the byte
 };
 
 /// What a pair told a track.
@@ -60,6 +62,8 @@ class VisualTrack {
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }
+  /// Whether the left picture stands still while the right camera moves: it cannot be believed.
+  bool leftHangs() const { return stand_witness_.denies(); }
   /// m/s and rad/s of the camera, in its axes, at the last pair; nothing after the first.
   const std::optional<Vector6d>& velocity() const { return velocity_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
@@ -77,9 +81,11 @@ class VisualTrack {
   TrackedMotion explain(const PreparedPair& pair, StageObserver& observer);
   bool corrects() const;
   RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
+  RigMonitor assumedRig() const;                            ///< what stereo matches are looked for by
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  Vector6d admissibleChange(const PreparedPair& pair) const;
   void statePoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                    PitchSuspicion& suspicion, std::vector<Landmark>& landmarks);
@@ -88,7 +94,8 @@ class VisualTrack {
   void weigh(Draft& draft) const;
   OdometryReason judge(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
-  bool holdStill(const PreparedPair& pair, const Eigen::Isometry3d& found, TrackedMotion& motion);
+  void holdStill(const PreparedPair& pair, TrackedMotion& motion);
+  void askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);
 
@@ -101,6 +108,7 @@ class VisualTrack {
   RigWitness rig_witness_;
   PitchSuspicion pitch_suspicion_;  ///< at later pairs than the first
   StandstillDetector standstill_;
+  StandWitness stand_witness_;
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand
   std::vector<Landmark> landmarks_;

@@ -45,6 +45,18 @@ void takePoints(const std::vector<Landmark>& landmarks, const std::vector<Window
   }
 }
 
+void seeByRight(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
+                const StereoCamera& camera, const RigCorrection& rig, std::vector<PosePoint>& points) {
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const Sighting& last = landmarks[chosen[i]].last();
+    if (!last.stereo) continue;
+    points[seen] = points[i];
+    points[seen++].left = correctedRight(camera, rig, last.left - last.parallax);
+  }
+  points.resize(seen);
+}
+
 void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                    const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
                    std::vector<std::size_t>& chosen) {

@@ -15,10 +15,16 @@ namespace cartvo {
 /// Times in s since the oldest.
 TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
-/// The landmarks whose depth is known and whose last sighting is of the current pair; `window` ends before
-/// that one. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.
+/// The landmarks whose depth is known and whose last sighting is of the current pair; `window` has their
+/// hosts and may end before that pair. `chosen`: which landmarks they are. Both are overwritten; their memory
+/// is used again.
 void takePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                 const StereoCamera& camera, std::vector<PosePoint>& points, std::vector<std::size_t>& chosen);
+
+/// Of such points those that the current pair sees in its right image too, where that sees them, corrected by
+/// `rig`: by them it is the right camera whose pose is sought.
+void seeByRight(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
+                const StereoCamera& camera, const RigCorrection& rig, std::vector<PosePoint>& points);
 
 /// The landmarks seen by more than one pair, their right pixels corrected by `rig`; `window` ends with the
 /// current pair. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.

@@ -1,4 +1,6 @@
 // A camera that hangs and goes on sending what it showed before.
+#include <algorithm>
+#include <map>
 #include <tuple>
 #include <vector>
 
@@ -107,6 +109,101 @@ TEST(RepeatedPictures, ThatAnEncoderGoesOnRefiningAreNoStopEither) {
     }
   }
   EXPECT_TRUE(estimate.valid);
+}
+
+/// Stands for the first pairs, then drives off; `shown` are the places that the pictures are of.
+class HangsAtAStand : public testing::Test {
+ protected:
+  static constexpr int kStands = 10;
+  static constexpr double kAccelerates = 1.5;  // m/s^2
+
+  static double place(int pair) {
+    const double since = 1e-9 * kPeriod * std::max(pair - kStands, 0);
+    return 0.5 * kAccelerates * since * since;
+  }
+  OdometryEstimate show(double left, double right) {
+    const std::int64_t time = kPeriod * pair_++;
+    StereoImages images{view(left).left.clone(), view(right).right.clone(), time, time};
+    for (cv::Mat* image : {&images.left, &images.right})
+      for (std::uint8_t& grey : cv::Mat_<std::uint8_t>(*image))
+        grey = cv::saturate_cast<std::uint8_t>(grey + noise_.gaussian());
+    return odometry_.process(images, observer_);
+  }
+  int pair() const { return pair_; }
+
+ private:
+  /// Rendered once.
+  const StereoImages& view(double place) {
+    const Eigen::Isometry3d pose(Eigen::Translation3d(0.0, 0.0, place));
+    if (const auto known = views_.find(place); known != views_.end()) return known->second;
+    return views_[place] = world_.render(kCamera, pose, 0);
+  }
+
+  test::CorridorWorld world_{1};
+  std::map<double, StereoImages> views_;
+  test::Noise noise_{1};
+  StereoOdometry odometry_ = odometryBy(Estimator::reprojection);
+  NullStageObserver observer_;
+  int pair_ = 0;
+};
+
+/// An encoder goes on sending the left camera's last picture, with other noise each time.
+TEST_F(HangsAtAStand, IsToldByTheOtherCamera) {
+  constexpr int kGoesOnLate = 40;
+  constexpr double kUnnoticed = 0.02;  // m
+  while (pair() < kStands)
+    show(0.0, 0.0);
+  while (pair() < kGoesOnLate) {
+    const double right = place(pair());
+    const OdometryEstimate estimate = show(0.0, right);
+    EXPECT_EQ(estimate.valid, estimate.reasons == OdometryReason::zero_velocity) << pair();
+    if (right > kUnnoticed) {
+      EXPECT_EQ(estimate.reasons, OdometryReason::repeated_picture) << pair();
+    }
+    EXPECT_EQ(estimate.reset_counter, 0) << pair();
+  }
+  const double began = place(pair());
+  OdometryEstimate estimate = show(began, began);
+  EXPECT_FALSE(estimate.valid) << "from where?";
+  EXPECT_EQ(estimate.reset_counter, 1) << "where the cart has been nobody knows";
+  for (int i = 0; i < 4; ++i) {
+    const double step = place(pair()) - place(pair() - 1);
+    estimate = show(place(pair()), place(pair()));
+    ASSERT_TRUE(estimate.valid) << pair();
+    EXPECT_NEAR(estimate.T_previous_current.translation().z(), step, 0.05 * step) << pair();
+  }
+}
+
+TEST_F(HangsAtAStand, ARightCameraThatWasPushedIsAWitnessAgain) {
+  constexpr double kPushed = 0.01;  // m
+  constexpr int kLeast = 7;         // pairs that make a stand, and one
+  while (pair() < kStands)
+    show(0.0, 0.0);
+  EXPECT_EQ(show(0.0, 0.0).reasons, OdometryReason::zero_velocity);
+  EXPECT_EQ(show(0.0, kPushed).reasons, OdometryReason::repeated_picture);
+  for (int i = 0; i < kLeast; ++i)
+    show(0.0, kPushed);
+  EXPECT_EQ(show(0.0, kPushed).reasons, OdometryReason::zero_velocity);
+}
+
+TEST_F(HangsAtAStand, IsNotToldOfACartThatStandsOn) {
+  while (pair() < kStands)
+    show(0.0, 0.0);
+  while (pair() < 5 * kStands)
+    EXPECT_EQ(show(0.0, 0.0).reasons, OdometryReason::zero_velocity) << pair();
+}
+
+/// Slow enough to have stopped from one pair to the next: the other camera knows that it has not.
+TEST(RepeatedPictures, OfOneCameraOfASlowCartAreNoStop) {
+  constexpr double kWalking = 0.02;  // m a pair: 0.4 m/s
+  for (const Hangs hangs : {Hangs::left, Hangs::right}) {
+    const auto estimates = driven(kWalking, hangs, Estimator::reprojection);
+    for (int i = kHangs; i < kGoesOn; ++i)
+      EXPECT_EQ(estimates[i].reasons, OdometryReason::repeated_picture) << i;
+    EXPECT_TRUE(estimates.back().valid);
+    EXPECT_NEAR(estimates.back().T_world_camera.translation().z(), kWalking * (kPairs - 1),
+                0.05 * kWalking * kPairs);
+  }
 }
 
 TEST(RepeatedPictures, OfASlowCartMeanThatItHasStopped) {

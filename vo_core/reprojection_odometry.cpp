@@ -153,6 +153,8 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Stage
     // there.
     if (of_hanging) return beginAnew(pair, OdometryReason::repeated_picture, observer);
   }
+  // Of a pair later still, more of what moves beside the cart would be found again than of the world.
+  if (motion.rivalled) return begin(pair, motion.reasons, observer);
   if (!motion.valid()) {
     const Succession succession = trySuccessor(pair, motion, observer);
     if (succession == Succession::hangs) return refuse(pair, OdometryReason::repeated_picture);

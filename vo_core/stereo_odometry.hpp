@@ -32,7 +32,7 @@ enum class OdometryReason : std::uint32_t {
   first_pair = 1u << 0,           ///< nothing to compare with yet
   too_few_features = 1u << 1,     ///< the images hold too little texture
   too_few_matches = 1u << 2,      ///< too few features tracked in time and matched in stereo
-  too_few_inliers = 1u << 3,      ///< no motion explains enough of the matches
+  too_few_inliers = 1u << 3,      ///< no motion explains enough of the matches, or at first clearly the most
   high_residual = 1u << 4,        ///< the best motion explains the matches badly
   time_step = 1u << 5,            ///< time stood still, ran backwards or jumped
   implausible_motion = 1u << 6,   ///< faster than the settings say a cart can be

@@ -21,6 +21,9 @@ constexpr int kLeastStanding = 3;      // poses; where fewer can stand, none but
 constexpr double kNoticeable = 0.02;   // px that a change of the rig's correction moves points
 constexpr double kStillTranslation = 3e-4, kStillRotation = 5e-5;  // m and rad, deviation of a stand's motion
 constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began with
+// Of what the first motion of a track explains: on rendered worlds without traffic any other explained 0.26
+// at most, and where a vehicle was taken for the world, that explained 0.65 at least.
+constexpr double kClearlyLess = 0.5;
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
 
 double seconds(std::int64_t nanoseconds) {
@@ -67,6 +70,14 @@ void holdPublished(const std::vector<WindowFrame>& window, double share, BundleP
     if (share > 0.0 && static_cast<int>(i) >= problem.fixed)
       held = share * window[i].local_covariance.ldlt().solve(Matrix6d::Identity());
   }
+}
+
+/// Weight of the points that a pose explains.
+double explained(const std::vector<PosePoint>& points) {
+  double weight = 0.0;
+  for (const PosePoint& point : points)
+    if (point.inlier) weight += point.weight;
+  return weight;
 }
 
 /// First depth of a landmark whose only sighting is in stereo.
@@ -256,11 +267,27 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
+  motion.rivalled = !velocity_ && rivalled();
+  if (motion.rivalled) {
+    motion.reasons = OdometryReason::too_few_inliers;
+    return false;
+  }
   draft.window.back().T_world_camera = found->T_world_camera;
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].trust *= 0.5;
   dropDistrusted(draft.landmarks, settings_.history.minimum_weight);
   return true;
+}
+
+/// Whether the points that the found pose leaves agree on another one too well. As long as nobody knows how
+/// fast the cart is, a bus beside it is as good a world as the world.
+bool VisualTrack::rivalled() const {
+  PoseProblem rest = pose_problem_;
+  std::erase_if(rest.points, [](const PosePoint& point) { return point.inlier; });
+  SubsetRandom random(settings_.seed);  // its own: what is asked here changes no motion
+  const auto rival = PoseFinder().find(rest, settings_.pose_search, random);
+  if (!rival || rival->inliers < settings_.validity.minimum_inliers) return false;
+  return explained(rest.points) > kClearlyLess * explained(pose_problem_.points);
 }
 
 /// By how much the pose may differ from what is expected, as carts are.

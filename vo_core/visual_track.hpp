@@ -42,6 +42,7 @@ struct TrackedMotion {
   Vector6d deviation_by_landmarks = Vector6d::Zero();  ///< of the motion, with no other doubt in it
   bool guessed = false;  ///< so is the noise that this goes by: one of the track's first motions
   Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
+  bool rivalled = false;  ///< another first motion explains nearly as much: nobody knows which the cart's is
   FeatureCounts counts;
 
   bool valid() const { return reasons == OdometryReason::none || reasons == OdometryReason::zero_velocity; }
@@ -85,6 +86,7 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  bool rivalled() const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void statePoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,

@@ -53,6 +53,15 @@ StereoImages partlyHidden(const StereoImages& images) {
   return hidden;
 }
 
+/// Another picture in the columns of one from there on; a border that moves with nothing.
+StereoImages beside(const StereoImages& images, const StereoImages& other, int from) {
+  StereoImages both{images.left.clone(), images.right.clone(), 0, 0};
+  const cv::Rect part(from, 0, kCamera.width - from, kCamera.height);
+  other.left(part).copyTo(both.left(part));
+  other.right(part).copyTo(both.right(part));
+  return both;
+}
+
 OdometrySettings smallSettings() {
   OdometrySettings settings;
   settings.features = 400;
@@ -187,6 +196,34 @@ TEST_F(VisualTrackTest, NamesWhyItDoesNotBelieveAMotion) {
     EXPECT_EQ(track.pose().matrix(), Eigen::Matrix4d::Identity());
     EXPECT_EQ(track.lastExposure(), 0);
   }
+}
+
+/// Half of the picture moves as if the cart drove, half as if it stood: a bus beside it, or it beside a bus.
+TEST_F(VisualTrackTest, AFirstMotionThatAnotherRivalsIsNotChosen) {
+  VisualTrack track = begin();
+  const TrackedMotion motion = show(track, beside(drivePair(0), drivePair(1), kCamera.width / 2), 1);
+  EXPECT_TRUE(motion.rivalled);
+  EXPECT_EQ(motion.reasons, OdometryReason::too_few_inliers);
+  EXPECT_EQ(track.pose().matrix(), Eigen::Matrix4d::Identity());
+}
+
+TEST_F(VisualTrackTest, WhatMovesInAPartOfThePictureIsNoRival) {
+  VisualTrack track = begin();
+  const TrackedMotion motion = show(track, beside(drivePair(1), drivePair(0), kCamera.width * 3 / 4), 1);
+  EXPECT_FALSE(motion.rivalled);
+  ASSERT_TRUE(motion.valid());
+  EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
+}
+
+/// Once it is known how fast the cart is, what moves otherwise is no rival, however large.
+TEST_F(VisualTrackTest, ALaterMotionHasNoRival) {
+  VisualTrack track = begin();
+  for (int i = 1; i < 4; ++i)
+    ASSERT_TRUE(show(track, drivePair(i), i).valid()) << i;
+  const TrackedMotion motion = show(track, beside(drivePair(4), drivePair(3), kCamera.width / 2), 4);
+  EXPECT_FALSE(motion.rivalled);
+  ASSERT_TRUE(motion.valid());
+  EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }
 
 TEST_F(VisualTrackTest, AStandingCartsPoseIsHeldToTheBit) {

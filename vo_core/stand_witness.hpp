@@ -45,6 +45,8 @@ class StandWitness {
   /// `landmarks`: the pair's, whose stereo matches are looked for.
   void hear(const Pair& pair, const Before& before, std::vector<Landmark>& landmarks, const Work& work);
 
+  /// Whether it has heard of the pair before, too.
+  bool listens() const { return denies_ || stay_.has_value(); }
   /// Whether the right camera has left its place beside the left one, or is nowhere near it, and has not
   /// stayed at another for as long as makes a stand: one that was pushed is a witness again.
   bool denies() const { return denies_; }

@@ -24,6 +24,7 @@ constexpr double kEnoughToHold = 0.5;  // of the landmarks that the stand began 
 // Of what the first motion of a track explains: on rendered worlds without traffic any other explained 0.26
 // at most, and where a vehicle was taken for the world, that explained 0.65 at least.
 constexpr double kClearlyLess = 0.5;
+constexpr double kClearlyMoving = 5.0;                             // standard deviations
 constexpr double kSlackTranslation = 0.02, kSlackRotation = 0.01;  // m and rad, that any motion may change by
 
 double seconds(std::int64_t nanoseconds) {
@@ -326,10 +327,23 @@ void VisualTrack::holdStill(const PreparedPair& pair, TrackedMotion& motion) {
   last_exposure_ns_ = pair.left_exposure_ns;
 }
 
-/// Of a left picture that shows no motion, where the cart stood or as it is the one before, the right one is
-/// asked whether that can be.
+/// Whether the cart has clearly been moving up to now.
+bool VisualTrack::expectsToMove(const PreparedPair& pair) const {
+  if (!velocity_) return false;
+  const Vector6d motion = secondsSinceLast(pair) * *velocity_;
+  const auto clearly = [&](const auto& part, const auto& deviation) {
+    return part.norm() > kClearlyMoving * deviation.norm();
+  };
+  return standstill_.beyond(motionFromVector(motion)) &&
+         (clearly(motion.head<3>(), last_deviation_.head<3>()) ||
+          clearly(motion.tail<3>(), last_deviation_.tail<3>()));
+}
+
+/// Of a left picture that shows no motion the right one is asked whether that can be: where the cart stood or
+/// was moving, and where it is the one before.
 void VisualTrack::askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer) {
-  if (!stays || !(standing_ || pair.left_repeats)) return stand_witness_.forget();
+  const bool asked = standing_ || stand_witness_.listens() || pair.left_repeats || expectsToMove(pair);
+  if (!stays || !asked) return stand_witness_.forget();
   const StageScope stage(observer, Stage::disparity);
   stand_witness_.hear({{tracker_, *pair.left, *pair.right, draft.window},
                        pair.left_exposure_ns,
@@ -417,6 +431,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.guessed = doubt > 1.0;
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
+  last_deviation_ = motion.deviation_by_landmarks;
   noise_ = adapted(noise_, result, 1);
   rig_ = learned;
   if (settings_.rig_refinement == RigRefinement::monitor)

@@ -97,6 +97,7 @@ class VisualTrack {
   OdometryReason judge(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
   void holdStill(const PreparedPair& pair, TrackedMotion& motion);
+  bool expectsToMove(const PreparedPair& pair) const;
   void askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer);
   void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
   void accept(const PreparedPair& pair, Draft& draft);
@@ -114,9 +115,10 @@ class VisualTrack {
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand
   std::vector<Landmark> landmarks_;
-  std::vector<WindowFrame> window_;    ///< oldest first; never empty
-  std::optional<Vector6d> velocity_;   ///< as velocity() tells
-  std::int64_t last_exposure_ns_ = 0;  ///< of the last pair that was explained
+  std::vector<WindowFrame> window_;             ///< oldest first; never empty
+  std::optional<Vector6d> velocity_;            ///< as velocity() tells
+  Vector6d last_deviation_ = Vector6d::Zero();  ///< of the last motion, by its landmarks
+  std::int64_t last_exposure_ns_ = 0;           ///< of the last pair that was explained
   // Of the present pair only; kept for their memory.
   Draft draft_;
   std::vector<std::size_t> chosen_;  ///< landmarks of the draft: those that the problem last stated is about

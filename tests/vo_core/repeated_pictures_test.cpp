@@ -174,6 +174,29 @@ TEST_F(HangsAtAStand, IsToldByTheOtherCamera) {
   }
 }
 
+/// The same while the cart goes slowly enough to have stopped.
+TEST_F(HangsAtAStand, OrSoonAfterwardsIsToldFromTheFirstPairOn) {
+  constexpr int kHangsFrom = kStands + 5, kEnd = kHangsFrom + 15;  // at 0.34 m/s
+  OdometryEstimate estimate;
+  while (pair() < kHangsFrom)
+    estimate = show(place(pair()), place(pair()));
+  EXPECT_TRUE(estimate.valid);
+  const double hung = place(pair() - 1);
+  while (pair() < kEnd) {
+    estimate = show(hung, place(pair()));
+    EXPECT_EQ(estimate.reasons, OdometryReason::repeated_picture) << pair();
+  }
+}
+
+TEST_F(HangsAtAStand, IsNotToldOfACartThatStopsSuddenly) {
+  constexpr int kStops = kStands + 5, kEnd = kStops + 10;
+  while (pair() < kStops)
+    show(place(pair()), place(pair()));
+  const double stopped = place(pair() - 1);
+  while (pair() < kEnd)
+    EXPECT_TRUE(show(stopped, stopped).valid) << pair();
+}
+
 TEST_F(HangsAtAStand, ARightCameraThatWasPushedIsAWitnessAgain) {
   constexpr double kPushed = 0.01;  // m
   constexpr int kLeast = 7;         // pairs that make a stand, and one

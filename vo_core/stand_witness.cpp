@@ -15,16 +15,10 @@ constexpr double kWider = 3.0;
 // of them about where they were expected; on rendered stands three quarters are at least.
 constexpr double kLeastSeen = 0.25;
 
-StandstillSettings widened(StandstillSettings limits) {
-  limits.translation *= kWider;
-  limits.rotation *= kWider;
-  return limits;
-}
-
 }  // namespace
 
 StandWitness::StandWitness(const StereoCamera& camera, const OdometrySettings& settings)
-    : camera_(camera), settings_(settings), limits_(widened(settings.standstill)) {}
+    : camera_(camera), settings_(settings) {}
 
 void StandWitness::forget() {
   stay_.reset();
@@ -36,15 +30,18 @@ void StandWitness::hear(const Pair& pair, const Before& before, std::vector<Land
   state(pair, before, work.problem);
   if (!stay_) {
     const auto stray = strayOfRight(before.window, before.landmarks, pair.rig, work);
-    if (stray)
-      note(*stray, before.window.back().exposure_ns);
-    else
+    if (stray) {
+      stay_ = stayAt(*stray, before.window.back().exposure_ns);
+      stay_->limits.translation += pair.translation_slack;
+      stay_->limits.rotation += pair.rotation_slack;
+    } else {
       denies_ = true;
+    }
   }
   const std::vector<WindowFrame>& window = pair.images.window;
   matchTurned(pair.images, newestRightFromLeft(timedPoses(window), camera_.baseline), pair.rig, landmarks);
   if (const auto stray = strayOfRight(window, landmarks, pair.rig, work))
-    note(*stray, pair.exposure_ns);
+    note(stayAt(*stray, pair.exposure_ns));
   else
     miss(pair);
 }
@@ -85,13 +82,21 @@ void StandWitness::miss(const Pair& pair) {
   if (denies_ && stay_) stay_->since_ns = pair.exposure_ns;
 }
 
-void StandWitness::note(const Eigen::Isometry3d& stray, std::int64_t exposure_ns) {
-  const bool leaves = stay_ && limits_.beyond(stay_->stray.inverse() * stray);
-  if (!stay_ || leaves) stay_ = Stay{stray, exposure_ns};
-  if (leaves)
-    denies_ = true;
-  else if (1e-9 * static_cast<double>(exposure_ns - stay_->since_ns) >= settings_.standstill.least_time)
-    denies_ = false;
+StandWitness::Stay StandWitness::stayAt(const Eigen::Isometry3d& stray, std::int64_t exposure_ns) const {
+  StandstillSettings limits = settings_.standstill;
+  limits.translation *= kWider;
+  limits.rotation *= kWider;
+  return {stray, exposure_ns, limits};
+}
+
+void StandWitness::note(const Stay& now) {
+  const bool leaves = stay_ && StandstillDetector(stay_->limits).beyond(stay_->stray.inverse() * now.stray);
+  if (!stay_ || leaves) stay_ = now;
+  denies_ = denies_ || leaves;
+  if (1e-9 * static_cast<double>(now.since_ns - stay_->since_ns) < settings_.standstill.least_time) return;
+  // It has been at rest for as long: what was foretold in motion is over.
+  stay_ = now;
+  denies_ = false;
 }
 
 }  // namespace cartvo

@@ -30,6 +30,9 @@ class StandWitness {
     RigMonitor rig;            ///< by which stereo matches are looked for
     const BundleNoises& noise;
     Vector6d admissible_change;  ///< as PoseProblem's
+    /// m and rad by which a pair's right camera may be elsewhere than foretold if the cart has stopped since
+    /// the pair before: it is exposed at another instant, for which a motion is carried on that has ended.
+    double translation_slack, rotation_slack;
   };
   /// What is known of the pair before.
   struct Before {
@@ -57,16 +60,17 @@ class StandWitness {
                                                 const std::vector<Landmark>& landmarks, const RigMonitor& rig,
                                                 const Work& work) const;
   void miss(const Pair& pair);
-  void note(const Eigen::Isometry3d& stray, std::int64_t exposure_ns);
-
   struct Stay {
     Eigen::Isometry3d stray;
     std::int64_t since_ns;
+    StandstillSettings limits;
   };
+
+  void note(const Stay& stay);
+  Stay stayAt(const Eigen::Isometry3d& stray, std::int64_t exposure_ns) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;
-  StandstillDetector limits_;
   std::optional<Stay> stay_;
   bool denies_ = false;
 };

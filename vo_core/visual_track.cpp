@@ -345,12 +345,16 @@ void VisualTrack::askRight(const PreparedPair& pair, bool stays, Draft& draft, S
   const bool asked = standing_ || stand_witness_.listens() || pair.left_repeats || expectsToMove(pair);
   if (!stays || !asked) return stand_witness_.forget();
   const StageScope stage(observer, Stage::disparity);
+  const double offset = std::abs(seconds(pair.right_exposure_ns - pair.left_exposure_ns));
+  const Vector6d slack = 2.0 * offset * velocity_.value_or(Vector6d::Zero());
   stand_witness_.hear({{tracker_, *pair.left, *pair.right, draft.window},
                        pair.left_exposure_ns,
                        pair.left_repeats,
                        assumedRig(),
                        noise_,
-                       admissibleChange(pair)},
+                       admissibleChange(pair),
+                       slack.head<3>().norm(),
+                       slack.tail<3>().norm()},
                       {window_, landmarks_}, draft.landmarks, {pose_problem_, chosen_, pose_finder_});
   forgetLastStereo(draft.landmarks);
 }

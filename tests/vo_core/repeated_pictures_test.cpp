@@ -121,15 +121,19 @@ class HangsAtAStand : public testing::Test {
     const double since = 1e-9 * kPeriod * std::max(pair - kStands, 0);
     return 0.5 * kAccelerates * since * since;
   }
-  OdometryEstimate show(double left, double right) {
+  OdometryEstimate show(double left, double right, std::int64_t late_ns = 0) {
     const std::int64_t time = kPeriod * pair_++;
-    StereoImages images{view(left).left.clone(), view(right).right.clone(), time, time};
+    StereoImages images{view(left).left.clone(), view(right).right.clone(), time, time + late_ns};
     for (cv::Mat* image : {&images.left, &images.right})
       for (std::uint8_t& grey : cv::Mat_<std::uint8_t>(*image))
         grey = cv::saturate_cast<std::uint8_t>(grey + noise_.gaussian());
     return odometry_.process(images, observer_);
   }
   int pair() const { return pair_; }
+  void begin() {
+    odometry_ = odometryBy(Estimator::reprojection);
+    pair_ = 0;
+  }
 
  private:
   /// Rendered once.
@@ -188,13 +192,25 @@ TEST_F(HangsAtAStand, OrSoonAfterwardsIsToldFromTheFirstPairOn) {
   }
 }
 
+/// From 0.6 m/s, as hard as tyres hold. Where a right camera that is exposed later is then, poses do not
+/// tell.
 TEST_F(HangsAtAStand, IsNotToldOfACartThatStopsSuddenly) {
-  constexpr int kStops = kStands + 5, kEnd = kStops + 10;
-  while (pair() < kStops)
-    show(place(pair()), place(pair()));
-  const double stopped = place(pair() - 1);
-  while (pair() < kEnd)
-    EXPECT_TRUE(show(stopped, stopped).valid) << pair();
+  constexpr double kSpeed = 0.6, kBrakes = 8.0;  // m/s, m/s^2
+  constexpr int kDrives = 8, kEnd = kDrives + 12;
+  const auto at = [](double seconds) {
+    const double braking = std::clamp(seconds - 1e-9 * kPeriod * kDrives, 0.0, kSpeed / kBrakes);
+    return kSpeed * std::min(seconds, 1e-9 * kPeriod * kDrives) +
+           (kSpeed - 0.5 * kBrakes * braking) * braking;
+  };
+  for (const std::int64_t late_ns : {0, 20'000'000, 45'000'000, -30'000'000}) {
+    begin();
+    for (int i = 0; i < kEnd; ++i) {
+      const double time = 1e-9 * static_cast<double>(kPeriod * i);
+      const OdometryEstimate estimate =
+          show(at(time), at(time + 1e-9 * static_cast<double>(late_ns)), late_ns);
+      EXPECT_EQ(estimate.valid, i > 0) << i << ", " << late_ns;
+    }
+  }
 }
 
 TEST_F(HangsAtAStand, ARightCameraThatWasPushedIsAWitnessAgain) {

@@ -56,18 +56,22 @@ class StandWitness {
 
  private:
   void state(const Pair& pair, const Before& before, PoseProblem& problem) const;
-  std::optional<Eigen::Isometry3d> strayOfRight(const std::vector<WindowFrame>& window,
-                                                const std::vector<Landmark>& landmarks, const RigMonitor& rig,
-                                                const Work& work) const;
+  struct Stray {
+    Eigen::Isometry3d motion;  ///< from where the left camera's pose puts the right one to where it is
+    int landmarks = 0;         ///< that say so
+  };
+  std::optional<Stray> strayOfRight(const std::vector<WindowFrame>& window,
+                                    const std::vector<Landmark>& landmarks, const RigMonitor& rig,
+                                    const Work& work) const;
   void miss(const Pair& pair);
   struct Stay {
-    Eigen::Isometry3d stray;
+    Stray stray;
     std::int64_t since_ns;
     StandstillSettings limits;
   };
 
   void note(const Stay& stay);
-  Stay stayAt(const Eigen::Isometry3d& stray, std::int64_t exposure_ns) const;
+  Stay stayAt(const Stray& stray, std::int64_t exposure_ns) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;

@@ -230,23 +230,16 @@ void PyramidLevel::writeBorder() {
 }
 
 /// The first that nobody holds, so that it is the same one until somebody does.
-std::shared_ptr<ImagePyramid>& PyramidPool::add(const cv::Size& size) {
-  const auto sizes = levelSizes(size, std::max(grey_levels_, kFinestDog + kDogLevels));
-  const std::shared_ptr<ImagePyramid>& added = pyramids_.emplace_back(emptyPyramid(sizes, grey_levels_));
-  for (std::size_t level = added->grey.size() + halves_.size(); level < sizes.size(); ++level)
-    halves_.emplace_back(sizes[level]);
-  return pyramids_.back();
-}
-
-void PyramidPool::provide(const cv::Size& size, int pyramids) {
-  while (static_cast<int>(pyramids_.size()) < pyramids)
-    add(size);
-}
-
 std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
-  const auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
-                                 [](const auto& pyramid) { return pyramid.use_count() == 1; });
-  return free == pyramids_.end() ? add(size) : *free;
+  auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
+                           [](const auto& pyramid) { return pyramid.use_count() == 1; });
+  if (free == pyramids_.end()) {
+    const auto sizes = levelSizes(size, std::max(grey_levels_, kFinestDog + kDogLevels));
+    free = pyramids_.insert(free, emptyPyramid(sizes, grey_levels_));
+    for (std::size_t level = (*free)->grey.size() + halves_.size(); level < sizes.size(); ++level)
+      halves_.emplace_back(sizes[level]);
+  }
+  return *free;
 }
 
 cv::Mat PyramidPool::place(const cv::Size& size) {
@@ -276,15 +269,6 @@ void PyramidPool::fill(ImagePyramid& pyramid) {
     if (index >= kFinestDog && index - kFinestDog < pyramid.dog.size())
       differenceOfGaussians(half, row_sums_, pyramid.dog[index - kFinestDog]);
   }
-}
-
-bool sameImage(const ImagePyramid& a, const ImagePyramid& b) {
-  const PyramidLevel& one = a.grey.front();
-  const PyramidLevel& other = b.grey.front();
-  if (one.width() != other.width() || one.height() != other.height()) return false;
-  for (int y = 0; y < one.height(); ++y)
-    if (std::memcmp(one.at(0, y), other.at(0, y), static_cast<std::size_t>(one.width())) != 0) return false;
-  return true;
 }
 
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {

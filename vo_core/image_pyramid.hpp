@@ -73,9 +73,6 @@ inline bool bothHave(const ImagePyramid& a, const ImagePyramid& b, int level) {
   return static_cast<std::size_t>(level) < std::min(a.grey.size(), b.grey.size());
 }
 
-/// Whether both are of the same image, to the byte.
-bool sameImage(const ImagePyramid& a, const ImagePyramid& b);
-
 constexpr int kFinestDog = 1;
 constexpr int kDogLevels = 3;
 
@@ -92,14 +89,11 @@ class PyramidPool {
  public:
   explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
 
-  /// Takes memory for so many that are held at once now, not when they are.
-  void provide(const cv::Size& size, int pyramids);
   /// Where the next image may be written (CV_8UC1): build() of it copies nothing. Valid until that.
   cv::Mat place(const cv::Size& size);
   SharedPyramid build(const cv::Mat& image);
 
  private:
-  std::shared_ptr<ImagePyramid>& add(const cv::Size& size);
   std::shared_ptr<ImagePyramid>& findFree(const cv::Size& size);
   void fill(ImagePyramid& pyramid);
 

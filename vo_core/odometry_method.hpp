@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vo_core/repeated_pictures.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
@@ -8,7 +9,8 @@ namespace cartvo {
 class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;
-  virtual OdometryEstimate process(const StereoImages& images, StageObserver& observer) = 0;
+  virtual OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
+                                   StageObserver& observer) = 0;
   virtual void aimAt(int features) = 0;
   /// As StereoOdometry's.
   virtual void placeNext(StereoImages&) {}

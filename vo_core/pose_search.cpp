@@ -221,13 +221,12 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   FoundPose found{*pose};
   forEachError(problem, points.blocks, *pose, squares,
                [&](int point, double error) { problem.points[point].inlier = error < settings.gate; });
-  double explained = 0.0;
   for (const PosePoint& point : problem.points) {
     if (!point.inlier) continue;
     ++found.inliers;
-    explained += point.weight;
+    found.weight += point.weight;
   }
-  found.share = search.weight() > 0.0 ? explained / search.weight() : 0.0;
+  found.share = search.weight() > 0.0 ? found.weight / search.weight() : 0.0;
   return found;
 }
 

@@ -38,8 +38,9 @@ struct PoseProblem {
 
 struct FoundPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  int inliers = 0;     ///< points
-  double share = 0.0;  ///< of the points' weight that is explained
+  int inliers = 0;      ///< points
+  double weight = 0.0;  ///< of the points that are explained
+  double share = 0.0;   ///< of the points' weight that is explained
 };
 
 /// Whether so many points agree on a pose that it is believed.

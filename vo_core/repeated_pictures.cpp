@@ -28,15 +28,18 @@ bool RepeatedPictures::Picture::next(const cv::Mat& image) {
   return same;
 }
 
-bool RepeatedPictures::repeat(const StereoImages& images, const OdometryEstimate& last) {
+PictureRepeats RepeatedPictures::take(const StereoImages& images, const OdometryEstimate& last) {
   // After a pair that told no motion nobody knows.
   const double time_step = 1e-9 * static_cast<double>(images.left_exposure_ns - last.exposure_ns);
   const bool can_stop =
       !last.valid || canStop(vectorFromMotion(last.T_previous_current) / last.time_step, time_step);
-  const cv::Mat* const now[] = {&images.left, &images.right};
-  for (std::size_t i = 0; i < pictures_.size(); ++i)
-    pictures_[i].repeats = pictures_[i].next(*now[i]) && (pictures_[i].repeats || !can_stop);
-  return pictures_[0].repeats || pictures_[1].repeats;
+  PictureRepeats repeats;
+  repeats.left = pictures_[0].next(images.left);
+  repeats.right = pictures_[1].next(images.right);
+  pictures_[0].hangs = repeats.left && (pictures_[0].hangs || !can_stop);
+  pictures_[1].hangs = repeats.right && (pictures_[1].hangs || !can_stop);
+  repeats.of_moving_cart = pictures_[0].hangs || pictures_[1].hangs;
+  return repeats;
 }
 
 }  // namespace cartvo

@@ -29,7 +29,8 @@ class ReprojectionOdometry final : public OdometryMethod {
         left_pyramids_(settings.tracking.levels),
         pitch_suspicion_(camera, settings.rig_refinement) {}
 
-  OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
+  OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
+                           StageObserver& observer) override;
   void aimAt(int features) override;
   void placeNext(StereoImages& images) override;
 
@@ -55,7 +56,6 @@ class ReprojectionOdometry final : public OdometryMethod {
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{kLandmarkLevels};
   PitchSuspicion pitch_suspicion_;  ///< at the first pairs of tracks: while lost, each pair is one
-  SharedPyramid last_left_, last_right_;
   std::optional<VisualTrack> track_;
   /// Begun at a pair that the track could not explain: if that goes on, the next epoch.
   std::optional<VisualTrack> successor_;
@@ -94,16 +94,8 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   coded_ = coded_ || images.key_frames.any();
   pair.coded = coded_;
   if (coded_) pair.excess = video_errors_.excess();
-  if (!last_left_) {  // held at once: those of the window, the last pair's and this one's
-    left_pyramids_.provide(images.left.size(), settings_.bundle.frames + 2);
-    right_pyramids_.provide(images.right.size(), 2);
-  }
   doBoth([&] { pair.left = left_pyramids_.build(images.left); },
          [&] { pair.right = right_pyramids_.build(images.right); });
-  pair.left_repeats = last_left_ && sameImage(*last_left_, *pair.left);
-  pair.right_repeats = last_right_ && sameImage(*last_right_, *pair.right);
-  last_left_ = pair.left;
-  last_right_ = pair.right;
   return pair;
 }
 
@@ -124,12 +116,14 @@ OdometryEstimate ReprojectionOdometry::refuse(const PreparedPair& pair, Odometry
   return estimateOf(pair, motion);
 }
 
-OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, StageObserver& observer) {
-  const PreparedPair pair = prepare(images, observer);
+OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, const PictureRepeats& repeats,
+                                               StageObserver& observer) {
+  PreparedPair pair = prepare(images, observer);
+  pair.repeats = repeats;
   if (!offsetInRange(pair)) return refuse(pair, OdometryReason::time_step);
   if (!(pair.offset_deviation <= settings_.validity.maximum_offset_uncertainty))
     return refuse(pair, OdometryReason::offset_uncertain);
-  right_hangs_ = right_hangs_ && pair.right_repeats;
+  right_hangs_ = right_hangs_ && pair.repeats.right;
   if (right_hangs_) return refuse(pair, OdometryReason::repeated_picture);
   if (!track_) return begin(pair, OdometryReason::first_pair, observer);
   const bool in_time = timeStepInRange(*track_, pair.left_exposure_ns);

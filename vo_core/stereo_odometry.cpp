@@ -62,7 +62,8 @@ void StereoOdometry::placeNext(StereoImages& images) {
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");
-  last_ = repeated_->repeat(images, last_) ? unknownSince(last_, images) : method_->process(images, observer);
+  const PictureRepeats repeats = repeated_->take(images, last_);
+  last_ = repeats.of_moving_cart ? unknownSince(last_, images) : method_->process(images, repeats, observer);
   return last_;
 }
 

@@ -21,7 +21,8 @@ class ThesisOdometry final : public OdometryMethod {
         window_(std::max(settings.tracking.search_again + 1, settings.refinement.frames)),
         meter_(camera, settings) {}
 
-  OdometryEstimate process(const StereoImages& images, StageObserver& observer) override;
+  OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
+                           StageObserver& observer) override;
   void aimAt(int features) override { features_.aimAt(features); }
 
  private:
@@ -52,7 +53,8 @@ class ThesisOdometry final : public OdometryMethod {
   FeatureCounts counts_;
 };
 
-OdometryEstimate ThesisOdometry::process(const StereoImages& images, StageObserver& observer) {
+OdometryEstimate ThesisOdometry::process(const StereoImages& images, const PictureRepeats&,
+                                         StageObserver& observer) {
   takeTime(images.left_exposure_ns);
   ImagePyramid left;
   ImagePyramid right;

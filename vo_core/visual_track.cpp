@@ -73,14 +73,6 @@ void holdPublished(const std::vector<WindowFrame>& window, double share, BundleP
   }
 }
 
-/// Weight of the points that a pose explains.
-double explained(const std::vector<PosePoint>& points) {
-  double weight = 0.0;
-  for (const PosePoint& point : points)
-    if (point.inlier) weight += point.weight;
-  return weight;
-}
-
 /// First depth of a landmark whose only sighting is in stereo.
 void giveDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                const Eigen::Vector2d& right_pixel, const BundleNoises& noises) {
@@ -193,7 +185,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
   const bool stays =
       !standstill_.beyond(window_.back().T_world_camera.inverse() * draft.window.back().T_world_camera);
   askRight(pair, stays, draft, observer);
-  if (leftHangs() || (!stays && pair.right_repeats)) {
+  if (leftHangs() || (!stays && pair.repeats.right)) {
     motion.reasons = OdometryReason::repeated_picture;
     return motion;
   }
@@ -268,7 +260,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  motion.rivalled = !velocity_ && rivalled();
+  motion.rivalled = !velocity_ && rivalled(*found);
   if (motion.rivalled) {
     motion.reasons = OdometryReason::too_few_inliers;
     return false;
@@ -282,13 +274,13 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 
 /// Whether the points that the found pose leaves agree on another one too well. As long as nobody knows how
 /// fast the cart is, a bus beside it is as good a world as the world.
-bool VisualTrack::rivalled() const {
+bool VisualTrack::rivalled(const FoundPose& found) const {
   PoseProblem rest = pose_problem_;
   std::erase_if(rest.points, [](const PosePoint& point) { return point.inlier; });
   SubsetRandom random(settings_.seed);  // its own: what is asked here changes no motion
   const auto rival = PoseFinder().find(rest, settings_.pose_search, random);
-  if (!rival || rival->inliers < settings_.validity.minimum_inliers) return false;
-  return explained(rest.points) > kClearlyLess * explained(pose_problem_.points);
+  return rival && rival->inliers >= settings_.validity.minimum_inliers &&
+         rival->weight > kClearlyLess * found.weight;
 }
 
 /// By how much the pose may differ from what is expected, as carts are.
@@ -342,14 +334,14 @@ bool VisualTrack::expectsToMove(const PreparedPair& pair) const {
 /// Of a left picture that shows no motion the right one is asked whether that can be: where the cart stood or
 /// was moving, and where it is the one before.
 void VisualTrack::askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer) {
-  const bool asked = standing_ || stand_witness_.listens() || pair.left_repeats || expectsToMove(pair);
+  const bool asked = standing_ || stand_witness_.listens() || pair.repeats.left || expectsToMove(pair);
   if (!stays || !asked) return stand_witness_.forget();
   const StageScope stage(observer, Stage::disparity);
   const double offset = std::abs(seconds(pair.right_exposure_ns - pair.left_exposure_ns));
   const Vector6d slack = 2.0 * offset * velocity_.value_or(Vector6d::Zero());
   stand_witness_.hear({{tracker_, *pair.left, *pair.right, draft.window},
                        pair.left_exposure_ns,
-                       pair.left_repeats,
+                       pair.repeats.left,
                        assumedRig(),
                        noise_,
                        admissibleChange(pair),

@@ -10,6 +10,7 @@
 #include "vo_core/patch_overlap.hpp"
 #include "vo_core/pitch_suspicion.hpp"
 #include "vo_core/pose_search.hpp"
+#include "vo_core/repeated_pictures.hpp"
 #include "vo_core/rig_monitor.hpp"
 #include "vo_core/rig_witness.hpp"
 #include "vo_core/stand_witness.hpp"
@@ -28,7 +29,7 @@ struct PreparedPair {
   bool coded = false;   ///< its pictures are of a video, of which a key frame has been seen
   double excess = 1.0;  ///< of its pose's variance, times what the landmarks tell: VideoErrors'
   SharedPyramid left, right;
-  bool left_repeats = false, right_repeats = false;  ///< whether it is that of the pair before, to the byte
+  PictureRepeats repeats;
 };
 
 /// What a pair told a track.
@@ -86,7 +87,7 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  bool rivalled() const;
+  bool rivalled(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void statePoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,

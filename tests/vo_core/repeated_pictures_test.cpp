@@ -111,7 +111,7 @@ TEST(RepeatedPictures, ThatAnEncoderGoesOnRefiningAreNoStopEither) {
   EXPECT_TRUE(estimate.valid);
 }
 
-/// Stands for the first pairs, then drives off; `shown` are the places that the pictures are of.
+/// Stands for the first pairs, then drives off; show() has each camera show a place.
 class HangsAtAStand : public testing::Test {
  protected:
   static constexpr int kStands = 10;

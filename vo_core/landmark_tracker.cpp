@@ -114,20 +114,6 @@ void moveHost(Landmark& landmark, const StereoCamera& camera, const std::vector<
   landmark.warp.setIdentity();
 }
 
-/// px that the landmark moves in the image from the newest pair's left exposure to its right one, by its last
-/// image velocity (OffsetModel::image_velocity). Nothing for one that has none yet.
-std::optional<Eigen::Vector2d> carriedInImage(const Landmark& landmark,
-                                              const std::vector<WindowFrame>& window) {
-  const WindowFrame& current = window.back();
-  if (current.image_offset == 0.0 || window.size() == 1) return Eigen::Vector2d::Zero();
-  if (landmark.sightings.size() < 2) return std::nullopt;
-  const Sighting& before = *(landmark.sightings.end() - 2);
-  const WindowFrame* frame = findFrame(window, before.frame);
-  if (frame == nullptr) return std::nullopt;
-  const double time_step = 1e-9 * static_cast<double>(current.exposure_ns - frame->exposure_ns);
-  return current.image_offset / time_step * (landmark.last().left - before.left);
-}
-
 }  // namespace
 
 bool keepsRows(const Eigen::Isometry3d& T_right_left) {
@@ -315,21 +301,19 @@ void LandmarkTracker::renew(std::vector<Landmark>& landmarks, const ImagePyramid
 
 /// Where the landmark's last sighting may be in the right image.
 std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
-                                                             double inverse_depth,
-                                                             const Eigen::Vector2d& carried) const {
+                                                             double inverse_depth) const {
   const Eigen::Vector2d& left = landmark.last().left;
   AffineAlignment start;
   if (inverse_depth > 0.0) {
     const Projection expected =
         projectLandmark(camera_, view.T_right_left, bearingOf(camera_, left), inverse_depth);
     if (!expected.valid) return std::nullopt;
-    start.position = expected.pixel + carried;
+    start.position = expected.pixel;
     start.warp = landmark.stereo_warp;
     // Where rows stay, nothing would undo what a moving right camera has made of them before.
     if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
-    EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
-    line.at_infinity += carried;
+    const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
     const auto found =
         cartvo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
     if (!found) return std::nullopt;
@@ -350,24 +334,18 @@ double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Sce
 
 void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
                                  const StereoView& view) const {
-  struct Expectation {
-    double row = 0.0;
-    Eigen::Vector2d carried = Eigen::Vector2d::Zero();
-  };
-  std::array<Expectation, AlignmentBlock::kMost> expected;
+  std::array<double, AlignmentBlock::kMost> expected_row{};
   AlignmentBlock block;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
-    const auto carried = carriedInImage(landmark, scene.window);
-    if (!carried) continue;
-    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene), *carried);
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene));
     if (!start) continue;
-    expected[i] = {start->position.y(), *carried};
+    expected_row[i] = start->position.y();
     block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
   }
   block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     Landmark& landmark = landmarks[i];
-    const double row_miss = aligned.position.y() - expected[i].row;
+    const double row_miss = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
         std::abs(row_miss) > kLargestRow * levelScale(landmark.level) ||
         !returns(aligned, settings_.tracking))
@@ -376,7 +354,7 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
     landmark.stereo_warp = aligned.warp;
     landmark.row_miss = row_miss;
     sighting.stereo = true;
-    sighting.parallax = sighting.left - (aligned.position - expected[i].carried);
+    sighting.parallax = sighting.left - aligned.position;
   });
 }
 

@@ -23,8 +23,7 @@ namespace cartvo {
 struct WindowFrame {
   std::int64_t index = -1;
   std::int64_t exposure_ns = 0;  ///< of the left image
-  double offset = 0.0;           ///< s, right exposure minus left exposure, as OffsetModel sees it
-  double image_offset = 0.0;     ///< s, by which OffsetModel::image_velocity shifts the right image
+  double offset = 0.0;           ///< s, right exposure minus left exposure
   SharedPyramid left;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   PoseUncertainty uncertainty;                   ///< against the first pair
@@ -99,7 +98,7 @@ class LandmarkTracker {
   void followBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
                    std::span<unsigned char> found) const;
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
-                                              double inverse_depth, const Eigen::Vector2d& carried) const;
+                                              double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
   void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
 

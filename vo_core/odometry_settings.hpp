@@ -10,13 +10,6 @@ enum class Estimator : std::uint8_t {
   thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
 };
 
-/// What is made of the time between a pair's two exposures. `reprojection` only: `thesis` takes both as one.
-enum class OffsetModel : std::uint8_t {
-  two_instants,    ///< the right camera is where the estimated motion takes it by its own instant
-  image_velocity,  ///< positions in the right image are shifted by how fast they move in the left ones
-  simultaneous,    ///< nothing: the error that other odometries make
-};
-
 /// Levels of the pyramids that patches of landmarks are taken from at most: the image itself and its half.
 constexpr int kLandmarkLevels = 2;
 
@@ -133,9 +126,8 @@ struct ValiditySettings {
 
 struct OdometrySettings {
   Estimator estimator = Estimator::reprojection;
-  OffsetModel offset_model = OffsetModel::two_instants;  ///< the others are there to compare with
-  int features = 1000;                                   ///< aimed at in each left image, 50 to 20000
-  std::uint64_t seed = 1;                                ///< of the random subsets
+  int features = 1000;     ///< aimed at in each left image, 50 to 20000
+  std::uint64_t seed = 1;  ///< of the random subsets
   DetectionSettings detection;
   TrackingSettings tracking;
   StereoSettings stereo;

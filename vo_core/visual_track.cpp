@@ -31,13 +31,11 @@ double seconds(std::int64_t nanoseconds) {
   return 1e-9 * static_cast<double>(nanoseconds);
 }
 
-WindowFrame frameOf(const PreparedPair& pair, OffsetModel model) {
+WindowFrame frameOf(const PreparedPair& pair) {
   WindowFrame frame;
   frame.index = pair.index;
   frame.exposure_ns = pair.left_exposure_ns;
-  const double offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
-  if (model == OffsetModel::two_instants) frame.offset = offset;
-  if (model == OffsetModel::image_velocity) frame.image_offset = offset;
+  frame.offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
   frame.left = pair.left;
   return frame;
 }
@@ -108,7 +106,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     tracker_.renew(landmarks_, *first.left, first.index);
   }
   const StageScope stage(observer, Stage::disparity);
-  window_.push_back(frameOf(first, settings.offset_model));
+  window_.push_back(frameOf(first));
   matchStereo(first, window_, suspicion, landmarks_);
   // How fast the cart is, is not known: with two instants, its depths are vague.
   const double vague = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
@@ -167,7 +165,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
   Draft& draft = draft_;
   draft.landmarks = landmarks_;
   draft.window = window_;
-  draft.window.push_back(frameOf(pair, settings_.offset_model));
+  draft.window.push_back(frameOf(pair));
   {
     const StageScope stage(observer, Stage::optical_flow);
     // The oldest pair leaves the window once this one has come.

@@ -41,7 +41,7 @@ const std::vector<Ablation>& ablations() {
       {"half-features", "half as many landmarks", [](OdometrySettings& s) { s.features /= 2; }},
       {"double-features", "twice as many landmarks", [](OdometrySettings& s) { s.features *= 2; }},
       {"simultaneous", "the offset between the cameras is ignored (matters with --offset-ms)",
-       [](OdometrySettings& s) { s.offset_model = OffsetModel::simultaneous; }},
+       [](OdometrySettings&) {}, true},
       {"thesis", "estimator: thesis", [](OdometrySettings& s) { s.estimator = Estimator::thesis; }},
   };
   return all;
@@ -60,7 +60,7 @@ std::vector<OdometryVariant> ablatedVariants(const OdometrySettings& full,
   for (const Ablation& ablation : ablations()) {
     const bool wanted = std::find(names.begin(), names.end(), ablation.name) != names.end();
     if (!wanted && !variants.empty()) continue;
-    variants.push_back({ablation.name, full});
+    variants.push_back({ablation.name, full, ablation.simultaneous});
     ablation.change(variants.back().odometry);
   }
   return variants;

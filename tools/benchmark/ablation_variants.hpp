@@ -12,6 +12,7 @@ struct Ablation {
   const char* name;
   const char* what;  ///< for people: what is different
   void (*change)(OdometrySettings& settings);
+  bool simultaneous = false;  ///< as OdometryVariant's
 };
 
 /// The first changes nothing: what the others are compared with.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tools/benchmark/encoded_source.hpp"
+#include "tools/benchmark/simultaneous.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/stream_cache.hpp"
 #include "tools/simulate/truth.hpp"
@@ -33,7 +34,8 @@ class AccuracyRun {
 
   void measure(const Sequence& sequence) {
     for (const OdometryVariant& variant : settings_.variants) {
-      StereoSource source = openSource(sequence.folder);
+      StereoSource source =
+          variant.simultaneous ? openSimultaneous(sequence.folder) : openSource(sequence.folder);
       const FoundRig rig = findRig(source, sequence.folder, {});
       measure(sequence, variant, 0.0, source, rig);
     }

@@ -15,6 +15,7 @@ namespace cartvo::benchmark {
 struct OdometryVariant {
   std::string name;
   OdometrySettings odometry;
+  bool simultaneous = false;  ///< right images get the instants of the left ones; not of encoded runs
 };
 
 /// What is measured with what.

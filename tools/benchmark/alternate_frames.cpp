@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "capture/image_folder.hpp"
+#include "tools/benchmark/simultaneous.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -24,7 +25,7 @@ ImageSequence everySecond(const ImageSequence& sequence, std::size_t first) {
 
 }  // namespace
 
-StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right) {
+StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right, bool simultaneous) {
   const ImageFolder images = readImageFolder(folder);
   const ImageSequence left = everySecond(images.left, 0);
   const ImageSequence other = everySecond(images.right, right == RightFrames::next ? 1 : 0);
@@ -32,8 +33,12 @@ StereoSource openAlternate(const std::filesystem::path& folder, RightFrames righ
   // Half a period is just what the next frames are apart: a tenth more, for instants that are not quite even.
   source.period_ns = nominalPeriodNs(left) * 11 / 10;
   source.pairs = std::min(left.images.size(), other.images.size());
-  source.left = std::make_unique<ImageSequenceSource>(left);
-  source.right = std::make_unique<ImageSequenceSource>(other);
+  if (simultaneous) {
+    playSimultaneously(source, left, other);
+  } else {
+    source.left = std::make_unique<ImageSequenceSource>(left);
+    source.right = std::make_unique<ImageSequenceSource>(other);
+  }
   return source;
 }
 

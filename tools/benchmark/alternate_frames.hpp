@@ -13,8 +13,9 @@ enum class RightFrames : std::uint8_t {
   next,  ///< those between: pairs that are one whole frame period apart
 };
 
-/// An image folder (both cameras exposed at once) at half its rate.
-StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right);
+/// An image folder (both cameras exposed at once) at half its rate; `simultaneous`: the right images with the
+/// instants of the left ones.
+StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right, bool simultaneous);
 
 /// Every second pose of the truth: those of the left images that are left.
 SequenceTruth alternate(const SequenceTruth& truth);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tools/benchmark/alternate_frames.hpp"
+#include "tools/benchmark/simultaneous.hpp"
 #include "tools/replay/setting_names.hpp"
 
 namespace cartvo::benchmark {
@@ -15,10 +16,8 @@ namespace {
 
 constexpr double kCrystals = 50.0;  // ppm
 
-constexpr std::array<std::pair<OffsetModel, const char*>, 3> kModels{
-    {{OffsetModel::two_instants, "two-instants"},
-     {OffsetModel::image_velocity, "image-velocity"},
-     {OffsetModel::simultaneous, "simultaneous"}}};
+constexpr std::array<std::pair<OffsetModel, const char*>, 2> kModels{
+    {{OffsetModel::two_instants, "two-instants"}, {OffsetModel::simultaneous, "simultaneous"}}};
 
 bool moves(const Sequence& sequence) {
   constexpr double kMoves = 1.0;  // m
@@ -37,7 +36,8 @@ class OffsetRun {
     observer_.begin(worldName(world) + ": rendering, unless it is cached");
     const Sequence sequence = renderedSequence(world, worlds_, observer_.progress);
     for (const OffsetModel model : settings_.models) {
-      StereoSource source = openSource(sequence.folder);
+      StereoSource source = model == OffsetModel::simultaneous ? openSimultaneous(sequence.folder)
+                                                               : openSource(sequence.folder);
       keep(std::string(world::scenarioName(world.scenario)), clock, model,
            measured(sequence, source, model, settings_.odometry));
     }
@@ -53,7 +53,7 @@ class OffsetRun {
     for (const RightFrames right : {RightFrames::same, RightFrames::next}) {
       const RightClock clock{right == RightFrames::next ? period : 0.0, 0.0};
       for (const OffsetModel model : settings_.models) {
-        StereoSource source = openAlternate(sequence.folder, right);
+        StereoSource source = openAlternate(sequence.folder, right, model == OffsetModel::simultaneous);
         keep(name, clock, model, measured(sequence, source, model, odometry));
       }
     }
@@ -75,9 +75,8 @@ class OffsetRun {
   };
 
   SequenceAccuracy measured(const Sequence& sequence, StereoSource& source, OffsetModel model,
-                            OdometrySettings odometry) {
+                            const OdometrySettings& odometry) {
     observer_.begin(sequence.name + ": " + offsetModelName(model));
-    odometry.offset_model = model;
     const FoundRig rig = findRig(source, sequence.folder, {});
     const Replay replay =
         replayPairs(source, rig, odometry, [&](const PairResult& result, std::size_t expected) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,7 +25,13 @@ RightClock slowSweep(const world::WorldSettings& world);
 /// the drive, through half a period after three quarters.
 RightClock fastSweep(const world::WorldSettings& world);
 
-/// "two-instants", "image-velocity", "simultaneous".
+/// What the odometry is told of the time between a pair's two exposures.
+enum class OffsetModel : std::uint8_t {
+  two_instants,  ///< both instants, as in the product
+  simultaneous,  ///< the left instant for both: the error that other odometries make
+};
+
+/// "two-instants", "simultaneous".
 std::string offsetModelName(OffsetModel model);
 std::vector<std::string> offsetModelNames();
 /// The reverse. Throws std::invalid_argument.
@@ -36,7 +43,7 @@ struct OffsetSettings {
   std::vector<world::WorldSettings> worlds;  ///< their right cameras' clocks are those of `clocks`
   std::vector<RightClock> clocks;
   std::vector<OffsetModel> models;
-  OdometrySettings odometry;    ///< but for the model
+  OdometrySettings odometry;
   std::filesystem::path cache;  ///< for rendered worlds
 };
 

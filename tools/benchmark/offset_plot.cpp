@@ -18,14 +18,7 @@ struct Curve {
 };
 
 const char* colourOf(OffsetModel model) {
-  switch (model) {
-    case OffsetModel::two_instants:
-      return "#145abe";
-    case OffsetModel::image_velocity:
-      return "#2e8b57";
-    default:
-      return "#c82828";
-  }
+  return model == OffsetModel::two_instants ? "#145abe" : "#c82828";
 }
 
 std::string drawLegend(const std::vector<Curve>& curves, double y) {

@@ -105,8 +105,8 @@ void addOffsetBenchmark(CLI::App& benchmark) {
   command
       ->add_option(
           "--models", options->models,
-          "two-instants: as cartvod does it; image-velocity: right positions shifted by how fast they\n"
-          "move in the left image; simultaneous: as other odometries do it")
+          "two-instants: as cartvod does it; simultaneous: with the left instant for both images, as other\n"
+          "odometries do it")
       ->delimiter(',')
       ->check(CLI::IsMember(offsetModelNames()))
       ->type_name("LIST")

@@ -47,8 +47,8 @@ constexpr std::array<std::pair<const char*, ClockChoice>, 4> kClocks{{{"auto", C
                                                                       {"ntp", ClockChoice::ntp},
                                                                       {"arrival", ClockChoice::arrival},
                                                                       {"visual", ClockChoice::visual}}};
-constexpr std::array<std::pair<const char*, RigRefinement>, 3> kRigRefinements{
-    {{"off", RigRefinement::off}, {"monitor", RigRefinement::monitor}, {"correct", RigRefinement::correct}}};
+constexpr std::array<std::pair<const char*, RigRefinement>, 2> kRigRefinements{
+    {{"off", RigRefinement::off}, {"correct", RigRefinement::correct}}};
 constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
     {{"reprojection", Estimator::reprojection}, {"thesis", Estimator::thesis}}};
 
@@ -167,6 +167,15 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   readTimeouts(yaml, configuration);
 }
 
+RigRefinement rigRefinement(const StrictYaml& yaml) {
+  if (yaml.text() == "monitor") {
+    yaml.fail(
+        "'monitor' was removed: use 'correct' to have the right camera's turn estimated, published and "
+        "corrected, or 'off'");
+  }
+  return choice(yaml, kRigRefinements);
+}
+
 void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kOdometryKeys);
   OdometrySettings& odometry = configuration.odometry;
@@ -178,7 +187,7 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
     odometry.seed = static_cast<std::uint64_t>(yaml["seed"].integer(0, std::int64_t{1} << 53));
   }
   if (yaml.has("online_rig_refinement"))
-    odometry.rig_refinement = choice(yaml["online_rig_refinement"], kRigRefinements);
+    odometry.rig_refinement = rigRefinement(yaml["online_rig_refinement"]);
   if (yaml.has("maximum_offset_uncertainty")) {
     odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
   }

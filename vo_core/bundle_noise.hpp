@@ -1,20 +1,18 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "vo_core/bundle_adjustment.hpp"
 
 namespace cartvo {
 
-/// The noise to be assumed from now on, by what the residuals of an adjusted pair tell, which stands for so
-/// many: a running estimate, within bounds.
-inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result, int pairs) {
+/// The noise to be assumed from now on, by what the residuals of an adjusted pair tell: a running estimate,
+/// within bounds.
+inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result) {
   constexpr double kMemory = 0.9;                         // from pair to pair
   constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
-  const double kept = std::pow(kMemory, pairs);
   const auto adapt = [&](double value, double scale) {
-    return std::clamp(value * (kept + (1.0 - kept) * scale), kLeastNoise, kMostNoise);
+    return std::clamp(value * (kMemory + (1.0 - kMemory) * scale), kLeastNoise, kMostNoise);
   };
   BundleNoises next = noise;
   for (int level = 0; level < kLandmarkLevels; ++level) {

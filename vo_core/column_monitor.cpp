@@ -33,14 +33,13 @@ Matrix priorInformation() {
 ColumnMonitor::ColumnMonitor() : information_(priorInformation()) {}
 
 void ColumnMonitor::add(const Matrix& information, const Vector& gradient, const RigCorrection& applied,
-                        const EvidenceSpan& span) {
+                        double time_step) {
   // What the pair says is about what was applied to it, which the dead zone and the bounds keep from the
   // estimate.
   const Vector about_estimate = gradient - information * (estimate_ - Vector(applied.yaw, applied.bend));
-  const double kept = std::exp(-span.time_step / kMemory);
-  const double share = kShare * span.pairs;
-  const Matrix sum = kept * information_ + (1.0 - kept) * priorInformation() + share * information;
-  const Vector change = sum.inverse() * (share * about_estimate);
+  const double kept = std::exp(-time_step / kMemory);
+  const Matrix sum = kept * information_ + (1.0 - kept) * priorInformation() + kShare * information;
+  const Vector change = sum.inverse() * (kShare * about_estimate);
   if (!change.allFinite()) return;
   information_ = sum;
   estimate_ += change;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "vo_core/evidence_span.hpp"
 #include "vo_core/rig_correction.hpp"
 
 namespace cartvo {
@@ -11,9 +10,9 @@ class ColumnMonitor {
   ColumnMonitor();
 
   /// `information`, `gradient`: of one pair (BundleResult), whose disparities had been corrected by
-  /// `applied`.
+  /// `applied`. `time_step`: s since the pair before.
   void add(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
-           const RigCorrection& applied, const EvidenceSpan& span);
+           const RigCorrection& applied, double time_step);
 
   /// The right camera was seen, by other means, to turn by so much yaw, rad: what was gathered is of before.
   void turn(double yaw);

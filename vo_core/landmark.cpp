@@ -58,18 +58,4 @@ void forgetLastStereo(std::vector<Landmark>& landmarks) {
     landmark.sightings.back().stereo = false;
 }
 
-void forgetStereo(std::vector<Landmark>& landmarks) {
-  for (Landmark& landmark : landmarks)
-    for (Sighting& sighting : landmark.sightings)
-      sighting.stereo = false;
-}
-
-void forgetStereoAndDepth(std::vector<Landmark>& landmarks) {
-  forgetStereo(landmarks);
-  for (Landmark& landmark : landmarks) {
-    landmark.information = 0.0;
-    landmark.stereo_warp.setIdentity();
-  }
-}
-
 }  // namespace cartvo

@@ -69,10 +69,4 @@ void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows);
 /// Landmarks as if the last pair had not found them in its right image.
 void forgetLastStereo(std::vector<Landmark>& landmarks);
 
-/// As if none of their pairs had; the depths that came of it stay.
-void forgetStereo(std::vector<Landmark>& landmarks);
-
-/// And as if nobody knew their depths, nor how their patches look in the right image.
-void forgetStereoAndDepth(std::vector<Landmark>& landmarks);
-
 }  // namespace cartvo

@@ -105,8 +105,7 @@ struct StandstillSettings {
 /// What is done about a rig that is not as calibrated.
 enum class RigRefinement : std::uint8_t {
   off,
-  monitor,  ///< estimated only
-  correct,  ///< and disparities corrected
+  correct,  ///< it is estimated, and measurements are corrected
 };
 
 /// When a motion is believed.

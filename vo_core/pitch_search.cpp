@@ -60,10 +60,6 @@ bool clearlyMore(int found, int matched) {
 
 }  // namespace
 
-bool clearlyMoreMatched(const std::vector<Landmark>& now, const std::vector<Landmark>& before) {
-  return clearlyMore(countStereo(now), countStereo(before));
-}
-
 bool hardlyMatched(const std::vector<Landmark>& landmarks) {
   return landmarks.size() >= kFewest &&
          static_cast<double>(countStereo(landmarks)) < kHardly * static_cast<double>(landmarks.size());

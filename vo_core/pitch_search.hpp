@@ -15,9 +15,6 @@ using MatchAtPitch = std::function<void(std::vector<Landmark>& landmarks, double
 /// have been bumped up or down by more than the search looks for.
 bool hardlyMatched(const std::vector<Landmark>& landmarks);
 
-/// Whether so many more last sightings have a match `now` than `before` that it is not by chance.
-bool clearlyMoreMatched(const std::vector<Landmark>& now, const std::vector<Landmark>& before);
-
 /// The pitch, rad, roughly, at which many of a sample of the unmatched find a match or, in the dark, far more
 /// of them all than are matched without it. Nothing if there is none: then the scene is to blame.
 std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "vo_core/landmark_tracker.hpp"
-#include "vo_core/odometry_settings.hpp"
 #include "vo_core/rig_monitor.hpp"
 
 namespace cartvo {
@@ -25,18 +24,15 @@ struct MatchedPair {
 /// that takes about as long as all other matching.
 class PitchSuspicion {
  public:
-  PitchSuspicion(const StereoCamera& camera, RigRefinement refinement)
-      : camera_(camera), refinement_(refinement) {}
+  explicit PitchSuspicion(const StereoCamera& camera) : camera_(camera) {}
 
   /// True if it has, by a pitch that was not known; `rig` knows it then.
   bool take(const MatchedPair& pair, RigMonitor& rig);
 
  private:
-  bool knownExplains(const MatchedPair& pair, RigMonitor& rig, std::vector<Landmark>& sought) const;
   void refine(const MatchedPair& pair, std::vector<Landmark> sought, RigMonitor& rig) const;
 
   StereoCamera camera_;
-  RigRefinement refinement_;
   std::int64_t next_pair_ = 0;  ///< index of the first that may be looked at
 };
 

@@ -27,7 +27,7 @@ class ReprojectionOdometry final : public OdometryMethod {
       : camera_(camera),
         settings_(settings),
         left_pyramids_(settings.tracking.levels),
-        pitch_suspicion_(camera, settings.rig_refinement) {}
+        pitch_suspicion_(camera) {}
 
   OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
                            StageObserver& observer) override;

@@ -2,7 +2,6 @@
 
 #include "vo_core/bundle_adjustment.hpp"
 #include "vo_core/column_monitor.hpp"
-#include "vo_core/evidence_span.hpp"
 #include "vo_core/rig_check.hpp"
 #include "vo_core/row_monitor.hpp"
 
@@ -12,9 +11,9 @@ namespace cartvo {
 class RigMonitor {
  public:
   /// Takes in the newest pair of an adjusted problem, whose right pixels had been corrected by `applied`.
-  /// `rows`: its rowEvidence().
+  /// `rows`: its rowEvidence(). `time_step`: s since the pair before.
   void add(const BundleProblem& adjusted, const BundleResult& result, const RowEvidence& rows,
-           const RigCorrection& applied, const EvidenceSpan& span);
+           const RigCorrection& applied, double time_step);
 
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch) { rows_.suspectPitch(pitch); }
@@ -29,8 +28,7 @@ class RigMonitor {
   /// be looked for. No bend.
   RigCorrection expected() const;
 
-  /// `applied`: what of it is corrected at present in the images that landmarks are followed in.
-  RigCheck check(const RigCorrection& applied) const;
+  RigCheck check() const;
 
  private:
   ColumnMonitor columns_;

@@ -42,22 +42,21 @@ Matrix informationOf(const Vector& deviations) {
 
 RowMonitor::RowMonitor() : information_(informationOf(kPrior)) {}
 
-void RowMonitor::add(const RowEvidence& evidence, const RigCorrection& applied, const EvidenceSpan& span) {
-  const double kept = std::exp(-span.time_step / kMemory);
-  const double share = kShare * span.pairs;
+void RowMonitor::add(const RowEvidence& evidence, const RigCorrection& applied, double time_step) {
+  const double kept = std::exp(-time_step / kMemory);
   const Matrix expected = kept * information_ + (1.0 - kept) * informationOf(kPrior);
-  const Matrix sum = expected + share * evidence.information;
+  const Matrix sum = expected + kShare * evidence.information;
   const Vector found =
       evidence.errors + Vector(applied.pitch, applied.roll, applied.yaw + 2.0 * applied.bend, 0.0);
-  const Vector change = sum.inverse() * (share * evidence.information * (found - estimate_));
+  const Vector change = sum.inverse() * (kShare * evidence.information * (found - estimate_));
   if (!change.allFinite()) return;
   information_ = sum;
   estimate_ += change;
-  leverage_ = kept * leverage_ + span.pairs * evidence.leverage;
-  pairs_ = kept * pairs_ + span.pairs;
+  leverage_ = kept * leverage_ + evidence.leverage;
+  pairs_ = kept * pairs_ + 1.0;
   const double keystone = estimate_[RowErrors::kKeystone];
   if (usual_keystone_)
-    *usual_keystone_ += (1.0 - std::exp(-span.time_step / kUsual)) * (keystone - *usual_keystone_);
+    *usual_keystone_ += (1.0 - std::exp(-time_step / kUsual)) * (keystone - *usual_keystone_);
   else if (pairs_ > kPairsToSettle)
     usual_keystone_ = keystone;
 }
@@ -88,7 +87,7 @@ void RowMonitor::suspectPitch(const RowEvidence& evidence) {
   if (!(information > 0.0)) return;
   suspectPitch(evidence.errors[RowErrors::kPitch] - estimate_[RowErrors::kPitch],
                std::max(kSuspicion, 1.0 / std::sqrt(information)));
-  add(evidence, {}, {});
+  add(evidence, {}, 0.0);
 }
 
 Vector RowMonitor::deviation() const {

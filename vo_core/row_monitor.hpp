@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "vo_core/evidence_span.hpp"
 #include "vo_core/rig_correction.hpp"
 #include "vo_core/row_evidence.hpp"
 
@@ -14,8 +13,9 @@ class RowMonitor {
  public:
   RowMonitor();
 
-  /// `evidence`: of one pair, whose right pixels had been corrected by `applied`.
-  void add(const RowEvidence& evidence, const RigCorrection& applied, const EvidenceSpan& span);
+  /// `evidence`: of one pair, whose right pixels had been corrected by `applied`. `time_step`: s since the
+  /// pair before.
+  void add(const RowEvidence& evidence, const RigCorrection& applied, double time_step);
 
   /// The right camera was found to look up by so much more than is known (rad), roughly and by other means.
   void suspectPitch(double pitch);

@@ -93,8 +93,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       tracker_(camera, settings),
       random_(settings.seed),
       rig_(rig),
-      rig_witness_(camera, settings, first.left_exposure_ns),
-      pitch_suspicion_(camera, settings.rig_refinement),
+      pitch_suspicion_(camera),
       standstill_(settings.standstill),
       stand_witness_(camera, settings),
       last_exposure_ns_(first.left_exposure_ns) {
@@ -129,17 +128,9 @@ bool VisualTrack::corrects() const {
   return settings_.rig_refinement == RigRefinement::correct;
 }
 
-RigCorrection VisualTrack::correctionBy(const RigMonitor& rig) const {
-  return corrects() ? rig.correction() : RigCorrection{};
-}
-
-RigMonitor VisualTrack::assumedRig() const {
-  return corrects() ? rig_ : RigMonitor();
-}
-
 std::optional<RigCheck> VisualTrack::rigCheck() const {
-  if (settings_.rig_refinement == RigRefinement::off) return std::nullopt;
-  return rig_.check(correctionBy(rig_));
+  if (!corrects()) return std::nullopt;
+  return rig_.check();
 }
 
 double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
@@ -340,7 +331,7 @@ void VisualTrack::askRight(const PreparedPair& pair, bool stays, Draft& draft, S
   stand_witness_.hear({{tracker_, *pair.left, *pair.right, draft.window},
                        pair.left_exposure_ns,
                        pair.repeats.left,
-                       assumedRig(),
+                       rig_,
                        noise_,
                        admissibleChange(pair),
                        slack.head<3>().norm(),
@@ -356,15 +347,15 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     matchTurned({tracker_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
   };
   const MatchBy match = std::cref(match_turned);  // which it refers to: what it would hold, it would allocate
-  match(landmarks, assumedRig());
-  if (suspicion.take({landmarks, window, match}, rig_) && corrects()) {
+  match(landmarks, rig_);
+  if (corrects() && suspicion.take({landmarks, window, match}, rig_)) {
     forgetLastStereo(landmarks);  // the matches there are, are by chance
     match(landmarks, rig_);
   }
   // The rows of a camera that has driven on tell of the motion, and are not to agree with what was foretold.
   if (pair.coded && keepsRows(T_right_left)) forgetOffRows(landmarks, rows_);
 
-  const RigCorrection rig = correctionBy(rig_);
+  const RigCorrection rig = rig_.correction();
   for (Landmark& landmark : landmarks) {
     const Sighting& host = landmark.host();
     if (landmark.hasDepth() || landmark.sightings.size() > 1 || !host.stereo) continue;
@@ -387,13 +378,13 @@ void VisualTrack::stateBundle(const Draft& draft, const RigCorrection& rig) {
 
 /// The least squares over the window; if its result is believed, the draft becomes what is known.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  RigCorrection rig = correctionBy(rig_);
+  RigCorrection rig = rig_.correction();
   stateBundle(draft, rig);
   BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
   // Older poses stand, so that a wrong scale lasts as long as the window: a rig that turns out to be off is
   // corrected before the first pose is settled, not after.
   RigMonitor learned = rigAfter(result, draft, rig);
-  if (const RigCorrection better = correctionBy(learned);
+  if (const RigCorrection better = learned.correction();
       kNoticeable < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
     stateBundle(draft, rig);
@@ -426,10 +417,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_deviation_ = motion.deviation_by_landmarks;
-  noise_ = adapted(noise_, result, 1);
+  noise_ = adapted(noise_, result);
   rig_ = learned;
-  if (settings_.rig_refinement == RigRefinement::monitor)
-    rig_witness_.take({tracker_, *pair.left, *pair.right, draft.window}, draft.landmarks, rig_);
   accept(pair, draft);
 }
 
@@ -464,7 +453,7 @@ RigMonitor VisualTrack::rigAfter(const BundleResult& result, const Draft& draft,
   RigMonitor rig = rig_;
   if (!result.converged || !corrects()) return rig;
   const double time_step = seconds(draft.window.back().exposure_ns - window_.back().exposure_ns);
-  rig.add(bundle_, result, row_regression_.evidence(bundle_), applied, {time_step});
+  rig.add(bundle_, result, row_regression_.evidence(bundle_), applied, time_step);
   return rig;
 }
 

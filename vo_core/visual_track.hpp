@@ -12,7 +12,6 @@
 #include "vo_core/pose_search.hpp"
 #include "vo_core/repeated_pictures.hpp"
 #include "vo_core/rig_monitor.hpp"
-#include "vo_core/rig_witness.hpp"
 #include "vo_core/stand_witness.hpp"
 #include "vo_core/standstill.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -82,8 +81,6 @@ class VisualTrack {
 
   TrackedMotion explain(const PreparedPair& pair, StageObserver& observer);
   bool corrects() const;
-  RigCorrection correctionBy(const RigMonitor& rig) const;  ///< none unless it is to be corrected
-  RigMonitor assumedRig() const;                            ///< what stereo matches are looked for by
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
@@ -108,8 +105,7 @@ class VisualTrack {
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
-  RigMonitor rig_;
-  RigWitness rig_witness_;
+  RigMonitor rig_;                  ///< knows of nothing unless it is to be corrected
   PitchSuspicion pitch_suspicion_;  ///< at later pairs than the first
   StandstillDetector standstill_;
   StandWitness stand_witness_;

@@ -106,6 +106,12 @@ TEST_F(ConfigurationFile, NamesAWrongTypeAndAValueOutOfRange) {
       AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
 }
 
+TEST_F(ConfigurationFile, SaysThatMonitoringTheRigWasRemoved) {
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {online_rig_refinement: monitor}\n"),
+              AllOf(HasSubstr("cartvod.yaml:7: odometry.online_rig_refinement"),
+                    HasSubstr("'monitor' was removed: use 'correct'"), HasSubstr("or 'off'")));
+}
+
 TEST_F(ConfigurationFile, NamesALineThatIsNotYaml) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: [}\n"),
               AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("not YAML")));

@@ -22,7 +22,7 @@ ColumnMonitor told(const Vector& truth, int pairs, const Vector& deviations = {1
   ColumnMonitor monitor;
   for (int i = 0; i < pairs; ++i) {
     const RigCorrection applied = monitor.correction();
-    monitor.add(information, information * (truth - Vector(applied.yaw, applied.bend)), applied, {kTimeStep});
+    monitor.add(information, information * (truth - Vector(applied.yaw, applied.bend)), applied, kTimeStep);
   }
   return monitor;
 }
@@ -90,8 +90,8 @@ TEST(ColumnMonitor, WhatIsNotANumberLeavesItAsItWas) {
   const Vector estimate = monitor.estimate();
   const Vector deviation = monitor.deviation();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  monitor.add(Matrix::Identity() * 1e6, Vector(nan, 0.0), {}, {kTimeStep});
-  monitor.add(Matrix::Identity() * nan, Vector(1.0, 0.0), {}, {kTimeStep});
+  monitor.add(Matrix::Identity() * 1e6, Vector(nan, 0.0), {}, kTimeStep);
+  monitor.add(Matrix::Identity() * nan, Vector(1.0, 0.0), {}, kTimeStep);
   EXPECT_EQ(monitor.estimate(), estimate);
   EXPECT_EQ(monitor.deviation(), deviation);
 }
@@ -102,8 +102,7 @@ TEST(ColumnMonitor, ABumpIsFoundAfterALongDriveToo) {
   const Matrix information = Vector(1e8, 2.5e7).asDiagonal();
   for (int i = 0; i < 400; ++i) {  // 22 s
     const RigCorrection applied = monitor.correction();
-    monitor.add(information, information * (bumped - Vector(applied.yaw, applied.bend)), applied,
-                {kTimeStep});
+    monitor.add(information, information * (bumped - Vector(applied.yaw, applied.bend)), applied, kTimeStep);
   }
   EXPECT_NEAR(monitor.estimate()[0], bumped[0], 1e-4);
 }
@@ -126,7 +125,7 @@ ColumnMonitor driven(const RigCorrection& rig, double offset, int pairs) {
         sighting.right = correctedRight(problem.camera, found, sighting.right);
     const BundleResult result = adjustBundle(problem, BundleSettings{});
     EXPECT_TRUE(result.converged);
-    monitor.add(result.rig_information, result.rig_gradient, found, {kTimeStep});
+    monitor.add(result.rig_information, result.rig_gradient, found, kTimeStep);
   }
   return monitor;
 }

@@ -26,22 +26,17 @@ bool looks(PitchSuspicion& suspicion, int index) {
 }
 
 TEST(PitchSuspicion, LooksAtEachTwentiethPair) {
-  PitchSuspicion suspicion(kCamera, RigRefinement::correct);
+  PitchSuspicion suspicion(kCamera);
   for (int i = 0; i < 3 * kPairsBetween; ++i)
     EXPECT_EQ(looks(suspicion, i), i % kPairsBetween == 0) << i;
 }
 
 TEST(PitchSuspicion, LooksAtAPairOnceThoughTwoTracksTakeIt) {
-  PitchSuspicion suspicion(kCamera, RigRefinement::monitor);
+  PitchSuspicion suspicion(kCamera);
   for (int i = 0; i < 2 * kPairsBetween; ++i) {
     EXPECT_EQ(looks(suspicion, i), i % kPairsBetween == 0) << i;
     EXPECT_FALSE(looks(suspicion, i)) << i;
   }
-}
-
-TEST(PitchSuspicion, LooksNeverWhereTheRigIsNotWatched) {
-  PitchSuspicion suspicion(kCamera, RigRefinement::off);
-  EXPECT_FALSE(looks(suspicion, 0));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ void tell(RowMonitor& monitor, const Vector& truth, int pairs) {
   for (int i = 0; i < pairs; ++i) {
     const RigCorrection applied = monitor.correction();
     evidence.errors = truth - Vector(applied.pitch, applied.roll, 0.0, 0.0);
-    monitor.add(evidence, applied, {kTimeStep});
+    monitor.add(evidence, applied, kTimeStep);
   }
 }
 
@@ -106,7 +106,7 @@ TEST(RowMonitor, WhatIsNotANumberLeavesItAsItWas) {
   RowEvidence evidence;
   evidence.information.setIdentity();
   evidence.errors.setConstant(std::numeric_limits<double>::quiet_NaN());
-  monitor.add(evidence, {}, {kTimeStep});
+  monitor.add(evidence, {}, kTimeStep);
   EXPECT_EQ(monitor.estimate(), estimate);
 }
 

@@ -84,7 +84,7 @@ class VisualTrackTest : public testing::Test {
     return index + 1;
   }
 
-  PitchSuspicion suspicion_{kCamera, RigRefinement::correct};
+  PitchSuspicion suspicion_{kCamera};
   NullStageObserver observer_;
 };
 

@@ -16,8 +16,8 @@ inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorName
     {{Estimator::reprojection, "reprojection"}, {Estimator::thesis, "thesis"}}};
 
 /// And what is done about a rig that is not as calibrated.
-inline constexpr std::array<std::pair<RigRefinement, const char*>, 3> kRigRefinementNames{
-    {{RigRefinement::off, "off"}, {RigRefinement::monitor, "monitor"}, {RigRefinement::correct, "correct"}}};
+inline constexpr std::array<std::pair<RigRefinement, const char*>, 2> kRigRefinementNames{
+    {{RigRefinement::off, "off"}, {RigRefinement::correct, "correct"}}};
 
 /// And where a recording's instants come from.
 inline constexpr std::array<std::pair<ReplayClock, const char*>, 6> kReplayClockNames{

@@ -18,9 +18,9 @@ bool hardlyAny(const FeatureCounts& counts) {
 }
 
 /// Whether both images were looked at: not those of a pair that was refused or measured against a stand.
-bool looked(OdometryReason reason) {
-  return reason != OdometryReason::zero_velocity && reason != OdometryReason::offset_uncertain &&
-         reason != OdometryReason::repeated_picture && reason != OdometryReason::time_step;
+bool looked(const OdometryReasons& reasons) {
+  return reasons != OdometryReason::zero_velocity && reasons != OdometryReason::offset_uncertain &&
+         reasons != OdometryReason::repeated_picture && reasons != OdometryReason::time_step;
 }
 
 }  // namespace

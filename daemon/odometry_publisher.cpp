@@ -16,8 +16,6 @@ namespace {
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::uint32_t kHighestBit = 1U << 31U;
-
 /// The message's bit for one reason; 0 if there is none. The switch has no default, so that the compiler
 /// names a reason that is missing here.
 constexpr std::int32_t messageBit(OdometryReason reason) {
@@ -87,11 +85,11 @@ std::int32_t noPairBits(NoPairCause cause) {
 
 }  // namespace
 
-std::int32_t reasonBits(OdometryReason reasons) {
+std::int32_t reasonBits(const OdometryReasons& reasons) {
   std::int32_t bits = 0;
-  for (std::uint32_t bit = kHighestBit; bit != 0; bit >>= 1U) {
-    if ((static_cast<std::uint32_t>(reasons) & bit) != 0)
-      bits |= messageBit(static_cast<OdometryReason>(bit));
+  for (int i = 0; i < kOdometryReasonCount; ++i) {
+    const auto reason = static_cast<OdometryReason>(i);
+    if (reasons.has(reason)) bits |= messageBit(reason);
   }
   return bits;
 }

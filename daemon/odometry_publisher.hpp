@@ -14,7 +14,7 @@ class LCM;
 namespace cartvo {
 
 /// The bits of odometry_t.reasons that stand for the odometry's reasons.
-std::int32_t reasonBits(OdometryReason reasons);
+std::int32_t reasonBits(const OdometryReasons& reasons);
 
 /// The message for one pair. What an invalid estimate holds is said in daemon/messages/odometry_t.lcm.
 odometry_t odometryMessage(const PairResult& result);

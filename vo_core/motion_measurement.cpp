@@ -60,11 +60,11 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
   const ValiditySettings& validity = settings_.validity;
   if (motion->inliers < validity.minimum_inliers ||
       motion->inliers < validity.minimum_inlier_ratio * measurement.matched)
-    measurement.reasons = measurement.reasons | OdometryReason::too_few_inliers;
+    measurement.reasons.add(OdometryReason::too_few_inliers);
   if (settings_.refinement.frames == 1 && motion->scale > validity.maximum_residual)
-    measurement.reasons = measurement.reasons | OdometryReason::high_residual;
+    measurement.reasons.add(OdometryReason::high_residual);
   if (!plausibleMotion(motion->T_reference_current, time_step, validity))
-    measurement.reasons = measurement.reasons | OdometryReason::implausible_motion;
+    measurement.reasons.add(OdometryReason::implausible_motion);
   return measurement;
 }
 

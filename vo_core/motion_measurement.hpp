@@ -15,7 +15,7 @@ namespace cartvo {
 
 /// What a pair tells about the motion since a reference.
 struct MotionMeasurement {
-  OdometryReason reasons = OdometryReason::none;  ///< why it is not to be believed
+  OdometryReasons reasons;  ///< why it is not to be believed
   Eigen::Isometry3d T_reference_current = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< perturbation on the right
   double scale = 1.0;                      ///< see EstimatedMotion

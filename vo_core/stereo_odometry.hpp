@@ -26,24 +26,40 @@ struct StereoImages {
   KeyFrames key_frames{};
 };
 
-/// Why an estimate is not there, as bits.
-enum class OdometryReason : std::uint32_t {
-  none = 0,
-  first_pair = 1u << 0,           ///< nothing to compare with yet
-  too_few_features = 1u << 1,     ///< the images hold too little texture
-  too_few_matches = 1u << 2,      ///< too few features tracked in time and matched in stereo
-  too_few_inliers = 1u << 3,      ///< no motion explains enough of the matches, or at first clearly the most
-  high_residual = 1u << 4,        ///< the best motion explains the matches badly
-  time_step = 1u << 5,            ///< time stood still, ran backwards or jumped
-  implausible_motion = 1u << 6,   ///< faster than the settings say a cart can be
-  degenerate_geometry = 1u << 7,  ///< the matches leave a direction of the motion open
-  zero_velocity = 1u << 11,       ///< of a valid estimate: the cart stands, and its pose is held
-  offset_uncertain = 1u << 12,    ///< how far apart the exposures are is not known well enough
-  repeated_picture = 1u << 13,    ///< a camera shows once more what it showed before, and the cart moved
+/// Why an estimate is not there.
+enum class OdometryReason : std::uint8_t {
+  none,
+  first_pair,           ///< nothing to compare with yet
+  too_few_features,     ///< the images hold too little texture
+  too_few_matches,      ///< too few features tracked in time and matched in stereo
+  too_few_inliers,      ///< no motion explains enough of the matches, or at first clearly the most
+  high_residual,        ///< the best motion explains the matches badly
+  time_step,            ///< time stood still, ran backwards or jumped
+  implausible_motion,   ///< faster than the settings say a cart can be
+  degenerate_geometry,  ///< the matches leave a direction of the motion open
+  zero_velocity,        ///< of a valid estimate: the cart stands, and its pose is held
+  offset_uncertain,     ///< how far apart the exposures are is not known well enough
+  repeated_picture,     ///< a camera shows once more what it showed before, and the cart moved
 };
-constexpr OdometryReason operator|(OdometryReason a, OdometryReason b) {
-  return static_cast<OdometryReason>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
-}
+constexpr int kOdometryReasonCount = 12;
+
+/// The reasons of one estimate. Only `estimator: thesis` gives more than one at a time.
+class OdometryReasons {
+ public:
+  constexpr OdometryReasons() = default;
+  constexpr OdometryReasons(OdometryReason reason) { add(reason); }  // NOLINT(google-explicit-constructor)
+
+  constexpr void add(OdometryReason reason) {
+    if (reason != OdometryReason::none) set_ |= bitOf(reason);
+  }
+  constexpr bool has(OdometryReason reason) const { return (set_ & bitOf(reason)) != 0; }
+  constexpr bool operator==(const OdometryReasons&) const = default;
+
+ private:
+  static constexpr std::uint32_t bitOf(OdometryReason reason) { return 1U << static_cast<unsigned>(reason); }
+
+  std::uint32_t set_ = 0;
+};
 
 struct FeatureCounts {
   int detected = 0;  ///< features alive after detection, left image
@@ -69,7 +85,7 @@ struct FeatureCounts {
 struct OdometryEstimate {
   std::int64_t exposure_ns = 0;  ///< of the left image
   bool valid = false;            ///< whether the motion was measured
-  OdometryReason reasons = OdometryReason::none;
+  OdometryReasons reasons;
   std::uint32_t reset_counter = 0;  ///< counts the epochs: grows when the pose starts anew after a loss
   double time_step = 0.0;           ///< s since the reference, left to left; 0 without
   /// Motion since the reference, as it is known to have been then (`estimator: thesis`: as it was published);

@@ -62,9 +62,9 @@ TEST(PipelineReplay, MeasuresTheMotionOfTheBody) {
   // The wall passes to the left: the cart, looking at it, goes to the right (-y) by 33.3 mm a frame of 20 ms.
   const Replay run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
   const PairResult& last = run.results.back();
-  ASSERT_TRUE(last.estimate.valid) << static_cast<int>(last.estimate.reasons) << " matched "
-                                   << last.estimate.counts.matched << " of " << last.estimate.counts.detected
-                                   << " inliers " << last.estimate.counts.inliers;
+  ASSERT_TRUE(last.estimate.valid) << "matched " << last.estimate.counts.matched << " of "
+                                   << last.estimate.counts.detected << " inliers "
+                                   << last.estimate.counts.inliers;
   EXPECT_NEAR(last.motion.velocity.y(), -2.0 * 4.0 / 240.0 / 0.02, 0.05);
   EXPECT_NEAR(last.motion.velocity.x(), 0.0, 0.1);
   EXPECT_GT(last.times.total, 0.0);

@@ -42,7 +42,7 @@ struct ReplayedPair {
   std::int64_t exposure_ns = 0;  ///< of the left image
   std::int64_t offset_ns = 0;
   bool valid = false;
-  OdometryReason reasons = OdometryReason::none;
+  OdometryReasons reasons;
   std::uint32_t reset_counter = 0;
   double time_step = 0.0;  ///< s since the pair that the motion is measured from; 0 if not valid
   FeatureCounts counts;

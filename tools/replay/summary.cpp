@@ -66,8 +66,10 @@ Json pairsJson(const Replay& replay) {
     const ReplayedPair& pair = replay.pairs[index];
     if (pair.valid) continue;
     invalid.push_back(index);
-    for (auto bits = static_cast<std::uint32_t>(pair.reasons); bits != 0; bits &= bits - 1) {
-      const std::string name = reasonName(static_cast<OdometryReason>(bits & -bits));
+    for (int i = 0; i < kOdometryReasonCount; ++i) {
+      const auto reason = static_cast<OdometryReason>(i);
+      if (!pair.reasons.has(reason)) continue;
+      const std::string name = reasonName(reason);
       by_reason[name] = by_reason.value(name, 0) + 1;
     }
   }

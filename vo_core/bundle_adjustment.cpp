@@ -161,10 +161,6 @@ BundleAdjuster::BundleAdjuster(BundleAdjuster&&) noexcept = default;
 BundleAdjuster& BundleAdjuster::operator=(BundleAdjuster&&) noexcept = default;
 BundleAdjuster::~BundleAdjuster() = default;
 
-BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
-  return BundleAdjuster().adjust(problem, settings);
-}
-
 BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
   BundleResult result;
   work_->take(problem);

@@ -107,7 +107,4 @@ class BundleAdjuster {
   std::unique_ptr<Work> work_;  // kept from problem to problem for its memory
 };
 
-/// For a single problem.
-BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings);
-
 }  // namespace cartvo

@@ -30,7 +30,7 @@ bool stretched(const Eigen::Matrix2d& warp) {
 
 /// Whether what was found, aligned backwards, leads to where it came from.
 bool returns(const AffineAlignment& found, const TrackingSettings& tracking) {
-  return tracking.maximum_return == 0.0 || found.return_miss <= tracking.maximum_return;
+  return found.return_miss <= tracking.maximum_return;
 }
 
 /// Levels of the shift that comes before an alignment in `level`, of so many that are tracked in. Where pose
@@ -242,8 +242,7 @@ void LandmarkTracker::followBlock(std::span<Landmark> landmarks, const Scene& sc
     Sighting sighting;
     sighting.frame = scene.frame;
     sighting.left = aligned->position;
-    if (settings_.tracking.patch_noise)
-      sighting.relative_noise = relativeNoise(aligned->variance, landmarks[i].level);
+    sighting.relative_noise = relativeNoise(aligned->variance, landmarks[i].level);
     landmarks[i].sightings.push_back(sighting);
     ++landmarks[i].age;
   }

@@ -29,8 +29,7 @@ struct TrackingSettings {
   int iterations = 6;                ///< at most, of the last, affine step
   double convergence = 0.1;          ///< px; the track is done when a step is shorter
   double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
-  double maximum_return = 0.5;       ///< px by which an alignment backwards may miss its start; 0: not tried
-  bool patch_noise = true;           ///< positions weigh by how well their patches can be placed
+  double maximum_return = 0.5;       ///< px by which an alignment backwards may miss its start
   double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
   double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
   int search_again =

@@ -164,7 +164,7 @@ TrackedMotion VisualTrack::explain(const PreparedPair& pair, StageObserver& obse
     std::optional<Eigen::Isometry3d> expected;
     if (velocity_) expected = expectedPose(pair);
     tracker_.follow(draft.landmarks, window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected);
-    if (pair.coded && settings_.tracking.patch_noise) doubtLastPositions(draft.landmarks);
+    if (pair.coded) doubtLastPositions(draft.landmarks);
     motion.counts.tracked = static_cast<int>(draft.landmarks.size());
   }
   {
@@ -301,7 +301,6 @@ void VisualTrack::holdStill(const PreparedPair& pair, TrackedMotion& motion) {
   const WindowFrame& stand = window_.back();
   motion.reasons = OdometryReason::zero_velocity;
   motion.T_world_camera = stand.T_world_camera;
-  motion.pose_covariance = poseCovarianceOf(stand);
   motion.motion_covariance.setZero();
   motion.motion_covariance.diagonal() << Eigen::Vector3d::Constant(kStillTranslation * kStillTranslation),
       Eigen::Vector3d::Constant(kStillRotation * kStillRotation);
@@ -400,7 +399,6 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   weigh(draft);
   const MotionUncertainty uncertainty = takeUncertainties(
       bundle_, result, {overlap_.of(bundle_), pair.excess, pair.offset_deviation}, draft.window);
-  motion.pose_covariance = poseCovarianceOf(draft.window.back());
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;

@@ -36,7 +36,6 @@ struct TrackedMotion {
   OdometryReason reasons = OdometryReason::none;  ///< why it is not to be believed, or that the cart stands
   double time_step = 0.0;                         ///< s, since the last pair that the track took in
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  Matrix6d pose_covariance = Matrix6d::Zero();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
   Vector6d deviation_by_landmarks = Vector6d::Zero();  ///< of the motion, with no other doubt in it

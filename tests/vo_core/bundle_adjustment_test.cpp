@@ -26,7 +26,7 @@ TEST(BundleAdjustment, FindsPosesAndDepthsExactlyWithoutNoise) {
       const BundleProblem truth = test::seenBy(scene, 1);
       BundleProblem problem = truth;
       test::disturb(problem);
-      const BundleResult result = adjustBundle(problem, settings);
+      const BundleResult result = test::adjustBundle(problem, settings);
       ASSERT_TRUE(result.converged);
       EXPECT_LT(test::poseErrors(problem).norm(), 1e-6) << free_frames << " free, " << offset << " s";
       for (std::size_t i = 0; i < problem.landmarks.size(); ++i) {
@@ -45,7 +45,7 @@ TEST(BundleAdjustment, ConvergesQuadratically) {
       BundleProblem problem = test::seenBy({.free_frames = free_frames, .offset = offset}, 1);
       test::disturb(problem, kNearby);
       const double before = test::poseErrors(problem).norm();
-      ASSERT_TRUE(adjustBundle(problem, {.iterations = 1, .robust_width = kPlain}).converged);
+      ASSERT_TRUE(test::adjustBundle(problem, {.iterations = 1, .robust_width = kPlain}).converged);
       EXPECT_LT(test::poseErrors(problem).norm(), 1e-4 * before)
           << free_frames << " free, " << offset << " s";
     }
@@ -57,7 +57,7 @@ TEST(BundleAdjustment, TakingTwoInstantsForOneMovesThePose) {
   BundleProblem problem = test::seenBy({.offset = 0.02}, 1);
   for (TimedPose& pose : problem.poses)
     pose.offset = 0.0;
-  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  ASSERT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
   EXPECT_GT(test::poseErrors(problem).head<3>().norm(), 0.001);
 }
 
@@ -78,8 +78,8 @@ double errorAmongNoisyLandmarks(bool said) {
         if (said) sightings[k].relative_noise.setConstant(kRelative);
       }
     }
-    EXPECT_TRUE(
-        adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain}).converged);
+    EXPECT_TRUE(test::adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain})
+                    .converged);
     squares += test::poseErrors(problem).squaredNorm();
   }
   return std::sqrt(squares);
@@ -92,7 +92,7 @@ TEST(BundleAdjustment, WeighsPositionsByTheirNoise) {
 TEST(BundleAdjustment, FixedPosesStand) {
   BundleProblem problem = test::seenBy({.free_frames = 3, .noise = 1.0}, 1);
   const TimedPoses before = problem.poses;
-  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  ASSERT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
   for (std::size_t i = 0; i < before.size(); ++i)
     EXPECT_EQ(problem.poses[i].T_world_camera.matrix() == before[i].T_world_camera.matrix(), i < 4) << i;
 }
@@ -113,7 +113,7 @@ TEST(BundleAdjustment, SaysHowTheResultErrsIfRightCamerasAreLate) {
       const LandmarkScene scene{.free_frames = free_frames, .offset = offset};
       const BundleProblem truth = test::seenBy(scene, 1);
       BundleProblem late = withDelay(scene, kDelay);
-      ASSERT_TRUE(adjustBundle(late, settings).converged);
+      ASSERT_TRUE(test::adjustBundle(late, settings).converged);
       for (int i = 0; i < free_frames; ++i) {
         const Vector6d expected = test::poseErrors(late).segment<6>(6 * i) / kDelay;
         const Vector6d& said = late.poses[late.fixed + i].by_late_right;
@@ -140,7 +140,8 @@ TEST(BundleAdjustment, PassesOnWhatLateRightCamerasDidToPosesAndPriors) {
     landmark.prior_by_late_right = 2.0;
     landmark.prior_inverse_depth = landmark.inverse_depth + 2.0 * kDelay;
   }
-  ASSERT_TRUE(adjustBundle(late, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain}).converged);
+  ASSERT_TRUE(
+      test::adjustBundle(late, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain}).converged);
   const Vector6d expected = test::poseErrors(late) / kDelay;
   EXPECT_LT((late.poses.back().by_late_right - expected).norm(), 0.01 * expected.norm());
 }
@@ -204,7 +205,7 @@ TEST(BundleAdjustment, SolvesThePlainEquationsOfAllPosesAndDepths) {
         if (i % 3 == 0) problem.landmarks[i].sightings.back().stereo = false;
       }
       const BundleResult result =
-          adjustBundle(problem, {.iterations = 20, .convergence = 0.0, .robust_width = kPlain});
+          test::adjustBundle(problem, {.iterations = 20, .convergence = 0.0, .robust_width = kPlain});
       ASSERT_TRUE(result.converged);
       Eigen::VectorXd weights(residualsOf(problem).size());
       Eigen::Index row = 0;
@@ -239,7 +240,8 @@ double meanNees(const LandmarkScene& scene, double robust_width) {
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     BundleProblem problem = test::seenBy(scene, 1000 + trial);
-    const BundleResult result = adjustBundle(problem, {.convergence = 0.0, .robust_width = robust_width});
+    const BundleResult result =
+        test::adjustBundle(problem, {.convergence = 0.0, .robust_width = robust_width});
     EXPECT_TRUE(result.converged);
     const Eigen::VectorXd error = test::poseErrors(problem);
     sum += error.dot(result.covariance.ldlt().solve(error));
@@ -280,7 +282,7 @@ TEST(BundleAdjustment, RigGradientIsItsInformationTimesTheChange) {
     BundleProblem problem =
         test::seenBy({.free_frames = 3, .landmarks = 20, .offset = offset, .rig = rig}, 1);
     const BundleResult result =
-        adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain});
+        test::adjustBundle(problem, {.iterations = 10, .convergence = 0.0, .robust_width = kPlain});
     const RigCorrection::Vector found = result.rig_information.ldlt().solve(result.rig_gradient);
     EXPECT_NEAR(found[0], rig.yaw, 1e-7) << offset;
     EXPECT_NEAR(found[1], rig.bend, 2e-7) << offset;
@@ -291,7 +293,7 @@ TEST(BundleAdjustment, RigInformationAgreesWithTheErrors) {
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     BundleProblem problem = test::seenBy({.free_frames = 3, .noise = 1.0}, 1000 + trial);
-    const BundleResult result = adjustBundle(problem, {.robust_width = kPlain});
+    const BundleResult result = test::adjustBundle(problem, {.robust_width = kPlain});
     sum += result.rig_gradient.dot(result.rig_information.ldlt().solve(result.rig_gradient));
   }
   EXPECT_NEAR(sum / kTrials, 2.0, bandOf(2.0));
@@ -303,8 +305,8 @@ TEST(BundleAdjustment, EndsWhereItWouldWithoutThemIfAFifthOfTheDisparitiesIsWron
         test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0, .wrong_disparities = 0.2}, 5);
     test::disturb(problem);
     BundleProblem clean = test::seenBy({.landmarks = 100, .offset = offset, .noise = 1.0}, 5);
-    const BundleResult result = adjustBundle(problem, {.iterations = 10, .convergence = 0.0});
-    adjustBundle(clean, {.iterations = 10, .convergence = 0.0});
+    const BundleResult result = test::adjustBundle(problem, {.iterations = 10, .convergence = 0.0});
+    test::adjustBundle(clean, {.iterations = 10, .convergence = 0.0});
     ASSERT_TRUE(result.converged);
     const Eigen::ArrayXd deviation = result.covariance.diagonal().cwiseSqrt();
     EXPECT_LT((test::poseErrors(problem).array().abs() / deviation).maxCoeff(), 4.0) << offset;
@@ -317,7 +319,7 @@ TEST(BundleAdjustment, WhatAnAdjusterKeepsChangesNoResult) {
        {LandmarkScene{.free_frames = 3, .landmarks = 200, .offset = 0.02, .noise = 1.0},
         LandmarkScene{.landmarks = 30, .noise = 1.0}, LandmarkScene{.free_frames = 2, .noise = 1.0}}) {
     BundleProblem once = test::seenBy(scene, 1), again = once;
-    const BundleResult fresh = adjustBundle(once, BundleSettings{});
+    const BundleResult fresh = test::adjustBundle(once, BundleSettings{});
     const BundleResult result = kept.adjust(again, BundleSettings{});
     ASSERT_TRUE(result.converged);
     EXPECT_EQ(result.covariance, fresh.covariance);
@@ -349,7 +351,7 @@ TEST(BundleAdjustment, ALandmarkWithoutStereoStandsByItsPrior) {
   lone.inverse_depth = 0.5;
   lone.prior_inverse_depth = 0.1;
   lone.prior_information = 100.0;
-  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  ASSERT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
   EXPECT_NEAR(lone.inverse_depth, 0.1, 1e-9);
   EXPECT_NEAR(lone.information, 100.0, 1e-9);
 }
@@ -358,7 +360,7 @@ TEST(BundleAdjustment, ALandmarkBehindTheCameraIsLeftOut) {
   BundleProblem problem = test::seenBy({}, 1);
   BundleLandmark& behind = problem.landmarks.front();
   behind.inverse_depth = 5.0;  // 0.2 m ahead of a host that has since moved on by more
-  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  ASSERT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
   EXPECT_EQ(behind.information, 0.0);
   EXPECT_GT(behind.error, 100.0);
   EXPECT_LT(test::poseErrors(problem).norm(), 1e-6);
@@ -381,7 +383,7 @@ TEST(BundleAdjustment, ALandmarkCountsThatIsBehindCamerasWhichNoLongerSeeIt) {
     sighting.left = pixel_by(T_world_camera);
     sighting.right = pixel_by(test::rightOf(T_world_camera));
   }
-  ASSERT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+  ASSERT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
   EXPECT_GT(passed.information, 0.0);
   EXPECT_NEAR(passed.inverse_depth, 2.0, 1e-6);
   EXPECT_LT(passed.error, 1e-3);
@@ -390,9 +392,9 @@ TEST(BundleAdjustment, ALandmarkCountsThatIsBehindCamerasWhichNoLongerSeeIt) {
 TEST(BundleAdjustment, SaysWhenThePoseIsLeftOpen) {
   BundleProblem problem = test::seenBy({}, 1);
   problem.landmarks.resize(1);
-  EXPECT_FALSE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_FALSE(test::adjustBundle(problem, BundleSettings{}).converged);
   problem.landmarks.clear();
-  EXPECT_FALSE(adjustBundle(problem, BundleSettings{}).converged);
+  EXPECT_FALSE(test::adjustBundle(problem, BundleSettings{}).converged);
 }
 
 }  // namespace

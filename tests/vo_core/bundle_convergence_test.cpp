@@ -15,9 +15,9 @@ TEST(BundleConvergence, EndsWithinAFifthOfADeviationOfTheMinimum) {
     BundleProblem problem = test::seenBy({.offset = 0.02, .noise = 1.0}, seed);
     test::disturb(problem);
     BundleProblem minimum = problem;
-    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    const BundleResult result = test::adjustBundle(problem, BundleSettings{});
     ASSERT_TRUE(result.converged);
-    ASSERT_TRUE(adjustBundle(minimum, {.iterations = 20, .convergence = 0.0}).converged);
+    ASSERT_TRUE(test::adjustBundle(minimum, {.iterations = 20, .convergence = 0.0}).converged);
     const Vector6d apart =
         vectorFromMotion(minimum.poses.back().T_world_camera.inverse() * problem.poses.back().T_world_camera);
     EXPECT_LT(std::sqrt(apart.dot(result.covariance.inverse() * apart) / 6.0), 0.2) << seed;

@@ -11,7 +11,7 @@ namespace {
 TEST(BundleNoise, SaysHowMuchLargerTheNoiseIsThanAssumed) {
   for (const double noise : {0.5, 1.0, 2.0}) {
     BundleProblem problem = test::seenBy({.landmarks = 400, .noise = noise}, 3);
-    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    const BundleResult result = test::adjustBundle(problem, BundleSettings{});
     EXPECT_NEAR(result.noise_scale.front().pixel, noise, 0.15 * noise);
     EXPECT_NEAR(result.noise_scale.front().disparity, noise, 0.15 * noise);
   }
@@ -21,7 +21,7 @@ TEST(BundleNoise, EachLevelHasANoiseOfItsOwn) {
   BundleProblem problem = test::seenBy({.landmarks = 800, .noise = 0.7, .coarse_noise = 2.5}, 4);
   BundleNoises noise = problem.noise;
   for (int pair = 0; pair < 40; ++pair) {
-    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    const BundleResult result = test::adjustBundle(problem, BundleSettings{});
     EXPECT_NEAR(result.noise_scale[0].pixel * problem.noise[0].pixel, 0.7 * noise[0].pixel,
                 0.1 * noise[0].pixel);
     problem.noise = adapted(problem.noise, result);
@@ -34,7 +34,7 @@ TEST(BundleNoise, EachLevelHasANoiseOfItsOwn) {
 TEST(BundleNoise, OfALevelWithHardlyAnyLandmarksTheNoiseGoesWithTheOther) {
   BundleProblem problem = test::seenBy({.landmarks = 200, .noise = 2.0}, 4);
   problem.landmarks.front().level = 1;
-  const BundleResult result = adjustBundle(problem, BundleSettings{});
+  const BundleResult result = test::adjustBundle(problem, BundleSettings{});
   EXPECT_EQ(result.noise_scale[1].pixel, result.noise_scale[0].pixel);
   EXPECT_EQ(result.noise_scale[1].disparity, result.noise_scale[0].disparity);
 }

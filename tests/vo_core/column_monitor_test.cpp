@@ -123,7 +123,7 @@ ColumnMonitor driven(const RigCorrection& rig, double offset, int pairs) {
     for (BundleLandmark& landmark : problem.landmarks)
       for (BundleSighting& sighting : landmark.sightings)
         sighting.right = correctedRight(problem.camera, found, sighting.right);
-    const BundleResult result = adjustBundle(problem, BundleSettings{});
+    const BundleResult result = test::adjustBundle(problem, BundleSettings{});
     EXPECT_TRUE(result.converged);
     monitor.add(result.rig_information, result.rig_gradient, found, kTimeStep);
   }

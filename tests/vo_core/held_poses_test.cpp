@@ -27,17 +27,17 @@ TEST(HeldPoses, AHeldPoseMovesAsFarAsItIsWorthAgainstWhatIsSeen) {
   const Vector6d away = test::vector6(2e-3, -1e-3, 3e-3, 1e-4, -2e-4, 1e-4);
   const BundleSettings settings{.iterations = 20, .convergence = 0.0, .robust_width = kPlain};
   BundleProblem free = heldAway(away, 0.0);
-  const BundleResult by_sight = adjustBundle(free, settings);
+  const BundleResult by_sight = test::adjustBundle(free, settings);
   EXPECT_LT(test::poseErrors(free).norm(), 1e-6) << "no information";
   BundleProblem nailed = heldAway(away, 1e12);
-  ASSERT_TRUE(adjustBundle(nailed, settings).converged);
+  ASSERT_TRUE(test::adjustBundle(nailed, settings).converged);
   EXPECT_LT((test::poseErrors(nailed).head<6>() - away).norm(), 1e-5) << "all that there is";
 
   // In between, as two measurements are weighed: by the inverse covariance of what is seen and by that of the
   // start. The step is linear, the errors small.
   constexpr double kInformation = 1e6;
   BundleProblem held = heldAway(away, kInformation);
-  const BundleResult result = adjustBundle(held, settings);
+  const BundleResult result = test::adjustBundle(held, settings);
   const Matrix6d seen = by_sight.covariance.topLeftCorner<6, 6>().inverse();
   const Matrix6d start = kInformation * Matrix6d::Identity();
   const Vector6d expected = (seen + start).inverse() * start * away;
@@ -54,7 +54,7 @@ TEST(HeldPoses, PassesOnWhatLateRightCamerasDidToAHeldPose) {
   for (TimedPose& pose : late.poses)
     pose.offset -= kDelay;
   late.poses[5].by_late_right = by_late_right;
-  ASSERT_TRUE(adjustBundle(late, settings).converged);
+  ASSERT_TRUE(test::adjustBundle(late, settings).converged);
   const Vector12d expected = test::poseErrors(late) / kDelay;
   Vector12d said;
   said << late.poses[5].by_late_right, late.poses[6].by_late_right;

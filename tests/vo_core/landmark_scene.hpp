@@ -13,6 +13,10 @@ namespace cartvo::test {
 inline const StereoCamera kRigCamera{480.0, 340.0, 210.0, 0.115, 680, 420};
 constexpr double kFramePeriod = 0.055;  // s
 
+inline BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
+  return BundleAdjuster().adjust(problem, settings);
+}
+
 /// A vector of a motion from its six numbers.
 inline Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) {
   Vector6d vector;

@@ -26,7 +26,7 @@ double depthError(double away, double share) {
         error[axis] = away * (axis < 3 ? kTranslation : kRotation) * random.gaussian();
       problem.poses[i].T_world_camera = problem.poses[i].T_world_camera * motionFromVector(error);
     }
-    EXPECT_TRUE(adjustBundle(problem, BundleSettings{}).converged);
+    EXPECT_TRUE(test::adjustBundle(problem, BundleSettings{}).converged);
     for (std::size_t i = 0; i < truth.landmarks.size(); ++i, ++count)
       squares += std::pow(problem.landmarks[i].inverse_depth / truth.landmarks[i].inverse_depth - 1.0, 2);
   }

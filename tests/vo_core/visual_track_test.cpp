@@ -108,10 +108,10 @@ TEST_F(VisualTrackTest, ErrsByWhatItsCovariancesOwnUpTo) {
     EXPECT_LT(error.dot(motion.motion_covariance.ldlt().solve(error)), kFarOut) << i;
     EXPECT_LT(error.head<3>().norm(), 0.05 * kStep) << i;
     const Vector6d pose_error = vectorFromMotion(motion.T_world_camera.inverse() * drive(i));
-    EXPECT_LT(pose_error.dot(motion.pose_covariance.ldlt().solve(pose_error)), kFarOut) << i;
+    EXPECT_LT(pose_error.dot(track.poseCovariance().ldlt().solve(pose_error)), kFarOut) << i;
     // It grows, but a pair tells of the one before as well, which may outweigh a single step.
-    EXPECT_GT(motion.pose_covariance.trace(), 0.9 * pose_variance);
-    pose_variance = motion.pose_covariance.trace();
+    EXPECT_GT(track.poseCovariance().trace(), 0.9 * pose_variance);
+    pose_variance = track.poseCovariance().trace();
   }
 }
 
@@ -153,7 +153,7 @@ TEST_F(VisualTrackTest, WhatAllLandmarksShareIsInItsCovariancesButMovesNothing) 
   EXPECT_EQ(shared.T_world_camera.matrix(), alone.T_world_camera.matrix());
   EXPECT_EQ(shared.deviation_by_landmarks, alone.deviation_by_landmarks);
   EXPECT_TRUE(shared.motion_covariance.isApprox(4.0 * alone.motion_covariance, 1e-9));
-  EXPECT_TRUE(shared.pose_covariance.isApprox(4.0 * alone.pose_covariance, 1e-9));
+  EXPECT_TRUE(video.poseCovariance().isApprox(4.0 * images.poseCovariance(), 1e-9));
 }
 
 TEST_F(VisualTrackTest, WhatAllLandmarksShareMakesAMotionVagueNotDegenerate) {

@@ -28,16 +28,14 @@ const std::vector<Ablation>& ablations() {
        [](OdometrySettings& s) { s.rig_refinement = RigRefinement::off; }},
       {"no-stand", "a standing cart is not noticed",
        [](OdometrySettings& s) { s.standstill.least_time = 3600.0; }},
-      {"one-way", "no alignment takes a step backwards to see whether it returns",
-       [](OdometrySettings& s) { s.tracking.maximum_return = 0.0; }},
+      {"one-way", "no alignment is rejected for a step backwards that misses its start",
+       [](OdometrySettings& s) { s.tracking.maximum_return = 100.0; }},
       {"fixed-threshold", "one FAST threshold for all windows",
        [](OdometrySettings& s) {
          s.detection.minimum_threshold = s.detection.maximum_threshold = s.detection.initial_threshold;
        }},
       {"fine-only", "all landmarks from the image itself, none from its half",
        [](OdometrySettings& s) { s.detection.levels = 1; }},
-      {"alike", "each position weighs as any other, however well its patch can be placed",
-       [](OdometrySettings& s) { s.tracking.patch_noise = false; }},
       {"half-features", "half as many landmarks", [](OdometrySettings& s) { s.features /= 2; }},
       {"double-features", "twice as many landmarks", [](OdometrySettings& s) { s.features *= 2; }},
       {"simultaneous", "the offset between the cameras is ignored (matters with --offset-ms)",

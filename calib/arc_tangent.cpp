@@ -1,3 +1,4 @@
+// Arc tangent and tangent with the same bits on every machine.
 #include "calib/arc_tangent.hpp"
 
 #include <cmath>
@@ -5,8 +6,8 @@
 namespace cartvo {
 
 double portableArcTangent(double x) {
-  // atan x = 2 atan(x / (1 + sqrt(1 + x^2))): four halvings bring pi/2 down to pi/32, where the series' first
-  // term left out is 5e-19.
+  // atan x = 2 atan(x / (1 + sqrt(1 + x^2))): four halvings reduce pi/2 to pi/32, where the first omitted
+  // term of the series is 5e-19.
   constexpr int kHalvings = 4;
   for (int halving = 0; halving < kHalvings; ++halving)
     x /= 1.0 + std::sqrt(1.0 + x * x);
@@ -18,10 +19,10 @@ double portableArcTangent(double x) {
 }
 
 double portableTangent(double angle) {
-  // The arc tangent is concave: from below Newton's steps never pass the solution, so they converge.
-  constexpr int kMostSteps = 60;
+  // The arc tangent is concave: Newton's method from below never overshoots, so it converges.
+  constexpr int kMaxSteps = 60;
   double tangent = angle;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const double correction = (angle - portableArcTangent(tangent)) * (1.0 + tangent * tangent);
     tangent += correction;
     if (std::abs(correction) <= 1e-15 * tangent) break;

@@ -2,13 +2,13 @@
 
 namespace cartvo {
 
-// The mathematical library's functions differ in the last bits between machines. These are made of additions,
-// multiplications, divisions and square roots alone, which IEEE 754 defines to the last bit.
+// Functions with the same bits on every machine. The C library's differ in the last bits; these use only
+// additions, multiplications, divisions and square roots, which IEEE 754 defines to the last bit.
 
-/// The arc tangent of x >= 0, rad; within 4e-15 of the true one, relatively.
+/// The arc tangent of x >= 0, rad. Relative error below 4e-15.
 double portableArcTangent(double x);
 
-/// The tangent of an angle of 0 to 1.56 rad; within 1e-13 of the true one, relatively, up to 1.5 rad.
+/// The tangent of an angle from 0 to 1.56 rad. Relative error below 1e-13 up to 1.5 rad.
 double portableTangent(double angle);
 
 }  // namespace cartvo

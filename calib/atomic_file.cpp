@@ -1,3 +1,4 @@
+// Atomic file writing: temporary file, fsync, rename.
 #include "calib/atomic_file.hpp"
 
 #include <cerrno>
@@ -13,12 +14,12 @@
 namespace cartvo {
 namespace {
 
-/// An open temporary file that is closed, and removed unless it was renamed.
+/// An open temporary file. The destructor closes it, and removes it unless it was renamed.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::filesystem::path& target)
       : target_(target), name_(target.string() + ".XXXXXX"), descriptor_(mkstemp(name_.data())) {
-    if (descriptor_ < 0) fail("cannot make a file beside it");
+    if (descriptor_ < 0) fail("cannot create a temporary file beside it");
   }
   ~TemporaryFile() {
     if (descriptor_ >= 0) close(descriptor_);
@@ -39,7 +40,7 @@ class TemporaryFile {
   void moveToTarget() {
     constexpr mode_t kReadableByAll = 0644;
     if (fchmod(descriptor_, kReadableByAll) != 0) fail("cannot set its permissions");
-    if (fsync(descriptor_) != 0) fail("cannot bring it to the disk");
+    if (fsync(descriptor_) != 0) fail("cannot sync it to the disk");
     if (std::rename(name_.c_str(), target_.c_str()) != 0) fail("cannot rename it into place");
     renamed_ = true;
   }

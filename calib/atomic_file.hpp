@@ -5,8 +5,9 @@
 
 namespace cartvo {
 
-/// Writes a file so that a reader, or a power cut, meets the old contents or the new ones, whole: into a
-/// temporary file beside it, synced, then renamed. Throws std::runtime_error naming the file and the reason.
+/// Writes a file atomically: into a temporary file beside it, which is synced and then renamed. A reader, or
+/// a system after a power cut, finds either all of the old contents or all of the new ones. Throws
+/// std::runtime_error naming the file and the reason.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view contents);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Bundle adjustment of a rig and the boards in front of it.
 #include "calib/board_adjustment.hpp"
 
 #include <Eigen/Cholesky>
@@ -15,7 +16,7 @@ using RigByBoard = Eigen::Matrix<double, kRigParameters, 6>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The normal equations: H step = g, with the rig's part and each board's.
+/// Normal equations H step = g, partitioned into the rig and each board.
 struct NormalEquations {
   double cost = 0.0;
   RigMatrix H_rig = RigMatrix::Zero();
@@ -36,24 +37,26 @@ Eigen::Vector3d onBoard(const std::vector<Eigen::Vector2d>& board_corners, int i
   return {corner.x(), corner.y(), 0.0};
 }
 
-struct Robust {
+struct HuberTerm {
   double cost = 0.0, weight = 1.0;
 };
 
-Robust huber(double squared, double scale) {
+/// Huber's cost and weight of a residual with this squared norm.
+HuberTerm huber(double squared, double scale) {
   const double norm = std::sqrt(squared);
   if (norm <= scale) return {squared, 1.0};
   return {2.0 * scale * norm - scale * scale, scale / norm};
 }
 
-/// Points move with a board's small turn about the left camera's axes and its shift: d(R X + t).
+/// Derivative of the point R X + t by a small rotation of the board about the left camera's axes and a
+/// translation.
 Eigen::Matrix<double, 3, 6> pointByBoard(const Eigen::Vector3d& turned) {
   Eigen::Matrix<double, 3, 6> J;
   J << -crossMatrix(turned), Eigen::Matrix3d::Identity();
   return J;
 }
 
-/// Adds one view's part; stops at a corner that cannot be projected, with infinite cost.
+/// Adds one view's terms. Stops with infinite cost at a corner that cannot be projected.
 void addView(const Rig& rig, const Eigen::Isometry3d& T_left_board, const BoardView& view,
              const std::vector<Eigen::Vector2d>& board_corners, double scale, NormalEquations& equations) {
   RigByBoard& H_rig_board = equations.H_rig_board.emplace_back(RigByBoard::Zero());
@@ -80,7 +83,7 @@ void addView(const Rig& rig, const Eigen::Isometry3d& T_left_board, const BoardV
     add(Eigen::Vector2d(corner.pixel - seen->pixel), 0, seen->J_camera,
         Eigen::Matrix<double, 2, 6>(seen->J_point * pointByBoard(turned)));
   }
-  // The right camera's parameters and the relative pose stand one after the other.
+  // The right camera's parameters and the relative pose are adjacent.
   constexpr int kRightAndPose = kRigParameters - kRightCamera;
   const Eigen::Matrix3d R_right_left = rig.T_right_left.linear();
   for (const SeenCorner& corner : view.right) {
@@ -98,7 +101,7 @@ void addView(const Rig& rig, const Eigen::Isometry3d& T_left_board, const BoardV
   }
 }
 
-void holdDistortion(const Rig& rig, const AdjustmentSettings& settings, NormalEquations& equations) {
+void addDistortionPrior(const Rig& rig, const AdjustmentSettings& settings, NormalEquations& equations) {
   for (const int parameter : settings.free_parameters) {
     const bool is_left = parameter < kRightCamera;
     const int of_camera = is_left ? parameter : parameter - kRightCamera;
@@ -110,17 +113,18 @@ void holdDistortion(const Rig& rig, const AdjustmentSettings& settings, NormalEq
   }
 }
 
-NormalEquations equationsAt(const RigAndBoards& at, const std::vector<BoardView>& views,
-                            const std::vector<Eigen::Vector2d>& board_corners,
-                            const AdjustmentSettings& settings) {
+NormalEquations buildEquations(const RigAndBoards& at, const std::vector<BoardView>& views,
+                               const std::vector<Eigen::Vector2d>& board_corners,
+                               const AdjustmentSettings& settings) {
   NormalEquations equations;
   for (std::size_t i = 0; i < views.size() && std::isfinite(equations.cost); ++i)
     addView(at.rig, at.T_left_board[i], views[i], board_corners, settings.robust_scale, equations);
-  holdDistortion(at.rig, settings, equations);
+  addDistortionPrior(at.rig, settings, equations);
   return equations;
 }
 
-void turnAndShift(const Vector6d& step, Eigen::Isometry3d& T) {
+/// Applies a step (rotation vector, translation) to a pose.
+void applyPoseStep(const Vector6d& step, Eigen::Isometry3d& T) {
   const double angle = step.head<3>().norm();
   if (angle > 0.0) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, step.head<3>() / angle));
@@ -129,14 +133,15 @@ void turnAndShift(const Vector6d& step, Eigen::Isometry3d& T) {
   T.translation() += step.tail<3>();
 }
 
-/// The equations of the rig alone, each board's step expressed by the rig's.
+/// Normal equations of the rig alone, after elimination of the boards.
 struct ReducedEquations {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
   std::vector<Eigen::LDLT<Matrix6d>> boards;
 };
 
-ReducedEquations reduced(const NormalEquations& equations, const std::vector<int>& free, double damping) {
+ReducedEquations eliminateBoards(const NormalEquations& equations, const std::vector<int>& free,
+                                 double damping) {
   const auto count = static_cast<Eigen::Index>(free.size());
   ReducedEquations result;
   result.H = equations.H_rig(free, free);
@@ -154,9 +159,10 @@ ReducedEquations reduced(const NormalEquations& equations, const std::vector<int
   return result;
 }
 
-RigAndBoards stepped(const RigAndBoards& from, const NormalEquations& equations, const std::vector<int>& free,
-                     double damping) {
-  const ReducedEquations rig_alone = reduced(equations, free, damping);
+/// Solves the damped equations and applies the step.
+RigAndBoards applyStep(const RigAndBoards& from, const NormalEquations& equations,
+                       const std::vector<int>& free, double damping) {
+  const ReducedEquations rig_alone = eliminateBoards(equations, free, damping);
   RigVector rig_step = RigVector::Zero();
   if (!free.empty()) {
     const Eigen::VectorXd free_step = rig_alone.H.ldlt().solve(rig_alone.g);
@@ -166,10 +172,10 @@ RigAndBoards stepped(const RigAndBoards& from, const NormalEquations& equations,
   setParameters(parametersOf(from.rig.left) + rig_step.head<kCameraParameters>(), to.rig.left);
   setParameters(parametersOf(from.rig.right) + rig_step.segment<kCameraParameters>(kRightCamera),
                 to.rig.right);
-  turnAndShift(rig_step.tail<6>(), to.rig.T_right_left);
+  applyPoseStep(rig_step.tail<6>(), to.rig.T_right_left);
   for (std::size_t i = 0; i < equations.H_board.size(); ++i) {
     const Vector6d g = equations.g_board[i] - equations.H_rig_board[i].transpose() * rig_step;
-    turnAndShift(rig_alone.boards[i].solve(g), to.T_left_board[i]);
+    applyPoseStep(rig_alone.boards[i].solve(g), to.T_left_board[i]);
   }
   return to;
 }
@@ -195,29 +201,29 @@ ViewResiduals viewResiduals(const Rig& rig, const Eigen::Isometry3d& T_left_boar
 BoardAdjustment adjustBoards(const RigAndBoards& start, const std::vector<BoardView>& views,
                              const std::vector<Eigen::Vector2d>& board_corners,
                              const AdjustmentSettings& settings) {
-  constexpr int kMostSteps = 100;
-  constexpr double kLeastDamping = 1e-9, kMostDamping = 1e9, kLeastGain = 1e-8;
+  constexpr int kMaxSteps = 100;
+  constexpr double kMinDamping = 1e-9, kMaxDamping = 1e9, kMinGain = 1e-8;
   const std::vector<int>& free = settings.free_parameters;
   BoardAdjustment result;
   result.estimate = start;
-  NormalEquations equations = equationsAt(start, views, board_corners, settings);
+  NormalEquations equations = buildEquations(start, views, board_corners, settings);
   double damping = 1e-3;
-  for (int step = 0; step < kMostSteps && std::isfinite(equations.cost) && damping < kMostDamping; ++step) {
-    RigAndBoards next = stepped(result.estimate, equations, free, damping);
-    NormalEquations next_equations = equationsAt(next, views, board_corners, settings);
-    if (!(next_equations.cost < equations.cost)) {  // also where it is not finite
+  for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost) && damping < kMaxDamping; ++step) {
+    RigAndBoards next = applyStep(result.estimate, equations, free, damping);
+    NormalEquations next_equations = buildEquations(next, views, board_corners, settings);
+    if (!(next_equations.cost < equations.cost)) {  // also if it is not finite
       damping *= 10.0;
-      result.converged = damping >= kMostDamping;
+      result.converged = damping >= kMaxDamping;
       continue;
     }
-    result.converged = equations.cost - next_equations.cost < kLeastGain * equations.cost;
+    result.converged = equations.cost - next_equations.cost < kMinGain * equations.cost;
     result.estimate = std::move(next);
     equations = std::move(next_equations);
-    damping = std::max(0.1 * damping, kLeastDamping);
+    damping = std::max(0.1 * damping, kMinDamping);
     if (result.converged) break;
   }
   result.cost = equations.cost;
-  if (std::isfinite(result.cost)) result.information = reduced(equations, free, 0.0).H;
+  if (std::isfinite(result.cost)) result.information = eliminateBoards(equations, free, 0.0).H;
   return result;
 }
 

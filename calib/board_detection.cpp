@@ -1,3 +1,4 @@
+// Board detection: calls the detector of the board's kind.
 #include "calib/board_detection.hpp"
 
 #include "calib/chessboard_detection.hpp"
@@ -12,9 +13,9 @@ std::vector<SeenCorner> detectBoard(const cv::Mat& grey, const BoardSpec& board)
   return detectAprilGrid(grey, std::get<AprilGrid>(board));
 }
 
-std::string otherBoardSeen(const cv::Mat& grey, const BoardSpec& board) {
-  if (std::holds_alternative<Chessboard>(board)) return chessboardSeen(grey);
-  return markerBeyondSeen(grey, board);
+std::string describeOtherBoard(const cv::Mat& grey, const BoardSpec& board) {
+  if (std::holds_alternative<Chessboard>(board)) return describeChessboard(grey);
+  return describeUnknownMarker(grey, board);
 }
 
 }  // namespace cartvo

@@ -10,12 +10,13 @@
 
 namespace cartvo {
 
-/// The corners of a board in a grey image (CV_8UC1), by rising id, to a fraction of a pixel. A chessboard is
-/// seen whole or not at all; of boards with markers any part will do. Empty where there is no board.
+/// Detects the corners of a board in a grey image (CV_8UC1), sorted by id, with subpixel accuracy. A
+/// chessboard must be visible completely; a board with markers may be visible in part. Empty if no board is
+/// found.
 std::vector<SeenCorner> detectBoard(const cv::Mat& grey, const BoardSpec& board);
 
-/// What an image shows that the board cannot: "a chessboard of 8x6 inner corners", "a tag with the number
-/// 40". Empty if there is nothing of the kind.
-std::string otherBoardSeen(const cv::Mat& grey, const BoardSpec& board);
+/// Describes a board in the image that is not the given one: "a chessboard of 8x6 inner corners", "a marker
+/// with the number 40". Empty if there is none.
+std::string describeOtherBoard(const cv::Mat& grey, const BoardSpec& board);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// The black rectangles of a printed board.
 #include "calib/board_pattern.hpp"
 
 #include <algorithm>
@@ -9,7 +10,7 @@ namespace {
 
 using Rectangles = std::vector<cv::Rect2d>;
 
-/// The squares of a chessboard whose top left one is black.
+/// The black squares of a chessboard whose top left square is black.
 Rectangles blackSquares(int columns, int rows, double side) {
   Rectangles squares;
   for (int row = 0; row < rows; ++row) {
@@ -19,7 +20,7 @@ Rectangles blackSquares(int columns, int rows, double side) {
   return squares;
 }
 
-/// A marker's bits with its border, as the dictionary holds them: CV_8UC1, 0 black.
+/// A marker's bits with its border, oriented as in the dictionary: CV_8UC1, 0 is black.
 cv::Mat markerBits(const MarkerDictionary& markers, int id) {
   const int bits = markers.dictionary->markerSize;
   const cv::Mat inner =
@@ -30,7 +31,7 @@ cv::Mat markerBits(const MarkerDictionary& markers, int id) {
   return all;
 }
 
-/// The part of a marker from cell (column, row) to before (end_column, row + 1), as it lies on the board.
+/// The cells [column, end_column) of a row of a marker, as a rectangle on the board.
 cv::Rect2d cellsOf(const BoardMarker& marker, double bits, int row, int column, int end_column) {
   const auto at = [&](double x, double y) {
     const Eigen::Vector2d point = marker.corners[0] + x / bits * (marker.corners[1] - marker.corners[0]) +
@@ -40,7 +41,7 @@ cv::Rect2d cellsOf(const BoardMarker& marker, double bits, int row, int column, 
   return {at(column, row), at(end_column, row + 1)};
 }
 
-/// Row by row, neighbouring black cells as one rectangle.
+/// Adds a marker's black cells, row by row; adjacent ones become one rectangle.
 void addMarker(const BoardMarker& marker, const cv::Mat& bits, Rectangles& rectangles) {
   for (int row = 0; row < bits.rows; ++row) {
     for (int column = 0; column < bits.cols; ++column) {
@@ -83,7 +84,7 @@ Rectangles rectanglesOf(const AprilGrid& board) {
 }  // namespace
 
 std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board) {
-  return std::visit([](const auto& known) { return rectanglesOf(known); }, board);
+  return std::visit([](const auto& kind) { return rectanglesOf(kind); }, board);
 }
 
 }  // namespace cartvo

@@ -8,8 +8,8 @@
 
 namespace cartvo {
 
-/// What is black on a board, in board axes (see board_spec.hpp), m. The rectangles touch but do not overlap;
-/// all else is white.
+/// The black areas of a board in board axes (see board_spec.hpp), m. The rectangles may touch but do not
+/// overlap.
 std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Board pose from the corners in one image, by a homography between board and rays.
 #include "calib/board_pose.hpp"
 
 #include <Eigen/Dense>
@@ -11,7 +12,8 @@ namespace {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-/// Shifts and scales plane points to mean 0 and mean distance about 1, which the homography's equations need.
+/// Shifts and scales the points of the plane to mean 0 and mean distance about 1, to condition the
+/// homography's equations.
 Eigen::Matrix3d normaliser(const std::vector<SeenCorner>& seen,
                            const std::vector<Eigen::Vector2d>& board_corners) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -43,16 +45,16 @@ std::vector<Eigen::Vector3d> raysOf(const CameraModel& camera, const std::vector
 
 std::optional<Eigen::Isometry3d> boardPose(const CameraModel& camera, const std::vector<SeenCorner>& seen,
                                            const std::vector<Eigen::Vector2d>& board_corners) {
-  constexpr std::size_t kFewest = 4;
-  if (seen.size() < kFewest) return std::nullopt;
+  constexpr std::size_t kMinCorners = 4;
+  if (seen.size() < kMinCorners) return std::nullopt;
   const Eigen::Matrix3d N = normaliser(seen, board_corners);
   std::vector<Eigen::Vector3d> rays;
   try {
     rays = raysOf(camera, seen);
-  } catch (const std::invalid_argument&) {  // the distortion folds before it reaches this far
+  } catch (const std::invalid_argument&) {  // beyond the radius where the distortion folds
     return std::nullopt;
   }
-  // ray x (H point) = 0, three equations of which two count, in the nine elements of H row by row.
+  // ray x (H point) = 0: three equations, two of them independent, in the nine elements of H row by row.
   Matrix9d normal = Matrix9d::Zero();
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Eigen::Vector2d& corner = board_corners[static_cast<std::size_t>(seen[i].id)];
@@ -65,7 +67,7 @@ std::optional<Eigen::Isometry3d> boardPose(const CameraModel& camera, const std:
     normal += A.transpose() * A;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix9d> solver(normal);
-  // A second solution as good as the first: the corners lie on a line.
+  // The null space has more than one dimension: the corners are collinear.
   if (!(solver.eigenvalues()[1] > 1e-9 * solver.eigenvalues()[8])) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
   Eigen::Matrix3d H = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data()) * N;

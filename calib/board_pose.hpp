@@ -9,10 +9,10 @@
 
 namespace cartvo {
 
-/// T_camera_board of a board of which a camera sees these corners: the homography from board to rays, split
-/// into rotation and translation (Z. Zhang, "A flexible new technique for camera calibration", 2000). Works
-/// on rays, not pixels, so that any lens will do. Nothing with less than four corners, or if they lie on a
-/// line.
+/// Computes T_camera_board from the corners in one image: the homography from the board to the rays,
+/// decomposed into rotation and translation (Z. Zhang, "A flexible new technique for camera calibration",
+/// 2000). It uses rays instead of pixels, which suits every lens. std::nullopt with fewer than four corners
+/// or if they are collinear.
 std::optional<Eigen::Isometry3d> boardPose(const CameraModel& camera, const std::vector<SeenCorner>& seen,
                                            const std::vector<Eigen::Vector2d>& board_corners);
 

@@ -1,3 +1,4 @@
+// Board specifications: parsing and writing the text, and the positions of corners and markers.
 #include "calib/board_spec.hpp"
 
 #include <charconv>
@@ -13,7 +14,7 @@ constexpr const char* kForms =
     "chessboard:COLUMNSxROWS:SQUARE (inner corners; metres), charuco:COLUMNSxROWS:SQUARE:MARKER (squares; "
     "metres) or aprilgrid:COLUMNSxROWS:TAG:SPACING (tags; metres, and the gap in sides of a tag)";
 
-/// The parts of a spec between its colons, read one by one.
+/// The parts of a board specification between its colons.
 class SpecParts {
  public:
   explicit SpecParts(const std::string& text) : text_(text) {
@@ -27,12 +28,12 @@ class SpecParts {
   const std::string& kind() const { return parts_.front(); }
   std::size_t count() const { return parts_.size(); }
 
-  void requireCount(std::size_t least, std::size_t most) const {
-    if (count() < least || count() > most) fail("it has " + std::to_string(count()) + " parts");
+  void requireCount(std::size_t min, std::size_t max) const {
+    if (count() < min || count() > max) fail("it has " + std::to_string(count()) + " parts");
   }
 
-  /// "COLUMNSxROWS", each at least `least`.
-  std::array<int, 2> grid(std::size_t index, int least) const {
+  /// Parses "COLUMNSxROWS", each at least `min`.
+  std::array<int, 2> grid(std::size_t index, int min) const {
     const std::string& part = parts_[index];
     const std::size_t cross = part.find('x');
     std::array<int, 2> sides{};
@@ -41,8 +42,8 @@ class SpecParts {
       fail("'" + part + "' is not COLUMNSxROWS, such as 9x6");
     }
     for (const int side : sides) {
-      if (side < least || side > kMostAlongASide) {
-        fail("'" + part + "' must have " + std::to_string(least) + " to " + std::to_string(kMostAlongASide) +
+      if (side < min || side > kMaxPerSide) {
+        fail("'" + part + "' must have " + std::to_string(min) + " to " + std::to_string(kMaxPerSide) +
              " along each side");
       }
     }
@@ -50,9 +51,9 @@ class SpecParts {
   }
 
   double length(std::size_t index, const char* what) const {
-    constexpr double kShortest = 0.001, kLongest = 2.0;
+    constexpr double kMinLength = 0.001, kMaxLength = 2.0;  // m
     const double value = number(index, what);
-    if (!(value >= kShortest && value <= kLongest)) {
+    if (!(value >= kMinLength && value <= kMaxLength)) {
       fail(std::string(what) + " of " + parts_[index] +
            " m must lie in 0.001 to 2 m; was it given in millimetres?");
     }
@@ -70,7 +71,7 @@ class SpecParts {
   }
 
  private:
-  static constexpr int kMostAlongASide = 100;
+  static constexpr int kMaxPerSide = 100;
 
   template <typename Number>
   static bool read(const std::string& part, Number& value) {
@@ -83,42 +84,42 @@ class SpecParts {
 };
 
 BoardSpec readChessboard(const SpecParts& parts) {
-  constexpr int kLeastCorners = 3;  // cv::findChessboardCorners takes no fewer
+  constexpr int kMinCorners = 3;  // the minimum of cv::findChessboardCorners
   parts.requireCount(3, 3);
-  const auto [columns, rows] = parts.grid(1, kLeastCorners);
+  const auto [columns, rows] = parts.grid(1, kMinCorners);
   return Chessboard{columns, rows, parts.length(2, "a square's side")};
 }
 
 BoardSpec readCharuco(const SpecParts& parts) {
-  constexpr int kLeastSquares = 3, kFewestBits = 4, kMostBits = 7, kMostMarkers = 1000;
+  constexpr int kMinSquares = 3, kMinBits = 4, kMaxBits = 7, kMaxMarkers = 1000;
   parts.requireCount(4, 5);
-  const auto [columns, rows] = parts.grid(1, kLeastSquares);
+  const auto [columns, rows] = parts.grid(1, kMinSquares);
   Charuco board{columns, rows, parts.length(2, "a square's side"), parts.length(3, "a marker's side"), {}};
   if (!(board.marker < board.square)) parts.fail("the markers must be smaller than the squares");
-  board.marker_bits = kFewestBits;
+  board.marker_bits = kMinBits;
   if (parts.count() == 5) {
-    const auto [across, down] = parts.grid(4, kFewestBits);
-    if (across != down || across > kMostBits) parts.fail("markers have 4x4, 5x5, 6x6 or 7x7 bits");
+    const auto [across, down] = parts.grid(4, kMinBits);
+    if (across != down || across > kMaxBits) parts.fail("markers have 4x4, 5x5, 6x6 or 7x7 bits");
     board.marker_bits = across;
   }
-  if (columns * rows / 2 > kMostMarkers) parts.fail("there are 1000 markers, too few for it");
+  if (columns * rows / 2 > kMaxMarkers) parts.fail("the board needs more than the 1000 markers that exist");
   return board;
 }
 
 BoardSpec readAprilGrid(const SpecParts& parts) {
   constexpr int kTagsOf36h11 = 587;
-  constexpr double kLeastSpacing = 0.05, kMostSpacing = 2.0;
+  constexpr double kMinSpacing = 0.05, kMaxSpacing = 2.0;
   parts.requireCount(4, 4);
   const auto [columns, rows] = parts.grid(1, 1);
   const AprilGrid board{columns, rows, parts.length(2, "a tag's side"), parts.number(3, "the spacing")};
-  if (!(board.spacing >= kLeastSpacing && board.spacing <= kMostSpacing)) {
+  if (!(board.spacing >= kMinSpacing && board.spacing <= kMaxSpacing)) {
     parts.fail("the spacing must lie in 0.05 to 2: it is the gap divided by the tag's side");
   }
-  if (columns * rows > kTagsOf36h11) parts.fail("there are 587 tags in 36h11, too few for it");
+  if (columns * rows > kTagsOf36h11) parts.fail("the board needs more than the 587 tags of 36h11");
   return board;
 }
 
-/// Inner corners by rows, of a board with `columns` by `rows` squares.
+/// Inner corners, row by row, of a board with `columns` by `rows` squares.
 std::vector<Eigen::Vector2d> innerCorners(int columns, int rows, double square) {
   std::vector<Eigen::Vector2d> corners;
   for (int row = 1; row < rows; ++row) {
@@ -128,7 +129,7 @@ std::vector<Eigen::Vector2d> innerCorners(int columns, int rows, double square) 
   return corners;
 }
 
-/// Clockwise from the top left, as one looks at it.
+/// The corners of a square, clockwise from the top left, seen from the front.
 std::array<Eigen::Vector2d, 4> squareAt(double left, double top, double side) {
   return {Eigen::Vector2d(left, top), Eigen::Vector2d(left + side, top),
           Eigen::Vector2d(left + side, top + side), Eigen::Vector2d(left, top + side)};
@@ -220,23 +221,23 @@ BoardSpec parseBoardSpec(const std::string& text) {
   if (parts.kind() == "chessboard") return readChessboard(parts);
   if (parts.kind() == "charuco") return readCharuco(parts);
   if (parts.kind() == "aprilgrid") return readAprilGrid(parts);
-  parts.fail("there is no kind '" + parts.kind() + "'");
+  parts.fail("unknown kind '" + parts.kind() + "'");
 }
 
 std::string boardSpecText(const BoardSpec& board) {
-  return std::visit([](const auto& known) { return textOf(known); }, board);
+  return std::visit([](const auto& kind) { return textOf(kind); }, board);
 }
 
 Eigen::Vector2d boardExtent(const BoardSpec& board) {
-  return std::visit([](const auto& known) { return extentOf(known); }, board);
+  return std::visit([](const auto& kind) { return extentOf(kind); }, board);
 }
 
 std::vector<Eigen::Vector2d> boardCorners(const BoardSpec& board) {
-  return std::visit([](const auto& known) { return cornersOf(known); }, board);
+  return std::visit([](const auto& kind) { return cornersOf(kind); }, board);
 }
 
 std::vector<BoardMarker> boardMarkers(const BoardSpec& board) {
-  return std::visit([](const auto& known) { return markersOf(known); }, board);
+  return std::visit([](const auto& kind) { return markersOf(kind); }, board);
 }
 
 }  // namespace cartvo

@@ -8,7 +8,7 @@
 
 namespace cartvo {
 
-/// A chessboard, counted as OpenCV does: by the corners at which four squares meet.
+/// A chessboard. As in OpenCV, its size is the number of inner corners, where four squares meet.
 struct Chessboard {
   int columns = 0, rows = 0;  ///< inner corners
   double square = 0.0;        ///< side of a square, m
@@ -16,57 +16,58 @@ struct Chessboard {
   bool operator==(const Chessboard&) const = default;
 };
 
-/// A chessboard with an ArUco marker in each white square, as cv::aruco::CharucoBoard has it: the top left
-/// square is black, markers are numbered by rows from the top left.
+/// A chessboard with an ArUco marker in each white square, like cv::aruco::CharucoBoard: the top left square
+/// is black, and markers are numbered row by row from the top left.
 struct Charuco {
   int columns = 0, rows = 0;  ///< squares
   double square = 0.0;        ///< side of a square, m
   double marker = 0.0;        ///< side of a marker with its black border, m
-  int marker_bits = 4;        ///< along a marker's side, without its border: 4 to 7
+  int marker_bits = 4;        ///< bits along a marker's side without its border, 4 to 7
 
   bool operator==(const Charuco&) const = default;
 };
 
-/// Kalibr's AprilGrid: tags 36h11 with a border of two bits, numbered by rows from the bottom left, and a
-/// small black square where four gaps meet, so that each tag's corners are crossings.
+/// Kalibr's AprilGrid: 36h11 tags with a border of two bits, numbered row by row from the bottom left, and a
+/// small black square where four gaps meet, so that each corner of a tag is a crossing of two edges.
 struct AprilGrid {
   int columns = 0, rows = 0;  ///< tags
   double tag = 0.0;           ///< side of a tag with its black border, m
-  double spacing = 0.0;       ///< gap between tags, in sides of a tag
+  double spacing = 0.0;       ///< gap between tags, relative to `tag`
 
   bool operator==(const AprilGrid&) const = default;
 };
 
 using BoardSpec = std::variant<Chessboard, Charuco, AprilGrid>;
 
-/// Reads chessboard:COLUMNSxROWS:SQUARE, charuco:COLUMNSxROWS:SQUARE:MARKER[:BITSxBITS] or
-/// aprilgrid:COLUMNSxROWS:TAG:SPACING, lengths in metres. Throws std::invalid_argument naming the text, what
-/// is wrong with it and what was expected.
+/// Parses chessboard:COLUMNSxROWS:SQUARE, charuco:COLUMNSxROWS:SQUARE:MARKER[:BITSxBITS] or
+/// aprilgrid:COLUMNSxROWS:TAG:SPACING, lengths in metres. Throws std::invalid_argument naming the text, its
+/// fault and what was expected.
 BoardSpec parseBoardSpec(const std::string& text);
 
-/// The text that `parseBoardSpec` reads; the same board to the last bit.
+/// The text of a board, which `parseBoardSpec` reads back to the last bit.
 std::string boardSpecText(const BoardSpec& board);
 
-// Board axes: x right, y down as the board is looked at, z through the paper away from the viewer; the origin
-// is the top left corner of the printed pattern. Metres. All points have z = 0, which is left out.
+// Board axes, m: seen from the front, x points right, y down and z away from the viewer; the origin is the
+// top left corner of the printed pattern. All points have z = 0, which is omitted.
 
-/// Width and height of the printed pattern: from the outer squares' edges, or the small black squares'.
+/// Width and height of the printed pattern, between the outer edges of the outer (small black) squares, m.
 Eigen::Vector2d boardExtent(const BoardSpec& board);
 
-/// The corners that are looked for, each at its id: for a chessboard and ChArUco the inner corners by rows
-/// from the top left (as cv::findChessboardCorners and cv::aruco count them), for an AprilGrid the corners k
-/// of tag i at 4 i + k, in the order of `BoardMarker::corners`.
+/// The corners to detect, indexed by id: for a chessboard and ChArUco the inner corners row by row from the
+/// top left (as cv::findChessboardCorners and cv::aruco number them); for an AprilGrid corner k of tag i at 4
+/// i + k, in the order of `BoardMarker::corners`.
 std::vector<Eigen::Vector2d> boardCorners(const BoardSpec& board);
 
-/// A coded square on a board.
+/// A marker on a board.
 struct BoardMarker {
   int id = 0;
-  /// In the order of cv::aruco::detectMarkers: a ChArUco's marker from its top left clockwise; an AprilGrid's
-  /// tag from its bottom right clockwise, for Kalibr prints it upside down to how OpenCV holds it.
+  /// Corners in the order of cv::aruco::detectMarkers: clockwise from the top left for a marker of a ChArUco
+  /// board, clockwise from the bottom right for a tag of an AprilGrid, since Kalibr prints tags upside down
+  /// relative to OpenCV.
   std::array<Eigen::Vector2d, 4> corners;
 };
 
-/// Each marker at its id; none on a chessboard.
+/// The markers of a board, indexed by id. Empty for a chessboard.
 std::vector<BoardMarker> boardMarkers(const BoardSpec& board);
 
 }  // namespace cartvo

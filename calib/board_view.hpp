@@ -6,19 +6,19 @@
 
 namespace cartvo {
 
-/// A corner of a board as an image shows it.
+/// A corner of a board, detected in an image.
 struct SeenCorner {
-  int id = 0;             ///< place in boardCorners
-  Eigen::Vector2d pixel;  ///< px, pixel centres at integers
+  int id = 0;             ///< index in boardCorners
+  Eigen::Vector2d pixel;  ///< position, px; pixel centres at integers
 
   bool operator==(const SeenCorner&) const = default;
 };
 
-/// A board held before both cameras at one instant, or held still.
+/// The corners of a board in both images of a pair, taken at one instant or while the board is held still.
 struct BoardView {
-  std::string name;               ///< for people: the file, or the instant
-  std::vector<SeenCorner> left;   ///< by rising id
-  std::vector<SeenCorner> right;  ///< by rising id
+  std::string name;               ///< for messages: the file or the instant
+  std::vector<SeenCorner> left;   ///< sorted by id
+  std::vector<SeenCorner> right;  ///< sorted by id
 };
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Brown's lens distortion and its inverse.
 #include "calib/brown_distortion.hpp"
 
 #include <cmath>
@@ -14,14 +15,14 @@ BrownDistortion::BrownDistortion(const CameraModel& camera)
       k4_(camera.distortion[5]),
       k5_(camera.distortion[6]),
       k6_(camera.distortion[7]),
-      largest_radius_(0.0) {
+      max_radius_(0.0) {
   constexpr double kStep = 1e-3;
   constexpr int kSteps = 20'000;  // up to r = 20: 174 degrees of view, beyond what a pinhole can hold
   for (int step = 1; step <= kSteps; ++step) {
     const double r2 = (step * kStep) * (step * kStep);
     // d(r L(r^2))/dr = L + 2 r^2 L'
     if (radialFactor(r2) + 2.0 * r2 * radialFactorSlope(r2) <= 0.0) break;
-    largest_radius_ = step * kStep;
+    max_radius_ = step * kStep;
   }
 }
 
@@ -39,9 +40,9 @@ double BrownDistortion::radialFactorSlope(double r2) const {
 
 NormalisedPoint BrownDistortion::distort(NormalisedPoint ideal) const {
   const double r = std::sqrt(ideal.x * ideal.x + ideal.y * ideal.y);
-  if (r > largest_radius_) {
-    ideal.x *= largest_radius_ / r;
-    ideal.y *= largest_radius_ / r;
+  if (r > max_radius_) {
+    ideal.x *= max_radius_ / r;
+    ideal.y *= max_radius_ / r;
   }
   return distortWithin(ideal);
 }
@@ -55,10 +56,10 @@ NormalisedPoint BrownDistortion::distortWithin(NormalisedPoint ideal) const {
 }
 
 NormalisedPoint BrownDistortion::undistort(NormalisedPoint distorted) const {
-  constexpr int kMostIterations = 50;
+  constexpr int kMaxIterations = 50;
   constexpr double kConverged = 1e-24;  // squared: 1e-12 of the focal length
   NormalisedPoint ideal = distorted;
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const NormalisedPoint reached = distort(ideal);
     const double error_x = distorted.x - reached.x, error_y = distorted.y - reached.y;
     if (error_x * error_x + error_y * error_y < kConverged) return ideal;

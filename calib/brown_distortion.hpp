@@ -6,21 +6,21 @@
 namespace cartvo {
 
 /// Brown's distortion (thesis 4.5-4.7 with L(r) = 1 + k1 r^2 + k2 r^4, extended by k3, OpenCV's rational
-/// denominator k4 k5 k6 and the tangential p1 p2), limited to the part of the plane where it can be undone: a
-/// polynomial turns back somewhere, and what lies beyond would be seen twice.
+/// denominator k4 k5 k6 and the tangential p1 p2). It is limited to the radius where it is invertible:
+/// further out the polynomial turns back, and two ideal points would have the same image.
 class BrownDistortion {
  public:
   explicit BrownDistortion(const CameraModel& camera);
 
-  /// Where the lens moves an ideal point. Points beyond `largestRadius` are taken back to it first.
+  /// The distorted position of an ideal point. A point beyond `maxRadius` is moved back to it first.
   NormalisedPoint distort(NormalisedPoint ideal) const;
 
-  /// The ideal point that the lens moves to `distorted`, by Newton's method. Throws std::invalid_argument if
-  /// there is none: the distortion folds before it reaches this far.
+  /// The ideal point of a distorted position, by Newton's method. Throws std::invalid_argument if there is
+  /// none, because the distortion folds at a smaller radius.
   NormalisedPoint undistort(NormalisedPoint distorted) const;
 
-  /// Up to here the distorted radius grows with the ideal one.
-  double largestRadius() const { return largest_radius_; }
+  /// Ideal radius up to which the distorted radius grows with the ideal one.
+  double maxRadius() const { return max_radius_; }
 
  private:
   double radialFactor(double r2) const;
@@ -28,7 +28,7 @@ class BrownDistortion {
   NormalisedPoint distortWithin(NormalisedPoint ideal) const;
 
   double k1_, k2_, p1_, p2_, k3_, k4_, k5_, k6_;
-  double largest_radius_;
+  double max_radius_;
 };
 
 }  // namespace cartvo

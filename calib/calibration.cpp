@@ -1,3 +1,4 @@
+// Calibration of a rig from board views: model selection, outlier rejection and validation checks.
 #include "calib/calibration.hpp"
 
 #include <algorithm>
@@ -9,25 +10,25 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "calib/calibration_start.hpp"
+#include "calib/initial_calibration.hpp"
 #include "calib/rectification.hpp"
 #include "calib/rectified_points.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr std::size_t kFewestViews = 6;
+constexpr std::size_t kMinViews = 6;
 constexpr int kFolds = 5;
 
 using BoardCorners = std::vector<Eigen::Vector2d>;
 
 void requireViews(std::size_t views, const char* what) {
-  if (views >= kFewestViews) return;
+  if (views >= kMinViews) return;
   throw std::runtime_error("only " + std::to_string(views) + " views " + what + ": at least " +
-                           std::to_string(kFewestViews) + " are needed, and 20 or more are good");
+                           std::to_string(kMinViews) + " are needed, and 20 or more are good");
 }
 
-/// The models of one lens, from few parameters to many.
+/// Calibrates with the models of one lens, ordered by their number of parameters.
 void solveLens(LensModel lens, const std::vector<BoardView>& views, const BoardCorners& board_corners,
                cv::Size image_size, std::vector<CandidateModel>& candidates) {
   std::vector<CandidateModel*> mine;
@@ -61,7 +62,7 @@ std::vector<CandidateModel> solveAll(const std::vector<BoardView>& views, const 
   return candidates;
 }
 
-/// Whether images can be rectified by it: a lens may fit the corners and fold between them.
+/// Whether the rig can be rectified: a lens may fit the corners but fold between them.
 bool isUsable(const StereoCalibration& calibration) {
   try {
     computeRectification(calibration.estimate.rig, {});
@@ -71,9 +72,9 @@ bool isUsable(const StereoCalibration& calibration) {
   }
 }
 
-/// Of those that are usable, if there are any: what a lens does not fit that will be refused in the end is
-/// not what is wrong with the views.
-const StereoCalibration& leastScattered(const std::vector<CandidateModel>& candidates) {
+/// The calibration with the smallest corner noise, among the usable ones if there are any: misfits of a model
+/// that will be refused are not outliers of the views.
+const StereoCalibration& bestFit(const std::vector<CandidateModel>& candidates) {
   const StereoCalibration* best = nullptr;
   bool is_best_usable = false;
   for (const CandidateModel& candidate : candidates) {
@@ -81,7 +82,7 @@ const StereoCalibration& leastScattered(const std::vector<CandidateModel>& candi
     const bool is_usable = isUsable(*candidate.calibration);
     const bool is_better =
         best == nullptr ||
-        (is_usable == is_best_usable ? candidate.calibration->corner_deviation < best->corner_deviation
+        (is_usable == is_best_usable ? candidate.calibration->corner_stddev < best->corner_stddev
                                      : is_usable);
     if (!is_better) continue;
     best = &*candidate.calibration;
@@ -91,9 +92,9 @@ const StereoCalibration& leastScattered(const std::vector<CandidateModel>& candi
   return *best;
 }
 
-/// The estimate with the boards of these views only, which are some of those it was made from.
-RigAndBoards onlyOf(const std::vector<BoardView>& kept, const std::vector<BoardView>& all,
-                    const RigAndBoards& estimate) {
+/// The estimate with the boards of the kept views only.
+RigAndBoards keepBoardsOf(const std::vector<BoardView>& kept, const std::vector<BoardView>& all,
+                          const RigAndBoards& estimate) {
   RigAndBoards result{estimate.rig, {}};
   for (std::size_t i = 0; i < all.size() && result.T_left_board.size() < kept.size(); ++i) {
     if (all[i].name == kept[result.T_left_board.size()].name)
@@ -102,16 +103,17 @@ RigAndBoards onlyOf(const std::vector<BoardView>& kept, const std::vector<BoardV
   return result;
 }
 
-/// Takes outliers out until there are none, as the best candidate tells them.
-void clean(const BoardCorners& board_corners, std::vector<CandidateModel>& candidates,
-           Calibration& calibration) {
-  constexpr int kMostRounds = 3;
-  for (int round = 0; round < kMostRounds; ++round) {
-    CleanedViews cleaned = withoutOutliers(leastScattered(candidates), calibration.views, board_corners);
+/// Rejects outliers of the best fitting candidate and recalibrates, until there are none.
+void rejectAllOutliers(const BoardCorners& board_corners, std::vector<CandidateModel>& candidates,
+                       Calibration& calibration) {
+  constexpr int kMaxRounds = 3;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    CleanedViews cleaned = rejectOutliers(bestFit(candidates), calibration.views, board_corners);
     if (cleaned.rejected.empty() && cleaned.rejected_corners == 0) return;
     for (CandidateModel& candidate : candidates) {
       if (!candidate.calibration) continue;
-      const RigAndBoards start = onlyOf(cleaned.views, calibration.views, candidate.calibration->estimate);
+      const RigAndBoards start =
+          keepBoardsOf(cleaned.views, calibration.views, candidate.calibration->estimate);
       candidate.calibration = calibrateStereoFrom(start, cleaned.views, board_corners, candidate.model);
     }
     calibration.views = std::move(cleaned.views);
@@ -124,44 +126,44 @@ void clean(const BoardCorners& board_corners, std::vector<CandidateModel>& candi
 void refuseSwappedCameras(const Rig& rig) {
   const Eigen::Vector3d right_in_left = rig.T_right_left.inverse().translation();
   if (right_in_left.x() < 0.0 && -right_in_left.x() > std::abs(right_in_left.y())) {
-    throw std::runtime_error("left and right are exchanged: the camera given as the right one stands " +
+    throw std::runtime_error("left and right are exchanged: the camera given as the right one is " +
                              std::to_string(std::lround(-1000.0 * right_in_left.x())) +
                              " mm to the left of the other; exchange the two folders, patterns or streams");
   }
 }
 
-double relativeDeviation(const StereoCalibration& calibration) {
+double relativeFocalLengthStddev(const StereoCalibration& calibration) {
   const ParameterEstimate& focal_length = calibration.parameters.front();
-  return focal_length.deviation / focal_length.value;
+  return focal_length.stddev / focal_length.value;
 }
 
 void refuseFlatTilts(const StereoCalibration& calibration) {
-  constexpr double kLeastSpread = 0.17;    // rad: ten degrees
-  constexpr double kMostUncertain = 0.02;  // of the focal length
+  constexpr double kMinSpread = 0.17;          // rad: ten degrees
+  constexpr double kMaxRelativeStddev = 0.02;  // of the focal length
   const double spread = tiltsOf(calibration.estimate.T_left_board).spread;
-  if (spread >= kLeastSpread && relativeDeviation(calibration) <= kMostUncertain) return;
-  throw std::runtime_error(
-      "the board is parallel to itself in all views (its planes differ by at most " +
-      std::to_string(std::lround(spread * 180.0 / M_PI)) +
-      " degrees), which tells nothing of the focal length: tilt it by 20 to 40 degrees, to all four sides");
+  if (spread >= kMinSpread && relativeFocalLengthStddev(calibration) <= kMaxRelativeStddev) return;
+  throw std::runtime_error("the board is parallel to itself in all views (its planes differ by at most " +
+                           std::to_string(std::lround(spread * 180.0 / M_PI)) +
+                           " degrees), so the focal length cannot be determined: tilt it by 20 to 40 degrees "
+                           "in all four directions");
 }
 
-void validate(const BoardCorners& board_corners, const std::vector<BoardView>& views,
-              CandidateModel& candidate) {
+void crossValidateCandidate(const BoardCorners& board_corners, const std::vector<BoardView>& views,
+                            CandidateModel& candidate) {
   if (!candidate.calibration) return;
   const int folds = std::min(kFolds, static_cast<int>(views.size()) / 2);
   try {
     candidate.validation = crossValidate(*candidate.calibration, views, board_corners, folds);
     if (!std::isfinite(candidate.validation->rms))
-      candidate.refusal = "it cannot show views that it was not solved from";
+      candidate.refusal = "it cannot be fitted to held-out views";
     computeRectification(candidate.calibration->estimate.rig, {});
   } catch (const std::exception& error) {
     candidate.refusal = error.what();
   }
 }
 
-std::size_t choose(const std::vector<CandidateModel>& candidates) {
-  constexpr double kAsGood = 1.01;
+std::size_t chooseCandidate(const std::vector<CandidateModel>& candidates) {
+  constexpr double kMaxErrorRatio = 1.01;
   double least = std::numeric_limits<double>::infinity();
   for (const CandidateModel& candidate : candidates) {
     if (candidate.refusal.empty()) least = std::min(least, candidate.validation->rms);
@@ -169,27 +171,27 @@ std::size_t choose(const std::vector<CandidateModel>& candidates) {
   std::size_t best = candidates.size();
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const CandidateModel& candidate = candidates[i];
-    if (!candidate.refusal.empty() || candidate.validation->rms > kAsGood * least) continue;
+    if (!candidate.refusal.empty() || candidate.validation->rms > kMaxErrorRatio * least) continue;
     if (best == candidates.size() ||
         candidate.calibration->parameters.size() < candidates[best].calibration->parameters.size())
       best = i;
   }
   if (best == candidates.size()) {
-    throw std::runtime_error("no lens model describes these views: " + modelName(candidates.front().model) +
-                             ": " + candidates.front().refusal);
+    throw std::runtime_error("no lens model fits these views: " + modelName(candidates.front().model) + ": " +
+                             candidates.front().refusal);
   }
   return best;
 }
 
-/// Says of models that foretell held-out views much worse than the chosen one that this is why they are out.
+/// Marks models as refused whose held-out error is much larger than that of the chosen one.
 void refusePoorModels(std::size_t chosen, std::vector<CandidateModel>& candidates) {
-  constexpr double kMuchWorse = 1.5;
+  constexpr double kMaxErrorRatio = 1.5;
   const double least = candidates[chosen].validation->rms;
   for (CandidateModel& candidate : candidates) {
-    if (!candidate.refusal.empty() || candidate.validation->rms <= kMuchWorse * least) continue;
+    if (!candidate.refusal.empty() || candidate.validation->rms <= kMaxErrorRatio * least) continue;
     char times[32];
     std::snprintf(times, sizeof times, "%.1f", candidate.validation->rms / least);
-    candidate.refusal = std::string("it foretells held-out views ") + times + " times as badly as " +
+    candidate.refusal = std::string("its error on held-out views is ") + times + " times that of " +
                         modelName(candidates[chosen].model);
   }
 }
@@ -207,8 +209,8 @@ Rig calibratedFromEveryOther(const Calibration& calibration, const BoardCorners&
 
 std::vector<ValidationCheck> checksOf(const Calibration& calibration) {
   constexpr double kRms = 0.5, kRows = 0.25, kRowsP95 = 0.5, kHalves = 1.0;  // px
-  constexpr double kEnoughViews = 8, kViewsForHalves = 16;
-  // Finer pixels show the same lens and the same printing more finely.
+  constexpr double kMinViewsUsed = 8, kMinViewsForHalves = 16;
+  // The limits grow with the resolution, since errors of lens model and print grow in pixels.
   const double scale = std::max(1.0, calibration.image_size.width / 1000.0);
   const CrossValidation& held_out = calibration.validation();
   const auto at_most = [](std::string name, double value, double limit) {
@@ -220,13 +222,13 @@ std::vector<ValidationCheck> checksOf(const Calibration& calibration) {
       at_most("held-out rectified vertical disparity, 95 of 100", held_out.vertical_disparity_p95,
               kRowsP95 * scale)};
   const auto views = static_cast<double>(calibration.views.size());
-  // Of fewer views the halves are too small to be calibrations; then their difference is told, not judged.
-  if (views >= kViewsForHalves) {
+  // With fewer views a half is too small for a calibration; then the difference is reported but not checked.
+  if (views >= kMinViewsForHalves) {
     checks.push_back(at_most("difference of two halves, 95 of 100 pixels", calibration.halves.projection_p95,
                              kHalves * scale));
   }
-  checks.push_back({"views used", views, kEnoughViews, "at least", views >= kEnoughViews});
-  checks.push_back({"views as of a moving board seen at different instants",
+  checks.push_back({"views used", views, kMinViewsUsed, "at least", views >= kMinViewsUsed});
+  checks.push_back({"views of a board that moved between the two exposures",
                     static_cast<double>(calibration.sync.opposed_views), 0.25 * views, "views",
                     !calibration.sync.is_fault});
   return checks;
@@ -238,16 +240,16 @@ bool Calibration::passed() const {
   return std::all_of(checks.begin(), checks.end(), [](const ValidationCheck& check) { return check.passed; });
 }
 
-double scaleDeviation(const Calibration& calibration) {
-  constexpr double kBoard = 1e-3;
-  constexpr double kLargest = 0.05;  // of what halves that are too small may say
+double scaleStddev(const Calibration& calibration) {
+  constexpr double kBoardStddev = 1e-3;     // relative: measurement of the board's squares
+  constexpr double kMaxTotalStddev = 0.05;  // relative: bounds the estimate from halves that are too small
   const std::string along = parameterName(kRelativeTranslation, lensOf(calibration.result().model)).name;
-  double scatter = 0.0;
+  double from_corners = 0.0;
   for (const ParameterEstimate& parameter : calibration.result().parameters)
-    if (parameter.name.name == along) scatter = parameter.deviation / calibration.rig().baseline();
-  const double by_views = std::max(scatter, 0.5 * calibration.halves.baseline);
-  const double all = std::hypot(by_views, kBoard);
-  return all < kLargest ? all : kLargest;  // nor is what is not a number
+    if (parameter.name.name == along) from_corners = parameter.stddev / calibration.rig().baseline();
+  const double from_views = std::max(from_corners, 0.5 * calibration.halves.baseline);
+  const double total = std::hypot(from_views, kBoardStddev);
+  return total < kMaxTotalStddev ? total : kMaxTotalStddev;  // also if it is not a number
 }
 
 double depthError(double distance, double disparity_error, double focal_length, double baseline) {
@@ -263,12 +265,12 @@ Calibration calibrateViews(const std::vector<BoardView>& views, const BoardSpec&
   calibration.image_size = image_size;
   calibration.views = views;
   std::vector<CandidateModel> candidates = solveAll(views, board_corners, image_size, models);
-  refuseSwappedCameras(leastScattered(candidates).estimate.rig);
-  refuseFlatTilts(leastScattered(candidates));
-  clean(board_corners, candidates, calibration);
+  refuseSwappedCameras(bestFit(candidates).estimate.rig);
+  refuseFlatTilts(bestFit(candidates));
+  rejectAllOutliers(board_corners, candidates, calibration);
   for (CandidateModel& candidate : candidates)
-    validate(board_corners, calibration.views, candidate);
-  calibration.chosen = choose(candidates);
+    crossValidateCandidate(board_corners, calibration.views, candidate);
+  calibration.chosen = chooseCandidate(candidates);
   refusePoorModels(calibration.chosen, candidates);
   calibration.candidates = std::move(candidates);
 
@@ -277,7 +279,7 @@ Calibration calibrateViews(const std::vector<BoardView>& views, const BoardSpec&
     calibration.residuals.push_back(
         viewResiduals(estimate.rig, estimate.T_left_board[i], calibration.views[i], board_corners));
   }
-  calibration.sync = diagnoseSync(calibration.residuals, calibration.result().corner_deviation);
+  calibration.sync = diagnoseSync(calibration.residuals, calibration.result().corner_stddev);
   calibration.left_coverage = coverageOf(calibration.views, &BoardView::left, image_size);
   calibration.right_coverage = coverageOf(calibration.views, &BoardView::right, image_size);
   calibration.halves =

@@ -1,3 +1,4 @@
+// Difference of two calibrations of one rig, in projection and in depth.
 #include "calib/calibration_difference.hpp"
 
 #include <Eigen/Dense>
@@ -12,7 +13,7 @@
 namespace cartvo {
 namespace {
 
-constexpr double kWidest = 0.5;  // the cosine of 60 degrees
+constexpr double kMinCosine = 0.5;  // of 60 degrees
 
 Eigen::Vector2d pixelOf(const CameraModel& camera, const Lens& lens, const Eigen::Vector3d& ray) {
   const NormalisedPoint distorted = lens.distort(ray);
@@ -25,13 +26,13 @@ std::optional<Eigen::Vector3d> rayOf(const CameraModel& camera, const Lens& lens
     const Eigen::Vector3d ray =
         lens.undistort({(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy})
             .normalized();
-    if (ray.z() >= kWidest) return ray;
-  } catch (const std::invalid_argument&) {  // beyond where the distortion folds
+    if (ray.z() >= kMinCosine) return ray;
+  } catch (const std::invalid_argument&) {  // beyond the radius where the distortion folds
   }
   return std::nullopt;
 }
 
-/// The middles of small cells, where the coverage has corners.
+/// The centres of a fine grid, in covered cells.
 std::vector<Eigen::Vector2d> gridOf(cv::Size size, const ImageCoverage& coverage) {
   constexpr int kAcross = 24, kDown = 16;
   std::vector<Eigen::Vector2d> grid;
@@ -45,8 +46,8 @@ std::vector<Eigen::Vector2d> gridOf(cv::Size size, const ImageCoverage& coverage
   return grid;
 }
 
-/// The rotation that takes the rays of one calibration to those of the other: B. K. P. Horn's problem, by the
-/// singular value decomposition.
+/// The rotation that takes the rays of one calibration to those of the other: B. K. P. Horn's problem, solved
+/// by the singular value decomposition.
 Eigen::Matrix3d impliedRotation(const std::vector<Eigen::Vector3d>& from,
                                 const std::vector<Eigen::Vector3d>& to) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -75,7 +76,7 @@ void addProjectionDifferences(const CameraModel& a, const CameraModel& b, const 
     differences.push_back((pixelOf(b, lens_b, R_b_a * rays_a[i]) - pixels[i]).norm());
 }
 
-/// The distance along the left ray where it comes nearest to the right one.
+/// The distance along the left ray of the point nearest to the right ray.
 double triangulated(const Eigen::Vector3d& left_ray, const Eigen::Vector3d& right_ray, const Rig& rig) {
   const Eigen::Isometry3d T_left_right = rig.T_right_left.inverse();
   const Eigen::Vector3d d = T_left_right.linear() * right_ray, centre = T_left_right.translation();
@@ -83,7 +84,7 @@ double triangulated(const Eigen::Vector3d& left_ray, const Eigen::Vector3d& righ
   return (centre.dot(left_ray) - product * centre.dot(d)) / (1.0 - product * product);
 }
 
-/// Where nothing can be compared, nothing is known to agree.
+/// Infinity without values: calibrations that cannot be compared do not count as equal.
 double quantileOrInfinity(const std::vector<double>& values, double share) {
   return values.empty() ? std::numeric_limits<double>::infinity() : quantile(values, share);
 }
@@ -101,7 +102,7 @@ DepthDifference depthDifference(const Rig& a, const Rig& b, const ImageCoverage&
     const auto right_ray = rayOf(b.right, right_b, in_right);
     if (!right_ray) continue;
     const double found = triangulated(*ray_b, *right_ray, b) * ray_b->z();
-    // Rays that part say that the point lies at infinity or beyond.
+    // Diverging rays: the point is at infinity or beyond.
     differences.push_back(found > 0.0 ? std::abs(found - distance) : distance);
   }
   return {distance, quantileOrInfinity(differences, 0.5), quantileOrInfinity(differences, 0.95)};

@@ -1,3 +1,4 @@
+// Calibration models: names, free parameters and parameter names.
 #include "calib/calibration_model.hpp"
 
 #include <array>

@@ -1,3 +1,4 @@
+// Chessboard detection, and the numbering of corners that both cameras agree on.
 #include "calib/chessboard_detection.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace {
 
 using Corners = std::vector<cv::Point2f>;
 
-/// The corners of a board row by row, and how many there are along each side.
+/// The corners of a board, row by row.
 struct Grid {
   int columns = 0, rows = 0;
   Corners corners;
@@ -26,37 +27,37 @@ struct Grid {
   }
 };
 
-/// Boards are found best where squares are some tens of pixels wide.
-constexpr double kUsualSide = 900.0, kFineSide = 1600.0;
+/// Side of the search image, px. Detection works best if squares are some tens of pixels wide.
+constexpr double kCoarseSide = 900.0, kFineSide = 1600.0;
 
-Corners inWhole(const Corners& corners, const SearchImage& search) {
+Corners toFullImage(const Corners& corners, const SearchImage& search) {
   Corners whole;
   for (const cv::Point2f& corner : corners) {
-    const Eigen::Vector2f place = search.inWhole(corner).cast<float>();
+    const Eigen::Vector2f place = search.toFullImage(corner).cast<float>();
     whole.emplace_back(place.x(), place.y());
   }
   return whole;
 }
 
-/// OpenCV's two searches in turn: the first is quick, the second finds boards that are bent or blurred.
+/// Runs OpenCV's two detectors in turn: the first is fast, the second finds curved or blurred boards.
 Corners findCorners(const cv::Mat& grey, const Chessboard& board) {
   const cv::Size size(board.columns, board.rows);
   Corners corners;
-  for (const double side : {kUsualSide, kFineSide}) {
+  for (const double side : {kCoarseSide, kFineSide}) {
     const SearchImage search(grey, side);
     for (const int flags :
          {cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK,
           cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK}) {
-      if (cv::findChessboardCorners(search.image, size, corners, flags)) return inWhole(corners, search);
+      if (cv::findChessboardCorners(search.image, size, corners, flags)) return toFullImage(corners, search);
     }
     if (search.scale <= 1.0) break;
   }
-  const SearchImage search(grey, kUsualSide);
-  if (cv::findChessboardCornersSB(search.image, size, corners, 0)) return inWhole(corners, search);
+  const SearchImage search(grey, kCoarseSide);
+  if (cv::findChessboardCornersSB(search.image, size, corners, 0)) return toFullImage(corners, search);
   return {};
 }
 
-/// The same corners, read from the right to the left.
+/// The grid with each row in reverse order.
 Grid mirrored(Grid grid) {
   for (int row = 0; row < grid.rows; ++row) {
     const auto begin = grid.corners.begin() + row * grid.columns;
@@ -70,7 +71,7 @@ Grid turnedUpsideDown(Grid grid) {
   return grid;
 }
 
-/// Turned by a quarter, clockwise: the first column, read upwards, becomes the first row.
+/// The grid turned by 90 degrees clockwise: the first column, from bottom to top, becomes the first row.
 Grid turnedByAQuarter(const Grid& grid) {
   Grid turned{grid.rows, grid.columns, {}};
   for (int row = 0; row < turned.rows; ++row) {
@@ -80,7 +81,7 @@ Grid turnedByAQuarter(const Grid& grid) {
   return turned;
 }
 
-/// Whether columns and rows turn as x and y do.
+/// Whether the directions of rows and columns have the same handedness as x and y.
 bool isSeenFromTheFront(const Grid& grid) {
   const cv::Point2f along = grid.at(grid.columns - 1, 0) - grid.at(0, 0);
   const cv::Point2f down = grid.at(0, grid.rows - 1) - grid.at(0, 0);
@@ -92,7 +93,7 @@ float slopeToTheRight(const Grid& grid) {
   return along.x / std::max(std::hypot(along.x, along.y), 1e-6F);
 }
 
-/// The mean grey value about the centre of the square whose top left corner this is.
+/// The mean grey value around the centre of the square whose top left corner has these indices.
 double greyOfSquare(const cv::Mat& grey, const Grid& grid, int column, int row) {
   const cv::Point2f centre = 0.25F * (grid.at(column, row) + grid.at(column + 1, row) +
                                       grid.at(column, row + 1) + grid.at(column + 1, row + 1));
@@ -101,7 +102,7 @@ double greyOfSquare(const cv::Mat& grey, const Grid& grid, int column, int row) 
   return cv::mean(patch)[0];
 }
 
-/// The mean difference in grey of the squares that are white on a board in its right position and the others.
+/// The sum of the grey values of the squares that are white on an upright board, minus that of the others.
 double whiteOverBlack(const cv::Mat& grey, const Grid& grid) {
   double difference = 0.0;
   for (int row = 0; row + 1 < grid.rows; ++row) {
@@ -111,7 +112,8 @@ double whiteOverBlack(const cv::Mat& grey, const Grid& grid) {
   return difference;
 }
 
-Grid inRightPosition(const cv::Mat& grey, Grid grid) {
+/// The grid in the numbering of detectChessboard.
+Grid orientGrid(const cv::Mat& grey, Grid grid) {
   if (!isSeenFromTheFront(grid)) grid = mirrored(std::move(grid));
   if ((grid.columns + grid.rows) % 2 != 0) {
     return whiteOverBlack(grey, grid) > 0.0 ? grid : turnedUpsideDown(std::move(grid));
@@ -130,7 +132,7 @@ Grid inRightPosition(const cv::Mat& grey, Grid grid) {
 std::vector<SeenCorner> detectChessboard(const cv::Mat& grey, const Chessboard& board) {
   Grid grid{board.columns, board.rows, findCorners(grey, board)};
   if (grid.corners.empty()) return {};
-  grid = inRightPosition(grey, std::move(grid));
+  grid = orientGrid(grey, std::move(grid));
   std::vector<SeenCorner> seen;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
@@ -138,20 +140,20 @@ std::vector<SeenCorner> detectChessboard(const cv::Mat& grey, const Chessboard& 
       const cv::Point2f& beside = grid.at(column + 1 < grid.columns ? column + 1 : column - 1, row);
       const cv::Point2f& below = grid.at(column, row + 1 < grid.rows ? row + 1 : row - 1);
       const double room = 0.5 * std::min(cv::norm(beside - corner), cv::norm(below - corner));
-      const std::optional<Eigen::Vector2d> refined = refinedCorner(grey, {corner.x, corner.y}, room);
-      if (!refined) return {};  // not a crossing of four squares: something else was taken for a board
+      const std::optional<Eigen::Vector2d> refined = refineCorner(grey, {corner.x, corner.y}, room);
+      if (!refined) return {};  // not a crossing of four squares, so not a board
       seen.push_back({row * grid.columns + column, *refined});
     }
   }
   return seen;
 }
 
-std::string chessboardSeen(const cv::Mat& grey) {
+std::string describeChessboard(const cv::Mat& grey) {
   cv::Mat meta;
   Corners corners;
-  constexpr int kSmallest = 3;
+  constexpr int kMinCorners = 3;  // per side
   const bool found =
-      cv::findChessboardCornersSB(SearchImage(grey, kUsualSide).image, {kSmallest, kSmallest}, corners,
+      cv::findChessboardCornersSB(SearchImage(grey, kCoarseSide).image, {kMinCorners, kMinCorners}, corners,
                                   cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, meta);
   if (!found || meta.empty()) return {};
   return "a chessboard of " + std::to_string(meta.cols) + "x" + std::to_string(meta.rows) + " inner corners";

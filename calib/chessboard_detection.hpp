@@ -10,12 +10,14 @@
 
 namespace cartvo {
 
-/// The inner corners of a chessboard that is seen whole; empty otherwise. Both cameras must number them
-/// alike: the top left square of a board with an odd and an even side is its black corner; other boards look
-/// the same upside down, and there the row that points most to the right in the image is the first direction.
+/// Detects the inner corners of a chessboard that is completely visible; empty otherwise. The numbering is
+/// the same in both cameras: the top left square of a board with one odd and one even side is its black
+/// corner. Other boards look the same upside down; for them the direction of the rows is the one that points
+/// most to the right in the image.
 std::vector<SeenCorner> detectChessboard(const cv::Mat& grey, const Chessboard& board);
 
-/// What chessboard an image shows, of any size: "a chessboard of 8x6 inner corners"; empty if none.
-std::string chessboardSeen(const cv::Mat& grey);
+/// Describes the chessboard in an image, whatever its size: "a chessboard of 8x6 inner corners". Empty if
+/// there is none.
+std::string describeChessboard(const cv::Mat& grey);
 
 }  // namespace cartvo

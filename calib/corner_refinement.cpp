@@ -1,3 +1,4 @@
+// Subpixel refinement of board corners.
 #include "calib/corner_refinement.hpp"
 
 #include <algorithm>
@@ -8,9 +9,9 @@
 
 namespace cartvo {
 
-std::optional<Eigen::Vector2d> refinedCorner(const cv::Mat& grey, const Eigen::Vector2d& start, double room) {
-  constexpr int kSmallestReach = 2, kLargestReach = 11;
-  const int reach = std::clamp(static_cast<int>(std::floor(room)) - 1, kSmallestReach, kLargestReach);
+std::optional<Eigen::Vector2d> refineCorner(const cv::Mat& grey, const Eigen::Vector2d& start, double room) {
+  constexpr int kMinReach = 2, kMaxReach = 11;
+  const int reach = std::clamp(static_cast<int>(std::floor(room)) - 1, kMinReach, kMaxReach);
   const double margin = reach + 2.0;
   if (!(start.x() >= margin && start.y() >= margin && start.x() <= grey.cols - 1 - margin &&
         start.y() <= grey.rows - 1 - margin)) {
@@ -20,7 +21,7 @@ std::optional<Eigen::Vector2d> refinedCorner(const cv::Mat& grey, const Eigen::V
   const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-3);
   cv::cornerSubPix(grey, corner, {reach, reach}, {-1, -1}, until);
   const Eigen::Vector2d refined(corner[0].x, corner[0].y);
-  // Where there is nothing to hold it the iteration drifts away, or gives the start back unchanged.
+  // Without a corner the iteration drifts away or returns the start unchanged.
   if (!refined.allFinite() || (refined - start).norm() >= reach) return std::nullopt;
   return refined;
 }

@@ -1,3 +1,4 @@
+// Cross-validation of a calibration: error on views that were held out.
 #include "calib/cross_validation.hpp"
 
 #include <algorithm>
@@ -7,20 +8,20 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "calib/calibration_start.hpp"
+#include "calib/initial_calibration.hpp"
 #include "calib/rectified_points.hpp"
 
 namespace cartvo {
 namespace {
 
-/// Fits the board's pose alone; a view that the rig cannot show counts as infinitely far off.
+/// Fits the board's pose to a held-out view. The error is infinite if that fails.
 HeldOutView heldOut(const StereoCalibration& trained, const RectifiedPoints& rectified, const BoardView& view,
                     const std::vector<Eigen::Vector2d>& board_corners) {
-  constexpr double kHuber = 2.5;  // deviations, as in the calibration itself
+  constexpr double kHuber = 2.5;  // standard deviations, as in the calibration itself
   HeldOutView result;
   result.vertical_disparities = verticalDisparities(rectified, view);
   const Rig& rig = trained.estimate.rig;
-  const auto pose = poseBefore(rig, view, board_corners, kHuber * trained.corner_deviation);
+  const auto pose = fitBoardPose(rig, view, board_corners, kHuber * trained.corner_stddev);
   result.rms = pose ? residualRms(viewResiduals(rig, *pose, view, board_corners))
                     : std::numeric_limits<double>::infinity();
   return result;

@@ -7,23 +7,23 @@
 
 namespace cartvo {
 
-/// What a calibration from the other views makes of a view.
+/// Errors of a view under a calibration from the other views.
 struct HeldOutView {
-  double rms = 0.0;                          ///< of corners seen to corners projected, px
+  double rms = 0.0;                          ///< reprojection error, px
   std::vector<double> vertical_disparities;  ///< px of the rectified images
 };
 
-/// How well a model foretells views that it was not solved from.
+/// Errors of a model on views that were held out.
 struct CrossValidation {
-  std::vector<HeldOutView> views;       ///< in the order of the calibration's
+  std::vector<HeldOutView> views;       ///< in the order of the calibration's views
   double rms = 0.0;                     ///< over all corners, px
   double vertical_disparity_rms = 0.0;  ///< px of the rectified images
-  double vertical_disparity_p95 = 0.0;  ///< of the absolute value
+  double vertical_disparity_p95 = 0.0;  ///< 95th percentile of the absolute value, px
 };
 
-/// Holds out each of `folds` parts of the views by turns, calibrates with the others, and looks at the
-/// held-out ones: only the board's pose is fitted to them. Throws std::runtime_error if a model that was
-/// solved from all views cannot be from a part of them.
+/// Cross-validates a calibration: holds out each of `folds` parts of the views in turn, calibrates with the
+/// others, and evaluates the held-out views, to which only the board's pose is fitted. Throws
+/// std::runtime_error if the model cannot be fitted to a part of the views.
 CrossValidation crossValidate(const StereoCalibration& calibration, const std::vector<BoardView>& views,
                               const std::vector<Eigen::Vector2d>& board_corners, int folds);
 

@@ -1,3 +1,4 @@
+// Reader and writer for the sensor.yaml files of EuRoC sequences.
 #include "calib/euroc_rig.hpp"
 
 #include <vector>

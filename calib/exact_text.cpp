@@ -1,3 +1,4 @@
+// Numbers as text that reads back to the same double.
 #include "calib/exact_text.hpp"
 
 #include <cstdio>

@@ -5,10 +5,10 @@
 
 namespace cartvo {
 
-/// A number with as few digits as give the same double back.
+/// A number with as few digits (6 to 17) as read back to the same double.
 std::string exactText(double value);
 
-/// Numbers as YAML and JSON list them: [1, 2.5].
+/// Numbers as a sequence in YAML and JSON: [1, 2.5].
 std::string exactText(const std::vector<double>& values);
 
 }  // namespace cartvo

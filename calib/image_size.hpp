@@ -8,11 +8,11 @@
 
 namespace cartvo {
 
-/// As people write an image's size: "680x420".
+/// An image size as text, such as "680x420".
 std::string sizeText(const cv::Size& size);
 
-/// What such text says: two whole numbers from 1 to 99999 without signs, spaces or leading zeros. Nothing if
-/// it is other text.
-std::optional<cv::Size> sizeFrom(std::string_view text);
+/// Parses such text: two integers from 1 to 99999 without signs, spaces or leading zeros. std::nullopt for
+/// other text.
+std::optional<cv::Size> parseImageSize(std::string_view text);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Reader and writer for Kalibr's camchain.yaml.
 #include "calib/kalibr_rig.hpp"
 
 #include <vector>
@@ -46,7 +47,7 @@ std::string transformText(const Eigen::Isometry3d& transform) {
 
 }  // namespace
 
-Rig kalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   Rig rig;
   rig.name = name.stem().string();
   rig.left = readCamera(yaml["cam0"]);

@@ -1,3 +1,4 @@
+// Reader and writer for the calib.txt of KITTI odometry sequences.
 #include "calib/kitti_rig.hpp"
 
 #include <fstream>
@@ -81,7 +82,7 @@ bool isKittiRig(const Rig& rig) {
 std::string kittiText(const Rig& rig) {
   if (!isKittiRig(rig)) {
     throw std::invalid_argument(
-        "KITTI's calib.txt describes rectified images (no distortion, axes in parallel, one focal length); "
+        "KITTI's calib.txt describes rectified images (no distortion, parallel axes, one focal length); "
         "this rig's are raw");
   }
   return projectionRow("P0:", rig.left, 0.0) +

@@ -9,15 +9,16 @@
 
 namespace cartvo {
 
-/// P0 and P1 of a KITTI odometry sequence's calib.txt: rectified already, P1(0,3) = -f * baseline. The file
-/// does not hold the images' size. Throws std::runtime_error naming file, line and what was expected;
-/// T_body_camera is forwardLookingMount().
+/// Reads P0 and P1 of a KITTI odometry sequence's calib.txt. The images are rectified, and P1(0,3) = -f *
+/// baseline. The file does not contain the image size. T_body_camera is forwardLookingMount(). Throws
+/// std::runtime_error naming file, line and what was expected.
 Rig readKittiRig(const std::filesystem::path& calibration, cv::Size image_size);
 
-/// Whether calib.txt can say what a rig is: no distortion, axes in parallel, one focal length.
+/// Whether calib.txt can represent a rig: no distortion, parallel axes, one focal length.
 bool isKittiRig(const Rig& rig);
 
-/// Such a file of a rig, without its mount and image size. Throws std::invalid_argument unless isKittiRig().
+/// The text of calib.txt for a rig, without mount and image size. Throws std::invalid_argument unless
+/// isKittiRig().
 std::string kittiText(const Rig& rig);
 
 }  // namespace cartvo

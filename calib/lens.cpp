@@ -1,3 +1,4 @@
+// Distortion and its inverse for either lens model.
 #include "calib/lens.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ Lens::Lens(const CameraModel& camera) : distortion_(distortionOf(camera)) {}
 
 NormalisedPoint Lens::distort(const Eigen::Vector3d& ray) const {
   if (const auto* const wide = std::get_if<WideDistortion>(&distortion_)) return wide->distort(ray);
-  const double depth = std::max(ray.z(), 1e-6);  // what lies beside or behind goes far out, to the rim
+  const double depth = std::max(ray.z(), 1e-6);  // rays from beside or behind end at the rim
   return std::get<BrownDistortion>(distortion_).distort({ray.x() / depth, ray.y() / depth});
 }
 

@@ -10,17 +10,18 @@
 
 namespace cartvo {
 
-/// The lens of a camera, of whichever model: what rays become on the image plane at distance 1, before focal
-/// length and principal point. The same bits on each machine.
+/// The distortion of a camera's lens, of either model: rays to distorted normalised coordinates (before focal
+/// length and principal point) and back. The same bits on every machine.
 class Lens {
  public:
   explicit Lens(const CameraModel& camera);
 
-  /// Where a ray (camera axes, any length) is seen. Rays the lens does not see are taken back to its rim.
+  /// The distorted position of a ray (camera axes, any length). A ray outside the lens' field of view is
+  /// moved to its rim.
   NormalisedPoint distort(const Eigen::Vector3d& ray) const;
 
-  /// A ray (camera axes, any length) that is seen at `distorted`. Throws std::invalid_argument if Brown's
-  /// distortion folds before it reaches this far; a wide lens gives a ray at its rim.
+  /// The ray (camera axes, any length) of a distorted position. Beyond the field of view, Brown's model
+  /// throws std::invalid_argument, and a wide lens returns the ray at its rim.
   Eigen::Vector3d undistort(NormalisedPoint distorted) const;
 
  private:

@@ -1,3 +1,4 @@
+// Detection of ChArUco boards and AprilGrids by their markers.
 #include "calib/marker_detection.hpp"
 
 #include <algorithm>
@@ -18,16 +19,16 @@
 namespace cartvo {
 namespace {
 
-using MarkerCorners = std::array<Eigen::Vector2d, 4>;  ///< px of the whole image, as BoardMarker's
+using MarkerCorners = std::array<Eigen::Vector2d, 4>;  ///< px of the full image, ordered as in BoardMarker
 using SeenMarkers = std::map<int, MarkerCorners>;
 
-constexpr std::size_t kFewestMarkers = 2;
+constexpr std::size_t kMinMarkers = 2;
 
 void addMarkers(const cv::Mat& image, const SearchImage& search, const MarkerDictionary& markers,
                 SeenMarkers& seen) {
   const auto parameters = cv::aruco::DetectorParameters::create();
   parameters->markerBorderBits = markers.border_bits;
-  parameters->minMarkerPerimeterRate = 0.01;  // a board far away
+  parameters->minMarkerPerimeterRate = 0.01;  // for a distant board
   std::vector<std::vector<cv::Point2f>> quadrangles;
   std::vector<int> ids;
   cv::aruco::detectMarkers(image, markers.dictionary, quadrangles, ids, parameters);
@@ -35,25 +36,25 @@ void addMarkers(const cv::Mat& image, const SearchImage& search, const MarkerDic
   for (const int id : ids)
     (once.insert(id).second ? once : twice).insert(id);
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (twice.contains(ids[i])) continue;  // at most one of them is the board's
+    if (twice.contains(ids[i])) continue;  // ambiguous: at most one of them is on the board
     MarkerCorners corners;
     for (std::size_t k = 0; k < corners.size(); ++k)
-      corners[k] = search.inWhole(quadrangles[i][k]);
+      corners[k] = search.toFullImage(quadrangles[i][k]);
     seen.emplace(ids[i], corners);
   }
 }
 
-/// By id, of the whole dictionary.
+/// Detects all markers of the board's dictionary, by id.
 SeenMarkers detectMarkers(const cv::Mat& grey, const BoardSpec& board) {
-  constexpr double kLargestSide = 1600.0;  // px
-  const SearchImage search(grey, kLargestSide);
+  constexpr double kMaxSide = 1600.0;  // px
+  const SearchImage search(grey, kMaxSide);
   const MarkerDictionary markers = markerDictionary(board);
   SeenMarkers seen;
   if (std::holds_alternative<AprilGrid>(board)) {
-    // The tags hang together by the small squares at their corners: let white grow until they part.
-    cv::Mat parted;
-    cv::dilate(search.image, parted, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
-    addMarkers(parted, search, markers, seen);
+    // The small squares at the corners connect neighbouring tags: dilating white separates them.
+    cv::Mat dilated;
+    cv::dilate(search.image, dilated, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
+    addMarkers(dilated, search, markers, seen);
   }
   addMarkers(search.image, search, markers, seen);
   return seen;
@@ -66,7 +67,7 @@ double shortestSide(const MarkerCorners& corners) {
   return shortest;
 }
 
-/// The markers of a ChArUco board that touch an inner corner with the square that they are in.
+/// The markers of a ChArUco board whose squares touch an inner corner.
 std::vector<const BoardMarker*> markersBeside(const Eigen::Vector2d& corner, const Charuco& board,
                                               const std::vector<BoardMarker>& markers) {
   std::vector<const BoardMarker*> beside;
@@ -77,10 +78,11 @@ std::vector<const BoardMarker*> markersBeside(const Eigen::Vector2d& corner, con
   return beside;
 }
 
-/// Where the seen ones among these markers say that a point of the board is.
-std::optional<Eigen::Vector2d> placeOf(const Eigen::Vector2d& point,
-                                       const std::vector<const BoardMarker*>& markers,
-                                       const SeenMarkers& seen) {
+/// The position in the image of a point on the board, by the homography of the detected ones among these
+/// markers.
+std::optional<Eigen::Vector2d> predictPosition(const Eigen::Vector2d& point,
+                                               const std::vector<const BoardMarker*>& markers,
+                                               const SeenMarkers& seen) {
   std::vector<cv::Point2f> printed, imaged;
   for (const BoardMarker* const marker : markers) {
     const auto found = seen.find(marker->id);
@@ -106,19 +108,19 @@ std::vector<SeenCorner> detectCharuco(const cv::Mat& grey, const Charuco& board)
   const std::vector<BoardMarker> markers = boardMarkers(board);
   const std::vector<Eigen::Vector2d> corners = boardCorners(board);
   std::vector<SeenCorner> result;
-  if (seen.size() < kFewestMarkers) return result;
+  if (seen.size() < kMinMarkers) return result;
   for (std::size_t id = 0; id < corners.size(); ++id) {
     const std::vector<const BoardMarker*> beside = markersBeside(corners[id], board, markers);
-    const std::optional<Eigen::Vector2d> place = placeOf(corners[id], beside, seen);
-    if (!place) continue;
+    const std::optional<Eigen::Vector2d> predicted = predictPosition(corners[id], beside, seen);
+    if (!predicted) continue;
     double side = std::numeric_limits<double>::infinity();
     for (const BoardMarker* const marker : beside) {
       if (const auto found = seen.find(marker->id); found != seen.end())
         side = std::min(side, shortestSide(found->second));
     }
-    // The markers begin this far from the corner.
+    // Distance from the corner to the markers, px.
     const double room = side / board.marker * (board.square - board.marker) / 2.0;
-    if (const auto refined = refinedCorner(grey, *place, room))
+    if (const auto refined = refineCorner(grey, *predicted, room))
       result.push_back({static_cast<int>(id), *refined});
   }
   return result;
@@ -128,19 +130,19 @@ std::vector<SeenCorner> detectAprilGrid(const cv::Mat& grey, const AprilGrid& bo
   constexpr double kBorder = 0.2;  // two bits of ten: the black border's width in sides of a tag
   const SeenMarkers seen = detectMarkers(grey, board);
   std::vector<SeenCorner> result;
-  if (seen.size() < kFewestMarkers) return result;
+  if (seen.size() < kMinMarkers) return result;
   for (const auto& [id, corners] : seen) {
     if (id >= board.columns * board.rows) continue;
     const double room = std::min(kBorder, board.spacing) * shortestSide(corners);
     for (int k = 0; k < 4; ++k) {
-      if (const auto refined = refinedCorner(grey, corners[static_cast<std::size_t>(k)], room))
+      if (const auto refined = refineCorner(grey, corners[static_cast<std::size_t>(k)], room))
         result.push_back({4 * id + k, *refined});
     }
   }
   return result;
 }
 
-std::string markerBeyondSeen(const cv::Mat& grey, const BoardSpec& board) {
+std::string describeUnknownMarker(const cv::Mat& grey, const BoardSpec& board) {
   const SeenMarkers seen = detectMarkers(grey, board);
   if (seen.empty() || seen.rbegin()->first < static_cast<int>(boardMarkers(board).size())) return {};
   return "a marker with the number " + std::to_string(seen.rbegin()->first);

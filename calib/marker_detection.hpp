@@ -10,14 +10,14 @@
 
 namespace cartvo {
 
-/// The inner corners that lie beside a marker which is read. Empty below two markers.
+/// Detects the inner corners that are adjacent to a detected marker. Empty with fewer than two markers.
 std::vector<SeenCorner> detectCharuco(const cv::Mat& grey, const Charuco& board);
 
-/// The corners of the tags that are read. Empty below two tags.
+/// Detects the corners of the detected tags. Empty with fewer than two tags.
 std::vector<SeenCorner> detectAprilGrid(const cv::Mat& grey, const AprilGrid& board);
 
-/// A marker of the board's dictionary that the board does not have: "a tag with the number 40"; empty if
-/// none.
-std::string markerBeyondSeen(const cv::Mat& grey, const BoardSpec& board);
+/// Describes a marker of the board's dictionary that is not on the board: "a marker with the number 40".
+/// Empty if there is none.
+std::string describeUnknownMarker(const cv::Mat& grey, const BoardSpec& board);
 
 }  // namespace cartvo

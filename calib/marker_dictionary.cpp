@@ -1,3 +1,4 @@
+// Choice of the OpenCV marker dictionary for a board.
 #include "calib/marker_dictionary.hpp"
 
 #include <array>
@@ -6,17 +7,17 @@
 namespace cartvo {
 namespace {
 
-/// OpenCV's dictionaries of 50, 100, 250 and 1000 markers of n x n bits begin with the same codes, and their
-/// enumerators follow each other from 4x4 on.
+/// OpenCV's dictionaries of 50, 100, 250 and 1000 markers of n x n bits start with the same codes, and their
+/// enumerators are consecutive, starting with 4x4.
 MarkerDictionary charucoDictionary(const Charuco& board) {
-  constexpr int kFewestBits = 4;
+  constexpr int kMinBits = 4;
   constexpr std::array kSizes{50, 100, 250, 1000};
   const int markers = board.columns * board.rows / 2;
   int index = 0;
   while (index + 1 < static_cast<int>(kSizes.size()) && kSizes[static_cast<std::size_t>(index)] < markers)
     ++index;
   const int name =
-      cv::aruco::DICT_4X4_50 + static_cast<int>(kSizes.size()) * (board.marker_bits - kFewestBits) + index;
+      cv::aruco::DICT_4X4_50 + static_cast<int>(kSizes.size()) * (board.marker_bits - kMinBits) + index;
   return {cv::aruco::getPredefinedDictionary(name), 1};
 }
 

@@ -6,14 +6,14 @@
 
 namespace cartvo {
 
-/// How the markers of a board are coded, for drawing and detecting them.
+/// The coding of a board's markers, for drawing and detection.
 struct MarkerDictionary {
-  cv::Ptr<cv::aruco::Dictionary> dictionary;  ///< holds at least the board's ids
+  cv::Ptr<cv::aruco::Dictionary> dictionary;  ///< contains at least the board's ids
   int border_bits = 1;                        ///< width of the black border, in bits
 };
 
-/// The smallest dictionary that holds a board's markers: with fewer codes, more faulty bits can be mended.
-/// Throws std::invalid_argument for a chessboard, which has none.
+/// The smallest dictionary that contains a board's markers, since a smaller one corrects more bit errors.
+/// Throws std::invalid_argument for a chessboard, which has no markers.
 MarkerDictionary markerDictionary(const BoardSpec& board);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Reader and writer for MATLAB's stereoParameters as JSON.
 #include "calib/matlab_rig.hpp"
 
 #include <map>
@@ -11,7 +12,7 @@
 namespace cartvo {
 namespace {
 
-constexpr double kFirstPixel = 1.0;  // MATLAB counts from one
+constexpr double kFirstPixel = 1.0;  // px; MATLAB counts pixels from one
 
 double metresPerUnit(const StrictYaml& camera) {
   static const std::map<std::string, double> kUnits{
@@ -23,7 +24,7 @@ double metresPerUnit(const StrictYaml& camera) {
   return unit->second;
 }
 
-/// OpenCV's order of two or three radial and two tangential coefficients.
+/// Two or three radial and two tangential coefficients, in OpenCV's order.
 std::vector<double> distortionOf(const StrictYaml& yaml) {
   const std::vector<double> radial = yaml["RadialDistortion"].numbers();
   if (radial.size() != 2 && radial.size() != 3)
@@ -39,7 +40,7 @@ CameraModel readCamera(const StrictYaml& yaml) {
   const StrictYaml matrix = yaml["IntrinsicMatrix"];
   const std::vector<double> K = matrix.numbers(9);
   if (K[1] != 0.0 || K[2] != 0.0 || K[3] != 0.0 || K[5] != 0.0 || K[8] != 1.0)
-    matrix.failExpecting("[fx 0 0; 0 fy 0; cx cy 1], as MATLAB has it, without skew");
+    matrix.failExpecting("[fx 0 0; 0 fy 0; cx cy 1], as MATLAB writes it, without skew");
   camera.fx = K[0];
   camera.fy = K[4];
   camera.cx = K[6] - kFirstPixel;
@@ -73,7 +74,7 @@ std::string cameraText(const char* name, const CameraModel& camera) {
 
 }  // namespace
 
-Rig matlabRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+Rig parseMatlabRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   Rig rig;
   rig.name = name.stem().string();
   rig.left = readCamera(yaml["CameraParameters1"]);

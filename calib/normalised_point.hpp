@@ -2,7 +2,7 @@
 
 namespace cartvo {
 
-/// A point of the image plane at distance 1 from the camera: (x/z, y/z).
+/// Normalised image coordinates: (x/z, y/z), a point on the image plane at distance 1 from the camera.
 struct NormalisedPoint {
   double x = 0.0, y = 0.0;
 };

@@ -1,3 +1,4 @@
+// Reader and writer for stereo calibrations in OpenCV's FileStorage format.
 #include "calib/opencv_rig.hpp"
 
 #include <vector>
@@ -30,17 +31,17 @@ std::string matrixText(const std::string& name, std::size_t columns, const std::
 std::string cameraText(const std::string& number, const CameraModel& camera) {
   const std::vector<double> D =
       firstCoefficients(camera, distortionCount(camera.lens), "an OpenCV FileStorage");
-  // cv::fisheye takes a column, cv::stereoRectify either.
+  // cv::fisheye accepts only a column, cv::stereoRectify a row or a column.
   return matrixText("K" + number, 3, cameraMatrixRows(camera)) + matrixText("D" + number, 1, D);
 }
 
 }  // namespace
 
 Rig readOpenCvRig(const std::filesystem::path& file) {
-  return openCvRig(StrictYaml::readFile(file), file);
+  return parseOpenCvRig(StrictYaml::readFile(file), file);
 }
 
-Rig openCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+Rig parseOpenCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   const cv::Size size = readImageSize(yaml["image_size"]);
   const bool is_wide = yaml.has("fisheye_model") && yaml["fisheye_model"].integer(0, 1) == 1;
   const LensModel lens = is_wide ? LensModel::wide : LensModel::brown;

@@ -1,3 +1,4 @@
+// Check of UTF-8 text for printable characters, and truncation between characters.
 #include "calib/printable_text.hpp"
 
 #include <array>
@@ -7,13 +8,13 @@
 namespace cartvo {
 namespace {
 
-bool continues(char byte) {
+bool isContinuationByte(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
 }
 
-/// Takes the UTF-8 character at the beginning of `text` off it; nothing if none stands there (RFC 3629: no
-/// overlong form, no surrogate, nothing above U+10FFFF).
-std::optional<std::uint32_t> takeCharacter(std::string_view& text) {
+/// Decodes the UTF-8 character at the beginning of `text` and removes it from there. std::nullopt for invalid
+/// bytes (RFC 3629: no overlong form, no surrogate, nothing above U+10FFFF).
+std::optional<std::uint32_t> decodeCharacter(std::string_view& text) {
   struct Form {
     std::size_t length;
     std::uint32_t lead, mask, least;
@@ -26,7 +27,7 @@ std::optional<std::uint32_t> takeCharacter(std::string_view& text) {
     if (text.size() < form.length) return std::nullopt;
     std::uint32_t character = first & form.mask;
     for (std::size_t i = 1; i < form.length; ++i) {
-      if (!continues(text[i])) return std::nullopt;
+      if (!isContinuationByte(text[i])) return std::nullopt;
       character = character << 6U | (static_cast<unsigned char>(text[i]) & 0x3FU);
     }
     const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
@@ -37,7 +38,7 @@ std::optional<std::uint32_t> takeCharacter(std::string_view& text) {
   return std::nullopt;
 }
 
-/// What ends a line, steers a terminal or turns the direction of writing around.
+/// Line breaks, terminal control characters and characters that reverse the direction of writing.
 bool isControl(std::uint32_t character) {
   const auto within = [character](std::uint32_t first, std::uint32_t last) {
     return character >= first && character <= last;
@@ -49,16 +50,16 @@ bool isControl(std::uint32_t character) {
 
 bool isPrintable(std::string_view text) {
   while (!text.empty()) {
-    const auto character = takeCharacter(text);
+    const auto character = decodeCharacter(text);
     if (!character || isControl(*character)) return false;
   }
   return true;
 }
 
-std::string_view beginningOf(std::string_view text, std::size_t most_bytes) {
-  if (text.size() <= most_bytes) return text;
-  std::size_t end = most_bytes;
-  while (end > 0 && continues(text[end]))
+std::string_view utf8Prefix(std::string_view text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return text;
+  std::size_t end = max_bytes;
+  while (end > 0 && isContinuationByte(text[end]))
     --end;
   return text.substr(0, end);
 }

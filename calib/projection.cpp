@@ -1,3 +1,4 @@
+// Projection of points with derivatives, for both lens models.
 #include "calib/projection.hpp"
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 namespace cartvo {
 namespace {
 
-/// A point of the image plane at distance 1, and how it changes.
+/// Distorted normalised coordinates, with derivatives.
 struct Distorted {
   Eigen::Vector2d point;
   Eigen::Matrix<double, 2, 3> J_point;

@@ -9,23 +9,22 @@ namespace cartvo {
 
 /// fx fy cx cy and the eight coefficients of CameraModel::distortion.
 inline constexpr int kCameraParameters = 12;
-inline constexpr int kDistortion = 4;  ///< where the coefficients begin
+inline constexpr int kDistortion = 4;  ///< index of the first distortion coefficient
 using CameraParameters = Eigen::Matrix<double, kCameraParameters, 1>;
 
 CameraParameters parametersOf(const CameraModel& camera);
 void setParameters(const CameraParameters& parameters, CameraModel& camera);
 
-/// Where a camera sees a point, and how that changes.
+/// Projection of a point, with derivatives.
 struct LensProjection {
   Eigen::Vector2d pixel;                                 ///< px
-  Eigen::Matrix<double, 2, 3> J_point;                   ///< by the point in camera axes, px/m
-  Eigen::Matrix<double, 2, kCameraParameters> J_camera;  ///< by the camera's parameters
+  Eigen::Matrix<double, 2, 3> J_point;                   ///< d(pixel)/d(point in camera axes), px/m
+  Eigen::Matrix<double, 2, kCameraParameters> J_camera;  ///< d(pixel)/d(camera parameters)
 };
 
-/// The projection of a point (camera axes, m), as Lens has it but with the model continued beyond where it
-/// folds, so that a solver passing through there finds its way back. Nothing where the model has no value:
-/// for Brown's at and behind the camera's plane, for the wide one at and behind the camera's axis turned
-/// round.
+/// Projects a point (camera axes, m) as Lens does, but continues the model beyond the radius where it folds,
+/// so that a solver can pass through that region. std::nullopt where the model is undefined: Brown's at and
+/// behind the camera's plane, the wide one on the negative optical axis.
 std::optional<LensProjection> project(const CameraModel& camera, const Eigen::Vector3d& point);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Computation of the rectification of a rig.
 #include "calib/rectification.hpp"
 
 #include <Eigen/Geometry>
@@ -13,7 +14,7 @@
 namespace cartvo {
 namespace {
 
-/// An upright rectangle on the rectified image plane, normalised coordinates.
+/// An axis-aligned rectangle on the rectified image plane, in normalised coordinates.
 struct Rectangle {
   double left, top, right, bottom;
   double width() const { return right - left; }
@@ -32,19 +33,19 @@ void checkBaseline(const Rig& rig) {
   const Eigen::Vector3d right_in_left = rig.T_right_left.inverse().translation();
   const double sideways = std::abs(right_in_left.x());
   if (sideways < std::abs(right_in_left.y()) || sideways < std::abs(right_in_left.z())) {
-    throw std::invalid_argument("rig '" + rig.name +
-                                "': the right camera does not stand beside the left one; T_right_left's "
-                                "translation must point along x");
-  }
-  if (right_in_left.x() < 0.0) {
     throw std::invalid_argument(
         "rig '" + rig.name +
-        "': the right camera stands to the left of the left one: the cameras are swapped "
-        "(exchange left and right), or T_right_left is inverted");
+        "': the right camera is not beside the left one; the translation of T_right_left "
+        "must point along x");
+  }
+  if (right_in_left.x() < 0.0) {
+    throw std::invalid_argument("rig '" + rig.name +
+                                "': the right camera is to the left of the left one: the cameras are swapped "
+                                "(exchange left and right), or T_right_left is inverted");
   }
 }
 
-/// The rotation of half the angle: the normalised sum of the quaternion and the identity.
+/// The rotation by half the angle: the normalised sum of the quaternion and the identity.
 Eigen::Quaterniond halfRotation(const Eigen::Matrix3d& R) {
   Eigen::Quaterniond q(R);
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
@@ -52,27 +53,28 @@ Eigen::Quaterniond halfRotation(const Eigen::Matrix3d& R) {
   return q.normalized();
 }
 
-/// The least rotation that takes a unit vector, which points about along x, to x: Rodrigues' formula for the
-/// axis direction x e_x with its sine and cosine expressed by the products.
-Eigen::Matrix3d leastRotationToX(const Eigen::Vector3d& direction) {
+/// The smallest rotation that takes a unit vector, roughly along x, to x: Rodrigues' formula about the axis
+/// (direction x e_x), with sine and cosine expressed by products.
+Eigen::Matrix3d smallestRotationToX(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d axis = direction.cross(Eigen::Vector3d::UnitX());
   Eigen::Matrix3d K;
   K << 0.0, -axis.z(), axis.y(), axis.z(), 0.0, -axis.x(), -axis.y(), axis.x(), 0.0;
   return Eigen::Matrix3d::Identity() + K + K * K / (1.0 + direction.x());
 }
 
-/// The farthest from the rectified axis that a wide lens' image is kept: the tangent of 70 degrees.
-constexpr double kWidestRadius = 2.747477419454622;
+/// Radius on the rectified plane at which the image of a wide lens is cut: the tangent of 70 degrees.
+constexpr double kMaxRectifiedRadius = 2.747477419454622;
 
-/// Where a ray meets the rectified plane; one that lies beyond the radius, or behind, is taken back to it.
-NormalisedPoint withinWidest(const Eigen::Vector3d& ray) {
+/// The intersection of a ray with the rectified plane. A ray beyond the radius, or from behind, is moved back
+/// to it.
+NormalisedPoint clampToMaxRadius(const Eigen::Vector3d& ray) {
   const double sideways = std::sqrt(ray.x() * ray.x() + ray.y() * ray.y());
-  const double depth = std::max(ray.z(), sideways / kWidestRadius);
+  const double depth = std::max(ray.z(), sideways / kMaxRectifiedRadius);
   return {ray.x() / depth, ray.y() / depth};
 }
 
-/// What the outline of the raw image becomes on the rectified plane: the largest upright rectangle within and
-/// the smallest around.
+/// The outline of the raw image on the rectified plane: the largest axis-aligned rectangle inside and the
+/// smallest around it.
 struct Outline {
   Rectangle inner, outer;
 };
@@ -90,7 +92,7 @@ Outline rectifiedOutline(const CameraModel& camera, const Eigen::Matrix3d& R_rec
     if (!is_wide && !(ray.z() > 0.0))
       throw std::invalid_argument("the cameras are turned too far apart to be rectified");
     const NormalisedPoint point =
-        is_wide ? withinWidest(ray) : NormalisedPoint{ray.x() / ray.z(), ray.y() / ray.z()};
+        is_wide ? clampToMaxRadius(ray) : NormalisedPoint{ray.x() / ray.z(), ray.y() / ray.z()};
     outline.outer.left = std::min(outline.outer.left, point.x);
     outline.outer.right = std::max(outline.outer.right, point.x);
     outline.outer.top = std::min(outline.outer.top, point.y);
@@ -108,8 +110,8 @@ Outline rectifiedOutline(const CameraModel& camera, const Eigen::Matrix3d& R_rec
   return outline;
 }
 
-/// Focal length and principal point with which the image spans the rectangle: whole where `fit` is std::min,
-/// and nothing beyond it where `fit` is std::max.
+/// Focal length and principal point (px) with which the image covers the rectangle: all of it if `fit` is
+/// std::min, nothing beyond it if `fit` is std::max.
 template <typename Fit>
 Eigen::Vector3d pinholeOf(const Rectangle& rectangle, cv::Size size, Fit fit) {
   const double focal_length =
@@ -118,7 +120,8 @@ Eigen::Vector3d pinholeOf(const Rectangle& rectangle, cv::Size size, Fit fit) {
           (size.height - 1) / 2.0 - focal_length * (rectangle.top + rectangle.bottom) / 2.0};
 }
 
-void chooseCamera(const Rig& rig, const RectificationSettings& settings, Rectification& rectification) {
+void chooseRectifiedCamera(const Rig& rig, const RectificationSettings& settings,
+                           Rectification& rectification) {
   const auto [inner_l, outer_l] = rectifiedOutline(rig.left, rectification.R_rectified_left);
   const auto [inner_r, outer_r] = rectifiedOutline(rig.right, rectification.R_rectified_right);
   const Rectangle inner{std::max(inner_l.left, inner_r.left), std::max(inner_l.top, inner_r.top),
@@ -126,7 +129,8 @@ void chooseCamera(const Rig& rig, const RectificationSettings& settings, Rectifi
   const Rectangle outer{std::min(outer_l.left, outer_r.left), std::min(outer_l.top, outer_r.top),
                         std::max(outer_l.right, outer_r.right), std::max(outer_l.bottom, outer_r.bottom)};
   if (!(inner.width() > 0.0 && inner.height() > 0.0)) {
-    throw std::invalid_argument("rig '" + rig.name + "': the two cameras have no view in common");
+    throw std::invalid_argument("rig '" + rig.name +
+                                "': the fields of view of the two cameras do not overlap");
   }
   const auto larger = [](double a, double b) { return std::max(a, b); };
   const auto smaller = [](double a, double b) { return std::min(a, b); };
@@ -142,11 +146,11 @@ void chooseCamera(const Rig& rig, const RectificationSettings& settings, Rectifi
 
 RectifyingRotations rectifyingRotations(const Rig& rig) {
   checkBaseline(rig);
-  // Turned by half of the relative rotation each, the cameras are parallel; then the baseline is laid along
-  // x.
+  // Half of the relative rotation makes each camera parallel to the other; the second rotation aligns the
+  // baseline with x.
   const Eigen::Quaterniond half = halfRotation(rig.T_right_left.linear());
   const Eigen::Vector3d right_in_left = rig.T_right_left.inverse().translation();
-  const Eigen::Matrix3d to_baseline = leastRotationToX((half * right_in_left).normalized());
+  const Eigen::Matrix3d to_baseline = smallestRotationToX((half * right_in_left).normalized());
   return {to_baseline * half.toRotationMatrix(), to_baseline * half.conjugate().toRotationMatrix()};
 }
 
@@ -169,7 +173,7 @@ Rectification computeRectification(const Rig& rig, const RectificationSettings& 
   const RectifyingRotations rotations = rectifyingRotations(rig);
   rectification.R_rectified_left = rotations.left;
   rectification.R_rectified_right = rotations.right;
-  chooseCamera(rig, settings, rectification);
+  chooseRectifiedCamera(rig, settings, rectification);
   return rectification;
 }
 

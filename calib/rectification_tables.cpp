@@ -1,3 +1,4 @@
+// Computation of rectification tables, and loading them from a file when it is valid.
 #include "calib/rectification_tables.hpp"
 
 #include <algorithm>
@@ -12,12 +13,12 @@
 namespace cartvo {
 namespace {
 
-/// Grows with each change of how tables are computed or laid out, so that older ones are rebuilt.
+/// Incremented with each change in how tables are computed or stored, so that older files are rebuilt.
 constexpr std::uint64_t kTablesVersion = 1;
 
 constexpr int kFractionBits = 8;
 
-/// A raw coordinate in fixed point, kept where both it and its right or lower neighbour are pixels.
+/// A raw coordinate in fixed point, clamped so that both the pixel and its right or lower neighbour exist.
 std::uint32_t fixedPoint(double coordinate, int size) {
   const double largest = static_cast<double>(((size - 1) << kFractionBits) - 1);
   const double scaled = std::floor(coordinate * (1 << kFractionBits) + 0.5);
@@ -40,7 +41,7 @@ PixelSources buildSources(const CameraModel& camera, const Eigen::Matrix3d& R_re
     const double y = (v - rectification.cy) / rectification.focal_length;
     for (int u = 0; u < rectification.size.width; ++u) {
       const double x = (u - rectification.cx) / rectification.focal_length;
-      // Written out, not as a product of Eigen's, whose order of summation may depend on the processor.
+      // Written out, since the order of Eigen's summation may depend on the processor.
       const NormalisedPoint raw =
           lens.distort({R(0, 0) * x + R(0, 1) * y + R(0, 2), R(1, 0) * x + R(1, 1) * y + R(1, 2),
                         R(2, 0) * x + R(2, 1) * y + R(2, 2)});
@@ -67,7 +68,7 @@ std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& set
       add(value);
     for (const double coefficient : camera->distortion)
       add(coefficient);
-    // Brown's lenses were there first; without a word for them, the tables people have stay valid.
+    // Nothing is added for Brown's lenses, so that tables from before there were wide ones stay valid.
     if (camera->lens == LensModel::wide) add(static_cast<double>(camera->lens));
   }
   for (int row = 0; row < 3; ++row) {
@@ -94,30 +95,30 @@ LoadedTables loadOrBuildTables(const Rig& rig, const RectificationSettings& sett
   LoadedTables loaded;
   if (computeRectification(rig, settings).is_identity) {
     loaded.tables = buildTables(rig, settings);
-    loaded.explanation = "the images are rectified already: no tables needed";
+    loaded.message = "the images are already rectified: no tables needed";
     return loaded;
   }
   if (!std::filesystem::exists(file)) {
     loaded.origin = TablesOrigin::first_built;
-    loaded.explanation = "rectification tables built for the first time: " + file.string();
+    loaded.message = "rectification tables built for the first time: " + file.string();
   } else {
     try {
       loaded.tables = readTables(file, rig.left.size, tablesFingerprint(rig, settings));
-      loaded.explanation = "rectification tables loaded: " + file.string();
+      loaded.message = "rectification tables loaded: " + file.string();
       return loaded;
     } catch (const TablesOfAnotherRig& error) {
       loaded.origin = TablesOrigin::rig_changed;
-      loaded.explanation = std::string("rectification tables rebuilt: ") + error.what();
+      loaded.message = std::string("rectification tables rebuilt: ") + error.what();
     } catch (const std::runtime_error& error) {
       loaded.origin = TablesOrigin::damaged;
-      loaded.explanation = std::string("rectification tables rebuilt: ") + error.what();
+      loaded.message = std::string("rectification tables rebuilt: ") + error.what();
     }
   }
   loaded.tables = buildTables(rig, settings);
   try {
     writeTables(file, loaded.tables);
   } catch (const std::runtime_error& error) {
-    loaded.explanation += std::string("; they could not be kept: ") + error.what();
+    loaded.message += std::string("; the tables could not be saved: ") + error.what();
   }
   return loaded;
 }

@@ -13,10 +13,10 @@
 
 namespace cartvo {
 
-/// Where each rectified pixel comes from in the raw image, row by row, in fixed point with 8 fractional bits:
-/// the source lies at (column + column_fraction / 256, row + row_fraction / 256), rounded to the nearest
-/// 1/256 px (cv::remap's maps round to 1/32 px). Always column <= width - 2 and row <= height - 2 of the raw
-/// image, so that the four pixels around the source exist; a source outside the image is moved to its border.
+/// Source position in the raw image of each rectified pixel, row by row, in fixed point with 8 fractional
+/// bits: (column + column_fraction / 256, row + row_fraction / 256), rounded to the nearest 1/256 px
+/// (cv::remap rounds to 1/32 px). Always column <= width - 2 and row <= height - 2 of the raw image, so that
+/// the four pixels around the source exist; a source outside the image is moved to its border.
 struct PixelSources {
   std::vector<std::uint16_t> column;
   std::vector<std::uint16_t> row;
@@ -26,53 +26,55 @@ struct PixelSources {
   bool operator==(const PixelSources&) const = default;
 };
 
-/// Both cameras' tables. Empty for a rig whose images are rectified already.
+/// The tables of both cameras. Empty for a rig whose images are already rectified.
 struct RectificationTables {
   cv::Size size;                  ///< of raw and rectified images, px
-  std::uint64_t fingerprint = 0;  ///< of the rig and settings they were computed from
+  std::uint64_t fingerprint = 0;  ///< of the rig and settings, see tablesFingerprint
   PixelSources left;
   PixelSources right;
 
   bool operator==(const RectificationTables&) const = default;
 };
 
-/// A hash of all that the tables depend on: the cameras, their relative pose, the settings. Not the rig's
-/// name or its place on the cart.
+/// A hash of everything that the tables depend on: the cameras, their relative pose and the settings, but not
+/// the rig's name or its mount.
 std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& settings);
 
+/// Computes the tables. Throws std::invalid_argument if the rig cannot be rectified.
 RectificationTables buildTables(const Rig& rig, const RectificationSettings& settings);
 
-/// Writes the tables, atomically: magic, version, size, fingerprint, the arrays, and an XXH3 checksum over
-/// all before it; little-endian.
+/// Writes the tables atomically: magic, version, size, fingerprint, the arrays, and an XXH3 checksum of
+/// everything before it; little-endian.
 void writeTables(const std::filesystem::path& file, const RectificationTables& tables);
 
-/// The file holds whole tables, but of another rig or other settings.
+/// Thrown for a file with valid tables of another rig or other settings.
 class TablesOfAnotherRig : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The tables of a rig of this image size and fingerprint. Throws TablesOfAnotherRig, or std::runtime_error
-/// naming the file and what is wrong with it. Reads no more bytes than `size` calls for.
+/// Reads the tables of a rig with this image size and fingerprint. Reads at most as many bytes as `size`
+/// requires. Throws TablesOfAnotherRig, or std::runtime_error naming the file and its fault.
 RectificationTables readTables(const std::filesystem::path& file, cv::Size size, std::uint64_t fingerprint);
 
-/// Where loaded tables come from.
+/// Origin of loaded tables.
 enum class TablesOrigin : std::uint8_t {
-  loaded,       ///< from the file
-  first_built,  ///< there was no file
-  rig_changed,  ///< the file was another rig's: rebuilt
-  damaged,      ///< the file could not be used: rebuilt
+  loaded,       ///< read from the file
+  first_built,  ///< computed, since there was no file
+  rig_changed,  ///< computed, since the file was of another rig
+  damaged,      ///< computed, since the file was damaged
 };
 
+/// Tables, their origin, and a message for the log.
 struct LoadedTables {
   RectificationTables tables;
   TablesOrigin origin = TablesOrigin::loaded;
-  std::string
-      explanation;  ///< a sentence for the log: what was done and why; also if the file was not writable
+  /// Log message: what was done and why; also states if the file could not be written.
+  std::string message;
 };
 
-/// The tables of a rig, from `file` if they are there and whole, else computed and kept there. A file that
-/// cannot be written is said in `explanation` and harms nothing.
+/// Reads the tables of a rig from `file`; if it is missing or unusable, computes them and writes them there.
+/// A file that cannot be written is reported in `message` only.
 LoadedTables loadOrBuildTables(const Rig& rig, const RectificationSettings& settings,
                                const std::filesystem::path& file);
 

@@ -1,3 +1,4 @@
+// Rectification of images through lookup tables.
 #include "calib/rectifier.hpp"
 
 #include <stdexcept>
@@ -33,7 +34,7 @@ void Rectifier::rectify(const char* side, const PixelSources& sources, const cv:
   }
   if (raw.type() != CV_8UC1) {
     throw std::runtime_error(std::string("the ") + side +
-                             " camera's images are not grey with 8 bits a pixel");
+                             " camera's images are not grey with 8 bits per pixel");
   }
   if (rectification_.is_identity) {
     rectified = raw;

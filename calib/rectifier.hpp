@@ -10,19 +10,19 @@
 
 namespace cartvo {
 
-/// Turns raw images into rectified ones. Immutable: any number of threads may use one at a time.
+/// Rectifies images. Immutable, so several threads may use one object at the same time.
 class Rectifier {
  public:
-  /// The tables must be this rig's, see loadOrBuildTables or buildTables; throws std::invalid_argument
-  /// otherwise.
+  /// Throws std::invalid_argument unless `tables` are those of this rig and these settings, see
+  /// loadOrBuildTables.
   Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables);
 
   const Rectification& rectification() const { return rectification_; }
 
-  /// Rectifies a raw image (CV_8UC1) of the left or right camera. `rectified` is reused if it has the right
-  /// size and type and is no view of `raw`. A rig that is rectified already gets `raw` itself, without a
-  /// copy. Throws std::runtime_error for an image of another size than the rig's, stating both sizes and what
-  /// to do.
+  /// Rectifies a raw image (CV_8UC1) of the left or right camera. The memory of `rectified` is reused if it
+  /// has the right size and type and is not shared with `raw`. If the rig is already rectified, the result is
+  /// `raw` without a copy. Throws std::runtime_error for an image of another size or type, stating both sizes
+  /// and what to do.
   void rectifyLeft(const cv::Mat& raw, cv::Mat& rectified) const;
   void rectifyRight(const cv::Mat& raw, cv::Mat& rectified) const;
 

@@ -6,9 +6,9 @@
 
 namespace cartvo {
 
-/// Fills `target` (CV_8UC1) with `source`'s grey values at the table's places, bilinearly interpolated with
-/// weights of 1/256 and rounded once, to the nearest. `sources` must hold a place for each pixel of `target`,
-/// all within `source` (see PixelSources); that is not checked here.
+/// Fills `target` (CV_8UC1) with the grey values of `source` at the positions of the table, by bilinear
+/// interpolation with weights of 1/256, rounded once to the nearest integer. `sources` must contain one
+/// position within `source` for each pixel of `target` (see PixelSources); this is not checked.
 void remap(const cv::Mat& source, const PixelSources& sources, cv::Mat& target);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Properties of camera models, and the default mount.
 #include "calib/rig.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ bool isPinhole(const CameraModel& camera) {
 
 Eigen::Isometry3d forwardLookingMount() {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
-  // Columns: the camera's right, down and forward as the body sees them.
+  // Columns: the camera's right, down and forward in body axes.
   T_body_camera.linear() << 0.0, 0.0, 1.0,  //
       -1.0, 0.0, 0.0,                       //
       0.0, -1.0, 0.0;

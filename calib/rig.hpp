@@ -9,34 +9,35 @@
 
 namespace cartvo {
 
-/// How a lens bends the rays that come to it; see BrownDistortion and WideDistortion.
+/// Lens model; see BrownDistortion and WideDistortion.
 enum class LensModel : std::uint8_t {
-  brown,  ///< a pinhole with Brown's distortion (thesis 4.5-4.7): k1 k2 p1 p2 k3 k4 k5 k6, as in OpenCV
+  brown,  ///< pinhole with Brown's distortion (thesis 4.5-4.7): k1 k2 p1 p2 k3 k4 k5 k6, as in OpenCV
   wide,   ///< Kannala and Brandt's fisheye: k1 k2 k3 k4, then zeros, as in OpenCV's fisheye module
 };
 
-/// A camera: its lens and where its sensor stands behind it.
+/// Intrinsics of a camera.
 struct CameraModel {
-  cv::Size size;                                  ///< of the images this model holds for, px
+  cv::Size size;                                  ///< image size that the model is valid for, px
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< px; pixel centres at integer coordinates
   LensModel lens = LensModel::brown;
   std::array<double, 8> distortion{};  ///< the lens model's coefficients
 };
 
-/// How many coefficients a lens model has: the first ones of CameraModel::distortion.
+/// Number of coefficients of a lens model. They are the first ones of CameraModel::distortion.
 std::size_t distortionCount(LensModel lens);
 
-/// Whether the camera's images are those of a pinhole, without distortion.
+/// Whether the camera is a pinhole without distortion.
 bool isPinhole(const CameraModel& camera);
 
-/// How rectified images are cut out of the raw ones.
+/// Settings of the rectification.
 struct RectificationSettings {
-  /// How much of the raw images is kept, as cv::stereoRectify's alpha: 0 crops until no pixel lacks a source,
-  /// 1 shrinks until no raw pixel is lost.
+  /// Share of the raw images that is kept, like cv::stereoRectify's alpha: 0 crops until every rectified
+  /// pixel has a source, 1 shrinks until no raw pixel is lost.
   double free_scaling = 0.0;
 };
 
-/// The two cameras, how they stand to each other, and how they sit on the cart.
+/// Calibration of a stereo rig: both cameras, their relative pose, and the pose of the left camera on the
+/// cart.
 struct Rig {
   std::string name;
   CameraModel left;
@@ -46,17 +47,16 @@ struct Rig {
   Eigen::Isometry3d T_body_camera =
       Eigen::Isometry3d::Identity();  ///< left camera axes to body axes (REP-103), m
   RectificationSettings rectification;
-  /// Standard deviation of the scale, as a share: how much all lengths that the rig measures may be too long
-  /// or too short together, as its baseline is. 0: not said, which counts as
-  /// exact.
-  double scale_deviation = 0.0;
+  /// Relative standard deviation of the baseline, which scales all lengths that the rig measures. 0: unknown,
+  /// counts as exact.
+  double scale_stddev = 0.0;
 
-  /// Distance of the two cameras, m.
+  /// Distance between the cameras, m.
   double baseline() const { return T_right_left.translation().norm(); }
 };
 
-/// Camera axes (x right, y down, z forward) seen in body axes (x forward, y left, z up), origin in the
-/// camera: the mount of a rig that does not say where on the cart it sits.
+/// T_body_camera of a camera that looks forward from the body's origin: camera axes (x right, y down, z
+/// forward) to body axes (x forward, y left, z up). The default mount of a rig.
 Eigen::Isometry3d forwardLookingMount();
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Reader, writer and validation of rig files.
 #include "calib/rig_file.hpp"
 
 #include <cmath>
@@ -17,16 +18,16 @@ namespace cartvo {
 namespace {
 
 constexpr int kFormatVersion = 1;
-constexpr int kLargestSide = 8192;
-constexpr double kShortestBaseline = 0.005, kLongestBaseline = 10.0;
-constexpr double kLargestScaleDeviation = 0.1;
-constexpr double kShortestFocalLength = 1.0, kLongestFocalLength = 1e5;
+constexpr int kMaxSide = 8192;                                  // px
+constexpr double kMinBaseline = 0.005, kMaxBaseline = 10.0;     // m
+constexpr double kMaxScaleStddev = 0.1;                         // relative
+constexpr double kMinFocalLength = 1.0, kMaxFocalLength = 1e5;  // px
 
-/// Where a principal point may lie along a side of the image, px.
-double leastCentre(int length) {
+/// Range of a principal point's coordinate along an image side of this length, px.
+double minCentre(int length) {
   return -length;
 }
-double mostCentre(int length) {
+double maxCentre(int length) {
   return 2.0 * length;
 }
 
@@ -41,10 +42,10 @@ CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
   yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion"});
   CameraModel camera;
   camera.size = size;
-  camera.fx = yaml["fx"].number(kShortestFocalLength, kLongestFocalLength);
-  camera.fy = yaml["fy"].number(kShortestFocalLength, kLongestFocalLength);
-  camera.cx = yaml["cx"].number(leastCentre(size.width), mostCentre(size.width));
-  camera.cy = yaml["cy"].number(leastCentre(size.height), mostCentre(size.height));
+  camera.fx = yaml["fx"].number(kMinFocalLength, kMaxFocalLength);
+  camera.fy = yaml["fy"].number(kMinFocalLength, kMaxFocalLength);
+  camera.cx = yaml["cx"].number(minCentre(size.width), maxCentre(size.width));
+  camera.cy = yaml["cy"].number(minCentre(size.height), maxCentre(size.height));
   if (yaml.has("lens")) camera.lens = readLens(yaml["lens"]);
   const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
@@ -65,13 +66,13 @@ Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
   return transform;
 }
 
-Rig readOwnRig(const StrictYaml& yaml) {
+Rig parseCartvoRig(const StrictYaml& yaml) {
   yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
                   "free_scaling", "scale_deviation"});
   yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
   const std::vector<double> size = yaml["image_size"].numbers(2);
   for (const double side : size) {
-    if (side < 16 || side > kLargestSide || side != std::floor(side)) {
+    if (side < 16 || side > kMaxSide || side != std::floor(side)) {
       yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
     }
   }
@@ -81,22 +82,21 @@ Rig readOwnRig(const StrictYaml& yaml) {
   rig.left = readCamera(yaml["left"], image_size);
   rig.right = readCamera(yaml["right"], image_size);
   rig.T_right_left = readTransform(yaml["T_right_left"]);
-  if (rig.baseline() < kShortestBaseline || rig.baseline() > kLongestBaseline) {
+  if (rig.baseline() < kMinBaseline || rig.baseline() > kMaxBaseline) {
     yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
   }
   rig.T_body_camera =
       yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
   if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
-  if (yaml.has("scale_deviation"))
-    rig.scale_deviation = yaml["scale_deviation"].number(0.0, kLargestScaleDeviation);
+  if (yaml.has("scale_deviation")) rig.scale_stddev = yaml["scale_deviation"].number(0.0, kMaxScaleStddev);
   return rig;
 }
 
-Rig rigFrom(const StrictYaml& yaml, const std::filesystem::path& name) {
-  if (yaml.has("cartvo_rig")) return readOwnRig(yaml);
-  if (yaml.has("K1")) return openCvRig(yaml, name);
-  if (yaml.has("cam0")) return kalibrRig(yaml, name);
-  if (yaml.has("CameraParameters1")) return matlabRig(yaml, name);
+Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
+  if (yaml.has("K1")) return parseOpenCvRig(yaml, name);
+  if (yaml.has("cam0")) return parseKalibrRig(yaml, name);
+  if (yaml.has("CameraParameters1")) return parseMatlabRig(yaml, name);
   throw std::runtime_error(
       name.string() +
       ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 K2 D2 R T "
@@ -139,14 +139,13 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
     if (!holds) throw std::invalid_argument("rig: the " + side + " camera's " + what);
   };
   check(camera.size.width >= 16 && camera.size.height >= 16, "image size is below 16x16 px");
-  check(camera.size.width <= kLargestSide && camera.size.height <= kLargestSide,
-        "image side is above 8192 px");
+  check(camera.size.width <= kMaxSide && camera.size.height <= kMaxSide, "image side is above 8192 px");
   for (const double focal_length : {camera.fx, camera.fy}) {
-    check(focal_length >= kShortestFocalLength && focal_length <= kLongestFocalLength,
+    check(focal_length >= kMinFocalLength && focal_length <= kMaxFocalLength,
           "focal lengths must lie in 1 to 100000 px");
   }
   const auto is_centre = [](double centre, int length) {
-    return centre >= leastCentre(length) && centre <= mostCentre(length);
+    return centre >= minCentre(length) && centre <= maxCentre(length);
   };
   check(is_centre(camera.cx, camera.size.width) && is_centre(camera.cy, camera.size.height),
         "principal point must lie within an image's size of the image");
@@ -160,11 +159,11 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
 }  // namespace
 
 Rig readRig(const std::filesystem::path& file) {
-  return rigFrom(StrictYaml::readFile(file), file);
+  return parseAnyRig(StrictYaml::readFile(file), file);
 }
 
 Rig parseRig(const std::string& text, const std::filesystem::path& name) {
-  return rigFrom(StrictYaml::parse(text, name), name);
+  return parseAnyRig(StrictYaml::parse(text, name), name);
 }
 
 std::string rigText(const Rig& rig) {
@@ -205,7 +204,7 @@ std::string rigText(const Rig& rig) {
          "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
          "together, as "
          "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
-         exactText(rig.scale_deviation) + "\n";
+         exactText(rig.scale_stddev) + "\n";
 }
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {
@@ -226,10 +225,10 @@ void validateRig(const Rig& rig) {
   if (!(rig.rectification.free_scaling >= 0.0 && rig.rectification.free_scaling <= 1.0)) {
     throw std::invalid_argument("rig: free_scaling must lie in 0 to 1");
   }
-  if (!(rig.scale_deviation >= 0.0 && rig.scale_deviation <= kLargestScaleDeviation)) {
+  if (!(rig.scale_stddev >= 0.0 && rig.scale_stddev <= kMaxScaleStddev)) {
     throw std::invalid_argument("rig: scale_deviation must lie in 0 to 0.1");
   }
-  if (!(rig.baseline() >= kShortestBaseline && rig.baseline() <= kLongestBaseline)) {
+  if (!(rig.baseline() >= kMinBaseline && rig.baseline() <= kMaxBaseline)) {
     throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +
                                 " m, expected 0.005 m to 10 m; was the board's square given in millimetres?");
   }

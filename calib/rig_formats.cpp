@@ -1,3 +1,4 @@
+// Rig formats of other tools: detection, reading and writing.
 #include "calib/rig_formats.hpp"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ Rig readOneFile(const fs::path& file, std::optional<cv::Size> image_size) {
   if (yaml.has("P0")) {
     if (!image_size) {
       throw std::runtime_error(file.string() +
-                               ": KITTI's calib.txt does not say how large the images are: give their size");
+                               ": KITTI's calib.txt does not contain the image size: give their size");
     }
     return readKittiRig(file, *image_size);
   }
@@ -51,7 +52,7 @@ const std::vector<std::string>& rigFormatNames() {
   return kNames;
 }
 
-RigFormat rigFormatNamed(const std::string& name) {
+RigFormat parseRigFormat(const std::string& name) {
   const auto& names = rigFormatNames();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) throw std::invalid_argument("there is no rig format '" + name + "'");

@@ -12,35 +12,36 @@
 
 namespace cartvo {
 
-/// The files that rigs are kept in. All but our own leave out how the rig sits on the cart.
+/// File formats of rigs. All but cartvo's own lack the mount.
 enum class RigFormat : std::uint8_t {
   cartvo,  ///< rig_file.hpp
   opencv,  ///< opencv_rig.hpp
   kalibr,  ///< kalibr_rig.hpp
   matlab,  ///< matlab_rig.hpp
-  kitti,   ///< kitti_rig.hpp; does not say how large the images are
-  ros,     ///< ros_rig.hpp; a file for each camera
-  euroc,   ///< euroc_rig.hpp; a file for each camera
+  kitti,   ///< kitti_rig.hpp; without the image size
+  ros,     ///< ros_rig.hpp; one file per camera
+  euroc,   ///< euroc_rig.hpp; one file per camera
 };
 
-/// Names of the formats, as in the enumeration.
+/// The names of the formats, in the order of the enumeration.
 const std::vector<std::string>& rigFormatNames();
 
-/// The format of one of these names. Throws std::invalid_argument for another.
-RigFormat rigFormatNamed(const std::string& name);
+/// The format with this name. Throws std::invalid_argument for an unknown one.
+RigFormat parseRigFormat(const std::string& name);
 
-/// Reads a rig in whichever format, told by the contents: one file, or the left and the right camera's.
-/// `image_size` is for KITTI's calib.txt only. Throws std::runtime_error naming file, line, key and what was
-/// expected.
+/// Reads a rig of any format, which is recognised by its contents: one file, or the left and the right
+/// camera's. `image_size` is for KITTI's calib.txt only. Throws std::runtime_error naming file, line, key and
+/// what was expected.
 Rig readRigFiles(const std::vector<std::filesystem::path>& files, std::optional<cv::Size> image_size);
 
-/// A file that holds a rig or a part of it.
+/// A file that contains a rig or one of its cameras.
 struct RigFile {
-  std::filesystem::path name;  ///< within a folder; empty where the rig is one file
+  std::filesystem::path name;  ///< relative to the output folder; empty if the format is a single file
   std::string text;
 };
 
-/// The files of a rig. Throws std::invalid_argument, saying why, if the format cannot hold it.
+/// The files of a rig in a format. Throws std::invalid_argument with the reason if the format cannot
+/// represent it.
 std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format);
 
 }  // namespace cartvo

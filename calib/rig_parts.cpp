@@ -1,3 +1,4 @@
+// YAML parts that the rig formats of several tools share.
 #include "calib/rig_parts.hpp"
 
 #include <algorithm>
@@ -28,10 +29,10 @@ Rig importedRig(Rig rig, const std::filesystem::path& file) {
 }
 
 cv::Size readImageSize(const StrictYaml& yaml) {
-  constexpr int kLargestSide = 8192;
+  constexpr int kMaxSide = 8192;
   const std::vector<double> size = yaml.numbers(2);
   for (const double side : size) {
-    if (!(side >= 16 && side <= kLargestSide)) yaml.failExpecting("two sides of an image from 16 to 8192 px");
+    if (!(side >= 16 && side <= kMaxSide)) yaml.failExpecting("two sides of an image from 16 to 8192 px");
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
@@ -80,7 +81,7 @@ void setDistortion(const std::vector<double>& coefficients, const StrictYaml& ya
   yaml.failExpecting(
       camera.lens == LensModel::wide
           ? "4 coefficients (k1 k2 k3 k4)"
-          : "at most 8 coefficients (k1 k2 p1 p2 k3 k4 k5 k6); thin-prism and tilt ones are not known");
+          : "at most 8 coefficients (k1 k2 p1 p2 k3 k4 k5 k6); thin-prism and tilt ones are not supported");
 }
 
 std::vector<double> firstCoefficients(const CameraModel& camera, std::size_t count, const char* format) {

@@ -12,34 +12,37 @@
 
 namespace cartvo {
 
-// What the files of other tools have in common: parts of a rig read from and written as YAML. All readers
-// throw std::runtime_error naming file, line, key and what was expected.
+// Parts of a rig in the YAML files of other tools. All readers throw std::runtime_error naming file, line,
+// key and what was expected.
 
-/// What a file of another tool holds, as a rig: it knows of no cart, so the camera looks forward; and it has
-/// no rules of its own, so it is checked as a rig is, under the file's name.
+/// Completes and validates a rig read from another tool's `file`: the mount becomes forwardLookingMount(),
+/// since these formats do not contain it. Throws std::runtime_error with the file's name if the rig is
+/// invalid.
 Rig importedRig(Rig rig, const std::filesystem::path& file);
 
-/// Two sides, [width, height] but in MATLAB.
+/// An image size as [width, height]. MATLAB's is [height, width]: the caller swaps.
 cv::Size readImageSize(const StrictYaml& yaml);
 
-/// The elements of a matrix (map of rows, cols, data) as OpenCV and ROS write it, row by row.
+/// The elements of a matrix as OpenCV and ROS write it (a map of rows, cols, data), row by row; the second
+/// form requires `count` of them.
 std::vector<double> readMatrix(const StrictYaml& yaml);
 std::vector<double> readMatrix(const StrictYaml& yaml, std::size_t count);
 
-/// A rotation from the nine numbers that `yaml` holds, row by row.
+/// The rotation with these nine elements, row by row. `yaml` is the value they were read from, for errors.
 Eigen::Matrix3d rotationFrom(const std::vector<double>& rows, const StrictYaml& yaml);
 
-/// A transform from the sixteen numbers of its 4x4 matrix that `yaml` holds, row by row.
+/// The transform with these sixteen elements of its 4x4 matrix, row by row. `yaml`: as above.
 Eigen::Isometry3d transformFrom(const std::vector<double>& rows, const StrictYaml& yaml);
 
-/// [fx, fy, cx, cy] as Kalibr and EuRoC have it.
+/// Reads [fx, fy, cx, cy], as Kalibr and EuRoC write it, into `camera`.
 void readIntrinsics(const StrictYaml& yaml, CameraModel& camera);
 
-/// Coefficients in OpenCV's order for the camera's lens model. More than it has must be zero.
+/// Stores distortion coefficients, in OpenCV's order for the camera's lens model. Coefficients beyond those
+/// of the model must be zero.
 void setDistortion(const std::vector<double>& coefficients, const StrictYaml& yaml, CameraModel& camera);
 
-/// The first `count` coefficients of a camera. Throws std::invalid_argument if others are not zero: `format`
-/// cannot hold them.
+/// The first `count` distortion coefficients of a camera. Throws std::invalid_argument, naming `format`, if a
+/// further one is not zero.
 std::vector<double> firstCoefficients(const CameraModel& camera, std::size_t count, const char* format);
 
 /// The elements of a 3x3 or 4x4 matrix, row by row.

@@ -1,3 +1,4 @@
+// Reader and writer for ROS camera_info files of a stereo pair.
 #include "calib/ros_rig.hpp"
 
 #include <algorithm>
@@ -13,11 +14,11 @@ namespace {
 
 constexpr std::size_t kPlumbBob = 5;  // k1 k2 p1 p2 k3
 
-/// One camera, and where the rectified axes and their camera's centre are.
+/// One camera and its rectification.
 struct RosCamera {
   CameraModel model;
   Eigen::Matrix3d R_rectified_camera;
-  double centre = 0.0;  ///< along the rectified x axis, m
+  double centre = 0.0;  ///< position of the camera along the rectified x axis, m
 };
 
 LensModel readLens(const StrictYaml& yaml) {
@@ -29,11 +30,11 @@ LensModel readLens(const StrictYaml& yaml) {
 }
 
 RosCamera readCamera(const std::filesystem::path& file) {
-  constexpr std::int64_t kSmallestSide = 16, kLargestSide = 8192;
+  constexpr std::int64_t kMinSide = 16, kMaxSide = 8192;
   const StrictYaml yaml = StrictYaml::readFile(file);
   RosCamera camera;
-  camera.model.size = {static_cast<int>(yaml["image_width"].integer(kSmallestSide, kLargestSide)),
-                       static_cast<int>(yaml["image_height"].integer(kSmallestSide, kLargestSide))};
+  camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinSide, kMaxSide)),
+                       static_cast<int>(yaml["image_height"].integer(kMinSide, kMaxSide))};
   const std::vector<double> K = readMatrix(yaml["camera_matrix"], 9);
   camera.model.fx = K[0];
   camera.model.fy = K[4];
@@ -93,7 +94,7 @@ Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::pa
   rig.name = "ROS";
   rig.left = left.model;
   rig.right = right.model;
-  // In rectified axes the right camera sees what the left one does, shifted by the baseline along x.
+  // Rectified axes are common to both cameras; the right camera is shifted by the baseline along x.
   const Eigen::Matrix3d R_right_rectified = right.R_rectified_camera.transpose();
   rig.T_right_left.linear() = R_right_rectified * left.R_rectified_camera;
   rig.T_right_left.translation() = R_right_rectified * Eigen::Vector3d(left.centre - right.centre, 0.0, 0.0);

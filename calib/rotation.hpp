@@ -4,14 +4,14 @@
 
 namespace cartvo {
 
-/// Whether a matrix read from a file is a rotation, up to the digits that files carry.
+/// Whether a matrix is a rotation, within the rounding of files (1e-5).
 inline bool isRotation(const Eigen::Matrix3d& matrix) {
   constexpr double kTolerance = 1e-5;
   return matrix.allFinite() && (matrix * matrix.transpose()).isIdentity(kTolerance) &&
          matrix.determinant() > 0.0;
 }
 
-/// The matrix itself if it is orthonormal to the last digits, else the rotation it was rounded from.
+/// The rotation nearest to a rounded one; the matrix itself if it is orthonormal within 1e-14.
 inline Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& matrix) {
   constexpr double kRounding = 1e-14;
   if ((matrix * matrix.transpose()).isIdentity(kRounding)) return matrix;

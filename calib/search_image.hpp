@@ -7,21 +7,21 @@
 
 namespace cartvo {
 
-/// An image in which boards are searched: made smaller where it is large, since that only takes longer; the
-/// corners found are refined in the whole one.
+/// A downscaled copy of a large image, to speed up the search for boards. The corners found are refined in
+/// the full image.
 struct SearchImage {
   cv::Mat image;
-  double scale = 1.0;  ///< px of the whole image in one of this
+  double scale = 1.0;  ///< px of the full image per px of this one
 
-  /// At most `largest_side` px wide and high.
-  SearchImage(const cv::Mat& whole, double largest_side) {
-    scale = std::max(1.0, std::max(whole.cols, whole.rows) / largest_side);
-    image = whole;
-    if (scale > 1.0) cv::resize(whole, image, {}, 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
+  /// Scales the image down to at most `max_side` px in width and height.
+  SearchImage(const cv::Mat& full, double max_side) {
+    scale = std::max(1.0, std::max(full.cols, full.rows) / max_side);
+    image = full;
+    if (scale > 1.0) cv::resize(full, image, {}, 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
   }
 
-  /// Where a point lies in the whole image; pixel centres at integers in both.
-  Eigen::Vector2d inWhole(const cv::Point2f& point) const {
+  /// The position of a point in the full image; pixel centres at integers in both.
+  Eigen::Vector2d toFullImage(const cv::Point2f& point) const {
     return {(point.x + 0.5) * scale - 0.5, (point.y + 0.5) * scale - 0.5};
   }
 };

@@ -1,3 +1,4 @@
+// Calibration of a stereo rig under one model, and rejection of outliers.
 #include "calib/stereo_calibration.hpp"
 
 #include <Eigen/Cholesky>
@@ -6,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "calib/calibration_start.hpp"
+#include "calib/initial_calibration.hpp"
 
 namespace cartvo {
 namespace {
@@ -31,8 +32,8 @@ double valueOf(const Rig& rig, int parameter) {
 }
 
 std::vector<ParameterEstimate> estimatesOf(const BoardAdjustment& adjustment, const std::vector<int>& free,
-                                           LensModel lens, double deviation) {
-  const Eigen::MatrixXd covariance = deviation * deviation *
+                                           LensModel lens, double corner_stddev) {
+  const Eigen::MatrixXd covariance = corner_stddev * corner_stddev *
                                      adjustment.information.ldlt().solve(Eigen::MatrixXd::Identity(
                                          adjustment.information.rows(), adjustment.information.cols()));
   std::vector<ParameterEstimate> estimates;
@@ -50,11 +51,12 @@ std::string twoDigits(double value) {
   return text;
 }
 
-BoardView withinReach(const BoardView& view, const ViewResiduals& residuals, double reach) {
-  const auto within = [&](const std::vector<SeenCorner>& seen, const std::vector<Eigen::Vector2d>& off) {
+/// The view without the corners whose residuals exceed the gate (px).
+BoardView withinGate(const BoardView& view, const ViewResiduals& residuals, double gate) {
+  const auto within = [&](const std::vector<SeenCorner>& seen, const std::vector<Eigen::Vector2d>& errors) {
     std::vector<SeenCorner> kept;
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (off[i].norm() <= reach) kept.push_back(seen[i]);
+      if (errors[i].norm() <= gate) kept.push_back(seen[i]);
     }
     return kept;
   };
@@ -80,27 +82,26 @@ double residualRms(const ViewResiduals& residuals) {
 StereoCalibration calibrateStereoFrom(const RigAndBoards& start, const std::vector<BoardView>& views,
                                       const std::vector<Eigen::Vector2d>& board_corners,
                                       CalibrationModel model) {
-  constexpr int kMostRounds = 6;
-  constexpr double kHuber = 2.5;            // deviations
-  constexpr double kLeastDeviation = 1e-4;  // px; so that noise-free corners have a scale too
-  constexpr double kSettled = 0.01;
+  constexpr int kMaxRounds = 6;
+  constexpr double kHuber = 2.5;               // standard deviations
+  constexpr double kMinStddev = 1e-4;          // px; so that noise-free corners have a scale too
+  constexpr double kMaxRelativeChange = 0.01;  // of the standard deviation, to stop
   const std::vector<int> free = freeRigParameters(model);
   BoardAdjustment adjusted;
   adjusted.estimate = start;
-  double deviation = std::max(robustDeviation(residualsOf(start, views, board_corners)), kLeastDeviation);
-  for (int round = 0; round < kMostRounds; ++round) {
-    adjusted = adjustBoards(adjusted.estimate, views, board_corners,
-                            {free, kHuber * deviation, deviation * deviation});
+  double stddev = std::max(robustStddev(residualsOf(start, views, board_corners)), kMinStddev);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    adjusted =
+        adjustBoards(adjusted.estimate, views, board_corners, {free, kHuber * stddev, stddev * stddev});
     if (!std::isfinite(adjusted.cost)) {
       throw std::runtime_error("model " + modelName(model) +
-                               " cannot show what is seen: boards stand beside or behind the camera for it");
+                               " cannot be fitted: it puts boards beside or behind the camera");
     }
-    const double before = deviation;
-    deviation =
-        std::max(robustDeviation(residualsOf(adjusted.estimate, views, board_corners)), kLeastDeviation);
-    if (std::abs(before - deviation) < kSettled * before) break;
+    const double before = stddev;
+    stddev = std::max(robustStddev(residualsOf(adjusted.estimate, views, board_corners)), kMinStddev);
+    if (std::abs(before - stddev) < kMaxRelativeChange * before) break;
   }
-  return {model, adjusted.estimate, deviation, estimatesOf(adjusted, free, lensOf(model), deviation)};
+  return {model, adjusted.estimate, stddev, estimatesOf(adjusted, free, lensOf(model), stddev)};
 }
 
 std::vector<StereoCalibration> calibrateStereo(const std::vector<BoardView>& views,
@@ -108,7 +109,7 @@ std::vector<StereoCalibration> calibrateStereo(const std::vector<BoardView>& vie
                                                cv::Size image_size,
                                                const std::vector<CalibrationModel>& models) {
   const LensModel lens = lensOf(models.front());
-  RigAndBoards start = calibrationStart(views, board_corners, image_size, lens);
+  RigAndBoards start = initialCalibration(views, board_corners, image_size, lens);
   std::vector<StereoCalibration> calibrations;
   for (const CalibrationModel model : models) {
     calibrations.push_back(calibrateStereoFrom(start, views, board_corners, model));
@@ -117,11 +118,11 @@ std::vector<StereoCalibration> calibrateStereo(const std::vector<BoardView>& vie
   return calibrations;
 }
 
-CleanedViews withoutOutliers(const StereoCalibration& calibration, const std::vector<BoardView>& views,
-                             const std::vector<Eigen::Vector2d>& board_corners) {
-  constexpr double kCornerReach = 5.0;  // deviations; normal scatter passes it once in 300,000 corners
-  constexpr double kViewReach = 3.0;    // of the median view's
-  constexpr double kLeastShare = 0.7;   // of a view's corners
+CleanedViews rejectOutliers(const StereoCalibration& calibration, const std::vector<BoardView>& views,
+                            const std::vector<Eigen::Vector2d>& board_corners) {
+  constexpr double kCornerGate = 5.0;  // standard deviations; normal noise exceeds it once in 300,000 corners
+  constexpr double kViewGate = 3.0;    // of the RMS of the median view
+  constexpr double kMinShare = 0.7;    // of a view's corners
   const std::vector<ViewResiduals> residuals = residualsOf(calibration.estimate, views, board_corners);
   std::vector<double> rms;
   for (const ViewResiduals& view : residuals)
@@ -132,15 +133,13 @@ CleanedViews withoutOutliers(const StereoCalibration& calibration, const std::ve
 
   CleanedViews cleaned;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    BoardView kept = withinReach(views[i], residuals[i], kCornerReach * calibration.corner_deviation);
+    BoardView kept = withinGate(views[i], residuals[i], kCornerGate * calibration.corner_stddev);
     const double share = static_cast<double>(cornersOf(kept)) /
                          static_cast<double>(std::max<std::size_t>(cornersOf(views[i]), 1));
-    if (share < kLeastShare && rms[i] > kViewReach * median) {
-      cleaned.rejected.push_back({views[i].name, "its corners lie " + twoDigits(rms[i]) +
-                                                     " px off where the other views put them (the median "
-                                                     "view's " +
-                                                     twoDigits(median) +
-                                                     " px): did the board move, or bend?"});
+    if (share < kMinShare && rms[i] > kViewGate * median) {
+      cleaned.rejected.push_back({views[i].name, "the RMS error of its corners is " + twoDigits(rms[i]) +
+                                                     " px (median of all views: " + twoDigits(median) +
+                                                     " px): did the board move, or is it not flat?"});
       continue;
     }
     cleaned.rejected_corners += cornersOf(views[i]) - cornersOf(kept);

@@ -11,54 +11,54 @@
 
 namespace cartvo {
 
-/// One of the rig's numbers and how well the views determine it.
+/// One of the rig's parameters and its uncertainty.
 struct ParameterEstimate {
   ParameterName name;
   double value = 0.0;
-  double deviation = 0.0;  ///< standard deviation, from the corners' scatter
+  double stddev = 0.0;  ///< from the corners' noise
 };
 
-/// A rig solved from views of a board.
+/// A rig estimated from views of a board.
 struct StereoCalibration {
   CalibrationModel model = CalibrationModel::brown5;
-  RigAndBoards estimate;                      ///< boards in the order of the views
-  double corner_deviation = 0.0;              ///< robust standard deviation of a corner in each direction, px
-  std::vector<ParameterEstimate> parameters;  ///< the free ones
+  RigAndBoards estimate;                      ///< with the boards in the order of the views
+  double corner_stddev = 0.0;                 ///< robust standard deviation of a corner per direction, px
+  std::vector<ParameterEstimate> parameters;  ///< the free parameters
 };
 
-/// Both cameras and their relative pose from views alone, under models of one lens, from few parameters to
-/// many, each from the one before: a start, then all that the model leaves free, jointly and robustly, the
-/// scale of the residuals' weights following their scatter. Throws std::runtime_error if a model cannot
-/// describe the views, saying why.
+/// Calibrates both cameras and their relative pose under several models of one lens, ordered by their number
+/// of parameters. The first starts from initialCalibration, each further one from the one before. All free
+/// parameters are estimated jointly and robustly; the scale of the robust weights follows the noise of the
+/// residuals. Throws std::runtime_error with the reason if a model cannot be fitted.
 std::vector<StereoCalibration> calibrateStereo(const std::vector<BoardView>& views,
                                                const std::vector<Eigen::Vector2d>& board_corners,
                                                cv::Size image_size,
                                                const std::vector<CalibrationModel>& models);
 
-/// One model from a known start, whose boards are those of `views`.
+/// Calibrates one model from a known start, whose boards are those of `views`.
 StereoCalibration calibrateStereoFrom(const RigAndBoards& start, const std::vector<BoardView>& views,
                                       const std::vector<Eigen::Vector2d>& board_corners,
                                       CalibrationModel model);
 
-/// A view that is not used, and why, for people.
+/// A view that is not used, and the reason, for display.
 struct RejectedView {
   std::string name;
   std::string reason;
 };
 
-/// Views without what does not fit, and what that was.
+/// Views without outliers, and what was rejected.
 struct CleanedViews {
   std::vector<BoardView> views;
   std::vector<RejectedView> rejected;
-  std::size_t rejected_corners = 0;  ///< of the views that are kept
+  std::size_t rejected_corners = 0;  ///< in the views that are kept
 };
 
-/// Takes out corners more than five standard deviations off, and views whose corners lie three times as far
-/// off as the median view's, or of which too little is left.
-CleanedViews withoutOutliers(const StereoCalibration& calibration, const std::vector<BoardView>& views,
-                             const std::vector<Eigen::Vector2d>& board_corners);
+/// Rejects corners with residuals above five standard deviations, and views that lose more than 30 % of their
+/// corners this way and have an RMS above three times that of the median view.
+CleanedViews rejectOutliers(const StereoCalibration& calibration, const std::vector<BoardView>& views,
+                            const std::vector<Eigen::Vector2d>& board_corners);
 
-/// The root of the mean squared distance between seen and projected corners of both cameras, px.
+/// RMS reprojection residual over the corners of both cameras, px.
 double residualRms(const ViewResiduals& residuals);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// YAML access with errors that name file, line and key.
 #include "calib/strict_yaml.hpp"
 
 #include <algorithm>
@@ -15,33 +16,34 @@
 namespace cartvo {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 1 << 20;
+constexpr std::uintmax_t kMaxFileSize = 1 << 20;  // bytes
 
 std::string readText(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file)) {
     throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
   }
-  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kLargestFile) {
+  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kMaxFileSize) {
     throw std::runtime_error(file.string() +
                              ": is larger than 1 MiB, too large for a file of keys and values");
   }
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// As errors show a value: a terminal or a log must not be told what to do by it.
+/// A value for an error message: without control characters, which would act on a terminal or a log, and cut
+/// to 60 bytes.
 std::string shortened(const std::string& text) {
-  constexpr std::size_t kLongest = 60;
+  constexpr std::size_t kMaxBytes = 60;
   if (!isPrintable(text)) return "(not printable)";
-  if (text.size() <= kLongest) return text;
-  return std::string(beginningOf(text, kLongest)) + "...";
+  if (text.size() <= kMaxBytes) return text;
+  return std::string(utf8Prefix(text, kMaxBytes)) + "...";
 }
 
-/// With what it holds, if that is short: a person must see which item is wrong.
+/// The sequence's length, and its items if they are few.
 std::string describeSequence(const YAML::Node& node) {
-  constexpr std::size_t kMostShown = 10;
+  constexpr std::size_t kMaxShown = 10;
   std::string description = "a sequence of " + std::to_string(node.size());
-  const bool is_short = node.size() > 0 && node.size() <= kMostShown;
+  const bool is_short = node.size() > 0 && node.size() <= kMaxShown;
   if (!is_short ||
       !std::all_of(node.begin(), node.end(), [](const YAML::Node& item) { return item.IsScalar(); })) {
     return description;
@@ -72,9 +74,10 @@ bool parseNumber(const std::string& text, Number& number) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// Bounded, because aliases let a short file stand for an endless sequence.
+/// Appends the numbers of a sequence. Their count is bounded, since aliases let a short file expand to a huge
+/// sequence.
 bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& numbers) {
-  constexpr std::size_t kMostNumbers = 10'000;
+  constexpr std::size_t kMaxNumbers = 10'000;
   if (node.IsSequence()) {
     return levels > 0 && std::all_of(node.begin(), node.end(), [&](const YAML::Node& item) {
              return collectNumbers(item, levels - 1, numbers);
@@ -83,7 +86,7 @@ bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& num
   double number = 0.0;
   if (!node.IsScalar() || !parseNumber(node.Scalar(), number) || !std::isfinite(number)) return false;
   numbers.push_back(number);
-  return numbers.size() <= kMostNumbers;
+  return numbers.size() <= kMaxNumbers;
 }
 
 constexpr int kMatrixLevels = 2;  // a sequence of rows
@@ -104,8 +107,7 @@ StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
 }
 
 StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name) {
-  // OpenCV before 4 writes a directive that YAML does not know; a comment in its place keeps the line
-  // numbers.
+  // OpenCV before 4 writes a directive that is not valid YAML. A comment in its place keeps the line numbers.
   if (text.starts_with("%YAML:")) text.front() = '#';
   try {
     StrictYaml root(name, "", YAML::Load(text));
@@ -150,18 +152,18 @@ std::string StrictYaml::text() const {
   return node_.Scalar();
 }
 
-std::int64_t StrictYaml::integer(std::int64_t least, std::int64_t most) const {
+std::int64_t StrictYaml::integer(std::int64_t min, std::int64_t max) const {
   std::int64_t value = 0;
-  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || value < least || value > most) {
-    failExpecting("an integer from " + std::to_string(least) + " to " + std::to_string(most));
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || value < min || value > max) {
+    failExpecting("an integer from " + std::to_string(min) + " to " + std::to_string(max));
   }
   return value;
 }
 
-double StrictYaml::number(double least, double most) const {
+double StrictYaml::number(double min, double max) const {
   double value = 0.0;
-  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= least && value <= most)) {
-    failExpecting("a number from " + shortest(least) + " to " + shortest(most));
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= min && value <= max)) {
+    failExpecting("a number from " + shortest(min) + " to " + shortest(max));
   }
   return value;
 }

@@ -10,40 +10,39 @@
 
 namespace cartvo {
 
-/// A value of a YAML file that knows its file, line and key, for errors a person can act on:
-/// "FILE:LINE: KEY: expected ..., found ...". All errors are std::runtime_error.
+/// A value of a YAML file with its file, line and key, for errors such as "FILE:LINE: KEY: expected ...,
+/// found ...". All errors are std::runtime_error.
 class StrictYaml {
  public:
-  /// Reads a whole file (up to 1 MiB) as a map. Takes "%YAML:1.0", as OpenCV writes it, for the directive it
-  /// means.
+  /// Reads a whole file (at most 1 MiB) as a map. Accepts the directive "%YAML:1.0" that OpenCV writes.
   static StrictYaml readFile(const std::filesystem::path& file);
 
-  /// As `readFile`, of a text that lies elsewhere; `name` stands for the file in errors.
+  /// As `readFile`, from text; `name` stands for the file in errors.
   static StrictYaml parse(std::string text, const std::filesystem::path& name);
 
-  /// Refuses keys beside these, and keys given twice.
+  /// Throws for keys other than these and for repeated keys.
   void allowOnly(std::initializer_list<const char*> keys) const;
 
-  /// Whether the key is there with a value.
+  /// Whether the key exists and has a value.
   bool has(const std::string& key) const;
 
-  /// The value of a key; a missing one is an error.
+  /// The value of a key. Throws if it is missing.
   StrictYaml operator[](const std::string& key) const;
 
-  /// Printable characters in UTF-8: no line breaks, no other control characters.
+  /// Text of printable UTF-8 characters, see isPrintable.
   std::string text() const;
-  std::int64_t integer(std::int64_t least, std::int64_t most) const;
-  double number(double least, double most) const;
+  std::int64_t integer(std::int64_t min, std::int64_t max) const;
+  double number(double min, double max) const;
 
-  /// A sequence of numbers, of any length or of `count`; a sequence of sequences is taken row by row. At
-  /// most 10,000.
+  /// A sequence of numbers, of any length up to 10,000 or of `count`. A sequence of sequences is read row by
+  /// row.
   std::vector<double> numbers() const;
   std::vector<double> numbers(std::size_t count) const;
 
+  /// Throws "FILE:LINE: KEY: expected EXPECTED, found VALUE".
   [[noreturn]] void failExpecting(const std::string& expected) const;
 
-  /// As `failExpecting`, with a sentence of its own: "FILE:LINE: KEY: PROBLEM". Does not repeat the value,
-  /// which may be secret.
+  /// Throws "FILE:LINE: KEY: PROBLEM", without the value, which may be secret.
   [[noreturn]] void fail(const std::string& problem) const;
 
  private:

@@ -1,3 +1,4 @@
+// Detection of boards that moved between the exposures of the two cameras.
 #include "calib/sync_fault.hpp"
 
 #include <algorithm>
@@ -15,24 +16,24 @@ Eigen::Vector2d meanOf(const std::vector<Eigen::Vector2d>& residuals) {
 
 }  // namespace
 
-SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double corner_deviation) {
-  constexpr double kSignificant = 4.0;   // deviations of the mean
-  constexpr double kLeastShift = 0.25;   // px: below it does no harm
-  constexpr double kOpposed = -0.8;      // the cosine between the two
-  constexpr double kFaultyShare = 0.25;  // of the views
+SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double corner_stddev) {
+  constexpr double kGate = 4.0;              // standard deviations of the mean
+  constexpr double kMinShift = 0.25;         // px: a smaller shift is harmless
+  constexpr double kMaxCosine = -0.8;        // between the mean left and right residual
+  constexpr double kMaxOpposedShare = 0.25;  // of the views
   SyncDiagnosis diagnosis;
   for (const ViewResiduals& view : residuals) {
     if (view.left.empty() || view.right.empty()) continue;
     const Eigen::Vector2d left = meanOf(view.left), right = meanOf(view.right);
     const double shift = (left - right).norm();
-    const double fewest = static_cast<double>(std::min(view.left.size(), view.right.size()));
-    const double chance = kSignificant * corner_deviation * std::sqrt(2.0 / fewest);
-    if (shift < std::max(chance, kLeastShift)) continue;
-    if (left.dot(right) > kOpposed * left.norm() * right.norm()) continue;
+    const double corners = static_cast<double>(std::min(view.left.size(), view.right.size()));
+    const double gate = kGate * corner_stddev * std::sqrt(2.0 / corners);
+    if (shift < std::max(gate, kMinShift)) continue;
+    if (left.dot(right) > kMaxCosine * left.norm() * right.norm()) continue;
     ++diagnosis.opposed_views;
-    diagnosis.largest_shift = std::max(diagnosis.largest_shift, shift);
+    diagnosis.max_shift = std::max(diagnosis.max_shift, shift);
   }
-  diagnosis.is_fault = diagnosis.opposed_views > kFaultyShare * static_cast<double>(residuals.size());
+  diagnosis.is_fault = diagnosis.opposed_views > kMaxOpposedShare * static_cast<double>(residuals.size());
   return diagnosis;
 }
 

@@ -6,16 +6,16 @@
 
 namespace cartvo {
 
-/// How many views look as if the cameras had seen the board at different instants while it moved.
+/// Views in which the board moved between the exposures of the two cameras.
 struct SyncDiagnosis {
-  int opposed_views = 0;       ///< whose left and right residuals point opposite ways
-  double largest_shift = 0.0;  ///< between the cameras, px
-  bool is_fault = false;       ///< so many that the calibration is not to be trusted
+  int opposed_views = 0;   ///< views whose mean left and right residuals point in opposite directions
+  double max_shift = 0.0;  ///< largest difference of these means, px
+  bool is_fault = false;   ///< whether there are too many of them to trust the calibration
 };
 
-/// A board that moved between the two exposures is put between where each camera saw it: all of the left
-/// corners lie off by about the same, and the right ones by the opposite. A wrong rig does not do this: what
-/// is common to all views goes into the relative pose. Scatter of `corner_deviation` (px) is allowed for.
-SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double corner_deviation);
+/// Detects views of a moving board. Its adjusted pose is between its poses at the two exposures, so all left
+/// corners have about the same residual and all right ones the opposite. A wrong rig does not cause this,
+/// since the relative pose absorbs what is common to all views. `corner_stddev`: noise of the corners, px.
+SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double corner_stddev);
 
 }  // namespace cartvo

@@ -1,14 +1,14 @@
-// The file that keeps rectification tables: header, arrays, checksum; all numbers little-endian.
+// File with rectification tables: header, arrays, checksum; all numbers little-endian.
 //
-//   offset  bytes  what
+//   offset  bytes  contents
 //        0      8  magic "cartvoRT"
-//        8      4  version of this layout
+//        8      4  layout version
 //       12      4  width
 //       16      4  height
 //       20      8  fingerprint of rig and settings
 //       28         left, then right: columns (2 bytes each), rows (2), column fractions (1), row fractions
 //       (1)
-//      end      8  XXH3 (64 bits) of all before it
+//      end      8  XXH3 (64 bits) of everything before it
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -26,7 +26,7 @@
 namespace cartvo {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the file is written as the memory lies");
+static_assert(std::endian::native == std::endian::little, "the arrays are written in the host's byte order");
 
 constexpr std::string_view kMagic = "cartvoRT";
 constexpr std::uint32_t kLayoutVersion = 1;
@@ -42,13 +42,13 @@ void append(std::string& bytes, const std::vector<Value>& values) {
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
 }
 
-/// Takes values off the front of bytes that are known to be long enough.
+/// Reads consecutive values from bytes. The caller checks that there are enough of them.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
   template <typename Value>
-  Value take() {
+  Value read() {
     Value value;
     std::memcpy(&value, bytes_.data(), sizeof value);
     bytes_.remove_prefix(sizeof value);
@@ -56,7 +56,7 @@ class Reader {
   }
 
   template <typename Value>
-  std::vector<Value> take(std::size_t count) {
+  std::vector<Value> read(std::size_t count) {
     std::vector<Value> values(count);
     std::memcpy(values.data(), bytes_.data(), count * sizeof(Value));
     bytes_.remove_prefix(count * sizeof(Value));
@@ -67,17 +67,17 @@ class Reader {
   std::string_view bytes_;
 };
 
-PixelSources takeSources(Reader& reader, std::size_t pixels) {
+PixelSources readSources(Reader& reader, std::size_t pixels) {
   PixelSources sources;
-  sources.column = reader.take<std::uint16_t>(pixels);
-  sources.row = reader.take<std::uint16_t>(pixels);
-  sources.column_fraction = reader.take<std::uint8_t>(pixels);
-  sources.row_fraction = reader.take<std::uint8_t>(pixels);
+  sources.column = reader.read<std::uint16_t>(pixels);
+  sources.row = reader.read<std::uint16_t>(pixels);
+  sources.column_fraction = reader.read<std::uint8_t>(pixels);
+  sources.row_fraction = reader.read<std::uint8_t>(pixels);
   return sources;
 }
 
-/// Whether the four pixels around each source exist. A checksum does not protect from a file made up.
-bool liesWithin(const PixelSources& sources, cv::Size size) {
+/// Whether the four pixels around each source exist. The checksum does not protect against a forged file.
+bool isWithin(const PixelSources& sources, cv::Size size) {
   const auto below = [](const std::vector<std::uint16_t>& values, int limit) {
     std::uint16_t largest = 0;
     for (const std::uint16_t value : values)
@@ -89,7 +89,7 @@ bool liesWithin(const PixelSources& sources, cv::Size size) {
 
 std::string readBytes(const std::filesystem::path& file, std::size_t expected) {
   std::ifstream stream(file, std::ios::binary);
-  std::string bytes(expected + 1, '\0');  // one more than there may be
+  std::string bytes(expected + 1, '\0');  // one more, to detect a file that is too long
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
   return bytes;
@@ -127,27 +127,27 @@ RectificationTables readTables(const std::filesystem::path& file, cv::Size size,
   if (!bytes.starts_with(kMagic)) fail("does not hold rectification tables");
 
   Reader reader(std::string_view(bytes).substr(kMagic.size()));
-  if (reader.take<std::uint32_t>() != kLayoutVersion) fail("was written by another version of cartvo");
-  const auto width = reader.take<std::uint32_t>(), height = reader.take<std::uint32_t>();
+  if (reader.read<std::uint32_t>() != kLayoutVersion) fail("was written by another version of cartvo");
+  const auto width = reader.read<std::uint32_t>(), height = reader.read<std::uint32_t>();
   if (width != static_cast<std::uint32_t>(size.width) || height != static_cast<std::uint32_t>(size.height)) {
     throw TablesOfAnotherRig(file.string() + ": is for images of " + std::to_string(width) + "x" +
                              std::to_string(height) + ", the rig's are " + sizeText(size));
   }
   if (bytes.size() != length) fail("is cut short or too long");
-  const std::string_view checked = std::string_view(bytes).substr(0, bytes.size() - kChecksum);
-  Reader checksum(std::string_view(bytes).substr(checked.size()));
-  if (checksum.take<std::uint64_t>() != XXH3_64bits(checked.data(), checked.size())) {
+  const std::string_view hashed = std::string_view(bytes).substr(0, bytes.size() - kChecksum);
+  Reader checksum(std::string_view(bytes).substr(hashed.size()));
+  if (checksum.read<std::uint64_t>() != XXH3_64bits(hashed.data(), hashed.size())) {
     fail("is damaged: its checksum does not match");
   }
   RectificationTables tables;
   tables.size = size;
-  tables.fingerprint = reader.take<std::uint64_t>();
+  tables.fingerprint = reader.read<std::uint64_t>();
   if (tables.fingerprint != fingerprint) {
     throw TablesOfAnotherRig(file.string() + ": is another rig's, or the rig's calibration has changed");
   }
-  tables.left = takeSources(reader, pixels);
-  tables.right = takeSources(reader, pixels);
-  if (!liesWithin(tables.left, size) || !liesWithin(tables.right, size)) fail("points outside the raw image");
+  tables.left = readSources(reader, pixels);
+  tables.right = readSources(reader, pixels);
+  if (!isWithin(tables.left, size) || !isWithin(tables.right, size)) fail("points outside the raw image");
   return tables;
 }
 

@@ -1,3 +1,4 @@
+// Image and tilt coverage of board views, and advice on the next view.
 #include "calib/view_coverage.hpp"
 
 #include <algorithm>
@@ -6,10 +7,10 @@
 namespace cartvo {
 namespace {
 
-constexpr double kEnoughCells = 0.7;
-constexpr double kTilted = 0.17;  // rad: ten degrees
+constexpr double kMinCoverage = 0.7;  // share of the cells
+constexpr double kMinTilt = 0.17;     // rad: ten degrees
 
-/// The part of the image, of three by three, with the least cells seen: "the upper left corner".
+/// The ninth of the image with the lowest coverage, such as "upper left".
 std::string emptiestPart(const ImageCoverage& coverage) {
   constexpr std::array kRows{"upper ", "middle ", "lower "};
   constexpr std::array kColumns{"left", "centre", "right"};
@@ -73,17 +74,17 @@ TiltCoverage tiltsOf(const std::vector<Eigen::Isometry3d>& T_camera_board) {
     normals.push_back(normal);
     const double sideways = std::atan2(normal.x(), std::abs(normal.z()));
     const double upwards = std::atan2(normal.y(), std::abs(normal.z()));
-    tilts.to_left |= sideways < -kTilted;
-    tilts.to_right |= sideways > kTilted;
-    tilts.up |= upwards < -kTilted;
-    tilts.down |= upwards > kTilted;
+    tilts.to_left |= sideways < -kMinTilt;
+    tilts.to_right |= sideways > kMinTilt;
+    tilts.up |= upwards < -kMinTilt;
+    tilts.down |= upwards > kMinTilt;
   }
   return tilts;
 }
 
-std::string whatToShowNext(const ImageCoverage& left, const ImageCoverage& right, const TiltCoverage& tilts) {
+std::string nextViewAdvice(const ImageCoverage& left, const ImageCoverage& right, const TiltCoverage& tilts) {
   const bool left_is_poorer = left.share() <= right.share();
-  if (std::min(left.share(), right.share()) < kEnoughCells) {
+  if (std::min(left.share(), right.share()) < kMinCoverage) {
     return std::string("show the board in the ") + emptiestPart(left_is_poorer ? left : right) + " of the " +
            (left_is_poorer ? "left" : "right") + " image";
   }

@@ -11,33 +11,34 @@
 
 namespace cartvo {
 
-/// Where an image has shown corners: cells of equal size, row by row.
+/// Coverage of an image by corners: the number of corners in cells of equal size, row by row.
 struct ImageCoverage {
   static constexpr int kColumns = 8, kRows = 5;
   std::array<int, kColumns * kRows> corners{};
 
-  /// The share of the cells in which there was a corner.
+  /// Share of the cells with at least one corner.
   double share() const;
 
-  /// Whether there was a corner in the cell of this pixel of images of `size`; false outside the image.
+  /// Whether the cell of this pixel, in images of `size`, has a corner. False outside the image.
   bool covers(const Eigen::Vector2d& pixel, cv::Size size) const;
 };
 
-/// Where corners lay in one camera's image of `size`.
+/// Counts the corners in one camera's images of `size`.
 ImageCoverage coverageOf(const std::vector<BoardView>& views, std::vector<SeenCorner> BoardView::*side,
                          cv::Size size);
 
-/// How boards were turned against the camera.
+/// Tilts of the boards relative to the camera.
 struct TiltCoverage {
-  double spread = 0.0;  ///< the largest angle between two boards' planes, rad
-  bool to_left = false, to_right = false, up = false, down = false;  ///< tilted by ten degrees and more
+  double spread = 0.0;  ///< largest angle between the planes of two boards, rad
+  /// Whether a board was tilted by at least ten degrees in each direction.
+  bool to_left = false, to_right = false, up = false, down = false;
 };
 
-/// `T_camera_board`: see boardPose.
+/// Computes the tilts from the boards' poses, see boardPose.
 TiltCoverage tiltsOf(const std::vector<Eigen::Isometry3d>& T_camera_board);
 
-/// What to show next, as a sentence for a person before the cameras; empty if there is enough: corners in
-/// seven of ten cells, and the board tilted all four ways.
-std::string whatToShowNext(const ImageCoverage& left, const ImageCoverage& right, const TiltCoverage& tilts);
+/// Advice on where to hold the board next. Empty if the coverage is sufficient: corners in 70 % of the cells
+/// of both images, and the board tilted in all four directions.
+std::string nextViewAdvice(const ImageCoverage& left, const ImageCoverage& right, const TiltCoverage& tilts);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Sharpness, contrast and foreshortening of a board in an image.
 #include "calib/view_quality.hpp"
 
 #include <Eigen/Dense>
@@ -17,7 +18,7 @@ std::string oneDigit(double value) {
   return text;
 }
 
-/// Of the affine map that takes the board's corners to the image's best.
+/// Ratio of the singular values of the affine map from board to image that fits the corners best.
 double foreshorteningOf(const std::vector<SeenCorner>& seen,
                         const std::vector<Eigen::Vector2d>& board_corners) {
   Eigen::Vector2d board_mean = Eigen::Vector2d::Zero(), image_mean = Eigen::Vector2d::Zero();
@@ -31,8 +32,8 @@ double foreshorteningOf(const std::vector<SeenCorner>& seen,
     spread += place * place.transpose();
     mapped += (corner.pixel - image_mean) * place.transpose();
   }
-  constexpr double kOnALine = 1e-6;  // of the board's extent, squared
-  if (spread.determinant() <= kOnALine * spread.trace() * spread.trace())
+  constexpr double kCollinear = 1e-6;  // relative to the board's extent, squared
+  if (spread.determinant() <= kCollinear * spread.trace() * spread.trace())
     return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d lengths =
       Eigen::JacobiSVD<Eigen::Matrix2d>(mapped * spread.inverse()).singularValues();
@@ -43,15 +44,15 @@ double foreshorteningOf(const std::vector<SeenCorner>& seen,
 
 ViewQuality viewQuality(const cv::Mat& grey, const std::vector<SeenCorner>& seen,
                         const std::vector<Eigen::Vector2d>& board_corners) {
-  constexpr int kReach = 6;  // px
+  constexpr int kWindowRadius = 6;  // px
   std::vector<double> widths, whites, blacks;
   for (const SeenCorner& corner : seen) {
     const int x = static_cast<int>(std::lround(corner.pixel.x()));
     const int y = static_cast<int>(std::lround(corner.pixel.y()));
     int black = 255, white = 0;
-    double steepest = 1.0;  // grey levels a pixel
-    for (int v = std::max(y - kReach, 1); v <= std::min(y + kReach, grey.rows - 2); ++v) {
-      for (int u = std::max(x - kReach, 1); u <= std::min(x + kReach, grey.cols - 2); ++u) {
+    double steepest = 1.0;  // grey levels per pixel
+    for (int v = std::max(y - kWindowRadius, 1); v <= std::min(y + kWindowRadius, grey.rows - 2); ++v) {
+      for (int u = std::max(x - kWindowRadius, 1); u <= std::min(x + kWindowRadius, grey.cols - 2); ++u) {
         const int value = grey.at<std::uint8_t>(v, u);
         black = std::min(black, value);
         white = std::max(white, value);
@@ -74,22 +75,23 @@ ViewQuality viewQuality(const cv::Mat& grey, const std::vector<SeenCorner>& seen
 }
 
 std::string qualityProblem(const ViewQuality& quality, double usual_edge_width) {
-  constexpr double kLeastContrast = 30.0, kDark = 60.0, kBright = 180.0;
-  constexpr double kSharpEnough = 4.0, kOfUsual = 1.8;  // px; times
-  constexpr double kMostForeshortened = 4.0;
+  constexpr double kMinContrast = 30.0, kMinWhite = 60.0, kMaxBlack = 180.0;  // grey levels
+  constexpr double kMaxSharpWidth = 4.0;                                      // px
+  constexpr double kMaxRelativeWidth = 1.8;                                   // of the usual edge width
+  constexpr double kMaxForeshortening = 4.0;
   if (!std::isfinite(quality.foreshortening)) return "the corners that it shows lie on one line";
-  if (quality.foreshortening > kMostForeshortened) {
+  if (quality.foreshortening > kMaxForeshortening) {
     return "the board is tilted too far: its squares look " + oneDigit(quality.foreshortening) +
            " times as long as wide";
   }
-  if (quality.contrast < kLeastContrast) {
-    if (quality.white < kDark)
+  if (quality.contrast < kMinContrast) {
+    if (quality.white < kMinWhite)
       return "it is too dark: the board's white is at grey level " + oneDigit(quality.white);
-    if (quality.black > kBright)
+    if (quality.black > kMaxBlack)
       return "it is overexposed: the board's black is at grey level " + oneDigit(quality.black);
     return "the board's black and white are only " + oneDigit(quality.contrast) + " grey levels apart";
   }
-  if (quality.edge_width > std::max(kSharpEnough, kOfUsual * usual_edge_width)) {
+  if (quality.edge_width > std::max(kMaxSharpWidth, kMaxRelativeWidth * usual_edge_width)) {
     return "it is blurred: edges are " + oneDigit(quality.edge_width) + " px wide, in other views " +
            oneDigit(usual_edge_width) + " px";
   }

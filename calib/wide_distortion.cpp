@@ -1,3 +1,4 @@
+// Kannala and Brandt's wide-angle distortion and its inverse.
 #include "calib/wide_distortion.hpp"
 
 #include <algorithm>
@@ -12,11 +13,11 @@ WideDistortion::WideDistortion(const CameraModel& camera)
       k2_(camera.distortion[1]),
       k3_(camera.distortion[2]),
       k4_(camera.distortion[3]),
-      largest_angle_(0.0) {
+      max_angle_(0.0) {
   constexpr double kStep = 1e-3;
-  constexpr int kSteps = 3'100;  // just below pi, where the direction sideways is lost
+  constexpr int kSteps = 3'100;  // just below pi, where the azimuth of a ray is undefined
   for (int step = 1; step <= kSteps && radiusSlope(step * kStep) > 0.0; ++step)
-    largest_angle_ = step * kStep;
+    max_angle_ = step * kStep;
 }
 
 double WideDistortion::radius(double angle) const {
@@ -30,25 +31,25 @@ double WideDistortion::radiusSlope(double angle) const {
 }
 
 NormalisedPoint WideDistortion::distort(const Eigen::Vector3d& ray) const {
-  // Written out: the order in which Eigen sums may depend on the processor.
+  // Written out, since the order of Eigen's summation may depend on the processor.
   const double sideways2 = ray.x() * ray.x() + ray.y() * ray.y();
   const double sideways = std::sqrt(sideways2);
   const double length = std::sqrt(sideways2 + ray.z() * ray.z());
-  constexpr double kSmallest = 1e-12;  // there sine, angle and radius are the same
-  if (sideways <= kSmallest * length && ray.z() > 0.0) return {ray.x() / length, ray.y() / length};
-  // tan(a/2) = sin a / (1 + cos a) holds all around; the denominator is only 0 straight behind.
-  const double half_tangent = sideways / std::max(length + ray.z(), kSmallest * length);
-  const double angle = std::min(2.0 * portableArcTangent(half_tangent), largest_angle_);
-  const double scale = radius(angle) / std::max(sideways, kSmallest * length);
+  constexpr double kMinSine = 1e-12;  // below, sine, angle and radius are the same
+  if (sideways <= kMinSine * length && ray.z() > 0.0) return {ray.x() / length, ray.y() / length};
+  // tan(a/2) = sin a / (1 + cos a) holds for all angles; the denominator is 0 only straight behind.
+  const double half_tangent = sideways / std::max(length + ray.z(), kMinSine * length);
+  const double angle = std::min(2.0 * portableArcTangent(half_tangent), max_angle_);
+  const double scale = radius(angle) / std::max(sideways, kMinSine * length);
   return {scale * ray.x(), scale * ray.y()};
 }
 
 double WideDistortion::angleAt(double target) const {
-  if (target >= radius(largest_angle_)) return largest_angle_;
-  // Newton's method, kept between what is known to be too small and too large.
-  constexpr int kMostSteps = 100;
-  double lower = 0.0, upper = largest_angle_, angle = std::min(target, upper);
-  for (int step = 0; step < kMostSteps; ++step) {
+  if (target >= radius(max_angle_)) return max_angle_;
+  // Newton's method, bracketed by a lower and an upper bound.
+  constexpr int kMaxSteps = 100;
+  double lower = 0.0, upper = max_angle_, angle = std::min(target, upper);
+  for (int step = 0; step < kMaxSteps; ++step) {
     const double error = radius(angle) - target;
     (error > 0.0 ? upper : lower) = angle;
     double next = angle - error / radiusSlope(angle);

@@ -1,3 +1,5 @@
+// Assembly of RTP payloads into pictures, with early detection of a picture's last packet.
+
 #include "capture/access_unit_assembler.hpp"
 
 #include <algorithm>
@@ -11,37 +13,38 @@ void AccessUnitAssembler::add(const StreamFragment& fragment) {
   if (fragment.data.empty() || isRepeated(fragment)) return;
   last_fragment_.assign(fragment.data.begin(), fragment.data.end());
   if (current_ && current_->pts == fragment.pts) {
-    if (seems_complete_) refute();
-    if (handed_out_) {  // too late for it; what follows cannot be trusted
+    if (seems_complete_) rejectRule();
+    if (delivered_) {  // incomplete; pictures that refer to it are damaged, too
       current_->data_lost = true;
       return;
     }
-    if (!beginsWithStartCode(fragment.data)) learnFromContinuation();
-    if (lastFragmentEndsUnit()) went_on_after_ = slices_;
+    if (!beginsWithStartCode(fragment.data)) learnFullFragmentLength();
+    if (lastFragmentEndsNalUnit()) continued_after_slices_ = slices_;
   } else {
-    judgePreviousPicture();
+    checkRuleOnFinishedPicture();
     beginPicture(fragment);
   }
   append(fragment);
 
-  seems_complete_ = slices_ > 0 && slices_ == usual_slices_ && lastFragmentEndsUnit();
+  seems_complete_ = slices_ > 0 && slices_ == usual_slices_ && lastFragmentEndsNalUnit();
   if (seems_complete_ && completesEarly()) {
     AssembledUnit unit = std::move(*current_);
     current_ = AssembledUnit{{}, unit.pts, 0, 0, std::nullopt, false};
-    handed_out_ = true;
+    delivered_ = true;
     complete_.push_back(std::move(unit));
   }
 }
 
-std::optional<AssembledUnit> AccessUnitAssembler::take() {
+std::optional<AssembledUnit> AccessUnitAssembler::popUnit() {
   if (complete_.empty()) return std::nullopt;
   AssembledUnit unit = std::move(complete_.front());
   complete_.pop_front();
   return unit;
 }
 
-/// A network may deliver a packet twice, and FFmpeg drops a repeated one only if another came between the
-/// two. A fragment that stood twice in a picture would garble it, and the decoder need not notice.
+/// Whether the fragment equals the previous one. A network may deliver a packet twice, and FFmpeg drops the
+/// duplicate only if another packet came in between. A duplicate fragment would corrupt the picture, which
+/// the decoder need not detect.
 bool AccessUnitAssembler::isRepeated(const StreamFragment& fragment) const {
   return current_ && current_->pts == fragment.pts && !fragment.data_lost &&
          std::ranges::equal(fragment.data, last_fragment_);
@@ -49,23 +52,23 @@ bool AccessUnitAssembler::isRepeated(const StreamFragment& fragment) const {
 
 void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {
   const bool lost = current_ && current_->data_lost;
-  if (current_ && !handed_out_) {
-    if (fragment.data_lost) current_->data_lost = true;  // what is missing may have been its end
+  if (current_ && !delivered_) {
+    if (fragment.data_lost) current_->data_lost = true;  // the missing data may be its end
     complete_.push_back(std::move(*current_));
   }
-  // A picture that was handed out too early shows in the next one's status.
-  const bool carried = handed_out_ && lost;
+  // A premature picture marks the next one.
+  const bool carried = delivered_ && lost;
   current_ = AssembledUnit{{}, fragment.pts, fragment.arrival_ns, fragment.arrival_ns, std::nullopt, carried};
-  handed_out_ = false;
+  delivered_ = false;
   slices_ = 0;
   key_ = false;
-  went_on_after_ = 0;
-  // Without a start code its beginning is missing.
+  continued_after_slices_ = 0;
+  // No start code: the picture's beginning is missing.
   if (!beginsWithStartCode(fragment.data)) current_->data_lost = true;
 }
 
 void AccessUnitAssembler::append(const StreamFragment& fragment) {
-  if (current_->data.size() + fragment.data.size() > kLargestUnit) {
+  if (current_->data.size() + fragment.data.size() > kMaxUnitBytes) {
     current_->data_lost = true;
     return;
   }
@@ -76,7 +79,7 @@ void AccessUnitAssembler::append(const StreamFragment& fragment) {
 
   if (!beginsWithStartCode(fragment.data)) {
     fragment_length_ = fragment.data.size();
-    fragment_may_go_on_ = true;
+    fragment_may_continue_ = true;
     return;
   }
   const std::vector<NalUnit> units = splitNalUnits(codec_, fragment.data);
@@ -87,44 +90,44 @@ void AccessUnitAssembler::append(const StreamFragment& fragment) {
   const std::size_t start_code = fragment.data[2] == 1 ? 3 : 4;
   fragment_length_ =
       fragment.data.size() - std::min(fragment.data.size(), start_code + nalHeaderSize(codec_));
-  fragment_may_go_on_ = units.size() <= 1;  // an aggregate holds whole NAL units
+  fragment_may_continue_ = units.size() <= 1;  // an aggregate holds whole NAL units
 }
 
-/// As far as fragments tell; never before it is known how long they are.
-bool AccessUnitAssembler::lastFragmentEndsUnit() const {
-  return full_fragment_ > 0 && (!fragment_may_go_on_ || fragment_length_ != full_fragment_);
+/// Whether the last fragment ended its NAL unit. False until the length of full fragments is known.
+bool AccessUnitAssembler::lastFragmentEndsNalUnit() const {
+  return full_fragment_ > 0 && (!fragment_may_continue_ || fragment_length_ != full_fragment_);
 }
 
-/// The last fragment went on in the next one, so its length is that of full fragments.
-void AccessUnitAssembler::learnFromContinuation() {
+/// Takes the length of the last fragment, which was continued by another one, as that of full fragments.
+void AccessUnitAssembler::learnFullFragmentLength() {
   if (fragment_length_ == full_fragment_) return;
   full_fragment_ = fragment_length_;
-  proved_pictures_ = 0;
+  confirmations_ = 0;
 }
 
-/// The next picture begins, so the last fragment of this one is known. The first one proves the rule, too:
-/// its number of slices is known now.
-void AccessUnitAssembler::judgePreviousPicture() {
+/// Tests the rule on the current picture, whose last fragment is known because the next picture begins. The
+/// first picture counts, too: its number of slices is known by now.
+void AccessUnitAssembler::checkRuleOnFinishedPicture() {
   if (!current_) return;
   if (slices_ != usual_slices_) {
     usual_slices_ = slices_;
-    proved_pictures_ = 0;
+    confirmations_ = 0;
   }
-  const bool right = slices_ > 0 && lastFragmentEndsUnit() && went_on_after_ != slices_;
-  if (!right) return;
-  if (proved_pictures_ == 0) proved_on_key_ = false;
-  proved_on_key_ = proved_on_key_ || key_;
-  if (proved_pictures_ < kPicturesToProve) ++proved_pictures_;
+  const bool is_right = slices_ > 0 && lastFragmentEndsNalUnit() && continued_after_slices_ != slices_;
+  if (!is_right) return;
+  if (confirmations_ == 0) confirmed_on_key_ = false;
+  confirmed_on_key_ = confirmed_on_key_ || key_;
+  if (confirmations_ < kConfirmationsNeeded) ++confirmations_;
 }
 
-/// More of a picture came although the rule took it to be complete.
-void AccessUnitAssembler::refute() {
-  if (handed_out_ && !refuted_) {
-    ++wrong_guesses_;
-    refuted_ = true;
+/// Resets the rule after a picture continued that the rule took for complete.
+void AccessUnitAssembler::rejectRule() {
+  if (delivered_ && !rule_rejected_) {
+    ++premature_units_;
+    rule_rejected_ = true;
   }
   seems_complete_ = false;
-  proved_pictures_ = 0;
+  confirmations_ = 0;
 }
 
 }  // namespace cartvo

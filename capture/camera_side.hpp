@@ -4,6 +4,7 @@
 
 namespace cartvo {
 
+/// One of the two cameras of the stereo rig.
 enum class CameraSide : std::uint8_t { left, right };
 
 }  // namespace cartvo

@@ -8,31 +8,31 @@
 
 namespace cartvo {
 
-/// What came of waiting for a frame.
+/// Result of waiting for a frame.
 enum class ReadOutcome : std::uint8_t {
   frame,      ///< a frame was delivered
-  timed_out,  ///< nothing within the time given; the source goes on trying
-  ended,      ///< there will never be another one
+  timed_out,  ///< no frame within the time-out; the source keeps trying
+  ended,      ///< there will be no further frame
 };
 
-/// What a camera is doing, for health reports.
+/// State of a camera, for health reports.
 enum class CameraState : std::uint8_t {
   connecting,
   streaming,
   stalled,
   refused,
   ended,
-  frozen,  ///< packets flow, but the picture never changes
+  frozen,  ///< packets arrive, but the picture does not change
 };
 
-/// A snapshot of one camera's condition. Holds no credentials.
+/// Snapshot of one camera's health. Contains no credentials.
 struct CameraHealth {
   CameraState state = CameraState::connecting;
   InstantSource instant_source = InstantSource::file;
   std::uint64_t frames = 0;         ///< delivered since the start
   std::uint64_t damaged = 0;        ///< of these, marked FrameStatus::damaged
   std::uint64_t reconnections = 0;  ///< times the stream had to be opened again
-  std::string last_error;           ///< a sentence that a person can act on; empty if there was none
+  std::string last_error;           ///< what is wrong and what to do; empty if there was no error
 };
 
 /// One camera as a sequence of frames in the order of their exposure. One thread reads; `health` and
@@ -41,15 +41,14 @@ class CameraSource {
  public:
   virtual ~CameraSource() = default;
 
-  /// Waits for the next frame, up to `timeout`, or longer up to a bound that the source states (RtspCamera:
-  /// its time-outs; a decoder's time aside). Never for ever, whatever the camera does. Files are read without
-  /// waiting.
+  /// Waits for the next frame, up to `timeout`, or longer up to a bound that the source documents
+  /// (RtspCamera: its time-outs, plus decoding). Never blocks for ever, whatever the camera does. Files are
+  /// read without waiting.
   virtual ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) = 0;
 
   virtual CameraHealth health() const = 0;
 
-  /// Makes a `read` in progress, and each later one, return `ended` at once
-  /// (RtspCamera: within 0.1 s).
+  /// Makes a `read` in progress, and each later one, return `ended` at once (RtspCamera: within 0.1 s).
   virtual void interrupt() noexcept = 0;
 };
 

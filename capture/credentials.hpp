@@ -4,9 +4,9 @@
 
 namespace cartvo {
 
-/// What a camera asks for before it serves its stream. Kept apart from the URL so that the URL may be logged.
+/// User and password of a camera. Separate from the URL, so that the URL may be logged.
 struct Credentials {
-  std::string user;  ///< empty: the camera asks for none
+  std::string user;  ///< empty: the camera requires none
   std::string password;
 };
 

@@ -1,3 +1,5 @@
+// Synchronisation of files and folders to the disk.
+
 #include "capture/durable_file.hpp"
 
 #include <cerrno>

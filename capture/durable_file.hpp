@@ -4,8 +4,8 @@
 
 namespace cartvo {
 
-/// What was written to the file or folder survives a power cut once this returns. Throws std::runtime_error
-/// naming it and the reason.
+/// Writes the file's or folder's data to the disk, so that they survive a power cut. Throws
+/// std::runtime_error naming the path and the reason.
 void syncToDisk(const std::filesystem::path& path);
 
 }  // namespace cartvo

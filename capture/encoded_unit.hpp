@@ -9,39 +9,40 @@
 
 namespace cartvo {
 
+/// Codec of a stream.
 enum class VideoCodec : std::uint8_t { h264, h265 };
 
-/// What a decoder or a file needs to know of a stream before its first picture.
+/// Parameters of a stream that a decoder or file needs before its first picture.
 struct StreamFormat {
   VideoCodec codec = VideoCodec::h264;
   std::vector<std::uint8_t> parameter_sets;  ///< Annex B, from the session description; may be empty
 };
 
-/// One picture as the camera sent it, with the instants that belong to it.
+/// One picture as the camera sent it, with its time stamps.
 struct EncodedUnit {
   std::vector<std::uint8_t> data;  ///< an access unit in Annex B form (with start codes)
-  std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s, from the connection's first
+  std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s; continuous within one connection
   std::int64_t exposure_ns = 0;    ///< as Frame's
-  std::int64_t exposure_deviation_ns = 0;    ///< as Frame's
-  std::int64_t undelayed_arrival_ns = 0;     ///< as Frame's
-  std::int64_t first_arrival_ns = 0;         ///< its first packet was received (host's clock)
+  std::int64_t exposure_stddev_ns = 0;       ///< as Frame's
+  std::int64_t min_delay_arrival_ns = 0;     ///< as Frame's
+  std::int64_t first_arrival_ns = 0;         ///< reception of its first packet, host's clock
   std::int64_t arrival_ns = 0;               ///< as Frame's
-  std::optional<std::int64_t> reference_us;  ///< as StampedPacket's
+  std::optional<std::int64_t> reference_us;  ///< as RtpTimestamps'
   std::uint64_t sequence = 0;                ///< as Frame's
   std::uint64_t order = 0;                   ///< as Frame's
   InstantSource instant_source = InstantSource::arrival;
   FrameStatus status = FrameStatus::good;  ///< damaged: data were lost since the last key frame
-  bool data_lost = false;                  ///< something is missing before or in it
-  bool key = false;                        ///< decodable without those before it
+  bool data_lost = false;                  ///< data are missing before or in it
+  bool key = false;                        ///< decodable without the pictures before it
 };
 
-/// Receives what a camera sends, encoded as received (a recorder). Called in the thread that reads the
-/// camera, so it must be quick; it must not throw.
+/// Receives a camera's stream, encoded as received (used by the recorder). Called in the thread that reads
+/// the camera: must return quickly and must not throw.
 class StreamObserver {
  public:
   virtual ~StreamObserver() = default;
 
-  /// A connection was opened; units of this format follow.
+  /// Called when a connection was opened; units of this format follow.
   virtual void onStream(const StreamFormat& format) noexcept = 0;
   virtual void onUnit(const EncodedUnit& unit) noexcept = 0;
 };

@@ -16,17 +16,19 @@ ImageSequence readCamera(const fs::path& folder) {
     const std::size_t comma = line.text.find(',');
     const auto instant_ns = parseNumber<std::int64_t>(line.text.substr(0, comma));
     const std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);
-    const bool is_instant = instant_ns && *instant_ns >= -kMostInstant_ns && *instant_ns <= kMostInstant_ns;
+    const bool is_instant = instant_ns && *instant_ns >= -kMaxTimestampNs && *instant_ns <= kMaxTimestampNs;
     if (!is_instant || name.empty()) {
-      throw std::runtime_error(place(file, line) + "expected 'instant in ns,file name' instead of '" +
+      throw std::runtime_error(fileAndLine(file, line) + "expected 'instant in ns,file name' instead of '" +
                                line.text + "'");
     }
     if (fs::path(name).filename() != name) {
-      throw std::runtime_error(place(file, line) + "'" + name + "' must be the name of a file in data/");
+      throw std::runtime_error(fileAndLine(file, line) + "'" + name +
+                               "' must be the name of a file in data/");
     }
-    checkIncreasing(sequence.instants_ns, *instant_ns, file, line);
+    requireIncreasing(sequence.instants_ns, *instant_ns, file, line);
     const fs::path image = folder / "data" / name;
-    if (!fs::exists(image)) throw std::runtime_error(place(file, line) + image.string() + " is missing");
+    if (!fs::exists(image))
+      throw std::runtime_error(fileAndLine(file, line) + image.string() + " is missing");
     sequence.instants_ns.push_back(*instant_ns);
     sequence.images.push_back(image);
   }
@@ -34,7 +36,7 @@ ImageSequence readCamera(const fs::path& folder) {
   return sequence;
 }
 
-fs::path ifThere(const fs::path& file) {
+fs::path pathIfExists(const fs::path& file) {
   return fs::exists(file) ? file : fs::path();
 }
 
@@ -53,9 +55,10 @@ ImageFolder readEurocFolder(const fs::path& folder) {
   result.folder = folder;
   result.left = readCamera(folder / "cam0");
   result.right = readCamera(folder / "cam1");
-  result.sensor_files = {ifThere(folder / "cam0/sensor.yaml"), ifThere(folder / "cam1/sensor.yaml")};
-  result.rig_file = ifThere(folder / "rig.yaml");
-  if (result.rig_file.empty()) result.rig_file = ifThere(folder.parent_path() / "rig.yaml");
+  result.sensor_files = {pathIfExists(folder / "cam0/sensor.yaml"),
+                         pathIfExists(folder / "cam1/sensor.yaml")};
+  result.rig_file = pathIfExists(folder / "rig.yaml");
+  if (result.rig_file.empty()) result.rig_file = pathIfExists(folder.parent_path() / "rig.yaml");
   return result;
 }
 

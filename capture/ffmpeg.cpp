@@ -1,3 +1,5 @@
+// Helpers for FFmpeg's objects.
+
 #include "capture/ffmpeg.hpp"
 
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-// What capture's own sources share to hold FFmpeg's objects; not for use outside capture.
+// Owning pointers and helpers for FFmpeg's objects; internal to capture.
 
 #include <cstdint>
 #include <memory>
@@ -37,16 +37,16 @@ using Filter = std::unique_ptr<AVBSFContext, FilterFree>;
 /// Throws std::bad_alloc.
 Packet makePacket();
 
-/// FFmpeg's words for one of its error codes. Holds no URL.
+/// FFmpeg's text for one of its error codes. Contains no URL.
 std::string errorText(int error);
 
 AVCodecID codecId(VideoCodec codec);
 
-/// A copy in memory of FFmpeg's with the padding it asks for. Throws std::bad_alloc.
+/// Copies `data` into memory allocated by FFmpeg, with the padding it requires. Throws std::bad_alloc.
 void setExtradata(AVCodecParameters& parameters, const std::vector<std::uint8_t>& data);
 
-/// Fills in width and height from the parameter sets in the extradata or in `picture`, a key picture; leaves
-/// them where that fails.
+/// Sets width and height from the parameter sets in the extradata or in `picture`, a key picture; leaves them
+/// unchanged if that fails.
 void readPictureSize(AVCodecParameters& parameters, const std::vector<std::uint8_t>& picture);
 
 }  // namespace cartvo::ffmpeg

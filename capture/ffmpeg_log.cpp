@@ -1,3 +1,5 @@
+// FFmpeg's process-wide log callback: redirection, removal of credentials, count of missed RTP packets.
+
 #include "capture/ffmpeg_log.hpp"
 
 #include <algorithm>
@@ -15,7 +17,7 @@ extern "C" {
 namespace cartvo {
 namespace {
 
-// FFmpeg's log is one per process, so what receives it is too.
+// FFmpeg has one log per process, hence one sink.
 struct SharedSink {
   std::mutex mutex;
   FfmpegLogSink sink;
@@ -26,11 +28,11 @@ SharedSink& sharedSink() {
   return shared;
 }
 
-constexpr char kMissedPackets[] = "RTP: missed %d packets\n";  // libavformat/rtpdec.c
+constexpr char kMissedPacketsFormat[] = "RTP: missed %d packets\n";  // libavformat/rtpdec.c
 
 struct SharedCounts {
   std::mutex mutex;
-  std::map<const void*, int> missed;  ///< of the demuxers that are watched
+  std::map<const void*, int> missed;  ///< by demuxer, of those with a counter
 };
 
 SharedCounts& sharedCounts() {
@@ -38,8 +40,8 @@ SharedCounts& sharedCounts() {
   return shared;
 }
 
-void count(const void* context, const char* format, va_list arguments) {
-  if (std::strcmp(format, kMissedPackets) != 0) return;
+void countMissedPackets(const void* context, const char* format, va_list arguments) {
+  if (std::strcmp(format, kMissedPacketsFormat) != 0) return;
   va_list copy;
   va_copy(copy, arguments);
   const int missed = va_arg(copy, int);
@@ -51,7 +53,7 @@ void count(const void* context, const char* format, va_list arguments) {
 
 void forward(void* context, int level, const char* format, va_list arguments) {
   if (level > AV_LOG_WARNING) return;
-  count(context, format, arguments);
+  countMissedPackets(context, format, arguments);
   const std::lock_guard lock(sharedSink().mutex);
   if (!sharedSink().sink) return;
   std::array<char, 1024> line{};
@@ -76,18 +78,18 @@ void keepFfmpegQuiet() {
   std::call_once(once, [] { av_log_set_callback(forward); });
 }
 
-MissedPackets::MissedPackets(const void* demuxer) : demuxer_(demuxer) {
+MissedPacketCounter::MissedPacketCounter(const void* demuxer) : demuxer_(demuxer) {
   keepFfmpegQuiet();
   const std::lock_guard lock(sharedCounts().mutex);
   sharedCounts().missed[demuxer_] = 0;
 }
 
-MissedPackets::~MissedPackets() {
+MissedPacketCounter::~MissedPacketCounter() {
   const std::lock_guard lock(sharedCounts().mutex);
   sharedCounts().missed.erase(demuxer_);
 }
 
-int MissedPackets::take() {
+int MissedPacketCounter::fetchAndReset() {
   const std::lock_guard lock(sharedCounts().mutex);
   return std::exchange(sharedCounts().missed[demuxer_], 0);
 }

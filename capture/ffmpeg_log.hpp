@@ -5,29 +5,29 @@
 
 namespace cartvo {
 
-/// FFmpeg's own messages, one line each, without credentials.
+/// Receives FFmpeg's messages, one line each, without credentials.
 using FfmpegLogSink = std::function<void(const std::string& message)>;
 
-/// FFmpeg prints URLs, passwords included, to stderr. From the first call on its warnings and errors go to
-/// `sink` instead, credentials removed; an empty sink silences them. The sink is called from any thread.
+/// Redirects FFmpeg's warnings and errors, with credentials removed, from stderr to `sink`; an empty sink
+/// discards them. By default FFmpeg prints URLs with their passwords. The sink may be called from any thread.
 void setFfmpegLogSink(FfmpegLogSink sink);
 
-/// Silences FFmpeg unless a sink was set already. Each user of FFmpeg in capture calls it before its first
+/// Silences FFmpeg unless a sink was set already. Every user of FFmpeg in capture calls it before its first
 /// use.
 void keepFfmpegQuiet();
 
-/// Learns of RTP packets that a demuxer has missed: FFmpeg puts the pictures' pieces together around the gap
-/// and says so in its log only. Between two calls of av_read_frame, in one thread.
-class MissedPackets {
+/// Counts the RTP packets that a demuxer has missed, from FFmpeg's log: FFmpeg joins the fragments around the
+/// gap and reports it in its log only. Use between two calls of av_read_frame, in one thread.
+class MissedPacketCounter {
  public:
-  /// `demuxer`: the AVFormatContext, which is only compared.
-  explicit MissedPackets(const void* demuxer);
-  ~MissedPackets();
-  MissedPackets(const MissedPackets&) = delete;
-  MissedPackets& operator=(const MissedPackets&) = delete;
+  /// `demuxer`: the AVFormatContext, used for comparison only.
+  explicit MissedPacketCounter(const void* demuxer);
+  ~MissedPacketCounter();
+  MissedPacketCounter(const MissedPacketCounter&) = delete;
+  MissedPacketCounter& operator=(const MissedPacketCounter&) = delete;
 
-  /// How many were missed since the last call.
-  int take();
+  /// Returns the number of packets missed since the last call, and resets it.
+  int fetchAndReset();
 
  private:
   const void* demuxer_;

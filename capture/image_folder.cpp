@@ -1,3 +1,5 @@
+// Layout-independent part of reading image folders, and the frame source for one camera.
+
 #include "capture/image_folder.hpp"
 
 #include <algorithm>
@@ -21,16 +23,18 @@ std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folde
 ImageFolder readImageFolder(const std::filesystem::path& folder) {
   if (isKittiFolder(folder)) return readKittiFolder(folder);
   if (const auto euroc = findEurocFolder(folder)) return readEurocFolder(*euroc);
-  throw std::runtime_error(folder.string() +
-                           " is no image folder: it holds neither image_0 and image_1 (KITTI's layout) nor "
-                           "mav0/cam0 and mav0/cam1 (EuRoC's)");
+  throw std::runtime_error(
+      folder.string() +
+      " is not an image folder: it contains neither image_0 and image_1 (KITTI's layout) nor "
+      "mav0/cam0 and mav0/cam1 (EuRoC's)");
 }
 
 cv::Mat readGreyImage(const std::filesystem::path& file) {
   cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) {
     throw std::runtime_error(
-        file.string() + ": not an image that can be read; expected a whole PNG or JPEG file, copy it anew");
+        file.string() +
+        ": cannot be decoded as an image; expected a complete PNG or JPEG file; copy it again");
   }
   return image;
 }
@@ -59,14 +63,14 @@ std::vector<TextLine> readLines(const std::filesystem::path& file) {
   return lines;
 }
 
-std::string place(const std::filesystem::path& file, const TextLine& line) {
+std::string fileAndLine(const std::filesystem::path& file, const TextLine& line) {
   return file.string() + ", line " + std::to_string(line.number) + ": ";
 }
 
-void checkIncreasing(const std::vector<std::int64_t>& before, std::int64_t instant_ns,
-                     const std::filesystem::path& file, const TextLine& line) {
-  if (before.empty() || instant_ns > before.back()) return;
-  throw std::runtime_error(place(file, line) + "the instant is not after the one before it");
+void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
+                       const std::filesystem::path& file, const TextLine& line) {
+  if (previous.empty() || instant_ns > previous.back()) return;
+  throw std::runtime_error(fileAndLine(file, line) + "the instant is not later than the previous one");
 }
 
 ImageSequenceSource::ImageSequenceSource(ImageSequence sequence) : sequence_(std::move(sequence)) {
@@ -84,11 +88,11 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +
-                             std::to_string(read.image.rows) + ", but the images before it are " +
+                             std::to_string(read.image.rows) + ", but the previous images are " +
                              std::to_string(size_.width) + "x" + std::to_string(size_.height));
   }
   read.exposure_ns = sequence_.instants_ns[index];
-  read.exposure_deviation_ns = sequence_.deviation_ns;
+  read.exposure_stddev_ns = sequence_.stddev_ns;
   read.arrival_ns = read.exposure_ns;
   read.decoded_ns = read.exposure_ns;
   read.sequence = index;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The readers behind readImageFolder, one for each layout; not for use outside capture.
+// Readers of the layouts that readImageFolder supports; internal to capture.
 
 #include <charconv>
 #include <cstdint>
@@ -17,27 +17,27 @@ namespace cartvo {
 bool isKittiFolder(const std::filesystem::path& folder);
 ImageFolder readKittiFolder(const std::filesystem::path& folder);
 
-/// The folder that holds cam0 and cam1, if `folder` is it or holds it as mav0.
+/// The folder that contains cam0 and cam1: `folder` itself or its subfolder mav0; nothing if neither does.
 std::optional<std::filesystem::path> findEurocFolder(const std::filesystem::path& folder);
 ImageFolder readEurocFolder(const std::filesystem::path& folder);
 
-/// Instants may lie that far from 0, ns: then their differences do not overflow.
-inline constexpr std::int64_t kMostInstant_ns = 4'000'000'000'000'000'000;
+/// Largest magnitude of an instant, ns: differences of two instants do not overflow.
+inline constexpr std::int64_t kMaxTimestampNs = 4'000'000'000'000'000'000;
 
-/// One line of a text file with its number, for messages.
+/// One line of a text file with its number, for error messages.
 struct TextLine {
   int number = 0;
-  std::string text;  ///< without surrounding white space; never empty
+  std::string text;  ///< without surrounding white space; not empty
 };
 
-/// The lines that hold something, comments (#) left out. Throws std::runtime_error if the file cannot be
+/// The lines of a file except empty ones and comments (#). Throws std::runtime_error if the file cannot be
 /// read.
 std::vector<TextLine> readLines(const std::filesystem::path& file);
 
-/// "FILE, line N: " for messages.
-std::string place(const std::filesystem::path& file, const TextLine& line);
+/// "FILE, line N: " for error messages.
+std::string fileAndLine(const std::filesystem::path& file, const TextLine& line);
 
-/// The whole of `text` as a number, or nothing.
+/// Parses the whole of `text` as a number; nothing if it is not one.
 template <typename Number>
 std::optional<Number> parseNumber(std::string_view text) {
   Number value{};
@@ -46,8 +46,8 @@ std::optional<Number> parseNumber(std::string_view text) {
   return value;
 }
 
-/// Throws std::runtime_error unless the instant lies after the one before it.
-void checkIncreasing(const std::vector<std::int64_t>& before, std::int64_t instant_ns,
-                     const std::filesystem::path& file, const TextLine& line);
+/// Throws std::runtime_error naming file and line unless the instant is later than the last of `previous`.
+void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
+                       const std::filesystem::path& file, const TextLine& line);
 
 }  // namespace cartvo

@@ -26,29 +26,29 @@ std::vector<fs::path> listImages(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (isImage(entry.path())) images.push_back(entry.path());
   }
-  if (images.empty()) throw std::runtime_error(folder.string() + " holds no PNG or JPEG image");
+  if (images.empty()) throw std::runtime_error(folder.string() + " contains no PNG or JPEG image");
   std::sort(images.begin(), images.end());
   return images;
 }
 
-/// KITTI's times are seconds.
+/// Reads times.txt, seconds, as ns.
 std::vector<std::int64_t> readTimes(const fs::path& file) {
   std::vector<std::int64_t> instants;
   for (const TextLine& line : readLines(file)) {
     const std::optional<long double> seconds = parseNumber<long double>(line.text);
-    if (!seconds || !std::isfinite(*seconds) || std::abs(*seconds) > 1e-9L * kMostInstant_ns) {
-      throw std::runtime_error(place(file, line) + "expected one number, seconds, instead of '" + line.text +
-                               "'");
+    if (!seconds || !std::isfinite(*seconds) || std::abs(*seconds) > 1e-9L * kMaxTimestampNs) {
+      throw std::runtime_error(fileAndLine(file, line) + "expected one number (seconds) instead of '" +
+                               line.text + "'");
     }
     const auto instant_ns = static_cast<std::int64_t>(std::llround(*seconds * 1e9L));
-    checkIncreasing(instants, instant_ns, file, line);
+    requireIncreasing(instants, instant_ns, file, line);
     instants.push_back(instant_ns);
   }
   return instants;
 }
 
-/// ", the first one missing is 000007.png" if the images are numbered and a number is left out.
-std::string firstGap(const std::vector<fs::path>& images) {
+/// ", the first one missing is 000007.png" if the images are numbered and a number is missing; else "".
+std::string firstGapText(const std::vector<fs::path>& images) {
   std::uint64_t next = 0;
   for (const fs::path& image : images) {
     const std::string stem = image.stem().string();
@@ -68,14 +68,14 @@ ImageSequence readSequence(const fs::path& folder, const fs::path& times) {
   ImageSequence sequence{listImages(folder), readTimes(times)};
   if (sequence.images.size() != sequence.instants_ns.size()) {
     throw std::runtime_error(
-        folder.string() + " holds " + std::to_string(sequence.images.size()) + " images, but " +
+        folder.string() + " contains " + std::to_string(sequence.images.size()) + " images, but " +
         times.string() + " has " + std::to_string(sequence.instants_ns.size()) + " instants" +
-        (sequence.images.size() < sequence.instants_ns.size() ? firstGap(sequence.images) : ""));
+        (sequence.images.size() < sequence.instants_ns.size() ? firstGapText(sequence.images) : ""));
   }
   return sequence;
 }
 
-/// A projection matrix, 3x4, row by row.
+/// Projection matrix, 3x4, row-major.
 using Projection = std::array<double, 12>;
 
 Projection parseProjection(const fs::path& file, const TextLine& line) {
@@ -86,12 +86,12 @@ Projection parseProjection(const fs::path& file, const TextLine& line) {
   for (; words >> word; ++count) {
     const std::optional<double> number = parseNumber<double>(word);
     if (!number || !std::isfinite(*number)) {
-      throw std::runtime_error(place(file, line) + "'" + word + "' is not a number");
+      throw std::runtime_error(fileAndLine(file, line) + "'" + word + "' is not a number");
     }
     if (count < projection.size()) projection[count] = *number;
   }
   if (count != projection.size()) {
-    throw std::runtime_error(place(file, line) + "expected 12 numbers (3 rows of 4), found " +
+    throw std::runtime_error(fileAndLine(file, line) + "expected 12 numbers (3 rows of 4), found " +
                              std::to_string(count));
   }
   return projection;
@@ -104,26 +104,28 @@ RectifiedStereo readCalibration(const fs::path& file) {
     if (name == "P0" || name == "P1") projections[name] = parseProjection(file, line);
   }
   if (projections.size() != 2)
-    throw std::runtime_error(file.string() +
-                             " must hold the matrices P0: and P1:, each a line of 12 numbers; without them "
-                             "remove the file and put a rig.yaml beside it");
+    throw std::runtime_error(
+        file.string() +
+        " must contain the matrices P0: and P1:, each a line of 12 numbers; if they are not "
+        "available, remove the file and put a rig.yaml beside it");
   const Projection& left = projections["P0"];
   const Projection& right = projections["P1"];
-  constexpr double kEqual = 1e-6;  // relative
+  constexpr double kTolerance = 1e-6;  // relative
   const double f = left[0];
-  if (f <= 0.0 || std::abs(left[5] - f) > kEqual * f || std::abs(right[0] - f) > kEqual * f ||
-      std::abs(right[5] - f) > kEqual * f || std::abs(right[6] - left[6]) > kEqual * f) {
+  if (f <= 0.0 || std::abs(left[5] - f) > kTolerance * f || std::abs(right[0] - f) > kTolerance * f ||
+      std::abs(right[5] - f) > kTolerance * f || std::abs(right[6] - left[6]) > kTolerance * f) {
     throw std::runtime_error(
-        file.string() + ": P0 and P1 are not of rectified cameras, which share their focal length and cy");
+        file.string() +
+        ": P0 and P1 are not those of rectified cameras; expected equal focal lengths and equal cy");
   }
   const double baseline = (left[3] - right[3]) / f;  // P1[0,3] = -f b
   if (!std::isfinite(baseline)) {
-    throw std::runtime_error(file.string() + ": P0 and P1 put the cameras infinitely far apart");
+    throw std::runtime_error(file.string() + ": the baseline from P0 and P1 is not finite");
   }
   if (baseline <= 0.0) {
     throw std::runtime_error(
         file.string() +
-        ": P1 puts the right camera to the left of the left one (its fourth number must be -f*b)");
+        ": P1 places the right camera to the left of the left one; its fourth number must be -f*b");
   }
   return {f, left[2], left[6], right[2], baseline};
 }
@@ -137,7 +139,8 @@ bool isKittiFolder(const fs::path& folder) {
 ImageFolder readKittiFolder(const fs::path& folder) {
   const bool own_times = fs::exists(folder / "times_0.txt") && fs::exists(folder / "times_1.txt");
   if (!own_times && !fs::exists(folder / "times.txt")) {
-    throw std::runtime_error(folder.string() + " holds no times.txt (nor both times_0.txt and times_1.txt)");
+    throw std::runtime_error(folder.string() +
+                             " contains neither times.txt nor both times_0.txt and times_1.txt");
   }
   ImageFolder result;
   result.layout = FolderLayout::kitti;

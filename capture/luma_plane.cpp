@@ -1,3 +1,5 @@
+// Luma plane of a decoded FFmpeg frame.
+
 #include "capture/luma_plane.hpp"
 
 extern "C" {

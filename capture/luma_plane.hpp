@@ -6,9 +6,9 @@
 
 namespace cartvo {
 
-/// The frame's luma as a grey image (CV_8UC1): in the frame's own memory where it is 8 bits deep, else copied
-/// and reduced to that. Empty if the format has no luma plane in main memory. Full-range and limited-range
-/// luma are both taken as they are.
+/// The frame's luma plane as a grey image, CV_8UC1: a view of the frame's memory if it has 8 bits, else a
+/// copy reduced to 8 bits. Empty if the format has no luma plane in main memory. Full-range and limited-range
+/// luma are not converted.
 cv::Mat lumaPlane(const AVFrame& frame);
 
 }  // namespace cartvo

@@ -4,8 +4,8 @@
 
 namespace cartvo {
 
-/// Whether whoever wrote the Matroska file came to its end: only then does its beginning say how long it is
-/// (RFC 9559, "Unknown-Sized Elements"). False for a file that is no Matroska, or is not there.
-bool wasEnded(const std::filesystem::path& matroska_file);
+/// Whether the Matroska file was finalised by its writer: only then does its header contain the segment's
+/// size (RFC 9559, "Unknown-Sized Elements"). False if the file is not Matroska or does not exist.
+bool isMatroskaFinalised(const std::filesystem::path& matroska_file);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// NAL units of H.264 and H.265 streams, and a bit reader for H.264 headers.
+
 #include "capture/nal_units.hpp"
 
 #include <algorithm>
@@ -9,7 +11,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kStartCode = {0, 0, 1};
 
-NalUnit describeH264(std::span<const std::uint8_t> nal) {
+NalUnit classifyH264(std::span<const std::uint8_t> nal) {
   NalUnit unit{nal};
   const int type = nal[0] & 0x1f;
   unit.is_reference = (nal[0] & 0x60) != 0;
@@ -21,7 +23,7 @@ NalUnit describeH264(std::span<const std::uint8_t> nal) {
   return unit;
 }
 
-NalUnit describeH265(std::span<const std::uint8_t> nal) {
+NalUnit classifyH265(std::span<const std::uint8_t> nal) {
   NalUnit unit{nal};
   const int type = (nal[0] >> 1) & 0x3f;
   if (type < 32) {
@@ -54,10 +56,10 @@ std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_
     code = next(begin);
     auto end = code;
     while (end != begin && *(end - 1) == 0)
-      --end;  // the four-byte start code's first, and trailing zeros
+      --end;  // first byte of a four-byte start code, and trailing zeros
     const std::span<const std::uint8_t> nal(begin, end);
     if (nal.size() < nalHeaderSize(codec)) continue;
-    units.push_back(codec == VideoCodec::h264 ? describeH264(nal) : describeH265(nal));
+    units.push_back(codec == VideoCodec::h264 ? classifyH264(nal) : classifyH265(nal));
   }
   return units;
 }
@@ -73,7 +75,7 @@ std::vector<std::uint8_t> parameterSets(VideoCodec codec, std::span<const std::u
   return sets;
 }
 
-std::uint32_t BitReader::bit() {
+std::uint32_t BitReader::readBit() {
   if (bits_left_ == 0) {
     if (zeros_ >= 2 && position_ < bytes_.size() && bytes_[position_] == 3) {
       ++position_;
@@ -91,23 +93,23 @@ std::uint32_t BitReader::bit() {
   return (current_ >> bits_left_) & 1U;
 }
 
-std::uint32_t BitReader::bits(int count) {
+std::uint32_t BitReader::readBits(int count) {
   std::uint32_t value = 0;
   for (int i = 0; i < count; ++i)
-    value = (value << 1) | bit();
+    value = (value << 1) | readBit();
   return value;
 }
 
-std::uint32_t BitReader::unsignedExpGolomb() {
+std::uint32_t BitReader::readUnsignedExpGolomb() {
   int zeros = 0;
-  while (zeros < 32 && !exhausted_ && bit() == 0)
+  while (zeros < 32 && !exhausted_ && readBit() == 0)
     ++zeros;
   if (zeros >= 32 || exhausted_) return 0;
-  return (1U << zeros) - 1U + bits(zeros);
+  return (1U << zeros) - 1U + readBits(zeros);
 }
 
-std::int32_t BitReader::signedExpGolomb() {
-  const std::uint32_t code = unsignedExpGolomb();
+std::int32_t BitReader::readSignedExpGolomb() {
+  const std::uint32_t code = readUnsignedExpGolomb();
   const auto magnitude = static_cast<std::int32_t>((code + 1) / 2);
   return code % 2 == 1 ? magnitude : -magnitude;
 }

@@ -10,42 +10,42 @@
 
 namespace cartvo {
 
-/// What a NAL unit is, as far as capture cares (H.264: ITU-T H.264 table 7-1; H.265: ITU-T H.265 table 7-1).
+/// Kind of a NAL unit (ITU-T H.264 table 7-1, ITU-T H.265 table 7-1).
 enum class NalKind : std::uint8_t { slice, key_slice, parameter_set, other };
 
-/// One NAL unit inside a buffer in Annex B form, from its header on, without the start code.
+/// One NAL unit within a buffer in Annex B form: header and payload, without the start code.
 struct NalUnit {
   std::span<const std::uint8_t> bytes;
   NalKind kind = NalKind::other;
   bool is_reference = false;  ///< H.264: later pictures may be predicted from it
 };
 
-/// True if the buffer begins with a start code (00 00 01 or 00 00 00 01).
+/// Whether the buffer begins with a start code (00 00 01 or 00 00 00 01).
 bool beginsWithStartCode(std::span<const std::uint8_t> data);
 
-/// Bytes of a NAL unit's header: 1 in H.264, 2 in H.265.
+/// Size of a NAL unit's header, bytes: 1 in H.264, 2 in H.265.
 std::size_t nalHeaderSize(VideoCodec codec);
 
-/// Splits at the start codes. What stands before the first one is left out.
+/// Splits the buffer at its start codes. Bytes before the first one are ignored.
 std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_t> data);
 
-/// The parameter sets among the NAL units, each behind a start code; empty if there are none.
+/// The parameter sets among the NAL units, each after a start code; empty if there are none.
 std::vector<std::uint8_t> parameterSets(VideoCodec codec, std::span<const std::uint8_t> data);
 
-/// Reads the bits of an H.264 NAL unit, emulation prevention bytes (7.4.1.1) removed. Past the end it reads
-/// zeros and `exhausted` says so.
+/// Reads the bits of an H.264 NAL unit without its emulation prevention bytes (7.4.1.1). Reads zeros beyond
+/// the end, and isExhausted() is true then.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::uint8_t> nal) : bytes_(nal) {}
 
-  std::uint32_t bits(int count);
-  std::uint32_t unsignedExpGolomb();  ///< ue(v), 9.1
-  std::int32_t signedExpGolomb();     ///< se(v), 9.1.1
-  bool flag() { return bits(1) != 0; }
-  bool exhausted() const { return exhausted_; }
+  std::uint32_t readBits(int count);
+  std::uint32_t readUnsignedExpGolomb();  ///< ue(v), 9.1
+  std::int32_t readSignedExpGolomb();     ///< se(v), 9.1.1
+  bool readFlag() { return readBits(1) != 0; }
+  bool isExhausted() const { return exhausted_; }
 
  private:
-  std::uint32_t bit();
+  std::uint32_t readBit();
 
   std::span<const std::uint8_t> bytes_;
   std::size_t position_ = 0;

@@ -1,3 +1,5 @@
+// Pairing of two cameras' frames by their exposure instants.
+
 #include "capture/pair_synchroniser.hpp"
 
 #include <algorithm>
@@ -7,10 +9,9 @@
 namespace cartvo {
 
 PairSynchroniser::PairSynchroniser(const PairSynchroniserSettings& settings) : settings_(settings) {
-  if (settings.period_ns < 0) throw std::invalid_argument("pairing: the frame period cannot be negative");
-  if (settings.queue_length < 1)
-    throw std::invalid_argument("pairing: the queue must hold one frame at least");
-  if (settings.restart_after < 1) throw std::invalid_argument("pairing: restart_after must be 1 at least");
+  if (settings.period_ns < 0) throw std::invalid_argument("pairing: period_ns must not be negative");
+  if (settings.queue_length < 1) throw std::invalid_argument("pairing: queue_length must be at least 1");
+  if (settings.restart_after < 1) throw std::invalid_argument("pairing: restart_after must be at least 1");
 }
 
 void PairSynchroniser::push(CameraSide which, Frame frame) {
@@ -29,8 +30,8 @@ void PairSynchroniser::push(CameraSide which, Frame frame) {
   if (side.waiting.size() > settings_.queue_length) drop(side, &PairingCounts::overflow);
 }
 
-/// Whether the frame lies after the one before it. A row of frames that lie before it, in order among
-/// themselves, means that the clock was set back: they are followed from then on.
+/// Whether the frame is later than the last accepted one. `restart_after` consecutive frames that are
+/// earlier, in order among themselves, mean that the clock was set back: the sequence restarts with them.
 bool PairSynchroniser::accept(Side& side, const Frame& frame) {
   if (!side.last_ns || frame.exposure_ns > *side.last_ns) {
     side.last_ns = frame.exposure_ns;
@@ -70,8 +71,8 @@ std::optional<FramePair> PairSynchroniser::pop() {
       time_restarted_ = false;
       return pair;
     }
-    const bool learning = period == 0 && !left.finished && !right.finished;
-    if (learning) return std::nullopt;
+    const bool period_is_unknown = period == 0 && !left.finished && !right.finished;
+    if (period_is_unknown) return std::nullopt;
     drop(older, &PairingCounts::no_partner);
   }
   if (right.finished && right.waiting.empty()) {
@@ -93,7 +94,7 @@ std::int64_t PairSynchroniser::periodNs() const {
   if (settings_.period_ns > 0) return settings_.period_ns;
   const std::int64_t left = sides_[0].period.periodNs();
   const std::int64_t right = sides_[1].period.periodNs();
-  // Of two cameras at different rates the faster one sets the bound.
+  // The camera with the higher frame rate limits the offset.
   return left == 0 || right == 0 ? 0 : std::min(left, right);
 }
 

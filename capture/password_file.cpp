@@ -1,4 +1,4 @@
-// Camera passwords come from files that strangers cannot read, never from a configuration or a command line.
+// Reading of password files. Passwords are never part of a configuration or a command line.
 
 #include "capture/password_file.hpp"
 
@@ -12,7 +12,7 @@
 namespace cartvo {
 namespace {
 
-constexpr off_t kLargestPassword = 1024;
+constexpr off_t kMaxFileSize = 1024;  // bytes
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::string readPasswordFile(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) +
                              "; write the camera's password into it");
   }
-  if (!S_ISREG(status.st_mode) || status.st_size > kLargestPassword) {
+  if (!S_ISREG(status.st_mode) || status.st_size > kMaxFileSize) {
     throw std::runtime_error(file.string() + ": expected a file of one line with the camera's password");
   }
   if ((status.st_mode & S_IRWXO) != 0) {

@@ -1,3 +1,5 @@
+// CRC-32 of encoded pictures and of text.
+
 #include "capture/picture_checksum.hpp"
 
 extern "C" {

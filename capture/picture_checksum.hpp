@@ -8,8 +8,8 @@
 
 namespace cartvo {
 
-/// CRC-32 (IEEE 802.3) of a picture's NAL units but for parameter sets and start codes, which a container
-/// stores elsewhere or otherwise: the same before and after it.
+/// CRC-32 (IEEE 802.3) of a picture's NAL units without parameter sets and start codes. A container stores
+/// those differently, so the checksum is the same before and after storage.
 std::uint32_t pictureChecksum(VideoCodec codec, std::span<const std::uint8_t> unit);
 
 /// CRC-32 (IEEE 802.3) of a text.

@@ -1,3 +1,5 @@
+// Layout of a recording's folder, and its description recording.json.
+
 #include "capture/recording_folder.hpp"
 
 #include <algorithm>
@@ -19,40 +21,43 @@
 namespace cartvo {
 namespace {
 
-constexpr const char* kDescription = "recording.json";
-constexpr std::uintmax_t kLargestDescription = 4U << 20;
-constexpr std::size_t kDigits = 6;
+constexpr const char* kDescriptionFile = "recording.json";
+constexpr std::uintmax_t kMaxDescriptionBytes = 4U << 20;
+constexpr std::size_t kMinNumberDigits = 6;
 
-std::optional<std::uint64_t> segmentNumber(const std::string& name) {
+std::optional<std::uint64_t> parseSegmentNumber(const std::string& name) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (name.size() < kDigits || error != std::errc() || end != name.data() + name.size()) return std::nullopt;
+  if (name.size() < kMinNumberDigits || error != std::errc() || end != name.data() + name.size())
+    return std::nullopt;
   return number;
 }
 
-/// JSON's numbers may be beyond any integer, and converting such a one is undefined.
-std::int64_t integer(const nlohmann::json& value, const std::string& key, const std::filesystem::path& file) {
+/// The value as a 64-bit integer. JSON numbers may be out of range, for which a conversion is undefined.
+/// Throws std::runtime_error naming file and key.
+std::int64_t requireInteger(const nlohmann::json& value, const std::string& key,
+                            const std::filesystem::path& file) {
   const bool is_too_large =
       value.is_number_unsigned() && value.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max();
   if (!value.is_number_integer() || is_too_large)
-    throw std::runtime_error(file.string() + " is damaged: " + key + " is not an integer that can be");
+    throw std::runtime_error(file.string() + " is damaged: " + key + " is not an integer of 64 bits");
   return value.get<std::int64_t>();
 }
 
 }  // namespace
 
 bool isRecording(const std::filesystem::path& folder) {
-  return std::filesystem::exists(folder / kDescription);
+  return std::filesystem::exists(folder / kDescriptionFile);
 }
 
 RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kDescription;
+  const std::filesystem::path file = folder / kDescriptionFile;
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   std::ifstream input(file);
   if (error || !input) throw std::runtime_error("cannot read " + file.string());
-  if (size > kLargestDescription)
-    throw std::runtime_error(file.string() + " is too large to be a recording's");
+  if (size > kMaxDescriptionBytes)
+    throw std::runtime_error(file.string() + " is too large; expected at most 4 MiB");
   return parseRecordingInfo({std::istreambuf_iterator<char>(input), {}}, file);
 }
 
@@ -60,11 +65,11 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
   RecordingInfo info;
   try {
     const nlohmann::json description = nlohmann::json::parse(text);
-    const std::int64_t version = integer(description.at("format_version"), "format_version", file);
+    const std::int64_t version = requireInteger(description.at("format_version"), "format_version", file);
     info.format_version = static_cast<int>(std::clamp<std::int64_t>(version, -1, 1'000'000));
     info.software_version = description.at("software_version").get<std::string>();
     if (description.contains("started_ns"))
-      info.started_ns = integer(description["started_ns"], "started_ns", file);
+      info.started_ns = requireInteger(description["started_ns"], "started_ns", file);
     info.configuration = description.at("configuration").get<std::string>();
     info.rig = description.at("rig").get<std::string>();
   } catch (const nlohmann::json::exception& error) {
@@ -85,7 +90,7 @@ void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo
   description["started_ns"] = info.started_ns;
   description["configuration"] = info.configuration;
   description["rig"] = info.rig;
-  const std::filesystem::path file = folder / kDescription;
+  const std::filesystem::path file = folder / kDescriptionFile;
   errno = 0;
   std::ofstream output(file);
   output << description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n' << std::flush;
@@ -107,7 +112,7 @@ RecordingSegment recordingSegment(const std::filesystem::path& recording, std::u
 std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& recording) {
   std::vector<RecordingSegment> segments;
   for (const auto& entry : std::filesystem::directory_iterator(recording)) {
-    const std::optional<std::uint64_t> number = segmentNumber(entry.path().filename().string());
+    const std::optional<std::uint64_t> number = parseSegmentNumber(entry.path().filename().string());
     if (number && entry.is_directory() && !entry.is_symlink()) segments.push_back({*number, entry.path()});
   }
   std::sort(segments.begin(), segments.end(),

@@ -9,27 +9,27 @@
 
 namespace cartvo {
 
-/// A recording is a folder: recording.json, and a folder for each segment of about a minute, 000000, 000001,
-/// ... with left.mkv and right.mkv, the streams as received, and left.csv and right.csv, their indices.
-/// Format 2; format 1 (before any release) had no segments.
+/// Version of the recording format. A recording is a folder that contains recording.json and one folder per
+/// segment of about one minute (000000, 000001, ...) with left.mkv and right.mkv, the streams as received,
+/// and left.csv and right.csv, their indices. Format 1 (before any release) had no segments.
 inline constexpr int kRecordingFormatVersion = 2;
 
-/// What recording.json says.
+/// Content of recording.json.
 struct RecordingInfo {
   int format_version = kRecordingFormatVersion;
-  std::string software_version;  ///< cartvo's that recorded it
-  std::int64_t started_ns = 0;   ///< ns since the Unix epoch, host's clock
-  std::string configuration;     ///< in effect, without credentials
-  std::string rig;               ///< the rig file's text
+  std::string software_version;  ///< version of cartvo that made the recording
+  std::int64_t started_ns = 0;   ///< start, ns since the Unix epoch, host's clock
+  std::string configuration;     ///< configuration in effect, without credentials
+  std::string rig;               ///< text of the rig file
 };
 
-/// Whether the folder holds a recording made by StreamRecorder.
+/// Whether the folder contains a recording.json.
 bool isRecording(const std::filesystem::path& folder);
 
-/// Throws std::runtime_error if recording.json is missing, damaged or of another format.
+/// Reads recording.json. Throws std::runtime_error if it is missing, damaged or of another format version.
 RecordingInfo readRecordingInfo(const std::filesystem::path& folder);
 
-/// The same of its text; `file` names it in errors.
+/// As above, from its text; `file` is its name for error messages.
 RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem::path& file);
 
 /// Writes recording.json durably. Throws std::runtime_error naming the file and the reason.
@@ -38,7 +38,7 @@ void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo
 /// "left" or "right".
 const char* sideName(CameraSide side);
 
-/// One segment's folder and files.
+/// Number, folder and files of one segment.
 struct RecordingSegment {
   std::uint64_t number = 0;
   std::filesystem::path folder;
@@ -51,9 +51,10 @@ struct RecordingSegment {
   }
 };
 
+/// The segment with that number; does not access the disk.
 RecordingSegment recordingSegment(const std::filesystem::path& recording, std::uint64_t number);
 
-/// The segments that there are, oldest first. The first ones may have been deleted for want of room. Throws
+/// Lists the segments, oldest first. The first ones may have been deleted by the quota. Throws
 /// std::filesystem::filesystem_error if the folder cannot be read.
 std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& recording);
 

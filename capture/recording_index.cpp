@@ -1,3 +1,5 @@
+// Format and parser of a recording's index.
+
 #include "capture/recording_index.hpp"
 
 #include <array>
@@ -16,21 +18,21 @@ namespace {
 constexpr std::string_view kHeader =
     "number,time_ms,order,connection,sequence,rtp,reference_us,first_arrival_ns,arrival_ns,"
     "undelayed_arrival_ns,exposure_ns,deviation_ns,instant_source,size,crc32,key,data_lost,status,line_crc32";
-constexpr std::size_t kFields = 19;
+constexpr std::size_t kFieldCount = 19;
 constexpr std::array<std::string_view, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
                                                              "kernel"};
 constexpr std::array<std::string_view, 2> kStatuses = {"good", "damaged"};
 
-// A segment lasts a minute; a camera that sends no key picture can stretch it, but not to hours.
-constexpr std::uintmax_t kLargestFile = 256U << 20;
-constexpr std::size_t kLongestLine = 1024;
+// A segment usually lasts one minute; a camera that sends no key picture extends it, but not to hours.
+constexpr std::uintmax_t kMaxFileBytes = 256U << 20;
+constexpr std::size_t kMaxLineLength = 1024;
 
 std::vector<std::string_view> splitFields(std::string_view line) {
   std::vector<std::string_view> fields;
   for (;;) {
     const std::size_t comma = line.find(',');
     fields.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos || fields.size() > kFields) return fields;
+    if (comma == std::string_view::npos || fields.size() > kFieldCount) return fields;
     line.remove_prefix(comma + 1);
   }
 }
@@ -61,18 +63,18 @@ bool parseName(std::string_view text, const std::array<std::string_view, size>& 
   return false;
 }
 
-/// Instants of the years 1938 to 2116 and 99 years of RTP time: differences of all these do not overflow.
-bool isPossible(const IndexRow& row) {
+/// Whether the instants lie in the years 1938 to 2116, and RTP time within 99 years: no difference of two
+/// overflows.
+bool isInRange(const IndexRow& row) {
   constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
   constexpr std::int64_t kEarliest_ns = -1'000'000'000'000'000'000;
-  constexpr std::int64_t kMostTicks = std::int64_t{1} << 48;
+  constexpr std::int64_t kMaxTicks = std::int64_t{1} << 48;
   const auto instant = [](std::int64_t ns) { return ns >= kEarliest_ns && ns <= kLatest_ns; };
   const std::int64_t reference_us = row.reference_us.value_or(0);
-  return row.time_ms >= 0 && row.time_ms <= kLatest_ns / 1'000'000 && row.pts >= -kMostTicks &&
-         row.pts <= kMostTicks && reference_us >= 0 && reference_us <= kLatest_ns / 1000 &&
-         instant(row.first_arrival_ns) && instant(row.arrival_ns) && instant(row.undelayed_arrival_ns) &&
-         instant(row.exposure_ns) && row.exposure_deviation_ns >= 0 &&
-         row.exposure_deviation_ns <= kLatest_ns;
+  return row.time_ms >= 0 && row.time_ms <= kLatest_ns / 1'000'000 && row.pts >= -kMaxTicks &&
+         row.pts <= kMaxTicks && reference_us >= 0 && reference_us <= kLatest_ns / 1000 &&
+         instant(row.first_arrival_ns) && instant(row.arrival_ns) && instant(row.min_delay_arrival_ns) &&
+         instant(row.exposure_ns) && row.exposure_stddev_ns >= 0 && row.exposure_stddev_ns <= kLatest_ns;
 }
 
 std::string hexadecimal(std::uint32_t value) {
@@ -87,13 +89,13 @@ std::string indexHeader() {
   return std::string(kHeader);
 }
 
-std::string toText(const IndexRow& row) {
+std::string formatIndexRow(const IndexRow& row) {
   std::ostringstream text;
   text << row.number << ',' << row.time_ms << ',' << row.order << ',' << row.connection << ',' << row.sequence
        << ',' << row.pts << ',';
   if (row.reference_us) text << *row.reference_us;
-  text << ',' << row.first_arrival_ns << ',' << row.arrival_ns << ',' << row.undelayed_arrival_ns << ','
-       << row.exposure_ns << ',' << row.exposure_deviation_ns << ','
+  text << ',' << row.first_arrival_ns << ',' << row.arrival_ns << ',' << row.min_delay_arrival_ns << ','
+       << row.exposure_ns << ',' << row.exposure_stddev_ns << ','
        << kInstantSources[static_cast<std::size_t>(row.instant_source)] << ',' << row.size << ','
        << hexadecimal(row.checksum) << ',' << (row.key ? 1 : 0) << ',' << (row.data_lost ? 1 : 0) << ','
        << kStatuses[static_cast<std::size_t>(row.status)];
@@ -101,64 +103,64 @@ std::string toText(const IndexRow& row) {
 }
 
 std::string withLineChecksum(const std::string& line) {
-  const std::string checked = line.substr(0, line.rfind(','));
-  return checked + ',' + hexadecimal(textChecksum(checked));
+  const std::string payload = line.substr(0, line.rfind(','));
+  return payload + ',' + hexadecimal(textChecksum(payload));
 }
 
 std::optional<IndexRow> parseIndexRow(const std::string& line) {
-  if (line.size() > kLongestLine) return std::nullopt;
+  if (line.size() > kMaxLineLength) return std::nullopt;
   const std::vector<std::string_view> fields = splitFields(line);
-  if (fields.size() != kFields) return std::nullopt;
-  const std::string_view checked(line.data(), line.size() - fields.back().size() - 1);
-  if (fields.back() != hexadecimal(textChecksum(checked))) return std::nullopt;
+  if (fields.size() != kFieldCount) return std::nullopt;
+  const std::string_view payload(line.data(), line.size() - fields.back().size() - 1);
+  if (fields.back() != hexadecimal(textChecksum(payload))) return std::nullopt;
   IndexRow row;
   const bool good =
       parse(fields[0], row.number) && parse(fields[1], row.time_ms) && parse(fields[2], row.order) &&
       parse(fields[3], row.connection) && parse(fields[4], row.sequence) && parse(fields[5], row.pts) &&
       parseOptional(fields[6], row.reference_us) && parse(fields[7], row.first_arrival_ns) &&
-      parse(fields[8], row.arrival_ns) && parse(fields[9], row.undelayed_arrival_ns) &&
-      parse(fields[10], row.exposure_ns) && parse(fields[11], row.exposure_deviation_ns) &&
+      parse(fields[8], row.arrival_ns) && parse(fields[9], row.min_delay_arrival_ns) &&
+      parse(fields[10], row.exposure_ns) && parse(fields[11], row.exposure_stddev_ns) &&
       parseName(fields[12], kInstantSources, row.instant_source) && parse(fields[13], row.size) &&
       parse(fields[14], row.checksum, 16) && parseFlag(fields[15], row.key) &&
       parseFlag(fields[16], row.data_lost) && parseName(fields[17], kStatuses, row.status);
-  if (!good || !isPossible(row)) return std::nullopt;
+  if (!good || !isInRange(row)) return std::nullopt;
   return row;
 }
 
-Index readIndex(const std::filesystem::path& file) {
+RecordingIndex readRecordingIndex(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   std::ifstream input(file, std::ios::binary);
   if (error || !input) throw std::runtime_error("cannot read the recording's index " + file.string());
-  if (size > kLargestFile) {
-    throw std::runtime_error(file.string() + " is too large for a recording's index (" +
-                             std::to_string(size) + " bytes)");
+  if (size > kMaxFileBytes) {
+    throw std::runtime_error(file.string() + " has " + std::to_string(size) +
+                             " bytes, too many for a recording's index");
   }
-  return readIndex(input, file);
+  return readRecordingIndex(input, file);
 }
 
-Index readIndex(std::istream& input, const std::filesystem::path& name) {
-  Index index;
-  const auto note = [&](int number) {
+RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::path& name) {
+  RecordingIndex index;
+  const auto countDamagedLine = [&](int number) {
     if (index.damaged_lines++ == 0)
-      index.damage = name.string() + ", line " + std::to_string(number) + " is damaged or cut short";
+      index.damage = name.string() + ", line " + std::to_string(number) + " is damaged or truncated";
   };
   std::string line;
   if (!std::getline(input, line) || line != kHeader) {
-    // A header of another format is another format; one that was overwritten is damage like any other.
+    // A header with other columns means another format; one that was overwritten is a damaged line.
     if (line.starts_with("number,"))
       throw std::runtime_error(name.string() + ", line 1: expected the header '" + indexHeader() + "'");
-    note(1);
+    countDamagedLine(1);
   }
   for (int number = 2; std::getline(input, line); ++number) {
-    // The last line may have been cut, even to one that reads well: it counts only with its end.
+    // The last line may be truncated and still parse: it is valid only with its end of line.
     const std::optional<IndexRow> row = input.eof() ? std::nullopt : parseIndexRow(line);
     const bool in_order = row && (index.rows.empty() || (row->number > index.rows.back().number &&
                                                          row->time_ms > index.rows.back().time_ms));
     if (in_order) {
       index.rows.push_back(*row);
     } else {
-      note(number);
+      countDamagedLine(number);
     }
   }
   return index;

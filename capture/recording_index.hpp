@@ -1,7 +1,7 @@
 #pragma once
 
-// The text beside each recorded stream: one line for each picture, in the order of the file, with a checksum
-// of its own, so that a line that was cut or overwritten is recognised.
+// Index of a recorded stream: a CSV file with one line per picture, in the order of the video file. Each line
+// has a checksum, so that a line that was cut or overwritten is detected.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,51 +14,54 @@
 
 namespace cartvo {
 
-/// What the index says of one picture. Instants are those of EncodedUnit.
+/// Index entry of one picture. Instants are those of EncodedUnit.
 struct IndexRow {
   std::uint64_t number = 0;      ///< counts the file's pictures from 0
-  std::int64_t time_ms = 0;      ///< its time stamp in the video file, by which the two are matched
-  std::uint64_t order = 0;       ///< counts the recording's pictures of both cameras from 1, as they came
+  std::int64_t time_ms = 0;      ///< time stamp in the video file; matches the row to its picture
+  std::uint64_t order = 0;       ///< counts both cameras' pictures from 1, in order of arrival
   std::uint64_t connection = 0;  ///< counts the camera's connections from 1
   std::uint64_t sequence = 0;
   std::int64_t pts = 0;
   std::optional<std::int64_t> reference_us;
   std::int64_t first_arrival_ns = 0;
   std::int64_t arrival_ns = 0;
-  std::int64_t undelayed_arrival_ns = 0;
+  std::int64_t min_delay_arrival_ns = 0;
   std::int64_t exposure_ns = 0;
-  std::int64_t exposure_deviation_ns = 0;
+  std::int64_t exposure_stddev_ns = 0;
   InstantSource instant_source = InstantSource::arrival;
-  std::uint64_t size = 0;      ///< bytes as received
+  std::uint64_t size = 0;      ///< as received, bytes
   std::uint32_t checksum = 0;  ///< of the picture (pictureChecksum)
   bool key = false;
   bool data_lost = false;
   FrameStatus status = FrameStatus::good;
 };
 
-/// The first line, without the end of line: the columns' names. `crc32` is of the picture (pictureChecksum),
-/// `line_crc32` of the line before its last comma; both are CRC-32 (IEEE 802.3), hexadecimal.
+/// The first line, without end of line: the names of the columns. `crc32` is the checksum of the picture
+/// (pictureChecksum), `line_crc32` that of the line up to its last comma; both CRC-32 (IEEE 802.3),
+/// hexadecimal.
 std::string indexHeader();
 
-std::string toText(const IndexRow& row);
+/// The row as a line with its checksum, without end of line.
+std::string formatIndexRow(const IndexRow& row);
 
-/// The line with its last field, whatever it was, replaced by the checksum of the others.
+/// The line with its last field replaced by the checksum of the others.
 std::string withLineChecksum(const std::string& line);
 
-/// Nothing if the line is cut short, damaged or no row.
+/// Parses a line; nothing if it is truncated, damaged or out of range.
 std::optional<IndexRow> parseIndexRow(const std::string& line);
 
-struct Index {
-  std::vector<IndexRow> rows;       ///< all that are in order, by their numbers
-  std::uint64_t damaged_lines = 0;  ///< that are not
-  std::string damage;  ///< file, line and what is wrong with the first of them; empty if all is well
+/// Content of an index file.
+struct RecordingIndex {
+  std::vector<IndexRow> rows;       ///< the intact rows, in increasing order of number and time
+  std::uint64_t damaged_lines = 0;  ///< lines that are damaged or out of order
+  std::string damage;               ///< file and line of the first damaged line; empty if there is none
 };
 
-/// Reads what can be read. Throws std::runtime_error if the file cannot be opened, is no index of this
-/// format, or is far larger than a segment's.
-Index readIndex(const std::filesystem::path& file);
+/// Reads all intact rows. Throws std::runtime_error if the file cannot be opened, is not an index of this
+/// format, or is larger than 256 MiB.
+RecordingIndex readRecordingIndex(const std::filesystem::path& file);
 
-/// The same of a stream; `name` stands for the file.
-Index readIndex(std::istream& input, const std::filesystem::path& name);
+/// As above, from a stream; `name` is the file name for messages.
+RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::path& name);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// Deletion of old segments to meet a quota of disk space.
+
 #include "capture/recording_quota.hpp"
 
 #include <algorithm>
@@ -15,8 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr double kGigabyte = 1e9;
 
-/// A segment that may be deleted, and what it takes.
-struct Candidate {
+/// A segment and its disk usage.
+struct SegmentUsage {
   fs::path recording;
   RecordingSegment segment;
   std::uint64_t bytes = 0;
@@ -28,16 +30,16 @@ std::vector<fs::path> segmentFiles(const RecordingSegment& segment) {
           segment.index(CameraSide::right)};
 }
 
-Candidate measured(const fs::path& recording, const RecordingSegment& segment) {
-  Candidate candidate{recording, segment};
+SegmentUsage measureSegment(const fs::path& recording, const RecordingSegment& segment) {
+  SegmentUsage usage{recording, segment};
   for (const fs::path& file : segmentFiles(segment)) {
     std::error_code missing;
     const std::uintmax_t size = fs::file_size(file, missing);
     if (missing) continue;
-    candidate.bytes += size;
-    candidate.last_written = std::max(candidate.last_written, fs::last_write_time(file, missing));
+    usage.bytes += size;
+    usage.last_written = std::max(usage.last_written, fs::last_write_time(file, missing));
   }
-  return candidate;
+  return usage;
 }
 
 std::vector<fs::path> recordingsIn(const fs::path& folder) {
@@ -56,35 +58,36 @@ bool isSame(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, error);
 }
 
-/// What there is, oldest first.
+/// Recorded segments, oldest first.
 struct Inventory {
-  std::vector<Candidate> deletable;
-  std::uint64_t bytes = 0;  ///< of all
+  std::vector<SegmentUsage> deletable;
+  std::uint64_t bytes = 0;  ///< of all segments
 };
 
-Inventory takeInventory(const fs::path& recordings, const fs::path& own, std::uint64_t oldest_open) {
+Inventory buildInventory(const fs::path& recordings, const fs::path& own, std::uint64_t oldest_open) {
   Inventory inventory;
   for (const fs::path& recording : recordingsIn(recordings)) {
     const bool is_own = isSame(recording, own);
-    const bool others = !is_own && isBeingWritten(recording);
+    const bool is_written_elsewhere = !is_own && isBeingWritten(recording);
     for (const RecordingSegment& segment : recordingSegments(recording)) {
-      Candidate candidate = measured(recording, segment);
-      inventory.bytes += candidate.bytes;
-      if (others || (is_own && segment.number >= oldest_open)) continue;
-      inventory.deletable.push_back(std::move(candidate));
+      SegmentUsage usage = measureSegment(recording, segment);
+      inventory.bytes += usage.bytes;
+      if (is_written_elsewhere || (is_own && segment.number >= oldest_open)) continue;
+      inventory.deletable.push_back(std::move(usage));
     }
   }
   return inventory;
 }
 
-bool remove(const Candidate& candidate, const fs::path& own) {
+/// Deletes a segment's files, and its recording if it was the last segment. False if it could not be deleted.
+bool removeSegment(const SegmentUsage& usage, const fs::path& own) {
   std::error_code error;
-  for (const fs::path& file : segmentFiles(candidate.segment))
+  for (const fs::path& file : segmentFiles(usage.segment))
     fs::remove(file, error);
-  if (!fs::remove(candidate.segment.folder, error) || error) return false;
-  if (!isSame(candidate.recording, own) && recordingSegments(candidate.recording).empty()) {
-    fs::remove(candidate.recording / "recording.json", error);
-    fs::remove(candidate.recording, error);  // not if something else lies in it
+  if (!fs::remove(usage.segment.folder, error) || error) return false;
+  if (!isSame(usage.recording, own) && recordingSegments(usage.recording).empty()) {
+    fs::remove(usage.recording / "recording.json", error);
+    fs::remove(usage.recording, error);  // fails if it contains other files
   }
   return true;
 }
@@ -106,22 +109,22 @@ std::string gigabytes(std::uint64_t bytes) {
 QuotaOutcome enforceQuota(const RecordingQuota& quota, const fs::path& recording, std::uint64_t oldest_open) {
   QuotaOutcome outcome;
   if (!quota.recordings.empty()) {
-    Inventory inventory = takeInventory(quota.recordings, recording, oldest_open);
+    Inventory inventory = buildInventory(quota.recordings, recording, oldest_open);
     const auto now = fs::file_time_type::clock::now();
-    for (const Candidate& candidate : inventory.deletable) {
+    for (const SegmentUsage& usage : inventory.deletable) {
       const bool too_much = quota.maximum_bytes > 0 && inventory.bytes > quota.maximum_bytes;
-      const bool too_old = quota.maximum_age.count() > 0 && now - candidate.last_written > quota.maximum_age;
+      const bool too_old = quota.maximum_age.count() > 0 && now - usage.last_written > quota.maximum_age;
       const bool too_full = quota.keep_free_bytes > 0 && freeBytes(recording) < quota.keep_free_bytes;
       if (!too_much && !too_old && !too_full) break;
-      if (!remove(candidate, recording)) continue;
-      inventory.bytes -= candidate.bytes;
+      if (!removeSegment(usage, recording)) continue;
+      inventory.bytes -= usage.bytes;
       ++outcome.deleted_segments;
-      outcome.deleted_bytes += candidate.bytes;
+      outcome.deleted_bytes += usage.bytes;
     }
   }
   if (const std::uint64_t free = freeBytes(recording); free < quota.keep_free_bytes) {
-    outcome.short_of_room = "only " + gigabytes(free) + " are free for " + recording.string() +
-                            ", of which " + gigabytes(quota.keep_free_bytes) + " are kept for others";
+    outcome.shortage = "only " + gigabytes(free) + " are free for " + recording.string() + "; " +
+                       gigabytes(quota.keep_free_bytes) + " must be kept free";
   }
   return outcome;
 }

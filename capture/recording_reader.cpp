@@ -1,3 +1,5 @@
+// Reading of recorded streams, with recovery after damage.
+
 #include "capture/recording_reader.hpp"
 
 #include <cstdio>
@@ -14,7 +16,7 @@
 namespace cartvo {
 namespace {
 
-void check(int result, const std::filesystem::path& file) {
+void requireSuccess(int result, const std::filesystem::path& file) {
   if (result < 0) throw std::runtime_error(file.string() + " cannot be opened: " + ffmpeg::errorText(result));
 }
 
@@ -23,19 +25,21 @@ class SegmentVideo {
  public:
   explicit SegmentVideo(const std::filesystem::path& file) {
     AVFormatContext* context = nullptr;
-    check(avformat_open_input(&context, file.c_str(), av_find_input_format("matroska"), nullptr), file);
+    requireSuccess(avformat_open_input(&context, file.c_str(), av_find_input_format("matroska"), nullptr),
+                   file);
     input_.reset(context);
-    if (context->nb_streams != 1) throw std::runtime_error(file.string() + " must hold one video stream");
+    if (context->nb_streams != 1) throw std::runtime_error(file.string() + " must contain one video stream");
     const AVCodecParameters& parameters = *context->streams[0]->codecpar;
     const bool is_h264 = parameters.codec_id == AV_CODEC_ID_H264;
     if (!is_h264 && parameters.codec_id != AV_CODEC_ID_HEVC)
-      throw std::runtime_error(file.string() + " holds neither H.264 nor H.265 video");
-    // Matroska stores lengths where the stream had start codes, and the parameter sets apart.
+      throw std::runtime_error(file.string() + " contains neither H.264 nor H.265 video");
+    // Matroska stores lengths instead of start codes, and the parameter sets separately.
     AVBSFContext* filter = nullptr;
-    check(av_bsf_alloc(av_bsf_get_by_name(is_h264 ? "h264_mp4toannexb" : "hevc_mp4toannexb"), &filter), file);
+    requireSuccess(
+        av_bsf_alloc(av_bsf_get_by_name(is_h264 ? "h264_mp4toannexb" : "hevc_mp4toannexb"), &filter), file);
     to_annex_b_.reset(filter);
-    check(avcodec_parameters_copy(filter->par_in, &parameters), file);
-    check(av_bsf_init(filter), file);
+    requireSuccess(avcodec_parameters_copy(filter->par_in, &parameters), file);
+    requireSuccess(av_bsf_init(filter), file);
     format_.codec = is_h264 ? VideoCodec::h264 : VideoCodec::h265;
     const AVCodecParameters& filtered = *filter->par_out;
     format_.parameter_sets.assign(filtered.extradata, filtered.extradata + filtered.extradata_size);
@@ -47,8 +51,8 @@ class SegmentVideo {
     return {parameters.width, parameters.height};
   }
 
-  /// The file time of the next picture, ms; nothing at the end.
-  std::optional<std::int64_t> advance() {
+  /// Reads the next packet. Returns its time stamp in the file, ms; nothing at the end.
+  std::optional<std::int64_t> readNextPacket() {
     for (;;) {
       av_packet_unref(packet_.get());
       if (av_read_frame(input_.get(), packet_.get()) < 0) return std::nullopt;
@@ -57,8 +61,8 @@ class SegmentVideo {
     }
   }
 
-  /// The picture advanced to; false if it is garbled.
-  bool picture(std::vector<std::uint8_t>& data) {
+  /// Converts the current packet to Annex B form; false if it is damaged.
+  bool readPicture(std::vector<std::uint8_t>& data) {
     if (av_bsf_send_packet(to_annex_b_.get(), packet_.get()) < 0) {
       av_bsf_flush(to_annex_b_.get());
       return false;
@@ -81,8 +85,8 @@ std::string seconds(std::int64_t milliseconds) {
   return text;
 }
 
-/// Pictures of one segment that have one thing wrong.
-struct Tally {
+/// Pictures of one segment with one kind of damage.
+struct DamageCount {
   std::uint64_t count = 0;
   std::int64_t first_ms = 0;
 
@@ -91,12 +95,12 @@ struct Tally {
   }
 };
 
-EncodedUnit unitOf(const IndexRow& row) {
+EncodedUnit toEncodedUnit(const IndexRow& row) {
   EncodedUnit unit;
   unit.pts = row.pts;
   unit.exposure_ns = row.exposure_ns;
-  unit.exposure_deviation_ns = row.exposure_deviation_ns;
-  unit.undelayed_arrival_ns = row.undelayed_arrival_ns;
+  unit.exposure_stddev_ns = row.exposure_stddev_ns;
+  unit.min_delay_arrival_ns = row.min_delay_arrival_ns;
   unit.first_arrival_ns = row.first_arrival_ns;
   unit.arrival_ns = row.arrival_ns;
   unit.reference_us = row.reference_us;
@@ -117,37 +121,37 @@ struct RecordingReader::Implementation {
   std::size_t next_segment = 0;
   RecordingDamage damage;
 
-  // The segment that is read, if `video` is there.
+  // The current segment, if `video` has a value.
   std::optional<SegmentVideo> video;
   std::filesystem::path video_file;
   std::uint64_t segment = 0;
-  Index index;
+  RecordingIndex index;
   std::size_t next_row = 0;
-  Tally lost, altered, unknown;
-  bool broken = false;  ///< something is missing since the last key picture
+  DamageCount lost, altered, unknown;
+  bool damaged_since_key = false;  ///< data are missing since the last key picture
 
-  bool openNext();
+  bool openNextSegment();
   void openSegment(const RecordingSegment& opened);
-  bool nextOfSegment(RecordedUnit& recorded);
-  const IndexRow* rowAt(std::int64_t time_ms);
+  bool readFromSegment(RecordedUnit& recorded);
+  const IndexRow* findRow(std::int64_t time_ms);
   void closeSegment();
-  void note(const std::string& sentence);
+  void addDamage(const std::string& sentence);
 };
 
-/// The next segment that holds something of this camera. False if there is none.
-bool RecordingReader::Implementation::openNext() {
+/// Opens the next segment that contains a file of this camera. False if there is none.
+bool RecordingReader::Implementation::openNextSegment() {
   while (next_segment < segments.size()) {
     const RecordingSegment& candidate = segments[next_segment++];
     const bool has_video = std::filesystem::exists(candidate.video(side));
     const bool has_index = std::filesystem::exists(candidate.index(side));
-    if (!has_video && !has_index) continue;  // the camera sent nothing meanwhile
+    if (!has_video && !has_index) continue;  // the camera sent nothing during this segment
     try {
       openSegment(candidate);
       return true;
     } catch (const std::runtime_error& error) {
       damage.lost += index.rows.size();
-      broken = true;
-      note(error.what());
+      damaged_since_key = true;
+      addDamage(error.what());
     }
   }
   return false;
@@ -155,7 +159,7 @@ bool RecordingReader::Implementation::openNext() {
 
 void RecordingReader::Implementation::openSegment(const RecordingSegment& opened) {
   index = {};
-  index = readIndex(opened.index(side));
+  index = readRecordingIndex(opened.index(side));
   video_file = opened.video(side);
   video.emplace(video_file);
   segment = opened.number;
@@ -163,24 +167,24 @@ void RecordingReader::Implementation::openSegment(const RecordingSegment& opened
   lost = altered = unknown = {};
 }
 
-bool RecordingReader::Implementation::nextOfSegment(RecordedUnit& recorded) {
-  while (const std::optional<std::int64_t> time_ms = video->advance()) {
-    const IndexRow* row = rowAt(*time_ms);
+bool RecordingReader::Implementation::readFromSegment(RecordedUnit& recorded) {
+  while (const std::optional<std::int64_t> time_ms = video->readNextPacket()) {
+    const IndexRow* row = findRow(*time_ms);
     if (row == nullptr) {
       unknown.add(*time_ms);
-      broken = true;
+      damaged_since_key = true;
       continue;
     }
-    if (row->key) broken = false;
-    recorded.unit = unitOf(*row);
-    const bool intact = video->picture(recorded.unit.data) &&
+    if (row->key) damaged_since_key = false;
+    recorded.unit = toEncodedUnit(*row);
+    const bool intact = video->readPicture(recorded.unit.data) &&
                         pictureChecksum(video->format().codec, recorded.unit.data) == row->checksum;
     if (!intact) {
       altered.add(row->time_ms);
-      broken = true;
+      damaged_since_key = true;
     }
     if (recorded.unit.data.empty()) continue;
-    if (broken) recorded.unit.status = FrameStatus::damaged;
+    if (damaged_since_key) recorded.unit.status = FrameStatus::damaged;
     recorded.format = video->format();
     recorded.picture_size = video->pictureSize();
     recorded.segment = segment;
@@ -190,11 +194,11 @@ bool RecordingReader::Implementation::nextOfSegment(RecordedUnit& recorded) {
   return false;
 }
 
-/// The line of the picture with that file time. Those before it have no picture any more.
-const IndexRow* RecordingReader::Implementation::rowAt(std::int64_t time_ms) {
+/// The row of the picture with that file time. Counts the pictures of skipped rows as lost.
+const IndexRow* RecordingReader::Implementation::findRow(std::int64_t time_ms) {
   for (; next_row < index.rows.size() && index.rows[next_row].time_ms < time_ms; ++next_row) {
     lost.add(index.rows[next_row].time_ms);
-    broken = true;
+    damaged_since_key = true;
   }
   if (next_row == index.rows.size() || index.rows[next_row].time_ms != time_ms) return nullptr;
   return &index.rows[next_row++];
@@ -203,28 +207,28 @@ const IndexRow* RecordingReader::Implementation::rowAt(std::int64_t time_ms) {
 void RecordingReader::Implementation::closeSegment() {
   for (; next_row < index.rows.size(); ++next_row) {
     lost.add(index.rows[next_row].time_ms);
-    broken = true;
+    damaged_since_key = true;
   }
-  const auto tell = [&](const Tally& tally, const char* what) {
+  const auto describe = [&](const DamageCount& tally, const char* what) {
     if (tally.count == 0) return;
-    note(video_file.string() + " is damaged or cut short: " + std::to_string(tally.count) + what +
-         ", the first at " + seconds(tally.first_ms));
+    addDamage(video_file.string() + " is damaged or truncated: " + std::to_string(tally.count) + what +
+              ", the first at " + seconds(tally.first_ms));
   };
-  tell(lost, " pictures cannot be read");
-  tell(altered, " pictures are not as they were recorded");
+  describe(lost, " pictures cannot be read");
+  describe(altered, " pictures differ from their checksum");
   if (!index.damage.empty() || unknown.count > 0) {
-    const std::string place = index.damage.empty()
-                                  ? "the index of " + video_file.string() + " is shorter than the video"
-                                  : index.damage;
-    note(place + ": " + std::to_string(unknown.count) + " pictures have no line");
+    const std::string location = index.damage.empty()
+                                     ? "the index of " + video_file.string() + " is shorter than the video"
+                                     : index.damage;
+    addDamage(location + ": " + std::to_string(unknown.count) + " pictures have no line");
   }
   damage.lost += lost.count;
   damage.altered += altered.count + unknown.count;
   video.reset();
 }
 
-void RecordingReader::Implementation::note(const std::string& sentence) {
-  if (damage.places.size() < kMostDamagePlaces) damage.places.push_back(sentence);
+void RecordingReader::Implementation::addDamage(const std::string& sentence) {
+  if (damage.places.size() < kMaxDamagePlaces) damage.places.push_back(sentence);
 }
 
 RecordingReader::RecordingReader(const std::filesystem::path& folder, CameraSide side)
@@ -233,18 +237,18 @@ RecordingReader::RecordingReader(const std::filesystem::path& folder, CameraSide
   Implementation& self = *implementation_;
   self.side = side;
   self.segments = recordingSegments(folder);
-  if (self.openNext()) return;
+  if (self.openNextSegment()) return;
   const std::string reason = self.damage.places.empty() ? "" : ": " + self.damage.places.front();
-  throw std::runtime_error("the recording " + folder.string() + " holds no picture of the " + sideName(side) +
-                           " camera" + reason);
+  throw std::runtime_error("the recording " + folder.string() + " contains no picture of the " +
+                           sideName(side) + " camera" + reason);
 }
 
 RecordingReader::~RecordingReader() = default;
 
 bool RecordingReader::next(RecordedUnit& recorded) {
   Implementation& self = *implementation_;
-  while (self.video || self.openNext()) {
-    if (self.nextOfSegment(recorded)) return true;
+  while (self.video || self.openNextSegment()) {
+    if (self.readFromSegment(recorded)) return true;
     self.closeSegment();
   }
   return false;

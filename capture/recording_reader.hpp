@@ -13,38 +13,38 @@
 
 namespace cartvo {
 
-/// One picture of a recording with what the index says of it.
+/// One picture of a recording with its index entry.
 struct RecordedUnit {
-  EncodedUnit unit;  ///< as it was received; damaged also where the file is
+  EncodedUnit unit;  ///< as received; marked damaged also where the file is
   StreamFormat format;
-  cv::Size picture_size;  ///< by the file's header, px
+  cv::Size picture_size;  ///< from the file's header, px
   std::uint64_t segment = 0;
   std::uint64_t connection = 0;  ///< counts the camera's connections from 1
 };
 
-/// What is wrong with one camera's part of a recording.
+/// Damage to one camera's part of a recording.
 struct RecordingDamage {
-  std::uint64_t lost = 0;     ///< pictures that the index tells of and that cannot be read
-  std::uint64_t altered = 0;  ///< pictures that are not as they were recorded, or without a line in the index
-  std::vector<std::string> places;  ///< a sentence each, at most kMostDamagePlaces of them
+  std::uint64_t lost = 0;           ///< pictures in the index that cannot be read
+  std::uint64_t altered = 0;        ///< pictures whose checksum differs, or that are not in the index
+  std::vector<std::string> places;  ///< a sentence each, at most kMaxDamagePlaces
 };
-inline constexpr std::size_t kMostDamagePlaces = 20;
+inline constexpr std::size_t kMaxDamagePlaces = 20;
 
-/// Reads one camera's pictures from a recording, segment by segment. Where files are cut short or overwritten
-/// it goes on with what can be read behind; pictures between the damage and the next key picture are marked
-/// as damaged.
+/// Reads one camera's pictures from a recording, segment by segment. Where files are truncated or
+/// overwritten, it continues after the damage; pictures from there to the next key picture are marked as
+/// damaged.
 class RecordingReader {
  public:
-  /// Throws std::runtime_error if no segment can be read, saying why.
+  /// Throws std::runtime_error naming the first problem if no segment can be read.
   RecordingReader(const std::filesystem::path& folder, CameraSide side);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  /// False at the end.
+  /// Reads the next picture. False at the end.
   bool next(RecordedUnit& recorded);
 
-  /// Of what was read so far.
+  /// Damage found so far.
   const RecordingDamage& damage() const;
 
  private:

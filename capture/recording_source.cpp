@@ -1,3 +1,5 @@
+// Replay of one camera of a recording.
+
 #include "capture/recording_source.hpp"
 
 #include <atomic>
@@ -6,36 +8,36 @@
 #include <string>
 #include <utility>
 
-#include "capture/recording_clock.hpp"
+#include "capture/recording_timestamper.hpp"
 #include "capture/video_decoder.hpp"
 
 namespace cartvo {
 namespace {
 
-/// One sentence for health: the first place, and how much there is in all.
-std::string summary(const RecordingDamage& damage, std::uint64_t replayed) {
+/// One sentence for the health report: the first damage and the number of further ones.
+std::string damageText(const RecordingDamage& damage, std::uint64_t replayed) {
   if (damage.places.empty()) return {};
   std::string text = damage.places.front();
   if (damage.places.size() > 1) text += " (and " + std::to_string(damage.places.size() - 1) + " more places)";
-  return text + "; replayed the other " + std::to_string(replayed) + " pictures";
+  return text + "; the other " + std::to_string(replayed) + " pictures were replayed";
 }
 
 }  // namespace
 
 struct RecordingSource::Implementation {
   Implementation(const std::filesystem::path& folder, CameraSide camera,
-                 std::shared_ptr<RecordingClock> stamps)
-      : side(camera), clock(std::move(stamps)), reader(folder, camera) {}
+                 std::shared_ptr<RecordingTimestamper> shared_timestamper)
+      : side(camera), timestamper(std::move(shared_timestamper)), reader(folder, camera) {}
 
-  bool advance();
+  bool decodeNext();
   bool readUnit();
 
   CameraSide side;
-  std::shared_ptr<RecordingClock> clock;  ///< null: the instants are those that were recorded
+  std::shared_ptr<RecordingTimestamper> timestamper;  ///< null: the recorded instants are used
 
   RecordingReader reader;
   std::optional<VideoDecoder> decoder;
-  std::optional<RecordedUnit> next;  ///< waits for the decoder of a new connection
+  std::optional<RecordedUnit> next;  ///< first unit of the next connection, until its decoder is open
   RecordedUnit current;
   std::uint64_t connection = 0;
   VideoCodec codec = VideoCodec::h264;
@@ -51,27 +53,27 @@ RecordingSource::RecordingSource(const std::filesystem::path& folder, CameraSide
     : RecordingSource(folder, side, nullptr) {}
 
 RecordingSource::RecordingSource(const std::filesystem::path& folder, CameraSide side,
-                                 std::shared_ptr<RecordingClock> clock)
-    : implementation_(std::make_unique<Implementation>(folder, side, std::move(clock))) {}
+                                 std::shared_ptr<RecordingTimestamper> timestamper)
+    : implementation_(std::make_unique<Implementation>(folder, side, std::move(timestamper))) {}
 
 RecordingSource::~RecordingSource() = default;
 
-/// The next picture, stamped anew if there is a clock to do so.
+/// Reads the next picture, with new time stamps if there is a timestamper.
 bool RecordingSource::Implementation::readUnit() {
   if (!reader.next(current)) return false;
-  if (!clock) return true;
+  if (!timestamper) return true;
   EncodedUnit& unit = current.unit;
-  const std::optional<StampedInstant> instant = clock->stamp(side, unit.order);
-  if (!instant) return true;
-  unit.exposure_ns = instant->exposure_ns;
-  unit.exposure_deviation_ns = instant->deviation_ns;
-  unit.undelayed_arrival_ns = instant->undelayed_arrival_ns;
-  unit.instant_source = instant->source;
+  const std::optional<ExposureTimestamp> timestamp = timestamper->stamp(side, unit.order);
+  if (!timestamp) return true;
+  unit.exposure_ns = timestamp->exposure_ns;
+  unit.exposure_stddev_ns = timestamp->stddev_ns;
+  unit.min_delay_arrival_ns = timestamp->min_delay_arrival_ns;
+  unit.instant_source = timestamp->source;
   return true;
 }
 
-/// Gives the decoder its next picture, and ends it before another connection's. False when there is no more.
-bool RecordingSource::Implementation::advance() {
+/// Sends the next picture to the decoder, or drains it before the next connection. False at the end.
+bool RecordingSource::Implementation::decodeNext() {
   if (next) {
     decoder.emplace(next->format, 1);
     connection = next->connection;
@@ -108,11 +110,11 @@ ReadOutcome RecordingSource::read(Frame& frame, std::chrono::milliseconds /*time
       if (frame.status == FrameStatus::damaged) ++self.health.damaged;
       return ReadOutcome::frame;
     }
-    if (!self.advance()) break;
+    if (!self.decodeNext()) break;
   }
   const std::lock_guard lock(self.mutex);
   self.health.state = CameraState::ended;
-  self.health.last_error = summary(self.reader.damage(), self.replayed);
+  self.health.last_error = damageText(self.reader.damage(), self.replayed);
   return ReadOutcome::ended;
 }
 

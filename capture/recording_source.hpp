@@ -9,18 +9,18 @@
 
 namespace cartvo {
 
-class RecordingClock;
+class RecordingTimestamper;
 
-/// Replays one camera of a recording through the decoder that live streams go through: the same frames with
-/// the same instants (or a RecordingClock's), sequence numbers and status come out, with a new decoder where
-/// a new connection began. Never waits. Where files are cut short or damaged it goes on behind, and at the
-/// end `health().last_error` says what was lost.
+/// Replays one camera of a recording through the decoder of live streams. Delivers the same frames with the
+/// same instants (or those of a RecordingTimestamper), sequence numbers and status. Each connection gets a
+/// new decoder. Never waits. Continues after truncated or damaged files; at the end `health().last_error`
+/// describes the loss.
 class RecordingSource : public CameraSource {
  public:
-  /// Throws std::runtime_error if the recording holds no picture of that camera.
+  /// Throws std::runtime_error if the recording contains no picture of that camera.
   RecordingSource(const std::filesystem::path& folder, CameraSide side);
   RecordingSource(const std::filesystem::path& folder, CameraSide side,
-                  std::shared_ptr<RecordingClock> clock);
+                  std::shared_ptr<RecordingTimestamper> timestamper);
   ~RecordingSource() override;
   RecordingSource(const RecordingSource&) = delete;
   RecordingSource& operator=(const RecordingSource&) = delete;
@@ -29,7 +29,7 @@ class RecordingSource : public CameraSource {
   CameraHealth health() const override;
   void interrupt() noexcept override;
 
-  /// Of what was read so far. Only from the thread that reads.
+  /// Damage found so far. Call only from the thread that reads.
   const RecordingDamage& damage() const;
 
  private:

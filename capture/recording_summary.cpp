@@ -1,3 +1,5 @@
+// Statistics of a recording from its indices.
+
 #include "capture/recording_summary.hpp"
 
 #include <algorithm>
@@ -6,8 +8,8 @@
 #include <vector>
 
 #include "capture/matroska_file.hpp"
+#include "capture/recording_index_reader.hpp"
 #include "capture/recording_reader.hpp"
-#include "capture/recording_rows.hpp"
 #include "capture/recording_writer.hpp"
 
 namespace cartvo {
@@ -21,16 +23,16 @@ void readFirstPicture(const std::filesystem::path& folder, CameraSide side, Reco
     camera.codec = first.format.codec;
     camera.picture_size = first.picture_size;
   } catch (const std::runtime_error&) {
-    // That nothing can be read is what the summary says.
+    // Codec and size stay empty.
   }
 }
 
-/// The instant of the last picture of each segment.
+/// Arrival of the last picture of each segment, ns, by segment number.
 using LastArrivals = std::map<std::uint64_t, std::int64_t>;
 
 RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side, LastArrivals& last_arrivals) {
   RecordedCamera camera;
-  RecordedRows rows(folder, side);
+  RecordingIndexReader rows(folder, side);
   std::uint64_t last_connection = 0;
   std::uint64_t last_sequence = 0;
   while (const IndexRow* row = rows.next()) {
@@ -53,15 +55,15 @@ RecordedCamera summarise(const std::filesystem::path& folder, CameraSide side, L
   return camera;
 }
 
-void findUnended(CameraSide side, const std::vector<RecordingSegment>& segments,
-                 const LastArrivals& last_arrivals, RecordingSummary& summary) {
+void findUnfinalised(CameraSide side, const std::vector<RecordingSegment>& segments,
+                     const LastArrivals& last_arrivals, RecordingSummary& summary) {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const std::filesystem::path video = segments[i].video(side);
-    if (!std::filesystem::exists(video) || wasEnded(video)) continue;
-    // One camera may still write to the segment before the last.
+    if (!std::filesystem::exists(video) || isMatroskaFinalised(video)) continue;
+    // One camera may still be writing the last segment but one.
     if (summary.being_written && i + 2 >= segments.size()) continue;
     const auto last = last_arrivals.find(segments[i].number);
-    summary.unended.push_back(
+    summary.unfinalised.push_back(
         {side, segments[i].number, last == last_arrivals.end() ? std::nullopt : std::optional(last->second)});
   }
 }
@@ -80,7 +82,7 @@ RecordingSummary summariseRecording(const std::filesystem::path& folder) {
   for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
     LastArrivals last_arrivals;
     summary.cameras[static_cast<std::size_t>(side)] = summarise(folder, side, last_arrivals);
-    findUnended(side, segments, last_arrivals, summary);
+    findUnfinalised(side, segments, last_arrivals, summary);
   }
   return summary;
 }

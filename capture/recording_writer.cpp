@@ -1,3 +1,5 @@
+// Segments of a recording, and its lock.
+
 #include "capture/recording_writer.hpp"
 
 #include <algorithm>
@@ -18,13 +20,13 @@ namespace {
 void prepareFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error("cannot make the folder " + folder.string() + ": " + error.message());
+  if (error) throw std::runtime_error("cannot create the folder " + folder.string() + ": " + error.message());
   if (isRecording(folder)) {
-    throw std::runtime_error(folder.string() + " holds a recording already; give another folder");
+    throw std::runtime_error(folder.string() + " already contains a recording; choose another folder");
   }
 }
 
-int openDescription(const std::filesystem::path& folder) {
+int openDescriptionFile(const std::filesystem::path& folder) {
   return ::open((folder / "recording.json").c_str(), O_RDONLY | O_CLOEXEC);
 }
 
@@ -35,15 +37,15 @@ RecordingWriter::RecordingWriter(std::filesystem::path folder, const RecordingIn
     : folder_(std::move(folder)), segment_length_(segment_length) {
   prepareFolder(folder_);
   writeRecordingInfo(folder_, info);
-  lock_ = openDescription(folder_);
-  ::flock(lock_, LOCK_EX | LOCK_NB);  // without it, only the quota of another process would not know
+  lock_ = openDescriptionFile(folder_);
+  ::flock(lock_, LOCK_EX | LOCK_NB);  // if it fails, only another process's quota does not see the lock
 }
 
 RecordingWriter::~RecordingWriter() {
   if (lock_ >= 0) ::close(lock_);
 }
 
-void RecordingWriter::begin(CameraSide which, const StreamFormat& format) {
+void RecordingWriter::beginConnection(CameraSide which, const StreamFormat& format) {
   Side& side = sides_[static_cast<std::size_t>(which)];
   side.format = format;
   ++side.connection;
@@ -52,25 +54,26 @@ void RecordingWriter::begin(CameraSide which, const StreamFormat& format) {
 bool RecordingWriter::write(CameraSide which, EncodedUnit unit) {
   Side& side = sides_[static_cast<std::size_t>(which)];
   if (!side.format) return false;
-  if (unit.key) moveOn(which, unit);
+  if (unit.key) openSegmentFor(which, unit);
   if (!side.writer || side.writer->codec() != side.format->codec) return false;
   unit.order = ++order_;
   side.writer->write(unit, *side.format, side.connection);
   return true;
 }
 
-/// A file holds one codec, and time that goes on without a leap of the host's clock.
-bool RecordingWriter::endsSegment(const Side& side, const EncodedUnit& unit) const {
+/// Whether the key picture begins a new segment: the current one is long enough, the codec changed, or the
+/// host's clock was set.
+bool RecordingWriter::beginsNewSegment(const Side& side, const EncodedUnit& unit) const {
   if (!began_ns_) return true;
   if (side.segment != segment_) return false;
   const bool long_enough = std::abs(unit.arrival_ns - *began_ns_) >= segment_length_.count();
   return long_enough || (side.writer && side.writer->codec() != side.format->codec);
 }
 
-/// Into the segment where this key picture of the camera belongs.
-void RecordingWriter::moveOn(CameraSide which, const EncodedUnit& unit) {
+/// Opens the segment that this key picture of the camera belongs to, unless it is open.
+void RecordingWriter::openSegmentFor(CameraSide which, const EncodedUnit& unit) {
   Side& side = sides_[static_cast<std::size_t>(which)];
-  if (endsSegment(side, unit)) {
+  if (beginsNewSegment(side, unit)) {
     if (began_ns_) ++segment_;
     began_ns_ = unit.arrival_ns;
   }
@@ -83,7 +86,7 @@ void RecordingWriter::moveOn(CameraSide which, const EncodedUnit& unit) {
   std::error_code error;
   std::filesystem::create_directory(segment.folder, error);
   if (error) {
-    throw std::runtime_error("cannot make the folder " + segment.folder.string() + ": " + error.message());
+    throw std::runtime_error("cannot create the folder " + segment.folder.string() + ": " + error.message());
   }
   syncToDisk(folder_);
   side.segment = segment_;
@@ -113,7 +116,7 @@ std::uint64_t RecordingWriter::oldestOpenSegment() const {
 }
 
 bool isBeingWritten(const std::filesystem::path& recording) {
-  const int descriptor = openDescription(recording);
+  const int descriptor = openDescriptionFile(recording);
   if (descriptor < 0) return false;
   const bool locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0;
   ::close(descriptor);

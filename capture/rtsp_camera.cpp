@@ -1,3 +1,5 @@
+// IP camera over RTSP: connection state machine, assembly, timestamping and decoding.
+
 #include "capture/rtsp_camera.hpp"
 
 #include <algorithm>
@@ -11,8 +13,8 @@
 #include <utility>
 
 #include "capture/access_unit_assembler.hpp"
-#include "capture/frame_period.hpp"
-#include "capture/frozen_picture.hpp"
+#include "capture/frame_period_estimator.hpp"
+#include "capture/frozen_picture_detector.hpp"
 #include "capture/loss_detector.hpp"
 #include "capture/nal_units.hpp"
 #include "capture/rtsp_session.hpp"
@@ -24,22 +26,22 @@ namespace {
 using Clock = RtspSession::Clock;
 using std::chrono::milliseconds;
 
-void check(const RtspCameraSettings& settings) {
+void validate(const RtspCameraSettings& settings) {
   checkRtspUrl(settings.url);
-  const bool times_make_sense =
+  const bool times_are_valid =
       settings.answer_timeout.count() > 0 && settings.connect_timeout.count() > 0 &&
       settings.stall_timeout.count() > 0 && settings.frozen_after.count() > 0 &&
       settings.first_retry.count() > 0 && settings.longest_retry >= settings.first_retry &&
       settings.refused_retry.count() > 0 && settings.longest_refused_retry >= settings.refused_retry;
-  if (!times_make_sense) {
+  if (!times_are_valid) {
     throw std::invalid_argument(
-        "a camera's time-outs must be positive, and the longest retry not the shortest");
+        "a camera's time-outs must be positive, and its longest retry not shorter than its first one");
   }
   if (settings.decoder_threads < 1)
-    throw std::invalid_argument("a camera's decoder needs one thread at least");
+    throw std::invalid_argument("a camera's decoder_threads must be at least 1");
 }
 
-/// "30 s", "0.3 s": to one decimal where it is needed.
+/// "30 s", "0.3 s": one decimal where needed, rounded up.
 std::string inSeconds(milliseconds duration) {
   const auto tenths = (duration.count() + 99) / 100;
   std::string text = std::to_string(tenths / 10);
@@ -47,29 +49,31 @@ std::string inSeconds(milliseconds duration) {
   return text.append(" s");
 }
 
-/// Turns the packets of one connection into numbered, stamped units and these into frames.
+/// Converts the packets of one connection into numbered, timestamped units, and these into frames.
 class PictureStream {
  public:
-  PictureStream(const StreamFormat& format, int decoder_threads, PairClock& clock, CameraSide side)
+  PictureStream(const StreamFormat& format, int decoder_threads, StereoTimestamper& timestamper,
+                CameraSide side)
       : codec_(format.codec),
         assembler_(format.codec),
         losses_(format),
-        clock_(clock),
+        timestamper_(timestamper),
         side_(side),
         decoder_(format, decoder_threads) {
-    clock_.connect(side_);
+    timestamper_.connect(side_);
   }
 
   void add(const StreamFragment& fragment) { assembler_.add(fragment); }
 
-  /// The next unit, numbered from `next_sequence` on, which is advanced. Nothing before the first key frame.
-  std::optional<EncodedUnit> takeUnit(std::uint64_t& next_sequence) {
-    while (std::optional<AssembledUnit> assembled = assembler_.take()) {
+  /// Removes and returns the next unit, numbered from `next_sequence` on, which is advanced. Nothing before
+  /// the first key picture.
+  std::optional<EncodedUnit> popUnit(std::uint64_t& next_sequence) {
+    while (std::optional<AssembledUnit> assembled = assembler_.popUnit()) {
       EncodedUnit unit;
-      unit.key = holdsKeySlice(assembled->data);
-      if (!started_ && !unit.key) continue;
-      started_ = true;
-      const std::uint64_t missed = framesMissed(assembled->pts);
+      unit.key = hasKeySlice(assembled->data);
+      if (!has_key_picture_ && !unit.key) continue;
+      has_key_picture_ = true;
+      const std::uint64_t missed = countMissedFrames(assembled->pts);
       unit.status = losses_.inspect(assembled->data, assembled->data_lost, missed);
       next_sequence += missed;
       unit.sequence = next_sequence++;
@@ -79,11 +83,11 @@ class PictureStream {
       unit.reference_us = assembled->reference_us;
       unit.first_arrival_ns = assembled->first_arrival_ns;
       unit.arrival_ns = assembled->arrival_ns;
-      const StampedInstant instant =
-          clock_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
+      const ExposureTimestamp instant =
+          timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
       unit.exposure_ns = instant.exposure_ns;
-      unit.exposure_deviation_ns = instant.deviation_ns;
-      unit.undelayed_arrival_ns = instant.undelayed_arrival_ns;
+      unit.exposure_stddev_ns = instant.stddev_ns;
+      unit.min_delay_arrival_ns = instant.min_delay_arrival_ns;
       unit.instant_source = instant.source;
       return unit;
     }
@@ -93,14 +97,14 @@ class PictureStream {
   VideoDecoder& decoder() { return decoder_; }
 
  private:
-  bool holdsKeySlice(const std::vector<std::uint8_t>& data) const {
+  bool hasKeySlice(const std::vector<std::uint8_t>& data) const {
     const std::vector<NalUnit> units = splitNalUnits(codec_, data);
     return std::any_of(units.begin(), units.end(),
                        [](const NalUnit& u) { return u.kind == NalKind::key_slice; });
   }
 
-  /// How many pictures lie between this one and the one before, by the RTP time stamps.
-  std::uint64_t framesMissed(std::int64_t pts) {
+  /// Number of pictures missing between the previous one and this one, by the RTP time stamps.
+  std::uint64_t countMissedFrames(std::int64_t pts) {
     const std::int64_t period = period_.periodNs();
     const std::int64_t step = last_pts_ ? pts - *last_pts_ : 0;
     last_pts_ = pts;
@@ -113,45 +117,45 @@ class PictureStream {
   VideoCodec codec_;
   AccessUnitAssembler assembler_;
   LossDetector losses_;
-  PairClock& clock_;
+  StereoTimestamper& timestamper_;
   CameraSide side_;
-  FramePeriod period_;  ///< here of RTP time stamps, not ns
+  FramePeriodEstimator period_;  ///< in RTP ticks instead of ns
   std::optional<std::int64_t> last_pts_;
-  bool started_ = false;
+  bool has_key_picture_ = false;
   VideoDecoder decoder_;
 };
 
 }  // namespace
 
-/// Connects, receives and reconnects, in the thread that calls `read`.
+/// Implementation of RtspCamera: connects, receives and reconnects in the thread that calls `read`.
 class RtspCamera::Receiver {
  public:
   explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
-    check(settings_);
+    validate(settings_);
     frozen_text_.append("the camera at ").append(rtspHost(settings_.url));
-    frozen_text_.append(" has sent one and the same picture for more than ");
+    frozen_text_.append(" is frozen: it has sent the same picture for more than ");
     frozen_text_.append(inSeconds(settings_.frozen_after)).append("; switch it off and on");
     health_.instant_source = InstantSource::arrival;
   }
 
-  void observe(StreamObserver& observer) { observer_ = &observer; }
-  void share(PairClock& clock, CameraSide side) {
-    clock_ = &clock;
+  void setObserver(StreamObserver& observer) { observer_ = &observer; }
+  void setTimestamper(StereoTimestamper& timestamper, CameraSide side) {
+    timestamper_ = &timestamper;
     side_ = side;
   }
 
   ReadOutcome read(Frame& frame, milliseconds timeout) {
     const Clock::time_point deadline = Clock::now() + timeout;
     for (;;) {
-      if (interrupted_) return ended();
-      if (stream_ && takeFrame(frame)) return ReadOutcome::frame;
+      if (interrupted_) return finish();
+      if (stream_ && popFrame(frame)) return ReadOutcome::frame;
       if (session_) {
         receive();
       } else if (waitUntil(std::min(next_attempt_, deadline)) && Clock::now() >= next_attempt_) {
         connect();
       }
-      if (interrupted_) return ended();
-      if (stream_ && takeFrame(frame)) return ReadOutcome::frame;
+      if (interrupted_) return finish();
+      if (stream_ && popFrame(frame)) return ReadOutcome::frame;
       if (Clock::now() >= deadline) return ReadOutcome::timed_out;
     }
   }
@@ -170,7 +174,7 @@ class RtspCamera::Receiver {
   }
 
  private:
-  /// False if it was interrupted.
+  /// Waits. False if interrupted.
   bool waitUntil(Clock::time_point instant) {
     std::unique_lock lock(mutex_);
     return !wake_.wait_until(lock, instant, [this] { return interrupted_.load(); });
@@ -179,9 +183,9 @@ class RtspCamera::Receiver {
   void connect() {
     try {
       session_.emplace(settings_, interrupted_);
-      stream_.emplace(session_->format(), settings_.decoder_threads, *clock_, side_);
+      stream_.emplace(session_->format(), settings_.decoder_threads, *timestamper_, side_);
     } catch (const RtspError& error) {
-      drop();
+      disconnect();
       if (error.kind() == RtspError::Kind::interrupted) return;
       const bool refused = error.kind() == RtspError::Kind::refused;
       const milliseconds pause = refused ? refusedPause() : failurePause();
@@ -192,53 +196,57 @@ class RtspCamera::Receiver {
       if (refused) health_.last_error += "; trying again in " + inSeconds(pause);
       return;
     }
-    silent_after_ = Clock::now() + settings_.connect_timeout;  // a camera may wait for its next key frame
+    frame_deadline_ =
+        Clock::now() + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
   }
 
   void receive() {
-    switch (session_->receive(fragment_, silent_after_)) {
+    switch (session_->receive(fragment_, frame_deadline_)) {
       case RtspSession::Outcome::fragment:
         stream_->add(fragment_);
-        while (std::optional<EncodedUnit> unit = stream_->takeUnit(next_sequence_)) {
+        while (std::optional<EncodedUnit> unit = stream_->popUnit(next_sequence_)) {
           if (observer_ != nullptr) observer_->onUnit(*unit);
           stream_->decoder().send(*unit);
           collectFrames();
         }
         break;
-      case RtspSession::Outcome::silent:
-        lose(CameraState::stalled, "the camera at " + rtspHost(settings_.url) + " sent no picture for " +
-                                       std::to_string(patience().count()) + " ms; connecting again");
+      case RtspSession::Outcome::timed_out:
+        closeStream(CameraState::stalled, "the camera at " + rtspHost(settings_.url) +
+                                              " sent no picture for " +
+                                              std::to_string(frameTimeout().count()) + " ms; reconnecting");
         break;
       case RtspSession::Outcome::lost:
-        lose(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
-                                          " was lost (" + session_->reason() + "); connecting again");
+        closeStream(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
+                                                 " was lost (" + session_->reason() + "); reconnecting");
         break;
       case RtspSession::Outcome::interrupted:
         break;
     }
   }
 
-  milliseconds patience() const { return streaming_ ? settings_.stall_timeout : settings_.connect_timeout; }
+  milliseconds frameTimeout() const {
+    return streaming_ ? settings_.stall_timeout : settings_.connect_timeout;
+  }
 
   void collectFrames() {
     while (std::optional<Frame> frame = stream_->decoder().receive()) {
       streaming_ = true;
-      silent_after_ =
-          Clock::now() + settings_.stall_timeout;  // packets that give no picture are a stall, too
+      frame_deadline_ =
+          Clock::now() + settings_.stall_timeout;  // packets without a picture count as a stall, too
       failures_ = 0;
       refusals_ = 0;
-      // One unit gives one frame; more wait only where a decoder reorders.
-      if (frames_.size() >= kMostFrames) frames_.pop_front();
+      // One unit gives one frame; several are queued only if the decoder reorders.
+      if (frames_.size() >= kMaxQueuedFrames) frames_.pop_front();
       frames_.push_back(std::move(*frame));
     }
   }
 
-  bool takeFrame(Frame& frame) {
+  bool popFrame(Frame& frame) {
     if (frames_.empty()) return false;
     frame = std::move(frames_.front());
     frames_.pop_front();
-    const bool frozen = frozen_picture_.add(frame.image, Clock::now()) >= settings_.frozen_after;
+    const bool frozen = frozen_detector_.update(frame.image, Clock::now()) >= settings_.frozen_after;
     const std::lock_guard lock(mutex_);
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen) health_.last_error = frozen_text_;
@@ -248,18 +256,18 @@ class RtspCamera::Receiver {
     return true;
   }
 
-  void lose(CameraState state, const std::string& reason) {
-    // The first attempt follows at once after a stream that ran; a camera that only accepts connections must
-    // not be asked in a tight loop.
+  void closeStream(CameraState state, const std::string& reason) {
+    // Reconnect at once if this connection delivered frames; otherwise pause, so that a camera that only
+    // accepts connections is not polled in a tight loop.
     retryAfter(streaming_ ? milliseconds(0) : failurePause());
-    drop();
+    disconnect();
     const std::lock_guard lock(mutex_);
     health_.state = state;
     health_.last_error = reason;
     ++health_.reconnections;
   }
 
-  void drop() {
+  void disconnect() {
     streaming_ = false;
     stream_.reset();
     session_.reset();
@@ -267,40 +275,40 @@ class RtspCamera::Receiver {
 
   void retryAfter(milliseconds pause) { next_attempt_ = Clock::now() + pause; }
 
-  milliseconds failurePause() { return doubled(settings_.first_retry, failures_++, settings_.longest_retry); }
+  milliseconds failurePause() { return backoff(settings_.first_retry, failures_++, settings_.longest_retry); }
   milliseconds refusedPause() {
-    return doubled(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
+    return backoff(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
   }
 
-  static milliseconds doubled(milliseconds first, int times, milliseconds longest) {
+  static milliseconds backoff(milliseconds first, int times, milliseconds longest) {
     return std::min(longest, first * (1 << std::min(times, 16)));
   }
 
-  ReadOutcome ended() {
-    drop();
+  ReadOutcome finish() {
+    disconnect();
     frames_.clear();
     const std::lock_guard lock(mutex_);
     health_.state = CameraState::ended;
     return ReadOutcome::ended;
   }
 
-  static constexpr std::size_t kMostFrames = 16;
+  static constexpr std::size_t kMaxQueuedFrames = 16;
 
   const RtspCameraSettings settings_;
   StreamObserver* observer_ = nullptr;
-  PairClock own_clock_{ClockChoice::ntp};
-  PairClock* clock_ = &own_clock_;
+  StereoTimestamper own_timestamper_{ClockChoice::ntp};
+  StereoTimestamper* timestamper_ = &own_timestamper_;
   CameraSide side_ = CameraSide::left;
 
-  // The reading thread's own.
+  // Used by the reading thread only.
   std::optional<RtspSession> session_;
   std::optional<PictureStream> stream_;
   StreamFragment fragment_;
   std::deque<Frame> frames_;
-  FrozenPicture frozen_picture_;
+  FrozenPictureDetector frozen_detector_;
   std::string frozen_text_;
   bool streaming_ = false;  ///< this connection has delivered a frame
-  Clock::time_point silent_after_;
+  Clock::time_point frame_deadline_;
   Clock::time_point next_attempt_;
   std::uint64_t next_sequence_ = 0;
   int failures_ = 0;
@@ -316,11 +324,11 @@ RtspCamera::RtspCamera(const RtspCameraSettings& settings)
     : receiver_(std::make_unique<Receiver>(settings)) {}
 RtspCamera::~RtspCamera() = default;
 
-void RtspCamera::observe(StreamObserver& observer) {
-  receiver_->observe(observer);
+void RtspCamera::setObserver(StreamObserver& observer) {
+  receiver_->setObserver(observer);
 }
-void RtspCamera::share(PairClock& clock, CameraSide side) {
-  receiver_->share(clock, side);
+void RtspCamera::setTimestamper(StereoTimestamper& timestamper, CameraSide side) {
+  receiver_->setTimestamper(timestamper, side);
 }
 ReadOutcome RtspCamera::read(Frame& frame, milliseconds timeout) {
   return receiver_->read(frame, timeout);

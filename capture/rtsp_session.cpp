@@ -1,3 +1,5 @@
+// RTSP connection through FFmpeg's demuxer, without its parser.
+
 #include "capture/rtsp_session.hpp"
 
 #include <array>
@@ -6,16 +8,15 @@
 
 #include "capture/ffmpeg.hpp"
 #include "capture/ffmpeg_log.hpp"
-#include "capture/tcp_probe.hpp"
+#include "capture/tcp_connect.hpp"
 
 namespace cartvo {
 namespace {
 
 constexpr char kScheme[] = "rtsp://";
-constexpr std::chrono::milliseconds kFarewell{
-    200};  ///< for the TEARDOWN request; nothing waits for its answer
+constexpr std::chrono::milliseconds kTeardownTimeout{200};  ///< for sending TEARDOWN, without its response
 
-/// RFC 3986, 2.1: everything but unreserved characters.
+/// Percent-encodes all but unreserved characters (RFC 3986, 2.1).
 std::string percentEncoded(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -30,13 +31,14 @@ std::string percentEncoded(const std::string& text) {
   return result;
 }
 
-/// FFmpeg takes user and password in the URL only. The result must reach nobody else.
+/// URL with user and password, the only form that FFmpeg accepts. The result must not be logged or stored.
 std::string urlForFfmpeg(const RtspCameraSettings& settings) {
   if (settings.credentials.user.empty()) return settings.url;
   return kScheme + percentEncoded(settings.credentials.user) + ":" +
          percentEncoded(settings.credentials.password) + "@" + settings.url.substr(sizeof(kScheme) - 1);
 }
 
+/// Owner of an AVDictionary.
 class Options {
  public:
   ~Options() { av_dict_free(&dictionary_); }
@@ -50,18 +52,18 @@ class Options {
   AVDictionary* dictionary_ = nullptr;
 };
 
-std::string noAnswer(const RtspCameraSettings& settings) {
+std::string noAnswerText(const RtspCameraSettings& settings) {
   return "no answer from the camera at " + rtspHost(settings.url) + " within " +
          std::to_string(settings.connect_timeout.count()) + " ms";
 }
 
-std::string openingError(int error, const RtspCameraSettings& settings) {
+std::string openErrorText(int error, const RtspCameraSettings& settings) {
   const std::string host = rtspHost(settings.url);
   switch (error) {
     case AVERROR_HTTP_UNAUTHORIZED:
     case AVERROR_HTTP_FORBIDDEN:
       return settings.credentials.user.empty()
-                 ? "the camera at " + host + " asks for a user and password, and none are configured"
+                 ? "the camera at " + host + " requires a user and password, and none are configured"
                  : "the camera at " + host + " refused the user or password (user '" +
                        settings.credentials.user +
                        "'); correct them, or wait if the camera has locked the account";
@@ -69,7 +71,7 @@ std::string openingError(int error, const RtspCameraSettings& settings) {
       return "the camera at " + host + " has no such stream; check the path of its URL";
     case AVERROR_EXIT:
     case AVERROR(ETIMEDOUT):
-      return noAnswer(settings);
+      return noAnswerText(settings);
     default:
       return "cannot open the camera at " + host + ": " + ffmpeg::errorText(error);
   }
@@ -94,27 +96,27 @@ struct RtspSession::Connection {
   StreamFormat format;
   int stream_index = -1;
   std::string reason;
-  std::optional<MissedPackets> missed_packets;
-  ffmpeg::Input input;  // last, so that it is closed while `deadline` still stands
+  std::optional<MissedPacketCounter> missed_packets;
+  ffmpeg::Input input;  // last member: closed while `deadline` is still valid
 
-  static int mustStop(void* self) {
+  static int shouldAbort(void* self) {
     const auto& connection = *static_cast<const Connection*>(self);
     return connection.interrupted || Clock::now() >= connection.deadline ? 1 : 0;
   }
 
   void open();
-  void chooseStream();
+  void selectStream();
 };
 
 RtspSession::RtspSession(const RtspCameraSettings& settings, const std::atomic<bool>& interrupted)
     : connection_(std::make_unique<Connection>(settings, interrupted)) {
   keepFfmpegQuiet();
   connection_->open();
-  connection_->chooseStream();
+  connection_->selectStream();
 }
 
 RtspSession::~RtspSession() {
-  connection_->deadline = Clock::now() + kFarewell;
+  connection_->deadline = Clock::now() + kTeardownTimeout;
 }
 
 const StreamFormat& RtspSession::format() const {
@@ -126,14 +128,14 @@ const std::string& RtspSession::reason() const {
 }
 
 void RtspSession::Connection::open() {
-  if (const auto why = whyUnreachable(rtspHost(settings.url), settings.answer_timeout, interrupted))
+  if (const auto why = tcpConnectError(rtspHost(settings.url), settings.answer_timeout, interrupted))
     throw RtspError(RtspError::Kind::unreachable,
                     "cannot open the camera at " + rtspHost(settings.url) + ": " + *why);
   deadline = Clock::now() + settings.connect_timeout;
   AVFormatContext* context = avformat_alloc_context();
   if (context == nullptr) throw std::bad_alloc();
-  context->interrupt_callback = {mustStop, this};
-  // Packets as they arrive: FFmpeg's parser would hold each picture back until the next one begins.
+  context->interrupt_callback = {shouldAbort, this};
+  // No parser: it would delay each picture until the next one begins.
   context->flags |= AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN | AVFMT_FLAG_NOBUFFER;
   Options options;
   options.set("rtsp_transport", settings.transport == RtspTransport::tcp ? "tcp" : "udp");
@@ -141,21 +143,21 @@ void RtspSession::Connection::open() {
   options.set(
       "timeout",
       std::to_string(std::chrono::microseconds(settings.connect_timeout + settings.stall_timeout).count()));
-  // Only the RTSP demuxer, whatever a server may claim to send.
+  // Force the RTSP demuxer, whatever format a server announces.
   const AVInputFormat* rtsp = av_find_input_format("rtsp");
   const int error = avformat_open_input(&context, urlForFfmpeg(settings).c_str(), rtsp, options.get());
   if (error < 0) {  // FFmpeg has freed the context
     if (interrupted) throw RtspError(RtspError::Kind::interrupted, "interrupted");
-    // FFmpeg names the time-out in many ways, "invalid data" among them.
-    if (Clock::now() >= deadline) throw RtspError(RtspError::Kind::unreachable, noAnswer(settings));
+    // FFmpeg reports a time-out by several error codes, "invalid data" among them.
+    if (Clock::now() >= deadline) throw RtspError(RtspError::Kind::unreachable, noAnswerText(settings));
     throw RtspError(isRefusal(error) ? RtspError::Kind::refused : RtspError::Kind::unreachable,
-                    openingError(error, settings));
+                    openErrorText(error, settings));
   }
   input.reset(context);
   missed_packets.emplace(context);
 }
 
-void RtspSession::Connection::chooseStream() {
+void RtspSession::Connection::selectStream() {
   for (unsigned i = 0; i < input->nb_streams; ++i) {
     const AVCodecParameters& parameters = *input->streams[i]->codecpar;
     if (parameters.codec_id != AV_CODEC_ID_H264 && parameters.codec_id != AV_CODEC_ID_HEVC) continue;
@@ -178,7 +180,7 @@ RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_
     if (self.interrupted) return Outcome::interrupted;
     if (error == AVERROR(EAGAIN) && Clock::now() < deadline) continue;
     if (error < 0) {
-      if (Clock::now() >= deadline) return Outcome::silent;
+      if (Clock::now() >= deadline) return Outcome::timed_out;
       self.reason = error == AVERROR_EOF ? "the camera closed the connection" : ffmpeg::errorText(error);
       return Outcome::lost;
     }
@@ -190,8 +192,9 @@ RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_
                             std::chrono::system_clock::now().time_since_epoch())
                             .count();
   fragment.data = {packet.data, static_cast<std::size_t>(packet.size)};
-  if (packet.pts != AV_NOPTS_VALUE) fragment.pts = packet.pts;  // else it belongs to the packet before
-  fragment.data_lost = self.missed_packets->take() > 0 || (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
+  if (packet.pts != AV_NOPTS_VALUE)
+    fragment.pts = packet.pts;  // else it belongs to the previous packet's picture
+  fragment.data_lost = self.missed_packets->fetchAndReset() > 0 || (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
   fragment.reference_us.reset();
   std::size_t size = 0;
   const std::uint8_t* side_data = av_packet_get_side_data(&packet, AV_PKT_DATA_PRFT, &size);
@@ -210,17 +213,16 @@ void checkRtspUrl(const std::string& url) {
   for (const char c : url) {
     if (std::isspace(static_cast<unsigned char>(c)) != 0 ||
         std::iscntrl(static_cast<unsigned char>(c)) != 0) {
-      throw std::invalid_argument("a camera's URL must not hold white space");
+      throw std::invalid_argument("a camera's URL must not contain white space");
     }
   }
   const std::string host = rtspHost(url);
   if (host.find('@') != std::string::npos) {
     throw std::invalid_argument(
-        "a camera's URL must not hold a user or password (what stands before '@'), because URLs are logged; "
-        "give "
-        "them as the camera's credentials");
+        "a camera's URL must not contain a user or password (the part before '@'), because URLs are logged; "
+        "give them as the camera's credentials");
   }
-  if (host.empty()) throw std::invalid_argument("a camera's URL must name its host after rtsp://");
+  if (host.empty()) throw std::invalid_argument("a camera's URL must contain a host after rtsp://");
 }
 
 std::string rtspHost(const std::string& url) {

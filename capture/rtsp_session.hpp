@@ -13,7 +13,7 @@
 
 namespace cartvo {
 
-/// Why a connection could not be opened. The text names the camera, never its password.
+/// Error while opening a connection. The text names the camera, but not its password.
 class RtspError : public std::runtime_error {
  public:
   enum class Kind : std::uint8_t { unreachable, refused, interrupted };
@@ -24,15 +24,16 @@ class RtspError : public std::runtime_error {
   Kind kind_;
 };
 
-/// One connection to a camera, from its opening to its loss. Every call that may block has a deadline.
+/// One RTSP connection to a camera. Every call that may block has a deadline.
 class RtspSession {
  public:
   using Clock = std::chrono::steady_clock;
 
-  enum class Outcome : std::uint8_t { fragment, silent, lost, interrupted };
+  /// Result of `receive`.
+  enum class Outcome : std::uint8_t { fragment, timed_out, lost, interrupted };
 
-  /// Connects and starts the stream, within `settings.connect_timeout`. `interrupted` ends it, and each later
-  /// call, within 0.1 s; it must outlive the session. Throws RtspError.
+  /// Connects and starts the stream, within `settings.connect_timeout`. `interrupted` aborts it, and every
+  /// later call, within 0.1 s; it must outlive the session. Throws RtspError.
   RtspSession(const RtspCameraSettings& settings, const std::atomic<bool>& interrupted);
   ~RtspSession();
   RtspSession(const RtspSession&) = delete;
@@ -41,10 +42,10 @@ class RtspSession {
   const StreamFormat& format() const;
 
   /// Waits for the next RTP packet of the video stream. `fragment.data` is valid until the next call. After
-  /// any other outcome than `fragment` the session is of no more use.
+  /// any other outcome than `fragment` the session must not be used further.
   Outcome receive(StreamFragment& fragment, Clock::time_point deadline);
 
-  /// What ended the session, in words.
+  /// Reason for the outcome `lost`, for messages.
   const std::string& reason() const;
 
  private:
@@ -56,7 +57,7 @@ class RtspSession {
 /// user, password or white space.
 void checkRtspUrl(const std::string& url);
 
-/// The URL's "host[:port]", for messages.
+/// The URL's "host[:port]".
 std::string rtspHost(const std::string& url);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// Detection and opening of recordings and image folders.
+
 #include "capture/stereo_source.hpp"
 
 #include <algorithm>
@@ -16,7 +18,7 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
   StereoSource source;
   source.kind = SourceKind::recording;
   source.period_ns = settings.recording_period_ns;
-  if (settings.clock) source.clock = std::make_shared<RecordingClock>(path, *settings.clock);
+  if (settings.clock) source.clock = std::make_shared<RecordingTimestamper>(path, *settings.clock);
   source.left = std::make_unique<RecordingSource>(path, CameraSide::left, source.clock);
   source.right = std::make_unique<RecordingSource>(path, CameraSide::right, source.clock);
   source.rig_text = std::move(info.rig);
@@ -24,9 +26,9 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
   return source;
 }
 
-StereoSource openImageFolder(const std::filesystem::path& path, double offset_deviation_ns) {
+StereoSource openImageFolder(const std::filesystem::path& path, double offset_stddev_ns) {
   ImageFolder folder = readImageFolder(path);
-  folder.left.deviation_ns = folder.right.deviation_ns = std::llround(offset_deviation_ns / std::sqrt(2.0));
+  folder.left.stddev_ns = folder.right.stddev_ns = std::llround(offset_stddev_ns / std::sqrt(2.0));
   StereoSource source;
   source.kind = folder.layout == FolderLayout::kitti ? SourceKind::kitti : SourceKind::euroc;
   source.period_ns = std::min(nominalPeriodNs(folder.left), nominalPeriodNs(folder.right));
@@ -53,10 +55,10 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
     throw std::runtime_error(path.string() +
                              " is not a folder; expected a folder with a recording or images, or two videos");
   if (isRecording(path)) return openRecording(path, settings);
-  if (detectImageFolder(path)) return openImageFolder(path, settings.folder_offset_deviation_ns);
+  if (detectImageFolder(path)) return openImageFolder(path, settings.folder_offset_stddev_ns);
   throw std::runtime_error(
       path.string() +
-      " is nothing that can be replayed. Looked for: a recording (recording.json and "
+      " cannot be replayed. Looked for: a recording (recording.json and "
       "000000/left.mkv), KITTI's layout (image_0, image_1, times.txt), EuRoC's layout (cam0 and cam1, "
       "in it or in mav0)");
 }

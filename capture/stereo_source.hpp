@@ -10,41 +10,43 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/image_folder.hpp"
-#include "capture/recording_clock.hpp"
+#include "capture/recording_timestamper.hpp"
 
 namespace cartvo {
 
+/// Kind of a stereo source on disk.
 enum class SourceKind : std::uint8_t { recording, kitti, euroc, videos };
 
-/// Two cameras on disk, with what lies beside them that tells of the rig. Fields that do not apply are empty.
+/// Two cameras on disk, with the files that describe their rig. Fields that do not apply are empty.
 struct StereoSource {
   SourceKind kind = SourceKind::kitti;
   std::unique_ptr<CameraSource> left;
   std::unique_ptr<CameraSource> right;
-  std::int64_t period_ns = 0;  ///< nominal time between a camera's frames; 0: unknown, to be learned
-  std::size_t pairs = 0;       ///< images of the shorter side; 0: unknown
-  std::optional<RectifiedStereo> rectified;  ///< the images are rectified already (KITTI's calib.txt)
+  std::int64_t period_ns = 0;                ///< nominal frame period; 0: unknown, to be estimated
+  std::size_t pairs = 0;                     ///< number of images of the shorter sequence; 0: unknown
+  std::optional<RectifiedStereo> rectified;  ///< set if the images are rectified (KITTI's calib.txt)
   std::filesystem::path calib_file;          ///< KITTI's calib.txt
   std::filesystem::path rig_file;            ///< rig.yaml in the folder
   std::array<std::filesystem::path, 2> sensor_files;  ///< EuRoC's sensor.yaml, left and right
-  std::shared_ptr<RecordingClock> clock;  ///< stamps a recording anew; null: it is as it was stamped live
-  std::string rig_text;                   ///< a recording's rig file, as it was handed to the recorder
-  std::string configuration_text;         ///< a recording's configuration
+  std::shared_ptr<RecordingTimestamper> clock;  ///< recomputes a recording's time stamps; null: recorded ones
+  std::string rig_text;                         ///< text of the rig file stored in a recording
+  std::string configuration_text;               ///< configuration stored in a recording
 };
 
-/// Finds out what `path` is and opens it. Throws std::runtime_error that lists what was looked for if it is
-/// none of the kinds, or that says what is wrong with it.
+/// Detects the kind of `path` and opens it. Throws std::runtime_error that lists the supported kinds if it is
+/// none of them, or that describes what is wrong with it.
 StereoSource openSource(const std::filesystem::path& path);
 
+/// Settings for opening a source.
 struct SourceSettings {
-  /// Standard deviation of the offsets of an image folder's pairs, ns. A recording knows its own.
-  double folder_offset_deviation_ns = 0.0;
+  /// Standard deviation of the time offsets of an image folder's pairs, ns. Recordings contain their own.
+  double folder_offset_stddev_ns = 0.0;
 
-  /// A recording is stamped anew by this choice, as live: from its RTP times, sender reports and arrivals;
-  /// nothing: the instants are those that were recorded.
+  /// Clock choice by which a recording's time stamps are recomputed from its RTP times, sender reports and
+  /// arrivals; nothing: the recorded instants are used.
   std::optional<ClockChoice> clock;
 
-  /// Of a recording, see StereoSource::period_ns.
+  /// StereoSource::period_ns of a recording.
   std::int64_t recording_period_ns = 0;
 };
 StereoSource openSource(const std::filesystem::path& path, const SourceSettings& settings);

@@ -1,3 +1,5 @@
+// Recorder: queue between the cameras' threads and the writing thread, quota, stop and resume.
+
 #include "capture/stream_recorder.hpp"
 
 #include <algorithm>
@@ -20,9 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSyncInterval{500};
-constexpr int kLongestPause = 64;  ///< intervals of the quota, between two attempts to begin again
+constexpr int kMaxRetryIntervals = 64;  ///< longest pause between two attempts to resume, in quota intervals
 
-/// What a camera's thread hands over.
+/// Queue entry: a new connection's format or a picture.
 struct Item {
   CameraSide side = CameraSide::left;
   std::variant<StreamFormat, EncodedUnit> content;
@@ -42,19 +44,19 @@ std::int64_t nowNs() {
 }  // namespace
 
 struct StreamRecorder::Implementation {
-  /// What one camera's thread calls.
+  /// Observer of one camera's stream; called in that camera's thread.
   class Side : public StreamObserver {
    public:
     Side(Implementation& recorder, CameraSide side) : recorder_(recorder), side_(side) {}
 
-    void onStream(const StreamFormat& format) noexcept override { handOver(format); }
-    void onUnit(const EncodedUnit& unit) noexcept override { handOver(unit); }
+    void onStream(const StreamFormat& format) noexcept override { enqueue(format); }
+    void onUnit(const EncodedUnit& unit) noexcept override { enqueue(unit); }
 
    private:
     template <typename Content>
-    void handOver(const Content& content) noexcept {
+    void enqueue(const Content& content) noexcept {
       try {
-        recorder_.handOver({side_, content});
+        recorder_.enqueue({side_, content});
       } catch (const std::exception& error) {
         recorder_.fail(error.what());
       }
@@ -70,30 +72,30 @@ struct StreamRecorder::Implementation {
                RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, nowNs(), recording.configuration,
                              recording.rig},
                recording.segment_length) {
-    guarded([this] { enforce(); });
+    stopOnError([this] { requireQuota(); });
     thread = std::thread([this] { run(); });
   }
 
-  void handOver(Item item);
+  void enqueue(Item item);
   void run() noexcept;
-  std::deque<Item> takeWaiting(bool& last);
+  std::deque<Item> waitForItems(bool& last);
   void write(Item item);
-  void keepUp(bool last);
-  void enforce();
+  void doPeriodicWork(bool last);
+  void requireQuota();
   void stopWriting() noexcept;
-  void tryAgain();
-  void goesOn();
-  QuotaOutcome look(const RecordingQuota& quota);
+  void tryResume();
+  void clearError();
+  QuotaOutcome applyQuota(const RecordingQuota& quota);
   void fail(const std::string& reason) noexcept;
-  bool accepts() const {
+  bool isAccepting() const {
     const std::lock_guard lock(mutex);
     return accepting;
   }
   void finish();
 
-  /// What goes wrong stops the recording, not the thread.
+  /// Runs `work`. An exception stops the recording, not the thread.
   template <typename Work>
-  void guarded(const Work& work) noexcept {
+  void stopOnError(const Work& work) noexcept {
     try {
       work();
     } catch (const std::exception& error) {
@@ -106,37 +108,37 @@ struct StreamRecorder::Implementation {
   Side left{*this, CameraSide::left};
   Side right{*this, CameraSide::right};
 
-  // The writing thread's own, once it runs.
+  // Used by the writing thread only, once it runs.
   std::optional<RecordingWriter> writer;
   Clock::time_point next_sync = Clock::now() + kSyncInterval;
-  Clock::time_point next_look = Clock::now() + settings.quota_interval;  ///< at the quota
-  std::chrono::milliseconds pause = settings.quota_interval;             ///< after the next failure
+  Clock::time_point next_quota_check = Clock::now() + settings.quota_interval;
+  std::chrono::milliseconds retry_pause = settings.quota_interval;  ///< before the next attempt to resume
   bool unsynced = false;
   bool stopped = false;
 
-  mutable std::mutex mutex;  ///< guards what follows
+  mutable std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
   std::deque<Item> waiting;
   std::size_t waiting_bytes = 0;
-  std::array<bool, 2> gap{};  ///< the side's pictures are left out up to its next key picture
-  bool accepting = true;      ///< pictures; the writing thread has the last word, by `stopped`
+  std::array<bool, 2> gap{};  ///< the side's pictures are dropped up to its next key picture
+  bool accepting = true;      ///< false after a failure, until the writing thread resumes
   bool finishing = false;
   RecorderHealth health;
 
   std::thread thread;
 };
 
-void StreamRecorder::Implementation::handOver(Item item) {
+void StreamRecorder::Implementation::enqueue(Item item) {
   {
     const std::lock_guard lock(mutex);
     if (finishing) return;
-    bool& in_gap = gap[static_cast<std::size_t>(item.side)];
+    bool& is_in_gap = gap[static_cast<std::size_t>(item.side)];
     if (const EncodedUnit* unit = std::get_if<EncodedUnit>(&item.content)) {
       if (!accepting) return;
-      const bool room = waiting_bytes + unit->data.size() <= settings.queue_bytes;
-      in_gap = !room || (in_gap && !unit->key);
-      if (in_gap) {
-        ++health.left_out;
+      const bool has_room = waiting_bytes + unit->data.size() <= settings.queue_bytes;
+      is_in_gap = !has_room || (is_in_gap && !unit->key);
+      if (is_in_gap) {
+        ++health.dropped_pictures;
         return;
       }
     }
@@ -146,8 +148,8 @@ void StreamRecorder::Implementation::handOver(Item item) {
   changed.notify_one();
 }
 
-/// Waits for something to do until the next sync is due. `last`: nothing more will come.
-std::deque<Item> StreamRecorder::Implementation::takeWaiting(bool& last) {
+/// Waits for items, at most until the next sync is due. Sets `last` if no items will follow.
+std::deque<Item> StreamRecorder::Implementation::waitForItems(bool& last) {
   std::unique_lock lock(mutex);
   changed.wait_until(lock, next_sync, [this] { return !waiting.empty() || finishing; });
   last = finishing;
@@ -156,20 +158,20 @@ std::deque<Item> StreamRecorder::Implementation::takeWaiting(bool& last) {
 
 void StreamRecorder::Implementation::run() noexcept {
   for (bool last = false; !last;) {
-    for (std::deque<Item> items = takeWaiting(last); !items.empty(); items.pop_front()) {
+    for (std::deque<Item> items = waitForItems(last); !items.empty(); items.pop_front()) {
       const std::size_t bytes = items.front().bytes();
-      guarded([&] { write(std::move(items.front())); });
+      stopOnError([&] { write(std::move(items.front())); });
       const std::lock_guard lock(mutex);
       waiting_bytes -= bytes;
     }
-    guarded([&] { keepUp(last); });
+    stopOnError([&] { doPeriodicWork(last); });
   }
   writer.reset();
 }
 
 void StreamRecorder::Implementation::write(Item item) {
   if (const StreamFormat* format = std::get_if<StreamFormat>(&item.content)) {
-    writer->begin(item.side, *format);
+    writer->beginConnection(item.side, *format);
     return;
   }
   const std::size_t bytes = item.bytes();
@@ -180,66 +182,70 @@ void StreamRecorder::Implementation::write(Item item) {
   health.bytes += bytes;
 }
 
-/// What is due by the clock.
-void StreamRecorder::Implementation::keepUp(bool last) {
-  if (!stopped && !accepts()) stopWriting();  // a camera's thread failed
+/// Stops writing after a failure in a camera's thread; syncs and checks the quota when they are due.
+void StreamRecorder::Implementation::doPeriodicWork(bool last) {
+  if (!stopped && !isAccepting()) stopWriting();  // an error occurred in a camera's thread
   const Clock::time_point now = Clock::now();
   if (now >= next_sync || last) {
     next_sync = now + kSyncInterval;
     if (std::exchange(unsynced, false)) {
       writer->sync();
-      goesOn();
+      clearError();
     }
   }
-  if (now >= next_look) {
-    next_look = now + settings.quota_interval;
+  if (now >= next_quota_check) {
+    next_quota_check = now + settings.quota_interval;
     if (stopped)
-      tryAgain();
+      tryResume();
     else
-      enforce();
+      requireQuota();
   }
 }
 
-void StreamRecorder::Implementation::enforce() {
-  const QuotaOutcome outcome = look(settings.quota);
-  if (!outcome.short_of_room.empty()) throw std::runtime_error(outcome.short_of_room);
+/// Throws std::runtime_error if the quota's free space cannot be reached.
+void StreamRecorder::Implementation::requireQuota() {
+  const QuotaOutcome outcome = applyQuota(settings.quota);
+  if (!outcome.shortage.empty()) throw std::runtime_error(outcome.shortage);
 }
 
-QuotaOutcome StreamRecorder::Implementation::look(const RecordingQuota& quota) {
+/// Enforces a quota and counts the deleted bytes.
+QuotaOutcome StreamRecorder::Implementation::applyQuota(const RecordingQuota& quota) {
   QuotaOutcome outcome = enforceQuota(quota, settings.folder, writer->oldestOpenSegment());
   const std::lock_guard lock(mutex);
   health.deleted_bytes += outcome.deleted_bytes;
   return outcome;
 }
 
-/// The pauses grow while each attempt fails, so that a broken disk is not filled with beginnings.
+/// Ends the segment. The pause before the next attempt grows with each failure, so that a failing disk is not
+/// filled with short segments.
 void StreamRecorder::Implementation::stopWriting() noexcept {
   stopped = true;
   unsynced = false;
   writer->endSegment();
-  next_look = Clock::now() + pause;
-  pause = std::min(2 * pause, kLongestPause * settings.quota_interval);
+  next_quota_check = Clock::now() + retry_pause;
+  retry_pause = std::min(2 * retry_pause, kMaxRetryIntervals * settings.quota_interval);
 }
 
-void StreamRecorder::Implementation::tryAgain() {
-  RecordingQuota with_room = settings.quota;
-  with_room.keep_free_bytes += settings.room_to_begin_again;
-  if (!look(with_room).short_of_room.empty()) return;
+/// Accepts pictures again if there is enough free space.
+void StreamRecorder::Implementation::tryResume() {
+  RecordingQuota resume_quota = settings.quota;
+  resume_quota.keep_free_bytes += settings.resume_margin_bytes;
+  if (!applyQuota(resume_quota).shortage.empty()) return;
   stopped = false;
   const std::lock_guard lock(mutex);
   accepting = true;
 }
 
-/// Pictures have reached the disk.
-void StreamRecorder::Implementation::goesOn() {
-  pause = settings.quota_interval;
+/// Resets the error and the retry pause after a successful sync.
+void StreamRecorder::Implementation::clearError() {
+  retry_pause = settings.quota_interval;
   const std::lock_guard lock(mutex);
   if (!accepting || health.error.empty()) return;
   health.error.clear();
   ++health.resumptions;
 }
 
-/// From any thread. The first reason counts.
+/// Stops accepting pictures. Called from any thread; keeps the first reason.
 void StreamRecorder::Implementation::fail(const std::string& reason) noexcept {
   const std::lock_guard lock(mutex);
   if (accepting) health.error = "recording stopped: " + reason;

@@ -12,44 +12,46 @@
 
 namespace cartvo {
 
-/// What a power cut costs of a recording at most, with a disk that keeps up.
-inline constexpr std::chrono::milliseconds kMostLostAtAPowerCut{1000};
+/// Longest part of a recording that a power cut can lose, if the disk is fast enough.
+inline constexpr std::chrono::milliseconds kMaxPowerCutLoss{1000};
 
-/// What is written beside the streams so that a replay can do what the pipeline did, and how.
+/// Settings of a recording. Configuration and rig are stored with it, so that a replay is equal to the live
+/// run.
 struct RecordingSettings {
-  std::filesystem::path folder;  ///< created if it is not there; must not hold a recording yet
-  std::string configuration;     ///< the configuration in effect, without credentials
-  std::string rig;               ///< the rig file's text
+  std::filesystem::path folder;  ///< created if missing; must not contain a recording
+  std::string configuration;     ///< configuration in effect, without credentials
+  std::string rig;               ///< text of the rig file
   RecordingQuota quota{};
   std::chrono::milliseconds segment_length{60'000};
-  std::chrono::milliseconds quota_interval{10'000};  ///< between two looks at the quota
-  /// That must be free besides `quota.keep_free_bytes` before a recording that stopped begins again.
-  std::uint64_t room_to_begin_again = 100'000'000;
-  std::size_t queue_bytes = 32U << 20;  ///< that may wait for a slow disk; half a minute at 2 x 4 Mbit/s
+  std::chrono::milliseconds quota_interval{10'000};  ///< between two checks of the quota
+  /// Free space required in addition to `quota.keep_free_bytes` before a stopped recording resumes, bytes.
+  std::uint64_t resume_margin_bytes = 100'000'000;
+  std::size_t queue_bytes = 32U << 20;  ///< maximum queue for a slow disk; half a minute at 2 x 4 Mbit/s
 };
 
+/// Snapshot of the recorder's health.
 struct RecorderHealth {
-  std::uint64_t units = 0;          ///< pictures written, of both cameras
-  std::uint64_t bytes = 0;          ///< of these
-  std::uint64_t left_out = 0;       ///< pictures that the disk was too slow for
-  std::uint64_t deleted_bytes = 0;  ///< of old segments, for the quota
-  std::uint64_t resumptions = 0;    ///< times that recording began again after it had stopped
-  std::string error;                ///< why recording stopped; empty while it goes on
+  std::uint64_t units = 0;             ///< pictures written, of both cameras
+  std::uint64_t bytes = 0;             ///< of the pictures written
+  std::uint64_t dropped_pictures = 0;  ///< not recorded because the disk was too slow
+  std::uint64_t deleted_bytes = 0;     ///< old segments deleted for the quota
+  std::uint64_t resumptions = 0;       ///< number of times that recording resumed after a stop
+  std::string error;                   ///< why recording stopped; empty while it is running
 };
 
-/// Writes both cameras' streams as received, without re-encoding, in segments (recording_folder.hpp). A
-/// thread of its own writes, so that a slow disk holds no camera up: what it has no room for is left out, up
-/// to the next key picture, and counted. What is older than a second survives a power cut. A full disk or a
-/// failing one stops the recording, never the capture; with room again, and the disk well, it goes on in a
-/// new segment.
+/// Records both cameras' streams as received, without re-encoding, in segments (recording_folder.hpp). A
+/// separate thread writes, so that a slow disk does not block a camera: pictures that exceed the queue are
+/// dropped up to the next key picture, and counted. Data older than kMaxPowerCutLoss survive a power cut. A
+/// full or failing disk stops the recording, never the capture; it resumes in a new segment once the disk can
+/// be written again.
 ///
-/// Each side may be fed by a thread of its own; `health` may be called from any.
+/// Each side may be called from its own thread, `health` from any thread.
 class StreamRecorder {
  public:
-  /// Throws std::runtime_error if the folder cannot be written or holds a recording already. Without room it
-  /// begins as one that stopped.
+  /// Throws std::runtime_error if the folder cannot be written or already contains a recording. With less
+  /// free space than the quota requires, it begins in the stopped state.
   explicit StreamRecorder(const RecordingSettings& settings);
-  /// As `finish`.
+  /// Calls `finish`.
   ~StreamRecorder();
   StreamRecorder(const StreamRecorder&) = delete;
   StreamRecorder& operator=(const StreamRecorder&) = delete;
@@ -58,7 +60,7 @@ class StreamRecorder {
   StreamObserver& right();
   RecorderHealth health() const;
 
-  /// Writes what waits and ends the files properly; what comes later is ignored.
+  /// Writes the queue and finalises the files; later pictures are ignored.
   void finish();
 
  private:

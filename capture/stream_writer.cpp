@@ -1,3 +1,5 @@
+// Matroska file and index of one camera's segment.
+
 #include "capture/stream_writer.hpp"
 
 #include <algorithm>
@@ -15,8 +17,9 @@
 namespace cartvo {
 namespace {
 
-constexpr std::int64_t kLargestStep_ns = 10'000'000'000;   ///< beyond it the camera's clock was set
-constexpr std::int64_t kLatestStart_ns = 600'000'000'000;  ///< beyond it the host's clock was set
+constexpr std::int64_t kMaxExposureStep_ns =
+    10'000'000'000;  ///< a larger step means that the camera's clock was set
+constexpr std::int64_t kMaxStart_ns = 600'000'000'000;  ///< a later start means that the host's clock was set
 
 void closeOutput(AVFormatContext* output) {
   if (output == nullptr) return;
@@ -48,7 +51,7 @@ StreamWriter::~StreamWriter() {
 
 void StreamWriter::open(const StreamFormat& format, const EncodedUnit& first) {
   AVFormatContext* output = nullptr;
-  check(avformat_alloc_output_context2(&output, nullptr, "matroska", video_file_.c_str()));
+  requireSuccess(avformat_alloc_output_context2(&output, nullptr, "matroska", video_file_.c_str()));
   output_.reset(output);
   AVStream* stream = avformat_new_stream(output, nullptr);
   if (stream == nullptr) throw std::bad_alloc();
@@ -59,15 +62,15 @@ void StreamWriter::open(const StreamFormat& format, const EncodedUnit& first) {
   ffmpeg::setExtradata(*stream->codecpar, sets);
   ffmpeg::readPictureSize(*stream->codecpar, first.data);
   stream->time_base = {1, 1000};
-  check(avio_open(&output->pb, video_file_.c_str(), AVIO_FLAG_WRITE));
-  check(avformat_write_header(output, nullptr));
+  requireSuccess(avio_open(&output->pb, video_file_.c_str(), AVIO_FLAG_WRITE));
+  requireSuccess(avformat_write_header(output, nullptr));
 }
 
 void StreamWriter::write(const EncodedUnit& unit, const StreamFormat& format, std::uint64_t connection) {
   std::vector<std::uint8_t> with_parameter_sets;
   const std::vector<std::uint8_t>* data = &unit.data;
   if (units_ > 0 && connection != last_connection_ && parameterSets(codec_, unit.data).empty()) {
-    // The file's header has the first connection's; those of a later one must stand in the stream.
+    // The file's header has the first connection's parameter sets; those of a later one go into the stream.
     with_parameter_sets = format.parameter_sets;
     with_parameter_sets.insert(with_parameter_sets.end(), unit.data.begin(), unit.data.end());
     data = &with_parameter_sets;
@@ -76,7 +79,7 @@ void StreamWriter::write(const EncodedUnit& unit, const StreamFormat& format, st
 
   IndexRow row;
   row.number = units_;
-  row.time_ms = fileTime(unit);
+  row.time_ms = nextFileTimeMs(unit);
   row.order = unit.order;
   row.connection = connection;
   row.sequence = unit.sequence;
@@ -84,9 +87,9 @@ void StreamWriter::write(const EncodedUnit& unit, const StreamFormat& format, st
   row.reference_us = unit.reference_us;
   row.first_arrival_ns = unit.first_arrival_ns;
   row.arrival_ns = unit.arrival_ns;
-  row.undelayed_arrival_ns = unit.undelayed_arrival_ns;
+  row.min_delay_arrival_ns = unit.min_delay_arrival_ns;
   row.exposure_ns = unit.exposure_ns;
-  row.exposure_deviation_ns = unit.exposure_deviation_ns;
+  row.exposure_stddev_ns = unit.exposure_stddev_ns;
   row.instant_source = unit.instant_source;
   row.size = unit.data.size();
   row.checksum = pictureChecksum(codec_, unit.data);
@@ -94,7 +97,7 @@ void StreamWriter::write(const EncodedUnit& unit, const StreamFormat& format, st
   row.data_lost = unit.data_lost;
   row.status = unit.status;
   writeVideo(*data, row.time_ms, unit.key);
-  index_ << toText(row) << '\n';
+  index_ << formatIndexRow(row) << '\n';
   ++units_;
 }
 
@@ -108,17 +111,17 @@ void StreamWriter::writeVideo(const std::vector<std::uint8_t>& data, std::int64_
   const int result = av_write_frame(output_.get(), packet_.get());
   packet_->data = nullptr;
   packet_->size = 0;
-  check(result);
+  requireSuccess(result);
 }
 
-/// Milliseconds from the segment's beginning, increasing: by the exposures, or by the arrivals where a
-/// camera's clock was set.
-std::int64_t StreamWriter::fileTime(const EncodedUnit& unit) {
+/// File time of the next picture, ms from the segment's start, strictly increasing: from the exposures, or
+/// from the arrivals where a camera's clock was set.
+std::int64_t StreamWriter::nextFileTimeMs(const EncodedUnit& unit) {
   if (units_ == 0) {
-    last_time_ms_ = std::clamp<std::int64_t>(unit.arrival_ns - epoch_ns_, 0, kLatestStart_ns) / 1'000'000;
+    last_time_ms_ = std::clamp<std::int64_t>(unit.arrival_ns - epoch_ns_, 0, kMaxStart_ns) / 1'000'000;
   } else {
     std::int64_t step_ns = unit.exposure_ns - last_exposure_ns_;
-    if (step_ns <= 0 || step_ns > kLargestStep_ns) step_ns = unit.arrival_ns - last_arrival_ns_;
+    if (step_ns <= 0 || step_ns > kMaxExposureStep_ns) step_ns = unit.arrival_ns - last_arrival_ns_;
     last_time_ms_ += std::max<std::int64_t>((step_ns + 500'000) / 1'000'000, 1);
   }
   last_exposure_ns_ = unit.exposure_ns;
@@ -126,11 +129,11 @@ std::int64_t StreamWriter::fileTime(const EncodedUnit& unit) {
   return last_time_ms_;
 }
 
-/// The pictures before their lines: a line tells of a picture that is there.
+/// Syncs the pictures before their index lines, so that each line has a picture.
 void StreamWriter::sync() {
-  check(av_write_frame(output_.get(), nullptr));
+  requireSuccess(av_write_frame(output_.get(), nullptr));
   avio_flush(output_->pb);
-  check(output_->pb->error);
+  requireSuccess(output_->pb->error);
   syncToDisk(video_file_);
   errno = 0;
   index_.flush();
@@ -138,7 +141,7 @@ void StreamWriter::sync() {
   syncToDisk(index_file_);
 }
 
-void StreamWriter::check(int result) const {
+void StreamWriter::requireSuccess(int result) const {
   if (result < 0) {
     throw std::runtime_error("cannot write " + video_file_.string() + ": " + ffmpeg::errorText(result));
   }

@@ -13,24 +13,25 @@
 
 namespace cartvo {
 
-/// Writes one camera's stream as received into one segment: a Matroska file and its index. Not for use
-/// outside capture; StreamRecorder shields the capture from its errors. All members throw std::runtime_error
-/// naming the file when it cannot be written.
+/// Writes one camera's stream as received into one segment: a Matroska file and its index. Internal to
+/// capture: StreamRecorder handles its errors. All members throw std::runtime_error naming the file if it
+/// cannot be written.
 class StreamWriter {
  public:
-  /// The files begin with `first`, a key picture; file times count from `epoch_ns` by the host's clock, the
-  /// segment's beginning.
+  /// `first`: the key picture that the files begin with. File times are relative to `epoch_ns`, the segment's
+  /// start by the host's clock.
   StreamWriter(const RecordingSegment& segment, CameraSide side, const StreamFormat& format,
                const EncodedUnit& first, std::int64_t epoch_ns);
-  /// Ends the files properly.
+  /// Finalises the files.
   ~StreamWriter();
   StreamWriter(const StreamWriter&) = delete;
   StreamWriter& operator=(const StreamWriter&) = delete;
 
-  /// `connection`: counts the camera's connections; with a new one, `format` may have other parameter sets.
+  /// Writes a picture. `connection`: the camera's connection, counted from 1; a new connection may have other
+  /// parameter sets in `format`.
   void write(const EncodedUnit& unit, const StreamFormat& format, std::uint64_t connection);
 
-  /// What was written survives a power cut once this returns.
+  /// Writes everything to the disk, so that it survives a power cut.
   void sync();
 
   VideoCodec codec() const { return codec_; }
@@ -38,8 +39,8 @@ class StreamWriter {
  private:
   void open(const StreamFormat& format, const EncodedUnit& first);
   void writeVideo(const std::vector<std::uint8_t>& data, std::int64_t time_ms, bool key);
-  std::int64_t fileTime(const EncodedUnit& unit);
-  void check(int result) const;
+  std::int64_t nextFileTimeMs(const EncodedUnit& unit);
+  void requireSuccess(int result) const;
 
   std::filesystem::path video_file_;
   std::filesystem::path index_file_;

@@ -1,4 +1,5 @@
-// A camera on this computer as a source of frames that mends itself.
+// V4L2 camera as a frame source that reopens its device after errors.
+
 #include "capture/v4l2_camera.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include "capture/frozen_picture.hpp"
+#include "capture/frozen_picture_detector.hpp"
 #include "capture/v4l2_device.hpp"
 
 namespace cartvo {
@@ -24,28 +25,28 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-void check(const V4l2CameraSettings& settings) {
+void validate(const V4l2CameraSettings& settings) {
   if (settings.device.empty() || settings.size.empty() || !(settings.frame_rate > 0.0))
-    throw std::invalid_argument("a V4L2 camera needs a device, a size and a frame rate");
+    throw std::invalid_argument("a V4L2 camera needs a device, a size and a positive frame rate");
   if (settings.stall_timeout.count() <= 0 || settings.frozen_after.count() <= 0 ||
       settings.retry.count() <= 0)
     throw std::invalid_argument("a camera's time-outs must be positive");
 }
 
-std::int64_t now(clockid_t clock) {
+std::int64_t nowNs(clockid_t clock) {
   timespec time{};
   clock_gettime(clock, &time);
   return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec;
 }
 
-/// Real time minus monotonic time, ns. A reader that was put to sleep in between would tell it late, so that
-/// the quickest of three readings counts.
-std::int64_t realMinusMonotonic() {
+/// Real time minus monotonic time, ns. Uses the fastest of three readings, because the thread may be
+/// preempted during one.
+std::int64_t realMinusMonotonicNs() {
   std::int64_t best = 0, shortest = 0;
   for (int reading = 0; reading < 3; ++reading) {
-    const std::int64_t before = now(CLOCK_MONOTONIC);
-    const std::int64_t real = now(CLOCK_REALTIME);
-    const std::int64_t took = now(CLOCK_MONOTONIC) - before;
+    const std::int64_t before = nowNs(CLOCK_MONOTONIC);
+    const std::int64_t real = nowNs(CLOCK_REALTIME);
+    const std::int64_t took = nowNs(CLOCK_MONOTONIC) - before;
     if (reading > 0 && took >= shortest) continue;
     shortest = took;
     best = real - before - took / 2;
@@ -53,15 +54,15 @@ std::int64_t realMinusMonotonic() {
   return best;
 }
 
-/// Wakes a thread that waits for a file descriptor, once and for all.
-class Wake {
+/// Event that wakes a thread that waits for file descriptors; stays set.
+class WakeEvent {
  public:
-  Wake() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  WakeEvent() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
   }
-  ~Wake() { close(descriptor_); }
-  Wake(const Wake&) = delete;
-  Wake& operator=(const Wake&) = delete;
+  ~WakeEvent() { close(descriptor_); }
+  WakeEvent(const WakeEvent&) = delete;
+  WakeEvent& operator=(const WakeEvent&) = delete;
 
   void wake() noexcept { eventfd_write(descriptor_, 1); }
   int descriptor() const { return descriptor_; }
@@ -79,25 +80,25 @@ class Wake {
 
 }  // namespace
 
-/// Opens, waits and opens again, in the thread that calls `read`.
+/// Implementation of V4l2Camera: opens, waits and reopens in the thread that calls `read`.
 class V4l2Camera::Receiver {
  public:
   explicit Receiver(const V4l2CameraSettings& settings) : settings_(settings) {
-    check(settings_);
+    validate(settings_);
     health_.instant_source = InstantSource::kernel;
   }
 
   ReadOutcome read(Frame& frame, milliseconds timeout) {
     const Clock::time_point deadline = Clock::now() + timeout;
     for (;;) {
-      if (interrupted_) return ended();
+      if (interrupted_) return finish();
       if (!device_) {
         wake_.waitUntil(std::min(next_attempt_, deadline));
         if (!interrupted_ && Clock::now() >= next_attempt_) open();
       } else if (receive(frame, deadline)) {
         return ReadOutcome::frame;
       }
-      if (interrupted_) return ended();
+      if (interrupted_) return finish();
       if (Clock::now() >= deadline) return ReadOutcome::timed_out;
     }
   }
@@ -126,59 +127,59 @@ class V4l2Camera::Receiver {
       return;
     }
     last_driver_sequence_.reset();
-    silent_after_ = Clock::now() + settings_.stall_timeout;
+    frame_deadline_ = Clock::now() + settings_.stall_timeout;
   }
 
   bool receive(Frame& frame, Clock::time_point deadline) {
     try {
-      const auto buffer = device_->dequeue(std::min(deadline, silent_after_), wake_.descriptor());
-      if (buffer) return take(*buffer, frame);
+      const auto buffer = device_->dequeue(std::min(deadline, frame_deadline_), wake_.descriptor());
+      if (buffer) return toFrame(*buffer, frame);
     } catch (const V4l2Error& error) {
-      lose(CameraState::connecting, error.what());
+      closeDevice(CameraState::connecting, error.what());
       return false;
     }
-    if (!interrupted_ && Clock::now() >= silent_after_)
-      lose(CameraState::stalled, "the camera " + settings_.device.string() + " sent no picture for " +
-                                     std::to_string(settings_.stall_timeout.count()) +
-                                     " ms; opening it again");
+    if (!interrupted_ && Clock::now() >= frame_deadline_)
+      closeDevice(CameraState::stalled, "the camera " + settings_.device.string() + " sent no picture for " +
+                                            std::to_string(settings_.stall_timeout.count()) +
+                                            " ms; reopening it");
     return false;
   }
 
-  /// False if there is no picture in the buffer; it counts as one that was lost.
-  bool take(const V4l2Buffer& buffer, Frame& frame) {
-    const std::int64_t arrival_ns = now(CLOCK_REALTIME);
+  /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a lost one.
+  bool toFrame(const V4l2Buffer& buffer, Frame& frame) {
+    const std::int64_t arrival_ns = nowNs(CLOCK_REALTIME);
     if (last_driver_sequence_) next_sequence_ += buffer.sequence - *last_driver_sequence_ - 1U;
     last_driver_sequence_ = buffer.sequence;
     const std::uint64_t sequence = next_sequence_++;
-    Frame taken;
-    taken.image = greyPicture(device_->format(), buffer.data, settings_.size, device_->stride());
-    if (taken.image.empty()) return false;
-    silent_after_ = Clock::now() + settings_.stall_timeout;
-    taken.exposure_ns = buffer.monotonic.count() + realMinusMonotonic();
-    taken.exposure_deviation_ns = usualDeviationNs(InstantSource::kernel);
-    taken.undelayed_arrival_ns = taken.exposure_ns;
-    taken.arrival_ns = arrival_ns;
-    taken.decoded_ns = now(CLOCK_REALTIME);
-    taken.sequence = sequence;
-    taken.status = buffer.damaged ? FrameStatus::damaged : FrameStatus::good;
-    taken.instant_source = InstantSource::kernel;
-    note(taken);
-    frame = std::move(taken);
+    Frame received;
+    received.image = toGreyImage(device_->format(), buffer.data, settings_.size, device_->stride());
+    if (received.image.empty()) return false;
+    frame_deadline_ = Clock::now() + settings_.stall_timeout;
+    received.exposure_ns = buffer.monotonic.count() + realMinusMonotonicNs();
+    received.exposure_stddev_ns = defaultStddevNs(InstantSource::kernel);
+    received.min_delay_arrival_ns = received.exposure_ns;
+    received.arrival_ns = arrival_ns;
+    received.decoded_ns = nowNs(CLOCK_REALTIME);
+    received.sequence = sequence;
+    received.status = buffer.damaged ? FrameStatus::damaged : FrameStatus::good;
+    received.instant_source = InstantSource::kernel;
+    updateHealth(received);
+    frame = std::move(received);
     return true;
   }
 
-  void note(const Frame& frame) {
-    const bool frozen = frozen_picture_.add(frame.image, Clock::now()) >= settings_.frozen_after;
+  void updateHealth(const Frame& frame) {
+    const bool frozen = frozen_detector_.update(frame.image, Clock::now()) >= settings_.frozen_after;
     const std::lock_guard lock(mutex_);
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen)
-      health_.last_error =
-          "the camera " + settings_.device.string() + " gives one and the same picture; plug it out and in";
+      health_.last_error = "the camera " + settings_.device.string() +
+                           " is frozen: it repeats the same picture; unplug it and plug it in again";
     ++health_.frames;
     if (frame.status == FrameStatus::damaged) ++health_.damaged;
   }
 
-  void lose(CameraState state, const std::string& reason) {
+  void closeDevice(CameraState state, const std::string& reason) {
     device_.reset();
     next_attempt_ = Clock::now() + settings_.retry;
     const std::lock_guard lock(mutex_);
@@ -187,7 +188,7 @@ class V4l2Camera::Receiver {
     ++health_.reconnections;
   }
 
-  ReadOutcome ended() {
+  ReadOutcome finish() {
     device_.reset();
     const std::lock_guard lock(mutex_);
     health_.state = CameraState::ended;
@@ -195,13 +196,13 @@ class V4l2Camera::Receiver {
   }
 
   const V4l2CameraSettings settings_;
-  Wake wake_;
+  WakeEvent wake_;
   std::atomic<bool> interrupted_ = false;
 
-  // The reading thread's own.
+  // Used by the reading thread only.
   std::optional<V4l2Device> device_;
-  FrozenPicture frozen_picture_;
-  Clock::time_point silent_after_;
+  FrozenPictureDetector frozen_detector_;
+  Clock::time_point frame_deadline_;
   Clock::time_point next_attempt_;
   std::optional<std::uint32_t> last_driver_sequence_;
   std::uint64_t next_sequence_ = 0;

@@ -12,36 +12,38 @@
 
 namespace cartvo {
 
+/// Settings of one V4L2 camera.
 struct V4l2CameraSettings {
-  std::filesystem::path device;  ///< such as /dev/video0, or a link to it that survives a reboot
+  std::filesystem::path device;  ///< such as /dev/video0, or a persistent link to it
   cv::Size size;                 ///< px
   double frame_rate = 18.0;      ///< Hz
   std::optional<PixelFormat>
       format;                      ///< nothing: the first of GREY, NV12, YUYV, MJPEG that the camera offers
-  std::optional<double> exposure;  ///< s; nothing: as the camera is set
-  std::optional<int> gain;         ///< in the driver's unit; nothing: as the camera is set
+  std::optional<double> exposure;  ///< exposure time, s; nothing: unchanged
+  std::optional<int> gain;         ///< in the driver's unit; nothing: unchanged
 
-  std::chrono::milliseconds stall_timeout{1000};  ///< without a picture for so long, it is opened again
-  std::chrono::milliseconds frozen_after{5000};   ///< the same picture for so long is a fault to be told
-  std::chrono::milliseconds retry{500};           ///< pause before it is opened again
+  std::chrono::milliseconds stall_timeout{1000};  ///< limit without a picture; then it is opened again
+  std::chrono::milliseconds frozen_after{
+      5000};                             ///< duration of an unchanged picture until CameraState::frozen
+  std::chrono::milliseconds retry{500};  ///< pause before it is opened again
 };
 
-/// One camera on this computer, through the kernel's Video4Linux2. Opens it, and for ever again after it was
-/// unplugged or fell silent. No thread of its own: `read` waits in the caller's.
+/// One camera of this computer, through the kernel's Video4Linux2. Opens it, and reopens it without limit
+/// after it was unplugged or stalled. Has no thread: `read` waits in the caller's thread.
 ///
-/// Exposures are the kernel's stamps, by the monotonic clock of this host, related to its real-time clock at
-/// each picture. The two cameras of a pair are stamped by one clock; what a driver's stamp is late by (the
-/// first packet of a picture, or its last) is the same for two cameras of one model and settings.
+/// Exposures are the kernel's time stamps by this host's monotonic clock, converted to its real-time clock at
+/// each picture. Both cameras of a pair are stamped by one clock. The delay of a driver's time stamp (first
+/// or last packet of a picture) is equal for two cameras of the same model and settings.
 class V4l2Camera : public CameraSource {
  public:
-  /// Checks the settings only; the first `read` opens the camera. Throws std::invalid_argument for settings
-  /// that make no sense.
+  /// Validates the settings; the first `read` opens the camera. Throws std::invalid_argument if a setting is
+  /// out of range.
   explicit V4l2Camera(const V4l2CameraSettings& settings);
   ~V4l2Camera() override;
   V4l2Camera(const V4l2Camera&) = delete;
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
-  /// Never longer than `timeout`, but for what the driver takes to open the camera.
+  /// Takes at most `timeout`, plus the time the driver needs to open the camera.
   ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override;
   CameraHealth health() const override;
   void interrupt() noexcept override;

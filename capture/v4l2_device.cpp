@@ -1,4 +1,6 @@
-// Memory-mapped streaming by the kernel's Video4Linux2 interface (docs.kernel.org, "Video for Linux API").
+// Memory-mapped streaming through the kernel's Video4Linux2 interface (docs.kernel.org, "Video for Linux
+// API").
+
 #include "capture/v4l2_device.hpp"
 
 #include <algorithm>
@@ -19,20 +21,20 @@
 namespace cartvo {
 namespace {
 
-constexpr std::uint32_t kBuffers = 4;
-constexpr double kRateTolerance = 0.01;     // relative
-constexpr double kExposureUnit = 100e-6;    // s, of V4L2_CID_EXPOSURE_ABSOLUTE
-constexpr std::uint32_t kMostFormats = 64;  // that a driver is asked for
+constexpr std::uint32_t kBufferCount = 4;
+constexpr double kRateTolerance = 0.01;    // relative
+constexpr double kExposureUnit = 100e-6;   // s, of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr std::uint32_t kMaxFormats = 64;  // limit of the enumeration
 
-/// In the order of what they cost.
+/// In order of increasing decoding cost.
 constexpr std::array<std::pair<PixelFormat, std::uint32_t>, 4> kFormats{
     {{PixelFormat::grey, V4L2_PIX_FMT_GREY},
      {PixelFormat::nv12, V4L2_PIX_FMT_NV12},
      {PixelFormat::yuyv, V4L2_PIX_FMT_YUYV},
      {PixelFormat::mjpeg, V4L2_PIX_FMT_MJPEG}}};
 
-/// ioctl, again where a signal has cut it short.
-int control(int descriptor, unsigned long request, void* argument) {
+/// ioctl, repeated if a signal interrupted it.
+int xioctl(int descriptor, unsigned long request, void* argument) {
   int result = 0;
   do
     result = ioctl(descriptor, request, argument);
@@ -40,11 +42,11 @@ int control(int descriptor, unsigned long request, void* argument) {
   return result;
 }
 
-std::string text(const cv::Size& size) {
+std::string toText(const cv::Size& size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-std::string text(double number) {
+std::string toText(double number) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%g", number);
   return digits;
@@ -52,11 +54,11 @@ std::string text(double number) {
 
 std::vector<std::uint32_t> offeredFormats(int descriptor) {
   std::vector<std::uint32_t> formats;
-  for (std::uint32_t index = 0; index < kMostFormats; ++index) {
+  for (std::uint32_t index = 0; index < kMaxFormats; ++index) {
     v4l2_fmtdesc description{};
     description.index = index;
     description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(descriptor, VIDIOC_ENUM_FMT, &description) < 0) break;
+    if (xioctl(descriptor, VIDIOC_ENUM_FMT, &description) < 0) break;
     formats.push_back(description.pixelformat);
   }
   return formats;
@@ -74,12 +76,12 @@ V4l2Device::V4l2Device(const std::filesystem::path& device, const V4l2Mode& mode
   if (descriptor_ < 0) failWithErrno("cannot be opened");
   try {
     checkCapabilities();
-    chooseFormat(mode);
+    selectFormat(mode);
     setFrameRate(mode.frame_rate);
     setControls(mode);
     mapBuffers();
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (control(descriptor_, VIDIOC_STREAMON, &type) < 0) failWithErrno("does not start to stream");
+    if (xioctl(descriptor_, VIDIOC_STREAMON, &type) < 0) failWithErrno("does not start streaming");
   } catch (...) {
     close();
     throw;
@@ -92,7 +94,7 @@ V4l2Device::~V4l2Device() {
 
 void V4l2Device::close() noexcept {
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  control(descriptor_, VIDIOC_STREAMOFF, &type);
+  xioctl(descriptor_, VIDIOC_STREAMOFF, &type);
   for (const Mapping& buffer : buffers_)
     munmap(buffer.address, buffer.length);
   buffers_.clear();
@@ -109,24 +111,25 @@ void V4l2Device::failWithErrno(const std::string& what) const {
   if (error == ENOENT) hint = "; is it plugged in? 'v4l2-ctl --list-devices' names all";
   if (error == EACCES || error == EPERM)
     hint = "; the user needs the group 'video', a service DeviceAllow=, see cartvod(8)";
-  if (error == EBUSY) hint = "; another program uses it, 'fuser " + device_.string() + "' tells which";
+  if (error == EBUSY) hint = "; another program uses it, 'fuser " + device_.string() + "' shows which one";
   fail(what + ": " + std::strerror(error) + hint);
 }
 
 void V4l2Device::checkCapabilities() const {
   v4l2_capability capability{};
-  if (control(descriptor_, VIDIOC_QUERYCAP, &capability) < 0) fail("is none: it does not speak V4L2");
+  if (xioctl(descriptor_, VIDIOC_QUERYCAP, &capability) < 0)
+    fail("is not a V4L2 device; set the camera's device to one that 'v4l2-ctl --list-devices' lists");
   const std::uint32_t able = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps
                                                                                    : capability.capabilities;
   if ((able & V4L2_CAP_VIDEO_CAPTURE) == 0)
-    fail("captures no video; a camera often has a second device for other things, try the other one");
+    fail("captures no video; a camera often has a second device for metadata, try the other one");
   if ((able & V4L2_CAP_STREAMING) == 0) fail("cannot stream through shared memory");
 }
 
-void V4l2Device::chooseFormat(const V4l2Mode& mode) {
+void V4l2Device::selectFormat(const V4l2Mode& mode) {
   const std::vector<std::uint32_t> offered = offeredFormats(descriptor_);
   std::string problem = "offers none of GREY, NV12, YUYV and MJPEG";
-  if (mode.format) problem = std::string("does not offer the format ") + nameOf(*mode.format);
+  if (mode.format) problem = std::string("does not offer the format ") + formatName(*mode.format);
   for (const auto& [format, code] : kFormats) {
     if (mode.format && *mode.format != format) continue;
     if (std::find(offered.begin(), offered.end(), code) == offered.end()) continue;
@@ -136,7 +139,7 @@ void V4l2Device::chooseFormat(const V4l2Mode& mode) {
     wanted.fmt.pix.height = static_cast<std::uint32_t>(mode.size.height);
     wanted.fmt.pix.pixelformat = code;
     wanted.fmt.pix.field = V4L2_FIELD_NONE;
-    if (control(descriptor_, VIDIOC_S_FMT, &wanted) < 0) failWithErrno("refuses its own format");
+    if (xioctl(descriptor_, VIDIOC_S_FMT, &wanted) < 0) failWithErrno("rejects a format that it offers");
     const v4l2_pix_format& got = wanted.fmt.pix;
     const cv::Size size(static_cast<int>(got.width), static_cast<int>(got.height));
     if (got.pixelformat == code && size == mode.size) {
@@ -144,27 +147,27 @@ void V4l2Device::chooseFormat(const V4l2Mode& mode) {
       stride_ = got.bytesperline;
       return;
     }
-    problem = std::string("has no ") + text(mode.size) + " in " + nameOf(format) + ", the nearest is " +
-              text(size) + "; calibrate at a size that it has ('v4l2-ctl --list-formats-ext')";
+    problem = std::string("has no ") + toText(mode.size) + " in " + formatName(format) + ", the nearest is " +
+              toText(size) + "; calibrate at a size that it supports ('v4l2-ctl --list-formats-ext')";
   }
   fail(problem);
 }
 
-/// What has no choice of rates is taken as it is.
+/// Sets the frame rate; ignores cameras that do not support setting it.
 void V4l2Device::setFrameRate(double frame_rate) const {
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   v4l2_fract& interval = parameters.parm.capture.timeperframe;
   interval = {1000, static_cast<std::uint32_t>(std::lround(1000.0 * frame_rate))};
-  if (control(descriptor_, VIDIOC_S_PARM, &parameters) < 0) {
+  if (xioctl(descriptor_, VIDIOC_S_PARM, &parameters) < 0) {
     if (errno == ENOTTY || errno == EINVAL) return;
-    failWithErrno("refuses a frame rate");
+    failWithErrno("rejects a frame rate");
   }
   if (interval.numerator == 0) return;
   const double got = static_cast<double>(interval.denominator) / interval.numerator;
   if (std::abs(got - frame_rate) > kRateTolerance * frame_rate)
-    fail("cannot take " + text(frame_rate) + " pictures a second, the nearest is " + text(got) +
-         ": set cameras.frame_rate to a rate that it has");
+    fail("cannot deliver " + toText(frame_rate) + " pictures per second, the nearest rate is " + toText(got) +
+         "; set cameras.frame_rate to a rate that it supports");
 }
 
 void V4l2Device::setControls(const V4l2Mode& mode) const {
@@ -183,38 +186,38 @@ void V4l2Device::setControls(const V4l2Mode& mode) const {
 bool V4l2Device::hasControl(std::uint32_t id) const {
   v4l2_queryctrl query{};
   query.id = id;
-  return control(descriptor_, VIDIOC_QUERYCTRL, &query) == 0 && (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0;
+  return xioctl(descriptor_, VIDIOC_QUERYCTRL, &query) == 0 && (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0;
 }
 
 void V4l2Device::setControl(std::uint32_t id, std::int32_t value, const std::string& key) const {
   v4l2_queryctrl query{};
   query.id = id;
-  if (control(descriptor_, VIDIOC_QUERYCTRL, &query) < 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+  if (xioctl(descriptor_, VIDIOC_QUERYCTRL, &query) < 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
     fail("has no control for its " + key + "; leave '" + key + "' out of the configuration");
   v4l2_control setting{id, value};
   const bool in_range = value >= query.minimum && value <= query.maximum;
-  if (in_range && control(descriptor_, VIDIOC_S_CTRL, &setting) == 0) return;
+  if (in_range && xioctl(descriptor_, VIDIOC_S_CTRL, &setting) == 0) return;
   const double unit = id == V4L2_CID_EXPOSURE_ABSOLUTE ? kExposureUnit : 1.0;
-  fail("does not take the " + key + " " + text(unit * value) + "; it can be " + text(unit * query.minimum) +
-       " to " + text(unit * query.maximum));
+  fail("does not accept the " + key + " " + toText(unit * value) + "; it can be " +
+       toText(unit * query.minimum) + " to " + toText(unit * query.maximum));
 }
 
 void V4l2Device::mapBuffers() {
   v4l2_requestbuffers request{};
-  request.count = kBuffers;
+  request.count = kBufferCount;
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
-  if (control(descriptor_, VIDIOC_REQBUFS, &request) < 0) failWithErrno("gives no buffers");
-  if (request.count < 2) fail("gives fewer than two buffers");
+  if (xioctl(descriptor_, VIDIOC_REQBUFS, &request) < 0) failWithErrno("provides no buffers");
+  if (request.count < 2) fail("provides fewer than two buffers");
   for (std::uint32_t index = 0; index < request.count; ++index) {
     v4l2_buffer buffer{};
     buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     buffer.memory = V4L2_MEMORY_MMAP;
     buffer.index = index;
-    if (control(descriptor_, VIDIOC_QUERYBUF, &buffer) < 0) failWithErrno("gives no buffers");
+    if (xioctl(descriptor_, VIDIOC_QUERYBUF, &buffer) < 0) failWithErrno("provides no buffers");
     void* const address =
         mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, buffer.m.offset);
-    if (address == MAP_FAILED) failWithErrno("gives buffers that cannot be mapped");
+    if (address == MAP_FAILED) failWithErrno("provides buffers that cannot be mapped");
     buffers_.push_back({address, buffer.length});
     enqueue(index);
   }
@@ -225,13 +228,13 @@ void V4l2Device::enqueue(std::uint32_t index) const {
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = index;
-  if (control(descriptor_, VIDIOC_QBUF, &buffer) < 0) failWithErrno("does not take a buffer back");
+  if (xioctl(descriptor_, VIDIOC_QBUF, &buffer) < 0) failWithErrno("does not accept a buffer");
 }
 
 std::optional<V4l2Buffer> V4l2Device::dequeue(std::chrono::steady_clock::time_point deadline, int interrupt) {
-  if (lent_) {
-    const std::uint32_t index = *lent_;
-    lent_.reset();
+  if (dequeued_) {
+    const std::uint32_t index = *dequeued_;
+    dequeued_.reset();
     enqueue(index);
   }
   for (;;) {
@@ -240,17 +243,17 @@ std::optional<V4l2Buffer> V4l2Device::dequeue(std::chrono::steady_clock::time_po
     if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) failWithErrno("cannot be waited for");
     if (ready == 0 || waiting[1].revents != 0) return std::nullopt;
-    if ((waiting[0].revents & POLLIN) == 0) fail("is gone; is it unplugged?");
+    if ((waiting[0].revents & POLLIN) == 0) fail("was disconnected; is it plugged in?");
 
     v4l2_buffer buffer{};
     buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     buffer.memory = V4L2_MEMORY_MMAP;
-    if (control(descriptor_, VIDIOC_DQBUF, &buffer) < 0) {
+    if (xioctl(descriptor_, VIDIOC_DQBUF, &buffer) < 0) {
       if (errno == EAGAIN) continue;
-      failWithErrno("hands no picture over");
+      failWithErrno("does not return a picture");
     }
-    if (buffer.index >= buffers_.size()) fail("hands over a buffer that it never gave");
-    lent_ = buffer.index;
+    if (buffer.index >= buffers_.size()) fail("returns an unknown buffer");
+    dequeued_ = buffer.index;
     const Mapping& mapping = buffers_[buffer.index];
     V4l2Buffer picture;
     picture.data = {static_cast<const std::uint8_t*>(mapping.address),
@@ -260,7 +263,9 @@ std::optional<V4l2Buffer> V4l2Device::dequeue(std::chrono::steady_clock::time_po
     picture.sequence = buffer.sequence;
     picture.damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
     if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
-      fail("does not stamp its pictures by the kernel's monotonic clock; its driver is too old for stereo");
+      fail(
+          "does not time stamp its pictures by the kernel's monotonic clock; its driver is too old for "
+          "stereo");
     return picture;
   }
 }

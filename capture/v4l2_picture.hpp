@@ -8,15 +8,16 @@
 
 namespace cartvo {
 
-/// How a V4L2 camera hands its pictures over (linux/videodev2.h, V4L2_PIX_FMT_...).
+/// Pixel format of a V4L2 camera (linux/videodev2.h, V4L2_PIX_FMT_...).
 enum class PixelFormat : std::uint8_t {
-  grey,   ///< one byte a pixel
-  nv12,   ///< a plane of grey, then colours
-  yuyv,   ///< two bytes a pixel, the first is grey
-  mjpeg,  ///< a JPEG a picture
+  grey,   ///< one byte per pixel
+  nv12,   ///< luma plane, then interleaved chroma
+  yuyv,   ///< two bytes per pixel, the first is luma
+  mjpeg,  ///< one JPEG per picture
 };
 
-constexpr const char* nameOf(PixelFormat format) {
+/// Name of the format in capitals, as in the configuration.
+constexpr const char* formatName(PixelFormat format) {
   switch (format) {
     case PixelFormat::grey:
       return "GREY";
@@ -30,10 +31,10 @@ constexpr const char* nameOf(PixelFormat format) {
   return "";
 }
 
-/// The grey picture in a buffer, CV_8UC1 with memory of its own: `size` pixels, rows `stride` bytes apart (of
-/// MJPEG neither is used but to check the picture). Empty if the buffer is too short for it, or if it is a
-/// JPEG that cannot be decoded or has another size.
-cv::Mat greyPicture(PixelFormat format, std::span<const std::uint8_t> buffer, const cv::Size& size,
+/// Converts a buffer to a grey image, CV_8UC1, with memory of its own. `size` in px; `stride`: bytes from row
+/// to row (ignored for MJPEG). Empty if the buffer is too short, or if a JPEG cannot be decoded or has
+/// another size.
+cv::Mat toGreyImage(PixelFormat format, std::span<const std::uint8_t> buffer, const cv::Size& size,
                     std::size_t stride);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// H.264 and H.265 decoding through FFmpeg.
+
 #include "capture/video_decoder.hpp"
 
 #include <chrono>
@@ -13,8 +15,8 @@
 namespace cartvo {
 namespace {
 
-/// Frames the decoder may hold back at most (H.264's largest decoded picture buffer); bounds what is pending.
-constexpr std::size_t kMostPending = 64;
+/// Maximum number of frames in the decoder (H.264's largest decoded picture buffer).
+constexpr std::size_t kMaxPending = 64;
 
 std::int64_t nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -30,11 +32,11 @@ std::shared_ptr<AVFrame> makeFrame() {
 
 }  // namespace
 
-/// What belongs to a unit and comes out with its picture.
+/// Attributes of a unit in the decoder, for its frame.
 struct VideoDecoder::Pending {
   std::int64_t exposure_ns = 0;
-  std::int64_t exposure_deviation_ns = 0;
-  std::int64_t undelayed_arrival_ns = 0;
+  std::int64_t exposure_stddev_ns = 0;
+  std::int64_t min_delay_arrival_ns = 0;
   std::int64_t arrival_ns = 0;
   std::uint64_t sequence = 0;
   std::uint64_t order = 0;
@@ -50,16 +52,16 @@ struct VideoDecoder::Implementation {
   }
 
   void open();
-  void beginAnew(const EncodedUnit& unit);
+  void restartAtKeyPicture(const EncodedUnit& unit);
 
-  StreamFormat format;  ///< with the latest parameter sets
+  StreamFormat format;  ///< includes the latest parameter sets
   int threads;
   ffmpeg::CodecContext context;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   std::deque<Pending> pending;
   bool send_failed = false;  ///< a unit was rejected since the last frame
-  bool damaged = false;      ///< the decoder met errors since the last key frame
-  bool tainted = false;      ///< it was given something damaged since it was opened
+  bool damaged = false;      ///< the decoder reported errors since the last key frame
+  bool saw_damage = false;   ///< a damaged unit was decoded since the decoder was opened
 };
 
 void VideoDecoder::Implementation::open() {
@@ -88,15 +90,15 @@ void VideoDecoder::Implementation::open() {
   context = std::move(opened);
 }
 
-/// Before a key picture, which needs nothing of those before it. FFmpeg's H.264 decoder leaves coefficients
-/// of a cut picture in its memory and adds them to the next picture's first macroblock, key or not, without a
-/// word; so after damage a new one takes over.
-void VideoDecoder::Implementation::beginAnew(const EncodedUnit& unit) {
+/// Opens a new decoder before a key picture if the old one has decoded damaged data. FFmpeg's H.264 decoder
+/// keeps coefficients of a truncated picture in its memory and adds them to the first macroblock of the next
+/// picture, key or not, without an error.
+void VideoDecoder::Implementation::restartAtKeyPicture(const EncodedUnit& unit) {
   try {
-    if (tainted) open();
-    tainted = false;
+    if (saw_damage) open();
+    saw_damage = false;
   } catch (const std::runtime_error&) {
-    // Parameter sets that were garbled without notice: the old decoder goes on.
+    // The parameter sets are damaged: continue with the old decoder.
   }
   std::vector<std::uint8_t> sets = parameterSets(format.codec, unit.data);
   if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
@@ -111,24 +113,24 @@ VideoDecoder::~VideoDecoder() = default;
 
 void VideoDecoder::send(const EncodedUnit& unit) {
   Implementation& self = *implementation_;
-  if (unit.key) self.beginAnew(unit);
-  if (unit.status == FrameStatus::damaged) self.tainted = true;
-  self.pending.push_back({unit.exposure_ns, unit.exposure_deviation_ns, unit.undelayed_arrival_ns,
+  if (unit.key) self.restartAtKeyPicture(unit);
+  if (unit.status == FrameStatus::damaged) self.saw_damage = true;
+  self.pending.push_back({unit.exposure_ns, unit.exposure_stddev_ns, unit.min_delay_arrival_ns,
                           unit.arrival_ns, unit.sequence, unit.order, unit.instant_source, unit.status,
                           unit.key});
-  if (self.pending.size() > kMostPending) self.pending.pop_front();
+  if (self.pending.size() > kMaxPending) self.pending.pop_front();
 
-  // Not reference-counted, so FFmpeg copies it, with the padding it needs.
+  // Not reference-counted, so FFmpeg copies the data with the required padding.
   self.packet->data = const_cast<std::uint8_t*>(unit.data.data());  // only read
   self.packet->size = static_cast<int>(unit.data.size());
-  self.packet->pts = static_cast<std::int64_t>(unit.sequence);  // comes back with the frame
+  self.packet->pts = static_cast<std::int64_t>(unit.sequence);  // returned with the frame
   self.packet->flags = unit.key ? AV_PKT_FLAG_KEY : 0;
   const int error = avcodec_send_packet(self.context.get(), self.packet.get());
   self.packet->data = nullptr;
   self.packet->size = 0;
   if (error < 0) {
     ++failures_;
-    self.send_failed = self.tainted = true;
+    self.send_failed = self.saw_damage = true;
   }
 }
 
@@ -140,7 +142,7 @@ std::optional<Frame> VideoDecoder::receive() {
     if (error == AVERROR(EAGAIN) || error == AVERROR_EOF) return std::nullopt;
     if (error < 0) {
       ++failures_;
-      self.send_failed = self.tainted = true;
+      self.send_failed = self.saw_damage = true;
       return std::nullopt;
     }
     const auto sequence = static_cast<std::uint64_t>(picture->pts);
@@ -155,14 +157,14 @@ std::optional<Frame> VideoDecoder::receive() {
     Frame frame;
     frame.image = luma;
     frame.exposure_ns = pending.exposure_ns;
-    frame.exposure_deviation_ns = pending.exposure_deviation_ns;
-    frame.undelayed_arrival_ns = pending.undelayed_arrival_ns;
+    frame.exposure_stddev_ns = pending.exposure_stddev_ns;
+    frame.min_delay_arrival_ns = pending.min_delay_arrival_ns;
     frame.arrival_ns = pending.arrival_ns;
     frame.decoded_ns = nowNs();
     frame.sequence = pending.sequence;
     frame.order = pending.order;
     frame.instant_source = pending.instant_source;
-    frame.status = damagedSince(pending, failed) ? FrameStatus::damaged : FrameStatus::good;
+    frame.status = updateDamage(pending, failed) ? FrameStatus::damaged : FrameStatus::good;
     frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;
     frame.storage = picture;
     return frame;
@@ -173,11 +175,12 @@ void VideoDecoder::finish() {
   avcodec_send_packet(implementation_->context.get(), nullptr);
 }
 
-/// Errors stay until a key frame, which is predicted from no other, comes through without one.
-bool VideoDecoder::damagedSince(const Pending& pending, bool decoder_failed) {
+/// Updates the damage state; returns whether this frame is damaged. Damage lasts until a key frame, which is
+/// predicted from no other picture, is decoded without an error.
+bool VideoDecoder::updateDamage(const Pending& pending, bool decoder_failed) {
   Implementation& self = *implementation_;
   if (pending.key) self.damaged = false;
-  if (decoder_failed) self.tainted = true;
+  if (decoder_failed) self.saw_damage = true;
   if (decoder_failed || (self.send_failed && !pending.key)) self.damaged = true;
   self.send_failed = false;
   return self.damaged || pending.status == FrameStatus::damaged;

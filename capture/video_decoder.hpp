@@ -10,8 +10,8 @@
 
 namespace cartvo {
 
-/// Decodes H.264 or H.265 picture by picture without delay, and hands out the luma plane as the grey image,
-/// in the decoder's own memory. Full-range and limited-range luma are both taken as they are.
+/// Decodes H.264 or H.265 picture by picture without delay. The grey image is the luma plane in the decoder's
+/// memory. Full-range and limited-range luma are not converted.
 class VideoDecoder {
  public:
   /// `threads`: slice threads. Throws std::runtime_error if FFmpeg lacks the decoder.
@@ -20,23 +20,23 @@ class VideoDecoder {
   VideoDecoder(const VideoDecoder&) = delete;
   VideoDecoder& operator=(const VideoDecoder&) = delete;
 
-  /// Decodes one picture. Frames that come of it are fetched with `receive`.
+  /// Decodes one picture. `receive` returns the resulting frames.
   void send(const EncodedUnit& unit);
 
-  /// The next frame, with the instants, sequence and status of its unit. Marked damaged, until the next key
-  /// frame, also where the decoder met errors or missing references.
+  /// Returns the next frame, with the instants, sequence and status of its unit. After decoder errors or
+  /// missing references, frames are marked as damaged up to the next key frame.
   std::optional<Frame> receive();
 
-  /// No more units: frames that the decoder holds back may be received.
+  /// Ends the stream; `receive` then returns the frames that the decoder still holds.
   void finish();
 
-  /// Pictures that could not be decoded at all.
+  /// Number of pictures that could not be decoded at all.
   std::uint64_t failures() const { return failures_; }
 
  private:
   struct Implementation;
   struct Pending;
-  bool damagedSince(const Pending& pending, bool decoder_failed);
+  bool updateDamage(const Pending& pending, bool decoder_failed);
 
   std::unique_ptr<Implementation> implementation_;
   std::uint64_t failures_ = 0;

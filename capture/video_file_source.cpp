@@ -1,3 +1,5 @@
+// Decoding of video files through FFmpeg.
+
 #include "capture/video_file_source.hpp"
 
 #include <atomic>
@@ -18,7 +20,7 @@ extern "C" {
 namespace cartvo {
 namespace {
 
-constexpr int kLargestSide = 16384;
+constexpr int kMaxSide = 16384;  // px
 
 std::shared_ptr<AVFrame> makeFrame() {
   std::shared_ptr<AVFrame> frame(av_frame_alloc(), [](AVFrame* f) { av_frame_free(&f); });
@@ -35,7 +37,7 @@ struct VideoFileSource::Implementation {
   ffmpeg::CodecContext decoder;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   int stream = -1;
-  double frame_rate = 0.0;  ///< as the file says; serves where it has no time stamps
+  double frame_rate = 0.0;  ///< by the file's header; used if there are no time stamps
   bool draining = false;
   bool damaged = false;  ///< since the last key picture
   double file_time = 0.0;
@@ -49,9 +51,9 @@ struct VideoFileSource::Implementation {
   void open();
   void openDecoder();
   void sendPacket();
-  std::shared_ptr<AVFrame> nextPicture();
+  std::shared_ptr<AVFrame> decodePicture();
   double timeOf(const AVFrame& picture) const;
-  void check(int result) const;
+  void requireSuccess(int result) const;
 };
 
 VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time)
@@ -64,26 +66,26 @@ VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoF
 
 VideoFileSource::~VideoFileSource() = default;
 
-void VideoFileSource::Implementation::check(int result) const {
+void VideoFileSource::Implementation::requireSuccess(int result) const {
   if (result < 0)
     throw std::runtime_error("cannot read the video " + file.string() + ": " + ffmpeg::errorText(result));
 }
 
 void VideoFileSource::Implementation::open() {
   if (!std::filesystem::is_regular_file(file))
-    throw std::runtime_error(file.string() + " is no file; expected a video");
-  // Playlists may name other files and addresses: only this one is opened.
+    throw std::runtime_error(file.string() + " is not a file; expected a video");
+  // Playlists may refer to other files and addresses; allow only this file.
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
   AVFormatContext* context = nullptr;
   const std::string url = "file:" + file.string();
   const int opened = avformat_open_input(&context, url.c_str(), nullptr, &options);
   av_dict_free(&options);
-  check(opened);
+  requireSuccess(opened);
   input.reset(context);
-  check(avformat_find_stream_info(context, nullptr));
+  requireSuccess(avformat_find_stream_info(context, nullptr));
   stream = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  if (stream < 0) throw std::runtime_error(file.string() + " holds no video");
+  if (stream < 0) throw std::runtime_error(file.string() + " contains no video");
   frame_rate = av_q2d(av_guess_frame_rate(context, context->streams[stream], nullptr));
   openDecoder();
 }
@@ -92,21 +94,21 @@ void VideoFileSource::Implementation::openDecoder() {
   const AVCodecParameters& parameters = *input->streams[stream]->codecpar;
   const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
   if (codec == nullptr) {
-    throw std::runtime_error(file.string() + " holds " + avcodec_get_name(parameters.codec_id) +
+    throw std::runtime_error(file.string() + " contains " + avcodec_get_name(parameters.codec_id) +
                              " video, for which this FFmpeg has no decoder");
   }
-  if (parameters.width > kLargestSide || parameters.height > kLargestSide)
-    throw std::runtime_error(file.string() + " holds pictures that are too large");
+  if (parameters.width > kMaxSide || parameters.height > kMaxSide)
+    throw std::runtime_error(file.string() + " contains pictures larger than 16384 px");
   decoder.reset(avcodec_alloc_context3(codec));
   if (!decoder) throw std::bad_alloc();
-  check(avcodec_parameters_to_context(decoder.get(), &parameters));
+  requireSuccess(avcodec_parameters_to_context(decoder.get(), &parameters));
   decoder->pkt_timebase = input->streams[stream]->time_base;
   decoder->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
   decoder->thread_count = 1;
-  check(avcodec_open2(decoder.get(), codec, nullptr));
+  requireSuccess(avcodec_open2(decoder.get(), codec, nullptr));
 }
 
-/// Gives the decoder its next packet, or tells it that there is none.
+/// Sends the next packet to the decoder, or starts draining it at the end of the file.
 void VideoFileSource::Implementation::sendPacket() {
   for (;;) {
     av_packet_unref(packet.get());
@@ -122,8 +124,8 @@ void VideoFileSource::Implementation::sendPacket() {
   }
 }
 
-/// Null at the end.
-std::shared_ptr<AVFrame> VideoFileSource::Implementation::nextPicture() {
+/// Decodes the next picture; null at the end.
+std::shared_ptr<AVFrame> VideoFileSource::Implementation::decodePicture() {
   std::shared_ptr<AVFrame> picture = makeFrame();
   while (!interrupted) {
     const int result = avcodec_receive_frame(decoder.get(), picture.get());
@@ -138,19 +140,20 @@ std::shared_ptr<AVFrame> VideoFileSource::Implementation::nextPicture() {
   return nullptr;
 }
 
+/// File time of a picture, s. Throws std::runtime_error if the file has neither time stamps nor a frame rate.
 double VideoFileSource::Implementation::timeOf(const AVFrame& picture) const {
   if (picture.best_effort_timestamp != AV_NOPTS_VALUE)
     return static_cast<double>(picture.best_effort_timestamp) * av_q2d(input->streams[stream]->time_base);
   if (frame_rate > 0.0) return static_cast<double>(sequence) / frame_rate;
   throw std::runtime_error(
       file.string() +
-      " has neither time stamps nor a frame rate; put it into a container that has, such "
-      "as by 'ffmpeg -framerate 25 -i FILE -c copy FILE.mkv'");
+      " has neither time stamps nor a frame rate; put it into a container that has them, for "
+      "example by 'ffmpeg -framerate 25 -i FILE -c copy FILE.mkv'");
 }
 
 ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*timeout*/) {
   Implementation& self = *implementation_;
-  while (const std::shared_ptr<AVFrame> picture = self.nextPicture()) {
+  while (const std::shared_ptr<AVFrame> picture = self.decodePicture()) {
     self.file_time = self.timeOf(*picture);
     const std::uint64_t sequence = self.sequence++;
     if (self.file_time > self.time.to) break;
@@ -170,7 +173,7 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
     frame.storage = picture;
     frame.exposure_ns = self.time.origin_ns +
                         std::llround(1e9 * (self.time.offset + (1.0 + self.time.skew) * self.file_time));
-    frame.exposure_deviation_ns = std::llround(1e9 * self.time.deviation);
+    frame.exposure_stddev_ns = std::llround(1e9 * self.time.stddev);
     frame.arrival_ns = frame.decoded_ns = frame.exposure_ns;
     frame.sequence = sequence;
     frame.instant_source = InstantSource::file;

@@ -9,25 +9,25 @@
 
 namespace cartvo {
 
-/// How a file's own time becomes instants of exposure: exposure = origin + offset + (1 + skew) * time.
+/// Clock model of a video file: exposure = origin + offset + (1 + skew) * file time.
 struct VideoFileTime {
   std::int64_t origin_ns = 0;
   double offset = 0.0;  ///< s
-  double skew = 0.0;    ///< of the file's clock
-  double deviation =
-      0.0;  ///< standard deviation of the exposures against the other camera's, half the variance, s
+  double skew = 0.0;    ///< of the file's clock, relative
+  double stddev = 0.0;  ///< of one camera's exposures, s: 1/sqrt(2) of that of right minus left
 
-  // The part that is read, by the file's own time, s.
+  // The part to read, file time, s.
   double from = -std::numeric_limits<double>::infinity();
   double to = std::numeric_limits<double>::infinity();
 };
 
-/// A video that others recorded, in any container and codec that FFmpeg reads, as one camera: its first video
-/// stream, its luma. Pictures that could not be decoded rightly are marked as damaged up to the next key
-/// picture. Opens nothing but that file. Never waits.
+/// Frame source for a video file of another recorder, in any container and codec that FFmpeg reads: luma of
+/// its first video stream. Pictures with decoding errors are marked as damaged up to the next key picture.
+/// Opens no other file or address. Never waits.
 class VideoFileSource : public CameraSource {
  public:
-  /// Throws std::runtime_error if the file cannot be opened or holds no video that can be decoded.
+  /// Throws std::runtime_error naming the file if it cannot be opened or contains no video that can be
+  /// decoded.
   VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time);
   ~VideoFileSource() override;
   VideoFileSource(const VideoFileSource&) = delete;
@@ -37,13 +37,13 @@ class VideoFileSource : public CameraSource {
   CameraHealth health() const override;
   void interrupt() noexcept override;
 
-  /// Of the last frame read, by the file's own time stamps, s.
+  /// Time stamp of the last frame read, s, in the file's time.
   double fileTime() const;
 
-  /// Pictures that the file says it holds, or that its length makes likely; 0: unknown.
+  /// Number of pictures by the file's header, or from its duration and frame rate; 0: unknown.
   std::size_t expectedPictures() const;
 
-  /// When the recording began, ns since the Unix epoch, if the file says so, else 0.
+  /// Creation time in the file's metadata, ns since the Unix epoch; 0: unknown.
   std::int64_t creationNs() const;
 
  private:

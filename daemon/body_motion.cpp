@@ -1,7 +1,6 @@
-// The camera's motion seen from the cart: poses, velocities and their covariances carried from the rectified
-// left camera to the body. Equations are those of J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for
-// state estimation in robotics", 2018 (arXiv:1812.01537), and of T. Barfoot, "State Estimation for Robotics",
-// 2017.
+// Transforms poses, velocities and their covariances from the rectified left camera to the body. Equations:
+// J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018
+// (arXiv:1812.01537), and T. Barfoot, "State Estimation for Robotics", 2017.
 
 #include "daemon/body_motion.hpp"
 
@@ -13,9 +12,9 @@
 namespace cartvo {
 namespace {
 
-constexpr double kSmallAngle = 1e-5;  // below it the series are exact to double precision
+constexpr double kSmallAngle = 1e-5;  // rad; below it the series are exact to double precision
 
-// V(theta), which takes the linear velocity to the translation (Solà, eq. 174).
+// V(theta), which maps the linear velocity to the translation (Solà, eq. 174).
 Eigen::Matrix3d translationJacobian(const Eigen::Vector3d& rotation) {
   const double angle = rotation.norm();
   const Eigen::Matrix3d W = skew(rotation);
@@ -33,8 +32,8 @@ Eigen::Vector3d rotationLogarithm(const Eigen::Matrix3d& rotation) {
   return scale * q.vec();
 }
 
-// The inverse of the right Jacobian of SE(3) by its series in Bernoulli numbers (Barfoot, eq. 7.76b, with the
-// sign of the right Jacobian). The next term is ad^6/30240: below 1e-9 for the 0.2 rad of a fast turn.
+// Inverse of the right Jacobian of SE(3), as a series in Bernoulli numbers (Barfoot, eq. 7.76b, with the sign
+// of the right Jacobian). The next term is ad^6/30240: below 1e-9 for the 0.2 rad of a fast turn.
 Matrix6d inverseRightJacobian(const Vector6d& twist) {
   Matrix6d ad = Matrix6d::Zero();
   ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(twist.tail<3>());
@@ -43,11 +42,11 @@ Matrix6d inverseRightJacobian(const Vector6d& twist) {
   return Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
 }
 
-/// What a scale that is off by its standard deviation makes of a pose or motion: all ways are too long by the
-/// same share. Perturbation on the right.
-Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_deviation) {
+/// Error of a pose or motion for a scale that is off by one standard deviation: all distances are too long by
+/// the same fraction. Right perturbation.
+Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_stddev) {
   Vector6d error = Vector6d::Zero();
-  error.head<3>() = scale_deviation * (pose.linear().transpose() * pose.translation());
+  error.head<3>() = scale_stddev * (pose.linear().transpose() * pose.translation());
   return error;
 }
 
@@ -71,14 +70,14 @@ Eigen::Isometry3d exponential(const Vector6d& twist) {
 }
 
 BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
-                      double scale_deviation) {
+                      double scale_stddev) {
   const Eigen::Isometry3d T_rectified_body = T_body_rectified.inverse();
   const Matrix6d Ad = adjoint(T_body_rectified);
 
   BodyMotion motion;
   motion.T_world_body = T_body_rectified * estimate.T_world_camera * T_rectified_body;
   // T_body (T exp(x)) T_body^-1 = (T_body T T_body^-1) exp(Ad x): Solà, eq. 20.
-  const Vector6d pose_scale_error = Ad * scaleError(estimate.T_world_camera, scale_deviation);
+  const Vector6d pose_scale_error = Ad * scaleError(estimate.T_world_camera, scale_stddev);
   motion.pose_covariance =
       Ad * estimate.pose_covariance * Ad.transpose() + pose_scale_error * pose_scale_error.transpose();
   motion.T_previous_current = T_body_rectified * estimate.T_previous_current * T_rectified_body;
@@ -97,7 +96,7 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
   motion.angular_velocity = twist.tail<3>() / estimate.time_step;
   const Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
   motion.twist_offset_error = J * estimate.motion_offset_error;
-  motion.twist_scale_error = J * scaleError(estimate.T_previous_current, scale_deviation);
+  motion.twist_scale_error = J * scaleError(estimate.T_previous_current, scale_stddev);
   motion.twist_covariance = J * estimate.motion_covariance * J.transpose() +
                             motion.twist_scale_error * motion.twist_scale_error.transpose();
   return motion;

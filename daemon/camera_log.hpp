@@ -14,9 +14,9 @@
 
 namespace cartvo {
 
-/// Tells of one camera, whose health is looked at now and then, what an administrator wants to read in the
-/// journal: each change of its state; what is wrong with it, again each minute while it lasts; and faults
-/// that were over before anybody looked, in a bounded number of lines. One thread.
+/// Logs the health of one camera, which is polled: each change of its state; its fault, repeated each minute
+/// while it lasts; and faults that began and ended between two polls, in a bounded number of lines. Not
+/// thread-safe.
 class CameraLog {
  public:
   using Clock = std::chrono::steady_clock;
@@ -27,22 +27,23 @@ class CameraLog {
     bool operator==(const Line&) const = default;
   };
 
-  /// `name`: what each line begins with, such as "left camera".
+  /// `name` begins each line, for example "left camera".
   explicit CameraLog(std::string name) : name_(std::move(name)) {}
 
-  /// For each look: the lines to log now. Pure, for tests; `note` logs them.
+  /// Returns the lines to log for one poll. Does not log, for tests; `log` does.
   std::vector<Line> due(const CameraHealth& health, Clock::time_point now);
-  void note(const CameraHealth& health);
+  void log(const CameraHealth& health);
 
  private:
-  void tellState(const CameraHealth& health, bool changed, Clock::time_point now, std::vector<Line>& lines);
-  void tellUnseen(const CameraHealth& health, Clock::time_point now, std::vector<Line>& lines);
+  void addStateLine(const CameraHealth& health, bool changed, Clock::time_point now,
+                    std::vector<Line>& lines);
+  void addMissedFaultLine(const CameraHealth& health, Clock::time_point now, std::vector<Line>& lines);
 
   std::string name_;
-  std::optional<CameraState> state_;  ///< at the last look
-  std::uint64_t reconnections_ = 0;   ///< likewise
-  std::uint64_t untold_ = 0;          ///< reconnections that no line tells of
-  RepeatedWarnings lasting_;
+  std::optional<CameraState> state_;          ///< at the last poll
+  std::uint64_t reconnections_ = 0;           ///< at the last poll
+  std::uint64_t unlogged_reconnections_ = 0;  ///< not yet mentioned in any line
+  RepeatedWarnings faults_;
   LineBudget budget_;
 };
 

@@ -1,4 +1,4 @@
-// Where a camera's password is kept: in the configuration's file or among systemd's credentials.
+// Reads a camera's password from the configured file or from systemd's credentials.
 
 #include "daemon/camera_password.hpp"
 

@@ -1,5 +1,5 @@
-// cartvod: two IP cameras in, the cart's motion out on LCM, until SIGTERM.
-// Exit codes: 0 stopped cleanly, 1 could not go on, 2 the command line or the configuration is wrong.
+// cartvod: reads two cameras and publishes the cart's motion over LCM until SIGTERM.
+// Exit codes: 0 stopped cleanly, 1 failed, 2 wrong command line or configuration.
 
 #include <chrono>
 #include <cstdio>
@@ -37,19 +37,19 @@ void describe(CLI::App& app, CommandLine& command_line) {
   app.add_option("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
       ->required();
   app.add_flag("--check-config", command_line.check_only,
-               "Check the configuration and what it names, then exit");
+               "Check the configuration, the rig file and the passwords, then exit");
   app.add_option("--record", command_line.recording_directory,
                  "Record both streams as received into this folder (overrides recording.directory)");
 }
 
-/// A folder of its own for each start, named by it (UTC): a restarted service must not stop at the recording
-/// that it left behind.
+/// Recording folder named by the start time (UTC), so that a restarted service does not fail on the folder of
+/// its previous run.
 std::filesystem::path folderOfThisStart(const std::filesystem::path& recordings) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   return recordings / fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
 }
 
-/// Stops the daemon at the first signal, or returns when the thread is told to end.
+/// Stops the daemon at the first signal; returns when `end` is requested.
 void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals, cartvo::Daemon& daemon) {
   while (!end.stop_requested()) {
     const std::optional<int> signal = signals.wait(std::chrono::milliseconds(50));
@@ -66,7 +66,7 @@ int run(const CommandLine& command_line) {
   try {
     configuration = cartvo::readConfiguration(command_line.configuration);
     if (!command_line.recording_directory.empty()) {
-      // Asked for by a person: nothing of it, nor of what else lies there, is deleted for want of room.
+      // With --record nothing in that folder is deleted to free disk space.
       configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
     } else if (!configuration.recording_directory.empty()) {
       configuration.recording_quota.recordings = configuration.recording_directory;
@@ -95,7 +95,7 @@ int run(const CommandLine& command_line) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(bugprone-exception-escape): out of memory before anything runs may as well end the program
+// NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
   cartvo::setUpLog(spdlog::level::info);
   CLI::App app;

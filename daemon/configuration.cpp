@@ -1,5 +1,5 @@
-// cartvod's configuration file, read once and strictly. config/cartvod.yaml explains each key; a test holds
-// the two to each other.
+// Reads and writes cartvod's configuration file. config/cartvod.yaml explains each key; a test compares it
+// with the keys here.
 
 #include "daemon/configuration.hpp"
 
@@ -52,7 +52,7 @@ constexpr std::array<std::pair<const char*, RigRefinement>, 2> kRigRefinements{
 constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
     {{"reprojection", Estimator::reprojection}, {"thesis", Estimator::thesis}}};
 
-/// Takes one of the named values, or says which there are.
+/// Parses one of the named values; the error lists them.
 template <typename Value, std::size_t count>
 Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Value>, count>& choices) {
   std::string names;
@@ -71,11 +71,11 @@ const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, 
   return "";
 }
 
-std::chrono::milliseconds duration(const StrictYaml& seconds, double least, double most) {
-  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(least, most)));
+std::chrono::milliseconds duration(const StrictYaml& seconds, double minimum, double maximum) {
+  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(minimum, maximum)));
 }
 
-/// A path, from the configuration file's folder if it is relative.
+/// Parses a path; a relative one is relative to the configuration file's folder.
 std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& folder) {
   if (yaml.text().empty()) yaml.failExpecting("a path");
   return (folder / yaml.text()).lexically_normal();
@@ -86,9 +86,9 @@ std::string streamUrl(const StrictYaml& yaml) {
   std::string url = yaml.text();
   if (std::regex_match(url, kV4l2Url)) return url;
   if (url.find('@') != std::string::npos) {
-    // The value is not repeated: it holds a password.
+    // The error does not quote the value, because it contains a password.
     yaml.fail(
-        "a URL must not hold user and password, because URLs end up in logs; use username and "
+        "a URL must not contain user and password, because URLs are logged; use username and "
         "password_file or password_credential");
   }
   if (!std::regex_match(url, kRtspUrl)) {
@@ -98,19 +98,19 @@ std::string streamUrl(const StrictYaml& yaml) {
 }
 
 cv::Size imageSize(const StrictYaml& yaml) {
-  const std::optional<cv::Size> size = sizeFrom(yaml.text());
+  const std::optional<cv::Size> size = parseImageSize(yaml.text());
   if (!size) yaml.failExpecting("a size in pixels such as 1280x720");
   return *size;
 }
 
-/// What only a camera of this computer has, and what it has not.
+/// Reads the keys of a V4L2 camera. Fails for keys that do not belong to the camera's kind.
 void readV4l2Keys(const StrictYaml& yaml, CameraConfiguration& camera) {
-  const auto keys_of = [&](const Keys& keys, const char* kind) {
+  const auto reject_keys = [&](const Keys& keys, const char* kind) {
     for (const char* key : keys)
       if (yaml.has(key)) yaml[key].fail(std::string("only ") + kind + " has this key");
   };
-  if (!camera.isV4l2()) return keys_of({"size", "format", "exposure", "gain"}, "a V4L2 camera");
-  keys_of({"username", "password_file", "password_credential"}, "an IP camera");
+  if (!camera.isV4l2()) return reject_keys({"size", "format", "exposure", "gain"}, "a V4L2 camera");
+  reject_keys({"username", "password_file", "password_credential"}, "an IP camera");
   if (yaml.has("size")) camera.size = imageSize(yaml["size"]);
   if (yaml.has("format")) camera.format = choice(yaml["format"], kFormats);
   if (yaml.has("exposure")) camera.exposure = yaml["exposure"].number(1e-5, 1.0);
@@ -135,10 +135,10 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
   const bool has_credential = !camera.password_credential.empty();
   if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
   if (!camera.username.empty() && !has_file && !has_credential) {
-    yaml.fail("username needs password_file or password_credential beside it");
+    yaml.fail("username needs password_file or password_credential");
   }
   if (camera.username.empty() && (has_file || has_credential)) {
-    yaml.fail("a password needs username beside it");
+    yaml.fail("a password needs username");
   }
   return camera;
 }
@@ -170,7 +170,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
 RigRefinement rigRefinement(const StrictYaml& yaml) {
   if (yaml.text() == "monitor") {
     yaml.fail(
-        "'monitor' was removed: use 'correct' to have the right camera's turn estimated, published and "
+        "'monitor' was removed: use 'correct' to have the right camera's rotation estimated, published and "
         "corrected, or 'off'");
   }
   return choice(yaml, kRigRefinements);
@@ -216,8 +216,8 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
   yaml.allowOnly(kRecordingKeys);
   if (yaml.has("directory")) configuration.recording_directory = path(yaml["directory"], folder);
   RecordingQuota& quota = configuration.recording_quota;
-  const auto bytes = [](const StrictYaml& gigabytes, double least) {
-    return static_cast<std::uint64_t>(std::llround(gigabytes.number(least, 1e6) * kGigabyte));
+  const auto bytes = [](const StrictYaml& gigabytes, double minimum) {
+    return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6) * kGigabyte));
   };
   if (yaml.has("maximum_size")) quota.maximum_bytes = bytes(yaml["maximum_size"], 1.0);
   if (yaml.has("maximum_age")) {
@@ -247,7 +247,7 @@ double seconds(std::chrono::milliseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Configuration configurationOf(const StrictYaml& yaml, const std::filesystem::path& folder) {
+Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::path& folder) {
   yaml.allowOnly(kRootKeys);
 
   Configuration configuration;
@@ -264,11 +264,11 @@ Configuration configurationOf(const StrictYaml& yaml, const std::filesystem::pat
 }  // namespace
 
 Configuration readConfiguration(const std::filesystem::path& file) {
-  return configurationOf(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path());
+  return buildConfiguration(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path());
 }
 
 Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name) {
-  return configurationOf(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path());
+  return buildConfiguration(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path());
 }
 
 std::string effectiveConfiguration(const Configuration& configuration) {

@@ -1,4 +1,4 @@
-// Puts cartvod together and keeps its records while it runs.
+// Assembles cartvod from its parts and runs logging, health messages and watchdog.
 
 #include "daemon/daemon.hpp"
 
@@ -28,10 +28,10 @@
 #include "daemon/log.hpp"
 #include "daemon/odometry_publisher.hpp"
 #include "daemon/pipeline.hpp"
-#include "daemon/progress_watch.hpp"
 #include "daemon/service_manager.hpp"
+#include "daemon/stalled_reader.hpp"
 #include "daemon/validity_log.hpp"
-#include "daemon/visual_clock.hpp"
+#include "daemon/visual_offset_estimator.hpp"
 
 namespace cartvo {
 namespace {
@@ -43,7 +43,7 @@ Rectifier loadRectifier(const Rig& rig, const std::filesystem::path& tables_file
   const RectificationSettings& settings = rig.rectification;
   if (tables_file.empty()) return {rig, settings, buildTables(rig, settings)};
   LoadedTables loaded = loadOrBuildTables(rig, settings, tables_file);
-  spdlog::info("rectification tables: {}", loaded.explanation);
+  spdlog::info("rectification tables: {}", loaded.message);
   return {rig, settings, std::move(loaded.tables)};
 }
 
@@ -69,21 +69,20 @@ class Daemon::Implementation {
   std::string recordingProblem();
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
-  void turn();
+  void tick();
   void publishHealth(Clock::time_point now);
   std::string statusLine(const health_t& health) const;
 
   Configuration configuration_;
   Rig rig_;
   std::unique_ptr<lcm::LCM> lcm_;
-  // The recorder outlives the cameras that feed it.
-  std::unique_ptr<StreamRecorder> recorder_;
-  std::string recording_refused_;         ///< why it could not start
-  std::string recording_error_;           ///< as last told, like the next two
-  std::uint64_t recording_left_out_ = 0;  ///< pictures
+  std::unique_ptr<StreamRecorder> recorder_;      ///< must outlive the cameras that feed it
+  std::string recording_refused_;                 ///< why recording could not start
+  std::string recording_error_;                   ///< as of the last health message, as are the next two
+  std::uint64_t recording_dropped_pictures_ = 0;  ///< pictures
   std::uint64_t recording_resumptions_ = 0;
-  PairClock clock_;  ///< outlives the cameras, too
-  VisualClock visual_clock_;
+  StereoTimestamper clock_;  ///< must outlive the cameras
+  VisualOffsetEstimator visual_offset_;
   LiveCamera left_;
   LiveCamera right_;
   PairProcessor processor_;
@@ -118,12 +117,12 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
   if (!configuration.recording_directory.empty()) startRecording();
 }
 
-/// The controllers need the motion, recorded or not: a recording that cannot start is only a problem to be
-/// told.
+/// Starts the recording. A failure is logged and reported in the health message but does not stop the daemon,
+/// because controllers need the motion.
 void Daemon::Implementation::startRecording() {
   try {
     if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
-      throw std::runtime_error("only IP cameras are recorded, V4L2 cameras send nothing encoded");
+      throw std::runtime_error("only IP cameras can be recorded, because V4L2 cameras send no encoded video");
     RecordingSettings settings;
     settings.folder = configuration_.recording_directory;
     settings.configuration = effectiveConfiguration(configuration_);
@@ -140,7 +139,7 @@ void Daemon::Implementation::startRecording() {
   spdlog::info("recording to {}", configuration_.recording_directory.string());
 }
 
-/// Since it was last asked for.
+/// Recording problem since the last call; empty if none.
 std::string Daemon::Implementation::recordingProblem() {
   if (!recorder_) return recording_refused_;
   const RecorderHealth health = recorder_->health();
@@ -149,47 +148,49 @@ std::string Daemon::Implementation::recordingProblem() {
   if (health.error.empty()) warnings_.forget(recording_error_);
   recording_error_ = health.error;
   if (!health.error.empty()) return health.error;
-  const bool leaves_out = health.left_out > std::exchange(recording_left_out_, health.left_out);
-  return leaves_out ? "the disk is too slow for the recording: pictures are left out of it" : "";
+  const bool drops_pictures =
+      health.dropped_pictures > std::exchange(recording_dropped_pictures_, health.dropped_pictures);
+  return drops_pictures ? "the disk is too slow for the recording: pictures are left out of it" : "";
 }
 
 void Daemon::Implementation::run() {
   spdlog::info("cartvod " CARTVO_VERSION ": rig '{}', {}, baseline {:.1f} mm; left {}, right {}", rig_.name,
                sizeText(rig_.left.size), 1e3 * rig_.baseline(), configuration_.left.url,
                configuration_.right.url);
-  service_.status("waiting for both cameras");
+  service_.setStatus("waiting for both cameras");
   pipeline_.runLive({[this](const PairResult& result) { onPair(result); },
                      [this](const NoPair& no_pair) { onNoPair(no_pair); }});
-  service_.stopping();
+  service_.notifyStopping();
   const PipelineCounts counts = pipeline_.counts();
   spdlog::info("stopped after {} pairs, {} of them skipped to stay current", counts.pairs, counts.skipped);
 }
 
 void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
-  health_.add(result, message);
-  clock_.setVisual(visual_clock_.add(result.estimate.rig, static_cast<double>(result.applied_ns()),
-                                     result.estimate.time_step));
-  if (message.status == odometry_t::VALID) service_.ready();
-  validity_.note(message);
-  turn();
+  health_.addPair(result, message);
+  clock_.setVisual(visual_offset_.update(
+      result.estimate.rig, static_cast<double>(result.applied_correction_ns()), result.estimate.time_step));
+  if (message.status == odometry_t::VALID) service_.notifyReady();
+  validity_.log(message);
+  tick();
 }
 
 void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   const odometry_t& message = publisher_.publish(no_pair);
-  health_.addNoPair();
-  validity_.note(message);
-  turn();
+  health_.addMissedPair();
+  validity_.log(message);
+  tick();
 }
 
-/// Once for each message; that is at the frame rate, whatever the cameras do.
-void Daemon::Implementation::turn() {
-  if (const std::string stuck =
-          stuckReader(pipeline_.progress(), std::max(left_.longestTurn(), right_.longestTurn()));
-      stuck.empty()) {
+/// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes
+/// the health message when it is due.
+void Daemon::Implementation::tick() {
+  if (const std::string stalled =
+          stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
+      stalled.empty()) {
     service_.feedWatchdog();
   } else {
-    warnings_.warn("the " + stuck + " makes no progress; systemd's watchdog is not fed");
+    warnings_.warn("the " + stalled + " makes no progress; systemd's watchdog is not fed");
   }
   if (const auto now = Clock::now(); now >= next_health_) {
     publishHealth(now);
@@ -203,13 +204,13 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
       pipeline_.problem(),     configuration_.odometry.features, recordingProblem()};
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
-  service_.status(statusLine(message));
-  left_log_.note(snapshot.left);
-  right_log_.note(snapshot.right);
+  service_.setStatus(statusLine(message));
+  left_log_.log(snapshot.left);
+  right_log_.log(snapshot.right);
   for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
-  if (health_.selfCheck().takeChange()) {
+  if (health_.selfCheck().consumeChange()) {
     if (message.self_check.empty())
       spdlog::info("self-check: the cameras agree with the rig file and their clocks again");
     else
@@ -217,7 +218,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   }
   if (publisher_.failures() > reported_failures_) {
     warnings_.warn(
-        "LCM: messages could not be sent; has the multicast route gone? ('ip route get 239.255.76.67')");
+        "LCM: messages could not be sent; check the multicast route with 'ip route get 239.255.76.67'");
     reported_failures_ = publisher_.failures();
   }
 }
@@ -226,7 +227,7 @@ std::string Daemon::Implementation::statusLine(const health_t& health) const {
   if (!health.problem.empty()) return health.problem;
   if (!health.self_check.empty()) return health.self_check;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
-                     validity_.valid() ? "odometry valid" : "no valid odometry", health.pair_rate,
+                     validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);
 }
 
@@ -245,6 +246,7 @@ void checkConfiguration(const Configuration& configuration) {
   computeRectification(rig, rig.rectification);
   validate(configuration.odometry);
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
+    // systemd passes credentials only to the running service.
     const bool given_by_systemd =
         camera->password_file.empty() && std::getenv("CREDENTIALS_DIRECTORY") == nullptr;
     if (!given_by_systemd) readPassword(*camera);

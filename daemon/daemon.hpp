@@ -6,20 +6,20 @@
 
 namespace cartvo {
 
-/// cartvod: two cameras, the pipeline, LCM, the log and systemd, put together from a configuration.
+/// cartvod: connects two cameras, the pipeline, LCM, the log and systemd as the configuration says.
 class Daemon {
  public:
-  /// Loads the rig, the tables and the passwords and connects to LCM. Throws std::runtime_error with a
-  /// message a person can act on.
+  /// Loads the rig, the rectification tables and the passwords and connects to LCM. Throws std::runtime_error
+  /// that says what to fix.
   explicit Daemon(const Configuration& configuration);
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  /// Runs until `stop`. Throws what makes going on impossible.
+  /// Runs until `stop`. Throws the error that ended the run.
   void run();
 
-  /// From any thread.
+  /// Ends `run`. May be called from any thread.
   void stop() noexcept;
 
  private:
@@ -27,8 +27,8 @@ class Daemon {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Checks all that can be checked without cameras and LCM: the rig and its rectification, the passwords.
-/// Throws std::runtime_error for what is wrong.
+/// Checks what can be checked without cameras and LCM: the rig and its rectification, the odometry settings,
+/// the passwords, the LCM URL. Throws std::runtime_error that names the fault.
 void checkConfiguration(const Configuration& configuration);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// Fewer features rather than late ones.
+// Feature budget: adapts the number of features to the computer's load.
 #include "daemon/feature_budget.hpp"
 
 #include <algorithm>
@@ -7,26 +7,27 @@
 namespace cartvo {
 namespace {
 
-constexpr double kMostLoad = 0.8;   // of a period; what is above is shed
-constexpr double kAimedLoad = 0.7;  // that shedding aims at; below, features come back
-constexpr double kMostAtOnce = 0.5;
-constexpr double kComingBack = 1.02;  // each pair: twice as many in 35 pairs
-constexpr int kFewest = 150;          // below, accuracy suffers more than delay would harm
+constexpr double kMaxLoad = 0.8;             // periods; above it the number of features is reduced
+constexpr double kTargetLoad = 0.7;          // periods; load after a reduction; below it features are added
+constexpr double kMinReductionFactor = 0.5;  // per pair
+constexpr double kRecoveryFactor = 1.02;     // per pair: doubles the number in 35 pairs
+constexpr int kMinFeatures = 150;            // fewer would cost more accuracy than the delay costs
 
 }  // namespace
 
-FeatureBudget::FeatureBudget(int most, double period) : most_(most), period_(period), features_(most) {}
+FeatureBudget::FeatureBudget(int max_features, double period)
+    : max_features_(max_features), period_(period), features_(max_features) {}
 
-int FeatureBudget::next(double seconds) {
-  const double load = seconds / period_;
-  // Of two pairs the quicker one: once in a while one takes longer for somebody else's sake.
+int FeatureBudget::update(double processing_time) {
+  const double load = processing_time / period_;
+  // The smaller load of two pairs: a single pair may take longer because of another process.
   const double sustained = std::min(load, last_load_);
   last_load_ = load;
-  if (sustained > kMostLoad)
-    features_ *= std::max(kAimedLoad / sustained, kMostAtOnce);
-  else if (load < kAimedLoad)
-    features_ *= kComingBack;
-  features_ = std::clamp<double>(features_, std::min(kFewest, most_), most_);
+  if (sustained > kMaxLoad)
+    features_ *= std::max(kTargetLoad / sustained, kMinReductionFactor);
+  else if (load < kTargetLoad)
+    features_ *= kRecoveryFactor;
+  features_ = std::clamp<double>(features_, std::min(kMinFeatures, max_features_), max_features_);
   return static_cast<int>(std::lround(features_));
 }
 

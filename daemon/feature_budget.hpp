@@ -2,24 +2,26 @@
 
 namespace cartvo {
 
-/// How many features the odometry may look for so that each pair is done before the next one comes. When the
-/// computer cannot keep up, fewer features, found in time, are worth more than all of them late: time grows
-/// with the features, accuracy hardly (docs/method.md, half-features).
+/// Limits the number of features so that each pair is processed before the next one arrives. On an overloaded
+/// computer fewer features in time are worth more than all of them late: processing time grows with their
+/// number, accuracy hardly does (docs/notebook/method.md, half-features).
 ///
-/// The number falls at once to what the time for the last pairs calls for, and comes back slowly. Pure.
+/// The number drops at once to what the last two processing times allow and recovers slowly. Pure
+/// computation.
 class FeatureBudget {
  public:
-  /// `most`: features as configured. `period`: s between pairs.
-  FeatureBudget(int most, double period);
+  /// `max_features`: the configured number. `period`: s between pairs.
+  FeatureBudget(int max_features, double period);
 
-  /// A pair took `seconds`. Returns the features to aim at from now on.
-  int next(double seconds);
+  /// Updates the budget with the processing time of a pair, s. Returns the target number of features from now
+  /// on.
+  int update(double processing_time);
 
  private:
-  int most_;
+  int max_features_;
   double period_;
   double features_;
-  double last_load_ = 0.0;  ///< of the pair before, in periods
+  double last_load_ = 0.0;  ///< processing time of the previous pair, in periods
 };
 
 }  // namespace cartvo

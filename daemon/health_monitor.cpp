@@ -1,4 +1,4 @@
-// What the daemon says of itself once a second.
+// Builds the health message, published once a second.
 
 #include "daemon/health_monitor.hpp"
 
@@ -17,10 +17,10 @@
 namespace cartvo {
 namespace {
 
-constexpr std::size_t kLongestText = 200;  // bytes, so that the message fits into one Ethernet frame
-constexpr std::size_t kLargestWindow = 1024;
+constexpr std::size_t kMaxTextSize = 200;  // bytes, so that the message fits into one Ethernet frame
+constexpr std::size_t kMaxWindowPairs = 1024;
 
-float megabytesResident() {
+float residentMegabytes() {
   std::ifstream statm("/proc/self/statm");
   double total_pages = 0.0;
   double resident_pages = 0.0;
@@ -29,7 +29,7 @@ float megabytesResident() {
 }
 
 std::string shortened(const std::string& text) {
-  return std::string(beginningOf(text, kLongestText));
+  return std::string(utf8Prefix(text, kMaxTextSize));
 }
 
 std::int8_t stateCode(CameraState state) {
@@ -66,7 +66,7 @@ std::int8_t sourceCode(InstantSource source) {
   return camera_health_t::ARRIVAL;
 }
 
-/// NaN for what is not known.
+/// NaN if unknown.
 float milliseconds(const std::optional<double>& nanoseconds) {
   return static_cast<float>(1e-6 * nanoseconds.value_or(std::numeric_limits<double>::quiet_NaN()));
 }
@@ -88,11 +88,11 @@ camera_health_t cameraMessage(const CameraHealth& health, const ClockStatus::Cam
   return message;
 }
 
-std::string shedding(const health_t& message) {
+std::string overloadMessage(const health_t& message) {
   if (message.features_least >= message.features_configured) return {};
   return fmt::format(
-      "the computer is too slow: {} instead of {} features, so that each pair is done in time; free it of "
-      "other work, or set odometry.features to less",
+      "the computer is too slow: it uses {} instead of {} features to process each pair in time; stop other "
+      "programs, or reduce odometry.features",
       message.features_least, message.features_configured);
 }
 
@@ -108,10 +108,10 @@ std::string firstProblem(const HealthSnapshot& snapshot) {
 }
 
 void setClock(health_t& message, const ClockStatus& clock) {
-  const auto value = [](const std::optional<ClockWitness>& witness) {
-    return witness ? std::optional(witness->value_ns) : std::nullopt;
+  const auto value = [](const std::optional<OffsetEstimate>& estimate) {
+    return estimate ? std::optional(estimate->value_ns) : std::nullopt;
   };
-  message.clock_deviation_ms = milliseconds(clock.offset.deviation_ns);
+  message.clock_deviation_ms = milliseconds(clock.offset.stddev_ns);
   message.clock_by_reports_ms = milliseconds(value(clock.ntp));
   message.clock_by_pictures_ms = milliseconds(value(clock.visual));
 }
@@ -130,16 +130,17 @@ void setCounts(health_t& message, const PipelineCounts& counts) {
 void setSelfCheck(health_t& message, const SelfCheck& check) {
   constexpr double kDegrees = 180.0 / 3.14159265358979323846;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  constexpr Checked kNothing{kUnknown, kUnknown};
-  const RigCheck rig = check.rig().value_or(RigCheck{kNothing, kNothing, kNothing, kNothing});
+  constexpr EstimateWithStddev kNothing{kUnknown, kUnknown};
+  const RigCalibrationError rig =
+      check.rig().value_or(RigCalibrationError{kNothing, kNothing, kNothing, kNothing});
   message.right_late_ms = static_cast<float>(1e3 * rig.delay.value);
-  message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.deviation);
-  const std::array<Checked, 3> angles{rig.pitch, rig.yaw, rig.roll};
+  message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.stddev);
+  const std::array<EstimateWithStddev, 3> angles{rig.pitch, rig.yaw, rig.roll};
   for (std::size_t i = 0; i < angles.size(); ++i) {
     message.right_rotation_deg[i] = static_cast<float>(kDegrees * angles[i].value);
-    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegrees * angles[i].deviation);
+    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegrees * angles[i].stddev);
   }
-  message.self_check = shortened(check.sentence());
+  message.self_check = shortened(check.message());
 }
 
 double decodeMilliseconds(const FrameInstants& frame) {
@@ -159,11 +160,11 @@ double percentile(std::vector<double> values, double fraction) {
 
 HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(start) {}
 
-void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
+void HealthMonitor::addPair(const PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
-  self_check_.note(result.estimate);
+  self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);
-  if (window_.latency.size() >= kLargestWindow) return;
+  if (window_.latency.size() >= kMaxWindowPairs) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
   window_.process.push_back(result.times.total * 1e3);
   window_.offset.push_back(static_cast<double>(result.offset_ns()) * 1e-6);
@@ -171,7 +172,7 @@ void HealthMonitor::add(const PairResult& result, const odometry_t& message) {
   window_.right_decode.push_back(decodeMilliseconds(result.right));
 }
 
-void HealthMonitor::addNoPair() {
+void HealthMonitor::addMissedPair() {
   ++invalid_;
 }
 
@@ -198,13 +199,13 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.latency_p50_ms = static_cast<float>(percentile(window_.latency, 0.5));
   message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
-  message.memory_mb = megabytesResident();
+  message.memory_mb = residentMegabytes();
   message.features_configured = snapshot.features;
   message.features_least = std::min(window_.features, snapshot.features);
   setSelfCheck(message, self_check_);
   setClock(message, snapshot.clock);
   message.problem = shortened(firstProblem(snapshot));
-  if (message.problem.empty()) message.problem = shortened(shedding(message));
+  if (message.problem.empty()) message.problem = shortened(overloadMessage(message));
 
   last_ = now;
   last_left_frames_ = snapshot.left.frames;

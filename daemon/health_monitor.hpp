@@ -11,45 +11,45 @@
 #include <cartvo/odometry_t.hpp>
 
 #include "capture/camera_source.hpp"
-#include "capture/pair_clock.hpp"
+#include "capture/stereo_timestamper.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/self_check.hpp"
 
 namespace cartvo {
 
-/// What the daemon's other parts say at the moment a health message is made.
+/// State of the daemon's other parts when a health message is built.
 struct HealthSnapshot {
   CameraHealth left;
   CameraHealth right;
   PipelineCounts counts;
   ClockStatus clock;
-  std::string problem;    ///< what a person should mend first; empty: see the cameras' last errors
+  std::string problem;    ///< the problem to fix first; empty: see the cameras' last errors
   int features = 0;       ///< as configured
-  std::string recording;  ///< why nothing is recorded that should be; the least of the problems
+  std::string recording;  ///< why a configured recording is not written; lowest priority of all problems
 };
 
-/// Gathers what happened since the last health message. One thread.
+/// Accumulates statistics between health messages. Not thread-safe.
 class HealthMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit HealthMonitor(Clock::time_point start);
 
-  /// A pair was processed and published as `message`.
-  void add(const PairResult& result, const odometry_t& message);
-  /// A message was published for a pair that did not come.
-  void addNoPair();
+  /// Adds a processed pair, published as `message`.
+  void addPair(const PairResult& result, const odometry_t& message);
+  /// Counts a message published for a pair that did not arrive.
+  void addMissedPair();
 
-  /// Makes the message for the time since the last one and begins anew.
+  /// Builds the message for the time since the previous one and resets the statistics.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
   SelfCheck& selfCheck() { return self_check_; }
 
  private:
-  /// Of the pairs since the last message, ms.
+  /// Statistics of the pairs since the last message.
   struct Window {
-    int features = std::numeric_limits<int>::max();  // the least that were aimed at
-    std::vector<double> latency, process, offset, left_decode, right_decode;
+    int features = std::numeric_limits<int>::max();                           // smallest target number
+    std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
 
   Clock::time_point start_;
@@ -63,7 +63,7 @@ class HealthMonitor {
   SelfCheck self_check_;
 };
 
-/// The value below which `fraction` of the values lie (nearest rank); NaN if there are none.
+/// Percentile by nearest rank: the value below which `fraction` of the values lie; NaN if there are none.
 double percentile(std::vector<double> values, double fraction);
 
 }  // namespace cartvo

@@ -1,5 +1,5 @@
-// Connects to LCM, and looks at where its multicast really goes: the commonest reason why messages never
-// arrive.
+// Connects to LCM and checks the route of its multicast packets: a wrong route is the commonest reason for
+// missing messages.
 
 #include "daemon/lcm_connection.hpp"
 
@@ -41,13 +41,14 @@ GroupUrl parseGroupUrl(const std::string& url) {
   if (inet_pton(AF_INET, group.address.c_str(), &parsed) != 1 || !IN_MULTICAST(ntohl(parsed.s_addr))) {
     throw std::invalid_argument("'" + group.address + "' is not a multicast address (224.0.0.0/4)");
   }
-  if (group.port < 1 || group.port > 65535) throw std::invalid_argument("'" + url + "': no such port");
+  if (group.port < 1 || group.port > 65535)
+    throw std::invalid_argument("'" + url + "': the port must be from 1 to 65535");
   return group;
 }
 
-/// The kernel's answer to "by which interface does a packet to this address leave?" (rtnetlink(7),
-/// RTM_GETROUTE, as `ip route get` asks it); 0 if there is no route. A connected socket's own address would
-/// not tell: on a route through `lo` it is another interface's.
+/// Index of the interface by which packets to `destination` leave (rtnetlink(7), RTM_GETROUTE, as in
+/// `ip route get`); 0 if there is no route. The local address of a connected socket does not identify it: on
+/// a route through `lo` it is another interface's address.
 unsigned outgoingInterface(const std::string& destination) {
   struct {
     nlmsghdr header{};
@@ -66,14 +67,14 @@ unsigned outgoingInterface(const std::string& destination) {
 
   const int descriptor = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
   if (descriptor < 0) return 0;
-  alignas(nlmsghdr) std::array<char, 4096> answer{};
+  alignas(nlmsghdr) std::array<char, 4096> response{};
   ssize_t received = -1;
   if (send(descriptor, &request, sizeof request, 0) == static_cast<ssize_t>(sizeof request)) {
-    received = recv(descriptor, answer.data(), answer.size(), 0);
+    received = recv(descriptor, response.data(), response.size(), 0);
   }
   close(descriptor);
 
-  const auto* header = reinterpret_cast<const nlmsghdr*>(answer.data());
+  const auto* header = reinterpret_cast<const nlmsghdr*>(response.data());
   if (received < static_cast<ssize_t>(sizeof(nlmsghdr)) || header->nlmsg_type != RTM_NEWROUTE) return 0;
   const auto* route = reinterpret_cast<const rtmsg*>(NLMSG_DATA(header));
   auto left = static_cast<int>(RTM_PAYLOAD(header));
@@ -98,9 +99,8 @@ bool isLoopback(const std::string& interface) {
 
 std::string howToAddRoute(const std::string& address) {
   return "To keep LCM on this host: 'ip link set lo multicast on; ip route add " + address +
-         "/32 dev lo' (the service cartvo-multicast.service does it at boot); to reach other hosts, give dev "
-         "the "
-         "network's interface and use ttl=1 in the URL";
+         "/32 dev lo' (cartvo-multicast.service does it at boot). To reach other hosts: use the network's "
+         "interface instead of lo, and ttl=1 in the URL";
 }
 
 }  // namespace
@@ -137,10 +137,10 @@ std::unique_ptr<lcm::LCM> connectLcm(const std::string& url) {
 std::string multicastWarning(const MulticastRoute& route) {
   if (route.loopback && route.ttl > 0) {
     return "LCM's URL has ttl=" + std::to_string(route.ttl) + ", but its route goes through " +
-           route.interface + ": no other host hears these messages";
+           route.interface + ": no other host receives these messages";
   }
   if (!route.loopback && route.ttl == 0) {
-    return "LCM stays on this host (ttl=0), but its route goes through " + route.interface +
+    return "LCM's URL keeps messages on this host (ttl=0), but its route goes through " + route.interface +
            ": messages stop when that link goes down. " + howToAddRoute(route.address);
   }
   return {};

@@ -7,29 +7,28 @@
 
 namespace cartvo {
 
-/// How many lines something that repeats may put into the log: a few at once, then one in ten seconds. One
-/// thread.
+/// Rate limit for repeated log lines: five at once, then one in ten seconds. Not thread-safe.
 class LineBudget {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Whether a line may be logged now; `now` never goes back.
+  /// True if a line may be logged now; `now` must not decrease.
   bool allows(Clock::time_point now) {
     if (!last_refill_) last_refill_ = now;
-    const auto periods = (now - *last_refill_) / kPeriod;
-    lines_ = static_cast<int>(std::min<std::int64_t>(lines_ + periods, kMostAtOnce));
-    *last_refill_ += periods * kPeriod;
+    const auto periods = (now - *last_refill_) / kRefillPeriod;
+    lines_ = static_cast<int>(std::min<std::int64_t>(lines_ + periods, kMaxLines));
+    *last_refill_ += periods * kRefillPeriod;
     return lines_ > 0;
   }
 
-  /// A line was logged.
+  /// Counts a logged line.
   void spend() { --lines_; }
 
  private:
-  static constexpr int kMostAtOnce = 5;
-  static constexpr std::chrono::seconds kPeriod{10};
+  static constexpr int kMaxLines = 5;
+  static constexpr std::chrono::seconds kRefillPeriod{10};
 
-  int lines_ = kMostAtOnce;
+  int lines_ = kMaxLines;
   std::optional<Clock::time_point> last_refill_;
 };
 

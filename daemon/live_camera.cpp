@@ -1,4 +1,4 @@
-// The cameras that the configuration names.
+// Builds the cameras named in the configuration.
 #include "daemon/live_camera.hpp"
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace cartvo {
 namespace {
 
-/// What a driver may take to open a camera: some wait for the hardware.
-constexpr std::chrono::seconds kOpening{3};
+/// Time that a V4L2 driver may need to open a camera; some wait for the hardware.
+constexpr std::chrono::seconds kMaxOpenTime{3};
 
 double twice(std::chrono::milliseconds duration) {
   return 2.0 * std::chrono::duration<double>(duration).count();
@@ -40,7 +40,7 @@ V4l2CameraSettings v4l2Settings(const Configuration& configuration, const Camera
   if (settings.size.empty()) {
     throw std::runtime_error("cameras." +
                              std::string(camera.url == configuration.left.url ? "left" : "right") +
-                             ".size is missing: without a rig nothing else says how large its pictures are");
+                             ".size is missing: without a rig file the image size must be configured");
   }
   settings.frame_rate = configuration.frame_rate;
   settings.format = camera.format;
@@ -51,26 +51,27 @@ V4l2CameraSettings v4l2Settings(const Configuration& configuration, const Camera
 }
 
 LiveCamera::LiveCamera(const Configuration& configuration, CameraSide side, const cv::Size& size,
-                       PairClock& clock) {
+                       StereoTimestamper& clock) {
   const CameraConfiguration& camera = side == CameraSide::left ? configuration.left : configuration.right;
   if (camera.isV4l2()) {
     source_ = std::make_unique<V4l2Camera>(v4l2Settings(configuration, camera, size));
-    longest_turn_ = twice(std::max<std::chrono::milliseconds>(kOpening, configuration.stall_timeout));
+    reader_timeout_ = twice(std::max<std::chrono::milliseconds>(kMaxOpenTime, configuration.stall_timeout));
   } else {
     connect(rtspSettings(configuration, camera), side, clock);
   }
 }
 
-void LiveCamera::connect(const RtspCameraSettings& settings, CameraSide side, PairClock& clock) {
+void LiveCamera::connect(const RtspCameraSettings& settings, CameraSide side, StereoTimestamper& clock) {
   auto camera = std::make_unique<RtspCamera>(settings);
-  camera->share(clock, side);
+  camera->setTimestamper(clock, side);
   rtsp_ = camera.get();
   source_ = std::move(camera);
-  longest_turn_ = twice(std::max(settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
+  reader_timeout_ =
+      twice(std::max(settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
 }
 
 bool LiveCamera::observe(StreamObserver& observer) {
-  if (rtsp_ != nullptr) rtsp_->observe(observer);
+  if (rtsp_ != nullptr) rtsp_->setObserver(observer);
   return rtsp_ != nullptr;
 }
 

@@ -9,38 +9,39 @@
 
 namespace cartvo {
 
-/// How a configured IP camera is reached; reads its password, see readPassword.
+/// Connection settings of a configured IP camera; reads its password (readPassword).
 RtspCameraSettings rtspSettings(const Configuration& configuration, const CameraConfiguration& camera);
 
-/// How a configured camera of this computer is set; `size`: px, the rig's, if the configuration has none.
-/// Throws std::runtime_error if neither has.
+/// Settings of a configured V4L2 camera. `size`: the rig's image size, px, used if the configuration gives
+/// none. Throws std::runtime_error if both are empty.
 V4l2CameraSettings v4l2Settings(const Configuration& configuration, const CameraConfiguration& camera,
                                 const cv::Size& size);
 
-/// A camera as configured, of either kind.
+/// A configured camera, RTSP or V4L2.
 class LiveCamera {
  public:
-  /// `size`: px, the rig's, or empty without one. An IP camera's pictures are stamped by `clock`, which must
-  /// outlive it. Throws what readPassword and v4l2Settings throw.
-  LiveCamera(const Configuration& configuration, CameraSide side, const cv::Size& size, PairClock& clock);
+  /// `size`: the rig's image size, px, or empty without a rig. `clock` timestamps the pictures of an IP
+  /// camera and must outlive it. Throws as readPassword and v4l2Settings do.
+  LiveCamera(const Configuration& configuration, CameraSide side, const cv::Size& size,
+             StereoTimestamper& clock);
 
   CameraSource& source() { return *source_; }
   const CameraSource& source() const { return *source_; }
 
-  /// Hands what an IP camera sends to `observer`, which must outlive it; before the first read. False if this
-  /// camera sends pictures that are not encoded, which are not recorded.
+  /// Passes the encoded stream of an IP camera to `observer`, which must outlive the camera. Call it before
+  /// the first read. Returns false for a V4L2 camera, which has no encoded stream.
   bool observe(StreamObserver& observer);
 
-  /// The longest a reader may take to go round, s: twice what the camera may spend on opening a connection or
-  /// on waiting for a silent one.
-  double longestTurn() const { return longest_turn_; }
+  /// Maximum time between two reads before the reader counts as stalled, s: twice the time the camera may
+  /// need to open a connection or to detect that no data arrive.
+  double readerTimeout() const { return reader_timeout_; }
 
  private:
-  void connect(const RtspCameraSettings& settings, CameraSide side, PairClock& clock);
+  void connect(const RtspCameraSettings& settings, CameraSide side, StereoTimestamper& clock);
 
   std::unique_ptr<CameraSource> source_;
-  RtspCamera* rtsp_ = nullptr;  ///< the same, if it is one
-  double longest_turn_ = 0.0;
+  RtspCamera* rtsp_ = nullptr;  ///< `source_` if it is an RTSP camera
+  double reader_timeout_ = 0.0;
 };
 
 }  // namespace cartvo

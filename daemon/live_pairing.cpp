@@ -1,4 +1,4 @@
-// The hand-over between the cameras' threads and the odometry's: bounded, newest wins.
+// Passes pairs from the cameras' threads to the odometry's thread; keeps only the newest.
 
 #include "daemon/live_pairing.hpp"
 
@@ -26,8 +26,8 @@ PairingTotals totals(const PairSynchroniser& synchroniser) {
 std::string wrongSizeMessage(CameraSide side, cv::Size stream, cv::Size rig) {
   return std::string(side == CameraSide::left ? "left" : "right") + " camera: the stream is " +
          sizeText(stream) + ", but the rig is for " + sizeText(rig) +
-         "; set the camera's resolution to the rig's, or calibrate at this one (it may crop instead of "
-         "scale)";
+         "; set the camera to the rig's resolution, or calibrate at the stream's (a camera may crop instead "
+         "of scale)";
 }
 
 LivePairing::LivePairing(const PairSynchroniserSettings& settings, cv::Size image_size)
@@ -57,7 +57,7 @@ void LivePairing::finish(CameraSide side) {
   changed_.notify_one();
 }
 
-std::optional<FramePair> LivePairing::take(std::chrono::steady_clock::time_point deadline) {
+std::optional<FramePair> LivePairing::waitForPair(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [this] { return newest_.has_value() || bothFinished(); });
   return std::exchange(newest_, std::nullopt);

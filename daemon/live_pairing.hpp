@@ -14,28 +14,29 @@
 
 namespace cartvo {
 
-/// Both sides' counts, summed.
+/// Counts of both cameras, summed.
 struct PairingTotals {
   PairingCounts frames;
   std::uint64_t pairs = 0;
 };
 PairingTotals totals(const PairSynchroniser& synchroniser);
 
-/// Where the two reader threads and the odometry's thread meet: frames come in, the newest pair goes out. A
-/// pair that was not taken before the next one is made is skipped and counted, so that nothing ages in a
-/// queue.
+/// Passes frames from the two reader threads to the odometry's thread as pairs. Keeps only the newest pair:
+/// one that was not fetched before the next one is formed is skipped and counted, so that no queue adds
+/// latency. Thread-safe.
 class LivePairing {
  public:
   LivePairing(const PairSynchroniserSettings& settings, cv::Size image_size);
 
-  /// From a camera's thread. A frame whose size is not the rig's is refused and counted.
+  /// Adds a frame of one camera. A frame whose size is not the rig's is rejected and counted.
   void push(CameraSide side, Frame frame);
 
-  /// The camera will deliver no more.
+  /// Marks the end of a camera's frames.
   void finish(CameraSide side);
 
-  /// Waits for a pair until the deadline; nothing if none came, or at once when both cameras have finished.
-  std::optional<FramePair> take(std::chrono::steady_clock::time_point deadline);
+  /// Waits for a pair until the deadline. Returns nothing if none arrived, and returns at once when both
+  /// cameras have finished.
+  std::optional<FramePair> waitForPair(std::chrono::steady_clock::time_point deadline);
 
   bool finished() const;
 
@@ -46,7 +47,7 @@ class LivePairing {
   };
   Counts counts() const;
 
-  /// A sentence about a stream whose latest picture was refused; empty if there is none.
+  /// Describes a stream whose latest frame was rejected for its size; empty if there is none.
   std::string problem() const;
 
  private:
@@ -58,12 +59,12 @@ class LivePairing {
   cv::Size image_size_;
   std::optional<FramePair> newest_;
   std::array<bool, 2> finished_{};
-  std::array<std::optional<cv::Size>, 2> refused_;  ///< size of each side's latest frame, if it was refused
+  std::array<std::optional<cv::Size>, 2> refused_;  ///< size of each side's latest frame, if rejected
   std::uint64_t skipped_ = 0;
   std::uint64_t refused_size_ = 0;
 };
 
-/// "left camera: the stream is 704x576, but the rig is for 680x420; ..."
+/// Error text: "left camera: the stream is 704x576, but the rig is for 680x420; ..."
 std::string wrongSizeMessage(CameraSide side, cv::Size stream, cv::Size rig);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// The daemon's log: lines for the journal, or for a person at a terminal.
+// Log set-up for the journal or a terminal, and the rate limit for repeated warnings.
 
 #include "daemon/log.hpp"
 
@@ -13,10 +13,10 @@
 namespace cartvo {
 namespace {
 
-constexpr std::chrono::minutes kRepeatAfter{1};
-constexpr std::size_t kMostTexts = 64;
+constexpr std::chrono::minutes kRepeatPeriod{1};
+constexpr std::size_t kMaxTexts = 64;
 
-/// "<4>": the priority by which journalctl -p filters (syslog(3)).
+/// Priority prefix such as "<4>", by which journalctl -p filters (syslog(3)).
 class PriorityFlag : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
@@ -51,13 +51,13 @@ void setUpLog(spdlog::level::level_enum level) {
 std::string RepeatedWarnings::due(const std::string& text, Clock::time_point now) {
   const auto found = entries_.find(text);
   if (found == entries_.end()) {
-    if (entries_.size() >= kMostTexts) entries_.clear();
+    if (entries_.size() >= kMaxTexts) entries_.clear();
     entries_.emplace(text, Entry{now, 0});
     return text;
   }
   Entry& entry = found->second;
   ++entry.repeats;
-  if (now - entry.logged < kRepeatAfter) return {};
+  if (now - entry.logged < kRepeatPeriod) return {};
   std::string line = text + " (" + std::to_string(entry.repeats) + " times since this was last logged)";
   entry = {now, 0};
   return line;

@@ -9,21 +9,21 @@
 
 namespace cartvo {
 
-/// Sends spdlog's lines to standard error: for the journal with its priority prefix (sd-daemon(3)) and
-/// nothing that the journal adds itself, else with date and time.
+/// Sends spdlog's lines to standard error: for the journal with a priority prefix (sd-daemon(3)) and without
+/// the date, which the journal adds; otherwise with date and time.
 void setUpLog(spdlog::level::level_enum level);
 
-/// Warnings that a fault may repeat with each frame: each text is logged at once the first time, then at most
-/// once a minute with the number of repeats. One thread. Remembers a bounded number of texts.
+/// Rate limit for warnings that may repeat with each frame: each text is logged at once the first time, then
+/// at most once a minute with the number of repeats. Stores a bounded number of texts. Not thread-safe.
 class RepeatedWarnings {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// The text to log now, or empty. Pure, for tests; `warn` logs it.
+  /// Returns the line to log now, or empty. Does not log, for tests; `warn` does.
   std::string due(const std::string& text, Clock::time_point now);
   void warn(const std::string& text);
 
-  /// The fault is over: should it come back, that is news.
+  /// Call when the fault is over: the text is logged at once if it recurs.
   void forget(const std::string& text) { entries_.erase(text); }
 
  private:

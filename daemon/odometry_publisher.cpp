@@ -1,4 +1,4 @@
-// Turns results into the message that controllers steer on.
+// Builds and publishes the odometry message.
 
 #include "daemon/odometry_publisher.hpp"
 
@@ -16,8 +16,8 @@ namespace {
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The message's bit for one reason; 0 if there is none. The switch has no default, so that the compiler
-/// names a reason that is missing here.
+/// Bit of the message for one reason; 0 if there is none. The switch has no default, so that the compiler
+/// reports a missing reason.
 constexpr std::int32_t messageBit(OdometryReason reason) {
   switch (reason) {
     case OdometryReason::none:
@@ -59,7 +59,7 @@ void setMatrix(double (&rows)[36], const Matrix6d& matrix) {
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{rows} = matrix;
 }
 
-/// What an INVALID message must not let anyone mistake for a measurement.
+/// Sets to NaN all fields of an INVALID message that could be mistaken for measurements.
 void eraseMeasurements(odometry_t& message) {
   std::fill(std::begin(message.pose_covariance_body), std::end(message.pose_covariance_body), kUnknown);
   std::fill(std::begin(message.velocity_body), std::end(message.velocity_body), kUnknown);
@@ -111,7 +111,7 @@ odometry_t odometryMessage(const PairResult& result) {
   Eigen::Map<Eigen::Vector3d>(message.angular_velocity_body) = result.motion.angular_velocity;
   setMatrix(message.twist_covariance_body, result.motion.twist_covariance);
 
-  // Without a time step there is a motion but no velocity; a VALID message holds both.
+  // Without a time step there is a motion but no velocity; a VALID message has both.
   const bool complete = result.motion.velocity.allFinite() && result.motion.angular_velocity.allFinite();
   message.status = estimate.valid && complete ? odometry_t::VALID : odometry_t::INVALID;
   if (estimate.valid && !complete) message.reasons |= odometry_t::REASON_TIME_STEP;

@@ -13,27 +13,27 @@ class LCM;
 
 namespace cartvo {
 
-/// The bits of odometry_t.reasons that stand for the odometry's reasons.
+/// Maps the odometry's reasons to the bits of odometry_t.reasons.
 std::int32_t reasonBits(const OdometryReasons& reasons);
 
-/// The message for one pair. What an invalid estimate holds is said in daemon/messages/odometry_t.lcm.
+/// Builds the message for one pair. daemon/messages/odometry_t.lcm defines the content of an invalid one.
 odometry_t odometryMessage(const PairResult& result);
 
-/// The message for a pair that did not come, with the pose of `last`.
+/// Builds the message for a pair that did not arrive, with the pose of `last`.
 odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last);
 
-/// Sends CARTVO_ODOMETRY: one message for each pair and for each pair that did not come, numbered without a
-/// gap.
+/// Publishes CARTVO_ODOMETRY: one message for each pair and for each pair that did not arrive, numbered
+/// without gaps.
 class OdometryPublisher {
  public:
   /// `lcm` is borrowed and must outlive the publisher.
   OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live);
 
-  /// Each returns the message as it was sent (or would have been).
+  /// Both return the message as it was sent, or as it would have been if sending failed.
   const odometry_t& publish(const PairResult& result);
   const odometry_t& publish(const NoPair& no_pair);
 
-  /// Messages that the operating system refused to send.
+  /// Number of messages that the operating system refused to send.
   std::uint64_t failures() const { return failures_; }
 
  private:

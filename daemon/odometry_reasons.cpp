@@ -1,4 +1,4 @@
-// Names for the bits of odometry_t.reasons, for logs and for people who watch.
+// Names of the bits of odometry_t.reasons.
 
 #include "daemon/odometry_reasons.hpp"
 

@@ -5,7 +5,7 @@
 
 namespace cartvo {
 
-/// The reasons of an INVALID odometry_t in words: "too few matches, high residual".
+/// Names of the bits in odometry_t.reasons, for example "too few matches, high residual".
 std::string reasonNames(std::int32_t reasons);
 
 }  // namespace cartvo

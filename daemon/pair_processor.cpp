@@ -1,4 +1,4 @@
-// What happens to a pair of frames once it is one: the screen that shows the whole path.
+// Processes a pair of frames: rectification, odometry, body motion, velocity at the exposure.
 
 #include "daemon/pair_processor.hpp"
 
@@ -29,7 +29,7 @@ Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
 }
 
 FrameInstants instants(const Frame& frame) {
-  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.undelayed_arrival_ns};
+  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.min_delay_arrival_ns};
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ class PairProcessor::Implementation {
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
-        scale_deviation_(rig.scale_deviation),
+        scale_stddev_(rig.scale_stddev),
         odometry_(stereoCamera(rectifier_.rectification()), settings),
         features_(settings.features) {}
 
@@ -54,15 +54,15 @@ class PairProcessor::Implementation {
     rectify(pair);
     result.features = features_;
     result.estimate = odometry_.process(images_, clock_);
-    result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_deviation_);
-    takeVelocityToExposure(result);
+    result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_stddev_);
+    extrapolateVelocity(result);
     result.times = clock_.endPair();
     return result;
   }
 
-  void aimAt(int features) {
+  void setTargetFeatureCount(int features) {
     if (features == features_) return;
-    odometry_.aimAt(features);
+    odometry_.setTargetFeatureCount(features);
     features_ = features;
   }
   int features() const { return features_; }
@@ -71,18 +71,18 @@ class PairProcessor::Implementation {
   const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
 
  private:
-  void takeVelocityToExposure(PairResult& result) {
+  void extrapolateVelocity(PairResult& result) {
     const double time_step = result.estimate.time_step;
-    if (!result.estimate.valid || !(time_step > 0.0)) return velocity_.forget();
-    if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.stand(time_step);
+    if (!result.estimate.valid || !(time_step > 0.0)) return velocity_.reset();
+    if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.setStandstill(time_step);
     Twist mean;
     mean.value << result.motion.velocity, result.motion.angular_velocity;
-    // Errors that the velocities share are no noise in how they change.
+    // Errors shared by consecutive velocities are not noise of their change.
     const Vector6d& by_offset = result.motion.twist_offset_error;
     const Vector6d& by_scale = result.motion.twist_scale_error;
     const Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
     mean.covariance = result.motion.twist_covariance - shared;
-    const Twist now = velocity_.next(mean, time_step);
+    const Twist now = velocity_.extrapolate(mean, time_step);
     result.motion.velocity = now.value.head<3>();
     result.motion.angular_velocity = now.value.tail<3>();
     result.motion.twist_covariance = now.covariance + shared;
@@ -91,10 +91,10 @@ class PairProcessor::Implementation {
   void rectify(const FramePair& pair) {
     images_.left_exposure_ns = pair.left.exposure_ns;
     images_.right_exposure_ns = pair.right.exposure_ns;
-    images_.offset_deviation = 1e-9 * pair.offsetDeviationNs();
+    images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(Stage::rectify);
-    odometry_.placeNext(images_);
+    odometry_.acquireBuffers(images_);
     doBoth([&] { rectifier_.rectifyLeft(pair.left.image, images_.left); },
            [&] { rectifier_.rectifyRight(pair.right.image, images_.right); });
     clock_.end(Stage::rectify);
@@ -103,8 +103,8 @@ class PairProcessor::Implementation {
   Rectifier rectifier_;
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
-  double scale_deviation_;
-  StereoImages images_;  ///< rectified; where the odometry would have them, or kept for their memory
+  double scale_stddev_;
+  StereoImages images_;  ///< rectified; in the odometry's buffers, or kept to reuse their memory
   StereoOdometry odometry_;
   int features_;
   VelocityAtExposure velocity_;
@@ -121,8 +121,8 @@ PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;
 PairResult PairProcessor::process(const FramePair& pair) {
   return implementation_->process(pair);
 }
-void PairProcessor::aimAt(int features) {
-  implementation_->aimAt(features);
+void PairProcessor::setTargetFeatureCount(int features) {
+  implementation_->setTargetFeatureCount(features);
 }
 int PairProcessor::features() const {
   return implementation_->features();

@@ -1,5 +1,5 @@
-// The path from two cameras to the sink, in its two ways of running: replay, which pulls and drops nothing,
-// and live, where the cameras push and only the newest pair counts.
+// The pipeline from two cameras to the sink: replay reads every frame and processes every pair; live runs the
+// cameras on their own threads and processes only the newest pair.
 
 #include "daemon/pipeline.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// How long a reader waits for a frame before it goes round again.
+/// Time that a reader waits for a frame before it loops.
 constexpr std::chrono::milliseconds kReadTimeout{200};
 
 PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
@@ -30,14 +30,15 @@ PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
   return settings;
 }
 
-/// When a loop last went round; written by its thread, read by any.
+/// Time of a loop's last iteration; written by its thread, read by any thread.
 class Heartbeat {
  public:
   void beat() { last_ns_ = SteadyClock::now().time_since_epoch().count(); }
-  void rest() { resting_ = true; }
+  void stop() { stopped_ = true; }
 
-  double seconds() const {
-    if (resting_) return 0.0;
+  /// Time since the last beat, s; 0 after `stop`.
+  double age() const {
+    if (stopped_) return 0.0;
     const SteadyClock::duration since =
         SteadyClock::now().time_since_epoch() - SteadyClock::duration(last_ns_.load());
     return std::chrono::duration<double>(since).count();
@@ -45,7 +46,7 @@ class Heartbeat {
 
  private:
   std::atomic<SteadyClock::rep> last_ns_{SteadyClock::now().time_since_epoch().count()};
-  std::atomic<bool> resting_ = false;
+  std::atomic<bool> stopped_ = false;
 };
 
 void addPairing(const PairingTotals& totals, PipelineCounts& counts) {
@@ -57,7 +58,7 @@ void addPairing(const PairingTotals& totals, PipelineCounts& counts) {
   counts.dropped_clock = totals.frames.clock_restarted;
 }
 
-/// Why no pair came, from what was counted meanwhile.
+/// Reason for a missing pair, from the counts that increased meanwhile.
 NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& now) {
   if (now.refused_size > before.refused_size) return NoPairCause::wrong_size;
   if (now.pairing.frames.damaged > before.pairing.frames.damaged) return NoPairCause::damaged;
@@ -65,18 +66,18 @@ NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& 
   return NoPairCause::no_frames;
 }
 
-/// As they were recorded, whatever their clocks did; as they were exposed, where that is not known.
+/// Order of two frames: of recording, which does not depend on clocks; where it is unknown, of exposure.
 bool comesFirst(const Frame& left, const Frame& right) {
   if (left.order > 0 && right.order > 0) return left.order < right.order;
   return left.exposure_ns <= right.exposure_ns;
 }
 
-/// Reads one source a frame ahead, so that two can be merged in the order of time.
+/// Reads one source a frame ahead, so that two sources can be merged in order.
 class LookAhead {
  public:
   explicit LookAhead(CameraSource& source) : source_(source) {}
 
-  /// The next frame, or nothing when the source has ended.
+  /// Returns the next frame, or nullptr at the end of the source.
   const Frame* peek() {
     while (!frame_ && !ended_) {
       Frame frame;
@@ -86,7 +87,8 @@ class LookAhead {
     }
     return frame_ ? &*frame_ : nullptr;
   }
-  Frame take() { return *std::exchange(frame_, std::nullopt); }
+  /// Removes and returns the frame that `peek` returned.
+  Frame pop() { return *std::exchange(frame_, std::nullopt); }
 
  private:
   CameraSource& source_;
@@ -111,7 +113,7 @@ class Pipeline::Implementation {
   void stop() noexcept;
   PipelineCounts counts() const;
   std::string problem() const { return live_.problem(); }
-  PipelineProgress progress() const { return {left_beat_.seconds(), right_beat_.seconds()}; }
+  PipelineProgress progress() const { return {left_beat_.age(), right_beat_.age()}; }
 
  private:
   void readCamera(CameraSource& source, CameraSide side, Heartbeat& heartbeat) noexcept;
@@ -148,10 +150,10 @@ void Pipeline::Implementation::replay(const PipelineSink& sink) {
     const Frame* next_left = left.peek();
     const Frame* next_right = right.peek();
     if (next_left == nullptr && next_right == nullptr) break;
-    const bool take_left =
+    const bool left_is_next =
         next_right == nullptr || (next_left != nullptr && comesFirst(*next_left, *next_right));
-    const CameraSide side = take_left ? CameraSide::left : CameraSide::right;
-    Frame frame = take_left ? left.take() : right.take();
+    const CameraSide side = left_is_next ? CameraSide::left : CameraSide::right;
+    Frame frame = left_is_next ? left.pop() : right.pop();
     requireRigSize(side, frame);
     synchroniser.push(side, std::move(frame));
     while (const std::optional<FramePair> pair = synchroniser.pop()) {
@@ -163,7 +165,8 @@ void Pipeline::Implementation::replay(const PipelineSink& sink) {
 }
 
 void Pipeline::Implementation::runLive(const PipelineSink& sink) {
-  if (settings_.period_ns <= 0) throw std::invalid_argument("live cameras need a frame period");
+  if (settings_.period_ns <= 0)
+    throw std::invalid_argument("PipelineSettings::period_ns must be positive for live cameras");
   {
     const std::jthread left_reader([this] { readCamera(left_, CameraSide::left, left_beat_); });
     const std::jthread right_reader([this] { readCamera(right_, CameraSide::right, right_beat_); });
@@ -194,20 +197,20 @@ void Pipeline::Implementation::readCamera(CameraSource& source, CameraSide side,
     if (!reader_failure_) reader_failure_ = std::current_exception();
     stop();
   }
-  heartbeat.rest();
+  heartbeat.stop();
   live_.finish(side);
 }
 
 void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   const std::chrono::nanoseconds period(settings_.period_ns);
   FeatureBudget budget(processor_.features(), std::chrono::duration<double>(period).count());
-  // A pair that comes within a period after it was due is late, not missed.
+  // A pair that arrives within one period after it was due is late, not missed.
   SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
-    const std::optional<FramePair> pair = live_.take(missed);
+    const std::optional<FramePair> pair = live_.waitForPair(missed);
     if (pair) {
-      processor_.aimAt(budget.next(processPair(*pair, sink).times.total));
+      processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total));
       missed = SteadyClock::now() + 2 * period;
       before = live_.counts();
     } else if (!stopped_ && SteadyClock::now() >= missed) {

@@ -12,89 +12,87 @@
 
 namespace cartvo {
 
-/// Why there is no result where one was due.
+/// Reason why a pair that was due did not arrive.
 enum class NoPairCause : std::uint8_t {
-  no_frames,   ///< a camera delivers nothing
-  no_partner,  ///< both deliver, but no two frames belong together
-  damaged,     ///< frames came, but their pictures are damaged
-  wrong_size,  ///< a stream's size is not the rig's
+  no_frames,   ///< a camera delivers no frames
+  no_partner,  ///< both deliver frames, but no two can be paired
+  damaged,     ///< frames arrive, but their pictures are damaged
+  wrong_size,  ///< a stream's image size is not the rig's
 };
 
-/// A pair that was due by the frame rate but did not come.
+/// A pair that was due by the frame rate but did not arrive.
 struct NoPair {
-  std::int64_t due_ns = 0;  ///< host's clock, ns since the Unix epoch
+  std::int64_t due_ns = 0;  ///< ns since the Unix epoch, host's clock
   NoPairCause cause = NoPairCause::no_frames;
 };
 
-/// Receives what the pipeline makes, in order, on the thread that runs it. `no_pair` is for live only and may
-/// be empty.
+/// Receives the pipeline's results, in order, on the thread that runs it. `no_pair` is called only by runLive
+/// and may be empty.
 struct PipelineSink {
   std::function<void(const PairResult&)> pair;
   std::function<void(const NoPair&)> no_pair;
 };
 
 struct PipelineSettings {
-  cv::Size image_size;         ///< the rig's: frames of another size are refused
-  std::int64_t period_ns = 0;  ///< between a camera's frames; 0: learned from them (replay only). Frames pair
-                               ///< within half of it.
+  cv::Size image_size;         ///< of the rig; frames of another size are rejected
+  std::int64_t period_ns = 0;  ///< frame period; 0: estimated from the frames (replay only). Frames are
+                               ///< paired within half of it.
 };
 
-/// What was made of the frames since the start.
+/// Numbers of pairs and frames since the start.
 struct PipelineCounts {
-  std::uint64_t pairs = 0;                 ///< made by the synchroniser
-  std::uint64_t processed = 0;             ///< of these, given to the odometry
-  std::uint64_t skipped = 0;               ///< of these, left out to stay current (live only)
+  std::uint64_t pairs = 0;                 ///< pairs formed by the synchroniser
+  std::uint64_t processed = 0;             ///< pairs processed by the odometry
+  std::uint64_t skipped = 0;               ///< pairs dropped because a newer one was available (live only)
   std::uint64_t refused_size = 0;          ///< frames whose size is not the rig's (live only)
-  std::uint64_t dropped_no_partner = 0;    ///< frames whose partner never came
+  std::uint64_t dropped_no_partner = 0;    ///< frames without a partner
   std::uint64_t dropped_damaged = 0;       ///< frames marked as damaged
-  std::uint64_t dropped_out_of_order = 0;  ///< frames older than one before
-  std::uint64_t dropped_overflow = 0;      ///< frames there was no room for
-  std::uint64_t dropped_clock = 0;         ///< frames that waited when the host's clock was set back
+  std::uint64_t dropped_out_of_order = 0;  ///< frames older than a previous one
+  std::uint64_t dropped_overflow = 0;      ///< frames that exceeded the synchroniser's buffer
+  std::uint64_t dropped_clock = 0;         ///< frames buffered when the host's clock was set back
 };
 
-/// How long ago each camera's reader went round, in seconds; it does so with or without frames, at least
-/// after the camera's connection time-out.
+/// Time since each camera's reader last started a read, s; 0 after the reader has ended. A reader loops with
+/// or without frames, at the latest after the camera's connection time-out.
 struct PipelineProgress {
   double left_reader = 0.0;
   double right_reader = 0.0;
 };
 
-/// The path of a frame through the program:
+/// Runs the processing chain
 /// CameraSource x 2 -> PairSynchroniser -> PairProcessor (rectification, odometry, body motion) -> sink.
 class Pipeline {
  public:
-  /// The sources and the processor are borrowed and must outlive the pipeline.
+  /// The sources and the processor must outlive the pipeline.
   Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor,
            const PipelineSettings& settings);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Replay: pulls both sources to their ends on this thread, the one first whose next frame was recorded
-  /// first, or exposed first where that is not known, and processes every pair; the same sources give the
-  /// same results. Throws what the sources and the sink throw, and std::runtime_error if a frame's size is
-  /// not the rig's.
+  /// Replay: reads both sources to their ends on this thread, merged in the order of recording or, where that
+  /// is unknown, of exposure, and processes every pair. The same sources give the same results. Throws what
+  /// the sources and the sink throw, and std::runtime_error if a frame's size is not the rig's.
   void replay(const PipelineSink& sink);
 
-  /// Live: a thread per camera reads and pairs; this thread processes the newest pair and skips older ones,
-  /// so that nothing ever waits in a queue. Where pairs take too long, fewer features are looked for
-  /// (FeatureBudget). A pair is missed when a whole period has passed after it was due;
-  /// the sink then hears of it, and again each period until one comes. Returns after `stop`, or when both
-  /// sources have ended. Throws what a source, the processor or the sink throws, after all threads have
-  /// ended.
+  /// Live: one thread per camera reads frames and forms pairs; the calling thread processes the newest pair
+  /// and skips older ones, so that no queue adds latency. If processing takes too long, the number of
+  /// features is reduced (FeatureBudget). A pair is missed one period after it was due; the sink's `no_pair`
+  /// is then called, and again each period until a pair arrives. Returns after `stop`, or when both sources
+  /// have ended. Throws what a source, the processor or the sink throws, after all threads have ended.
   void runLive(const PipelineSink& sink);
 
-  /// Ends `runLive` and `replay`. From any thread; interrupts the sources.
+  /// Ends `runLive` and `replay`; interrupts the sources. May be called from any thread.
   void stop() noexcept;
 
-  /// From any thread.
+  /// May be called from any thread.
   PipelineCounts counts() const;
 
-  /// What a person has to mend about the streams, as a sentence (a picture's size that is not the rig's);
-  /// empty if there is nothing. From any thread.
+  /// Problem of a stream that the operator has to fix (an image size that is not the rig's); empty if there
+  /// is none. May be called from any thread.
   std::string problem() const;
 
-  /// From any thread, while `runLive` runs.
+  /// May be called from any thread while `runLive` runs.
   PipelineProgress progress() const;
 
  private:

@@ -1,4 +1,4 @@
-// Alarms that a user can act on.
+// Self-check messages about the rig calibration, the time offset and missing stereo matches.
 
 #include "daemon/self_check.hpp"
 
@@ -11,78 +11,78 @@ namespace cartvo {
 namespace {
 
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
-constexpr double kTellingDelay = 1e-3;                     // s
-constexpr double kTellingAngle = 0.1 / kDegreesPerRadian;  // rad
-constexpr double kHidingAngle = 0.15 / kDegreesPerRadian;  // rad, that may hide matches from the search
-constexpr double kBeyondDoubt = 3.0;                       // standard deviations
-constexpr double kFinest = 0.01;                           // deg that a sentence tells: nothing is exact
-constexpr double kStillWrong = 0.7;                        // of what is telling, once it was told
+constexpr double kMinTimeOffset = 1e-3;                       // s; smaller ones are not reported
+constexpr double kMinAngle = 0.1 / kDegreesPerRadian;         // rad; smaller ones are not reported
+constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
+constexpr double kMinSignificance = 3.0;                      // standard deviations
+constexpr double kMinShownStddev = 0.01;                      // deg
+constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
 
-/// In the order in which they are told: the delay, then the angles.
-std::array<Checked, 4> listOf(const RigCheck& rig) {
+/// Time offset, then the angles.
+std::array<EstimateWithStddev, 4> asArray(const RigCalibrationError& rig) {
   return {rig.delay, rig.pitch, rig.yaw, rig.roll};
 }
 constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
 
-std::string delaySentence(const Checked& delay) {
+std::string timeOffsetMessage(const EstimateWithStddev& delay) {
   return fmt::format(
-      "the right camera is exposed {:.1f} ± {:.1f} ms {} than its stamps say: check both cameras' clocks",
-      1e3 * std::abs(delay.value), 1e3 * delay.deviation, delay.value > 0.0 ? "later" : "earlier");
+      "the right camera is exposed {:.1f} ± {:.1f} ms {} than its timestamps say: check both cameras' clocks",
+      1e3 * std::abs(delay.value), 1e3 * delay.stddev, delay.value > 0.0 ? "later" : "earlier");
 }
 
 }  // namespace
 
-void SelfCheck::note(const OdometryEstimate& estimate) {
-  if (estimate.rig) noteRig(*estimate.rig);
-  const bool were_missing = matches_.missing();
-  matches_.note(estimate);
-  changed_ = changed_ || matches_.missing() != were_missing;
+void SelfCheck::update(const OdometryEstimate& estimate) {
+  if (estimate.rig) updateRig(*estimate.rig);
+  const bool were_missing = matches_.matchesMissing();
+  matches_.update(estimate);
+  changed_ = changed_ || matches_.matchesMissing() != were_missing;
 }
 
-void SelfCheck::noteRig(const RigCheck& rig) {
+void SelfCheck::updateRig(const RigCalibrationError& rig) {
   rig_ = rig;
-  const auto list = listOf(rig);
-  for (std::size_t i = 0; i < kTold; ++i) {
+  const auto list = asArray(rig);
+  for (std::size_t i = 0; i < kQuantities; ++i) {
     const double size = std::abs(list[i].value);
-    const double telling = i == 0 ? kTellingDelay : kTellingAngle;
-    const bool appears = size > telling && size > kBeyondDoubt * list[i].deviation;
-    const bool is_wrong = wrong_[i] ? size > kStillWrong * telling : appears;
-    changed_ = changed_ || is_wrong != wrong_[i];
-    wrong_[i] = is_wrong;
+    const double limit = i == 0 ? kMinTimeOffset : kMinAngle;
+    const bool appears = size > limit && size > kMinSignificance * list[i].stddev;
+    const bool is_faulty = faulty_[i] ? size > kHysteresis * limit : appears;
+    changed_ = changed_ || is_faulty != faulty_[i];
+    faulty_[i] = is_faulty;
   }
 }
 
-std::string SelfCheck::sentence() const {
-  // By how much a camera is turned says more than that matches are missing, if that is why they are. If not,
-  // they come first, and by themselves: what few matches tell is worth less than the room it takes.
-  if (matches_.missing() && !hidesMatches()) return matches_.sentence();
-  const std::string turned = anglesSentence();
-  const std::string late = wrong_[0] ? delaySentence(rig_->delay) : std::string();
-  return late + (late.empty() || turned.empty() ? "" : "; ") + turned;
+std::string SelfCheck::message() const {
+  // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
+  // estimate from few matches is not worth its space in the message.
+  if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
+  const std::string angles = anglesMessage();
+  const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
+  return offset + (offset.empty() || angles.empty() ? "" : "; ") + angles;
 }
 
-bool SelfCheck::hidesMatches() const {
+bool SelfCheck::anglesCauseMissingMatches() const {
   if (!rig_) return false;
-  const auto list = listOf(*rig_);
-  for (std::size_t i = 1; i < kTold; ++i)
-    if (wrong_[i] && std::abs(list[i].value) > kHidingAngle) return true;
+  const auto list = asArray(*rig_);
+  for (std::size_t i = 1; i < kQuantities; ++i)
+    if (faulty_[i] && std::abs(list[i].value) > kMatchLossAngle) return true;
   return false;
 }
 
-std::string SelfCheck::anglesSentence() const {
+std::string SelfCheck::anglesMessage() const {
   if (!rig_) return {};
-  const auto list = listOf(*rig_);
+  const auto list = asArray(*rig_);
   std::string angles;
-  for (std::size_t i = 1; i < kTold; ++i)
-    if (wrong_[i])
+  for (std::size_t i = 1; i < kQuantities; ++i)
+    if (faulty_[i])
       angles += fmt::format("{}{:+.2f} ± {:.2f} deg in {}", angles.empty() ? "" : ", ",
                             kDegreesPerRadian * list[i].value,
-                            std::max(kFinest, kDegreesPerRadian * list[i].deviation), kNames[i]);
+                            std::max(kMinShownStddev, kDegreesPerRadian * list[i].stddev), kNames[i]);
   if (angles.empty()) return {};
-  return "the right camera is turned by " + angles + " against the rig file: calibrate anew";
+  return "the right camera is turned by " + angles + " against the rig file: calibrate again";
 }
 
-bool SelfCheck::takeChange() {
+bool SelfCheck::consumeChange() {
   const bool changed = changed_;
   changed_ = false;
   return changed;

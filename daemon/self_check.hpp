@@ -5,38 +5,37 @@
 #include <optional>
 #include <string>
 
-#include "daemon/match_watch.hpp"
-#include "vo_core/rig_check.hpp"
+#include "daemon/stereo_match_monitor.hpp"
+#include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
 
-/// Says in a plain sentence what driving has shown to be wrong between the two cameras: once it is beyond
-/// doubt and large enough to matter, and until it is clearly less; or that they do not seem to see the same.
-/// One thread.
+/// Reports errors of the rig calibration and of the time offset that the odometry has estimated, and missing
+/// stereo matches. An error is reported once it is significant (3 standard deviations) and large enough to
+/// matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
-  /// What the last pair told.
-  void note(const OdometryEstimate& estimate);
+  void update(const OdometryEstimate& estimate);
 
-  /// What to mend, for each thing that is wrong; empty if all is well. With the numbers of now.
-  std::string sentence() const;
+  /// Faults with their latest numbers and what to do; empty if there is none.
+  std::string message() const;
 
-  /// True once for each change of what is wrong.
-  bool takeChange();
+  /// True once after each change of the set of faults.
+  bool consumeChange();
 
-  const std::optional<RigCheck>& rig() const { return rig_; }
+  const std::optional<RigCalibrationError>& rig() const { return rig_; }
 
  private:
-  static constexpr std::size_t kTold = 4;  ///< delay, pitch, yaw, roll
+  static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
 
-  void noteRig(const RigCheck& rig);
-  bool hidesMatches() const;  ///< whether the angles told explain that matches are missing
-  std::string anglesSentence() const;
+  void updateRig(const RigCalibrationError& rig);
+  bool anglesCauseMissingMatches() const;
+  std::string anglesMessage() const;
 
-  std::optional<RigCheck> rig_;
-  std::array<bool, kTold> wrong_{};
-  MatchWatch matches_;
+  std::optional<RigCalibrationError> rig_;
+  std::array<bool, kQuantities> faulty_{};
+  StereoMatchMonitor matches_;
   bool changed_ = false;
 };
 

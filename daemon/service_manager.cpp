@@ -1,4 +1,4 @@
-// How the daemon tells systemd that it is ready, alive and about to end.
+// Notifies systemd of readiness, status, watchdog and stop.
 
 #include "daemon/service_manager.hpp"
 
@@ -18,13 +18,13 @@ ServiceManager::ServiceManager() {
   }
 }
 
-void ServiceManager::ready() {
+void ServiceManager::notifyReady() {
   if (is_ready_) return;
   is_ready_ = true;
   sd_notify(0, "READY=1");
 }
 
-void ServiceManager::status(const std::string& text) {
+void ServiceManager::setStatus(const std::string& text) {
   sd_notify(0, ("STATUS=" + text).c_str());
 }
 
@@ -32,12 +32,12 @@ void ServiceManager::feedWatchdog() {
   const auto now = std::chrono::steady_clock::now();
   if (now - last_fed_ < feeding_period_) return;
   last_fed_ = now;
-  // systemd arms the watchdog at READY=1; until then it is the start's time-out that is pushed on, so that
-  // cameras may be absent for ever but a stage that hangs is noticed.
+  // systemd arms the watchdog at READY=1. Until then extend the start time-out, so that cameras may be absent
+  // for any time but a stalled stage is still detected.
   sd_notify(0, is_ready_ ? "WATCHDOG=1" : "EXTEND_TIMEOUT_USEC=30000000");
 }
 
-void ServiceManager::stopping() {
+void ServiceManager::notifyStopping() {
   sd_notify(0, "STOPPING=1\nSTATUS=stopping");
 }
 

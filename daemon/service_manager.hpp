@@ -5,19 +5,20 @@
 
 namespace cartvo {
 
-/// The talk with systemd (sd_notify(3)); without systemd each call does nothing.
+/// Notifications to systemd (sd_notify(3)); without systemd each call does nothing.
 class ServiceManager {
  public:
   ServiceManager();
 
-  /// READY=1, once.
-  void ready();
-  /// The line that `systemctl status` shows.
-  void status(const std::string& text);
-  /// Keeps systemd from killing the service; at most twice in each watchdog period. Call it only when work
-  /// goes on.
+  /// Sends READY=1, once.
+  void notifyReady();
+  /// Sets the line that `systemctl status` shows.
+  void setStatus(const std::string& text);
+  /// Feeds the watchdog at most once in 2 s, or in a quarter of the watchdog period if that is shorter. Call
+  /// it only while the work makes progress.
   void feedWatchdog();
-  void stopping();
+  /// Sends STOPPING=1.
+  void notifyStopping();
 
  private:
   bool is_ready_ = false;
@@ -25,7 +26,7 @@ class ServiceManager {
   std::chrono::steady_clock::time_point last_fed_;
 };
 
-/// Whether standard error goes to the journal, which stamps each line itself (systemd.exec(5),
+/// True if standard error goes to the journal, which adds the time to each line (systemd.exec(5),
 /// $JOURNAL_STREAM).
 bool logsToJournal();
 

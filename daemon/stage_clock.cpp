@@ -1,4 +1,4 @@
-// Measures the stages of a pair; vo_core itself has no clock.
+// Measures the processing time of a pair's stages; vo_core itself has no clock.
 
 #include "daemon/stage_clock.hpp"
 

@@ -7,23 +7,23 @@
 
 namespace cartvo {
 
-/// Seconds that each stage of one pair took; a stage that ran more than once has the sum. Stages may be
-/// nested or left out, so `total` is measured, not summed.
+/// Processing time of each stage of one pair, s, summed if a stage ran more than once. `total` is measured,
+/// not summed, because stages may be nested or skipped.
 struct StageTimes {
   std::array<double, kStageCount> stages{};
   double total = 0.0;
 
-  double of(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  double stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 };
 
-/// The clock that the observed stages are measured with.
+/// Measures the stages that the odometry reports.
 class StageClock : public StageObserver {
  public:
-  /// Forgets the pair before and starts its total.
+  /// Discards the previous pair's times and starts `total`.
   void startPair();
   void begin(Stage stage) override;
   void end(Stage stage) override;
-  /// Ends the pair.
+  /// Stops `total` and returns the times.
   StageTimes endPair();
 
  private:

@@ -7,8 +7,8 @@
 
 namespace cartvo {
 
-/// SIGTERM and SIGINT as something to wait for, without a signal handler: blocked from construction on, also
-/// in threads that are started later.
+/// Waits for SIGTERM and SIGINT without a signal handler. Both are blocked from construction on, also in
+/// threads started later.
 class StopSignals {
  public:
   StopSignals() {
@@ -18,7 +18,7 @@ class StopSignals {
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   }
 
-  /// The signal that came within the time, or nothing.
+  /// Returns the signal that arrived within `time`, or nothing.
   std::optional<int> wait(std::chrono::nanoseconds time) const {
     constexpr std::chrono::nanoseconds::rep kPerSecond = 1'000'000'000;
     const timespec timeout{static_cast<std::time_t>(time.count() / kPerSecond),

@@ -1,4 +1,4 @@
-// Changes of the odometry's validity, in a bounded number of lines.
+// Log lines about changes of the odometry's validity, limited in number.
 
 #include "daemon/validity_log.hpp"
 
@@ -19,24 +19,24 @@ std::string validityText(const odometry_t& message) {
 
 std::string ValidityLog::due(const odometry_t& message, Clock::time_point now) {
   const bool valid = message.status == odometry_t::VALID;
-  if (!begun_) last_told_ = now;
-  if (!begun_ || valid != valid_) ++untold_changes_;
+  if (!begun_) last_logged_ = now;
+  if (!begun_ || valid != valid_) ++unlogged_changes_;
   begun_ = true;
   valid_ = valid;
-  if (!budget_.allows(now) || untold_changes_ == 0) return {};
+  if (!budget_.allows(now) || unlogged_changes_ == 0) return {};
 
   std::string line = validityText(message);
-  if (untold_changes_ > 1) {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - last_told_).count();
-    line += fmt::format("; that changed {} times in {} s", untold_changes_, seconds);
+  if (unlogged_changes_ > 1) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - last_logged_).count();
+    line += fmt::format("; its validity changed {} times in {} s", unlogged_changes_, seconds);
   }
   budget_.spend();
-  untold_changes_ = 0;
-  last_told_ = now;
+  unlogged_changes_ = 0;
+  last_logged_ = now;
   return line;
 }
 
-void ValidityLog::note(const odometry_t& message) {
+void ValidityLog::log(const odometry_t& message) {
   const std::string line = due(message, Clock::now());
   if (!line.empty()) spdlog::info(line);
 }

@@ -10,26 +10,26 @@
 
 namespace cartvo {
 
-/// Tells when the odometry becomes valid or stops to be. Where that changes again and again, as on a host
-/// that is too slow, only the first few changes are told each by a line, then at most one line in ten seconds
-/// with their number. One thread.
+/// Logs when the odometry becomes valid or invalid. If that changes often, as on an overloaded host, the
+/// first five changes get a line each, later ones share at most one line in ten seconds with their number.
+/// Not thread-safe.
 class ValidityLog {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// For each message: the line to log now, or empty. Pure, for tests; `note` logs it.
+  /// Returns the line to log for one message, or empty. Does not log, for tests; `log` does.
   std::string due(const odometry_t& message, Clock::time_point now);
-  void note(const odometry_t& message);
+  void log(const odometry_t& message);
 
-  /// Of the last message; false before the first.
-  bool valid() const { return valid_; }
+  /// Validity of the last message; false before the first.
+  bool isValid() const { return valid_; }
 
  private:
   bool valid_ = false;
   bool begun_ = false;
-  std::uint64_t untold_changes_ = 0;
+  std::uint64_t unlogged_changes_ = 0;
   LineBudget budget_;
-  Clock::time_point last_told_;
+  Clock::time_point last_logged_;
 };
 
 }  // namespace cartvo

@@ -12,31 +12,34 @@ struct Twist {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// The velocity at the exposure of a pair. A motion gives its mean over the time step, which is half a frame
-/// period old: at 1 m/s^2 and 18 fps 3 cm/s. Carried on by half the change since the mean before, it is of
-/// now, but noisier; in each axis as much of that is done as makes the expected squared error least:
+/// Velocity at the exposure of a pair. A motion yields the mean velocity over the time step, which lags by
+/// half a frame period: 3 cm/s at 1 m/s^2 and 18 fps. Extrapolation by half the change since the previous
+/// mean removes the lag but adds noise; in each axis it is scaled by the factor a that minimises the expected
+/// squared error:
 ///
 ///   v = m1 + a g (m1 - m0),   g = h1 / (h1 + h0),   a = max(0, 1 - 2 / s)
 ///
-/// with the means m0, m1 over the time steps h0, h1, and s the mean square of such changes over that of their
-/// noise. (The noise: each pose errs by e, so that m1 = v + (e1 - e0) / h; then the error's variance over var
-/// e / h^2 is (1 + a/2)^2 + (1 + a)^2 + a^2/4 + (1 - a)^2 (s - 1) 6/4, of which the derivative is set to
-/// zero.)
+/// with the means m0, m1 over the time steps h0, h1, and s the ratio of the mean square of such changes to
+/// the mean square of their noise. (Noise model: each pose has the error e, so m1 = v + (e1 - e0) / h. Then
+/// the variance of the error over var e / h^2 is (1 + a/2)^2 + (1 + a)^2 + a^2/4 + (1 - a)^2 (s - 1) 6/4; a
+/// is the zero of its derivative.)
 ///
-/// The covariance holds the noise, what is not carried on, and what carrying on in a straight line leaves
-/// over, the last two from what has been seen of changes so far. Not thread-safe.
+/// The covariance is the sum of the noise, the change that is not extrapolated, and the error of linear
+/// extrapolation; the last two are computed from the accelerations and jerks observed so far. Not
+/// thread-safe.
 class VelocityAtExposure {
  public:
   VelocityAtExposure();
 
-  /// `mean`: over the last `time_step` (s, positive), with its covariance.
-  Twist next(const Twist& mean, double time_step);
+  /// Extrapolates `mean`, the mean twist over the last `time_step` (s, positive), to the exposure.
+  Twist extrapolate(const Twist& mean, double time_step);
 
-  /// The cart stands: known, not measured, so that it says nothing of how velocity changes.
-  void stand(double time_step);
+  /// Sets the last mean to zero after a zero-velocity update. It does not update the observed accelerations,
+  /// because the zero velocity is an assumption, not a measurement.
+  void setStandstill(double time_step);
 
-  /// The next motion does not follow on the last one.
-  void forget();
+  /// Discards the last mean: the next motion is not consecutive.
+  void reset();
 
  private:
   struct Mean {
@@ -44,10 +47,10 @@ class VelocityAtExposure {
     double time_step = 0.0;
   };
 
-  /// Mean of outer products, of changes per second and of changes of that; new ones count more than old ones.
-  Matrix6d changes_, bends_;
+  /// Exponentially weighted means of outer products, of the acceleration and of the jerk.
+  Matrix6d acceleration_moment_, jerk_moment_;
   std::optional<Mean> last_;
-  std::optional<Vector6d> last_slope_;  ///< change per second of the mean
+  std::optional<Vector6d> last_slope_;  ///< change of the mean per second
 };
 
 }  // namespace cartvo

@@ -6,7 +6,8 @@
 namespace cartvo {
 namespace {
 
-// Of the two greatest eigenvalues, relative to the spread of the points: below, the rotation is open.
+// Gap between the two greatest eigenvalues, relative to the spread of the points, below which the rotation is
+// undetermined.
 constexpr double kMinimumGap = 1e-6;
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace cartvo {
 
-/// A point seen in two frames, and how much it counts (>= 0).
+/// A point in two coordinate frames and its weight, >= 0.
 struct PointPair {
   Eigen::Vector3d from;
   Eigen::Vector3d to;
@@ -15,8 +15,9 @@ struct PointPair {
 
 /// The motion T that minimises sum w |to - T from|^2 (thesis 4.15; B. Horn, "Closed-form solution of absolute
 /// orientation using unit quaternions", 1987): the rotation is the eigenvector of the greatest eigenvalue of
-/// Horn's 4x4 matrix, the translation what is left between the centroids. No scale. Nothing if less than
-/// three pairs weigh anything or they lie on one line, which leaves the rotation about it open.
+/// Horn's 4x4 matrix, the translation the remaining difference of the centroids. No scale. Nothing if fewer
+/// than three pairs have a positive weight or the points lie on one line, which leaves the rotation about it
+/// undetermined.
 std::optional<Eigen::Isometry3d> absoluteOrientation(const std::vector<PointPair>& pairs);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// Windows with adaptive FAST thresholds.
+// FAST in windows with adaptive thresholds.
 #include "vo_core/adaptive_detector.hpp"
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 namespace cartvo {
 namespace {
 
-constexpr double kCornersPerFeature = 2.0;  // a window's corners aimed at, for each feature aimed at
-constexpr double kAdaptation = 0.2;         // power of the ratio of counts by which a threshold moves
-constexpr double kMostAtOnce = 1.5;         // a threshold changes by this factor an image, at most
-constexpr int kFirstLooks = 6;              // at the first image, before its corners are taken
+constexpr double kCornersPerFeature = 2.0;   // target number of corners of a window per target feature
+constexpr double kAdaptationExponent = 0.2;  // exponent of the ratio of counts by which a threshold changes
+constexpr double kMaximumThresholdFactor = 1.5;  // largest factor by which a threshold changes per image
+constexpr int kInitialPasses = 6;  // adaptation passes over the first image before its corners are used
 
 // Not functions, so that sorting inlines them.
 constexpr auto kStronger = [](const Corner& a, const Corner& b) {
@@ -29,7 +29,7 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
       features_(0),
       corner_target_(0.0),
       scale_(scale),
-      first_looks_(kFirstLooks),
+      initial_passes_(kInitialPasses),
       window_thresholds_(image_size, settings.window_rows),
       finders_(static_cast<std::size_t>(settings.window_rows)) {
   const int columns = settings.window_columns;
@@ -46,22 +46,22 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
       windows_.emplace_back(from, to);
     }
   }
-  aimAt(features);
+  setTargetFeatureCount(features);
   thresholds_.assign(windows_.size(), settings.initial_threshold);
   corner_counts_.assign(windows_.size(), 0);
   wanted_.resize(windows_.size());
-  // Room for whatever an image may show: pages that nothing is written to cost nothing.
+  // Reserves memory for whatever an image may show: pages that are not written cost nothing.
   std::size_t most = 0;
   for (const cv::Rect& window : windows_) {
-    corners_.emplace_back().reserve(mostCorners(window.width, window.height));
+    corners_.emplace_back().reserve(maximumCorners(window.width, window.height));
     most += corners_.back().capacity();
   }
-  left_over_.reserve(most);
+  remaining_.reserve(most);
   for (int row = 0; row < rows; ++row)
     finders_[row].reserve(image_size.width, windows_[static_cast<std::size_t>(row) * columns].height);
 }
 
-void AdaptiveDetector::aimAt(int features) {
+void AdaptiveDetector::setTargetFeatureCount(int features) {
   features_ = features;
   chosen_.reserve(features);
   corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
@@ -74,7 +74,8 @@ int AdaptiveDetector::threshold(int index) const {
 void AdaptiveDetector::adaptThreshold(int index, int corners) {
   corner_counts_[index] = corners;
   const double ratio = (corners + 1.0) / (corner_target_ + 1.0);
-  const double factor = std::clamp(std::pow(ratio, kAdaptation), 1.0 / kMostAtOnce, kMostAtOnce);
+  const double factor = std::clamp(std::pow(ratio, kAdaptationExponent), 1.0 / kMaximumThresholdFactor,
+                                   kMaximumThresholdFactor);
   thresholds_[index] = std::clamp<double>(thresholds_[index] * factor, settings_.minimum_threshold,
                                           settings_.maximum_threshold);
 }
@@ -105,7 +106,7 @@ void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>&
 const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
                                                     const std::vector<Eigen::Vector2d>& alive,
                                                     SpacingGrid& spacing) {
-  // So that they add up exactly.
+  // Rounds cumulatively, so that the numbers add up exactly.
   const auto up_to = [&](int window) {
     return std::lround(features_ * (window / static_cast<double>(windowCount())));
   };
@@ -118,19 +119,19 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
 
 const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image, const std::vector<int>& wanted,
                                                     int room, SpacingGrid& spacing) {
-  for (; first_looks_ > 0; --first_looks_)
+  for (; initial_passes_ > 0; --initial_passes_)
     findCorners(image, wanted);
   findCorners(image, wanted);
 
   chosen_.clear();
-  left_over_.clear();
+  remaining_.clear();
   for (int i = 0; i < windowCount(); ++i) {
     std::vector<Corner>& corners = corners_[i];
     room -= chooseFrom(corners, std::min(wanted[i], room), spacing);
-    left_over_.insert(left_over_.end(), corners.begin(), corners.end());
+    remaining_.insert(remaining_.end(), corners.begin(), corners.end());
   }
-  std::make_heap(left_over_.begin(), left_over_.end(), kWeaker);
-  chooseFrom(left_over_, room, spacing);
+  std::make_heap(remaining_.begin(), remaining_.end(), kWeaker);
+  chooseFrom(remaining_, room, spacing);
   return chosen_;
 }
 

@@ -1,4 +1,4 @@
-// The last step of tracking: the patch may stretch and shear.
+// Affine alignment of 15x15 patches by inverse-compositional Gauss-Newton, four patches per SIMD block.
 #include "vo_core/affine_alignment.hpp"
 
 #include <algorithm>
@@ -11,84 +11,84 @@
 namespace cartvo {
 namespace {
 
-constexpr int kFour = kDoubleLanes;
-constexpr int kPatience = 1;       // iterations after which a patch that is still hopeless is given up
-constexpr double kHopeless = 0.6;  // correlation
+constexpr int kBatchSize = kDoubleLanes;
+constexpr int kEarlyExitIteration = 1;         // iterations before patches are dropped early
+constexpr double kEarlyExitCorrelation = 0.6;  // a patch that correlates less after them is dropped
 
-/// What alignAffine is asked.
-struct Question {
+/// Arguments of alignAffine().
+struct AlignmentRequest {
   std::span<const AlignmentTask> tasks;
   WarpModel model;
   int iterations;
   double convergence;
-  std::span<std::optional<AffineAlignment>> answers;
+  std::span<std::optional<AffineAlignment>> results;
 };
 
-/// Up to four tasks, each step of all of them at once.
+/// Aligns up to four tasks at once, one SIMD lane each.
 template <typename Processor, int Parameters>
 class FourAlignments {
  public:
   explicit FourAlignments(std::span<const AlignmentTask> tasks) : tasks_(tasks) {
-    for (std::size_t i = 0; i < kFour; ++i) {
+    for (std::size_t i = 0; i < kBatchSize; ++i) {
       const AlignmentTask& task = tasks[std::min(i, tasks.size() - 1)];
       warps_.set(i, task.start.position, task.start.warp);
       bounds_.start_x.value[i] = task.start.position.x();
       bounds_.start_y.value[i] = task.start.position.y();
       bounds_.level.set(i, *task.after);
     }
-    bounds_.findInside(warps_, busy_);
-    for (std::size_t i = tasks.size(); i < kFour; ++i)
-      busy_[i] = 0;
-    std::array<SumsOfPatch<TemplateSums<Parameters>>, kFour> sums{};
-    for (std::size_t i = 0; i < kFour; ++i)
-      if (busy_[i] != 0) takeTemplate<Processor>(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
+    bounds_.findInside(warps_, active_);
+    for (std::size_t i = tasks.size(); i < kBatchSize; ++i)
+      active_[i] = 0;
+    std::array<SumsOfPatch<TemplateSums<Parameters>>, kBatchSize> sums{};
+    for (std::size_t i = 0; i < kBatchSize; ++i)
+      if (active_[i] != 0) buildTemplate<Processor>(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
     SumsOfFour<TemplateSums<Parameters>> lanes;
     gatherLanes(sums, lanes);
     MaskLanes regular;
     equations_.setUp(lanes, regular);
-    busy_ &= regular;
+    active_ &= regular;
   }
 
   void align(int iterations, double convergence) {
-    for (int iteration = 0; iteration < iterations && any(busy_); ++iteration) {
+    for (int iteration = 0; iteration < iterations && any(active_); ++iteration) {
       compare();
-      if (iteration >= kPatience) busy_ &= at_.correlation.lanes() >= kHopeless;
-      MaskLanes settled, inside;
-      equations_.improve(at_, convergence, busy_, warps_, settled);
+      if (iteration >= kEarlyExitIteration) active_ &= at_.correlation.lanes() >= kEarlyExitCorrelation;
+      MaskLanes converged, inside;
+      equations_.applyStep(at_, convergence, active_, warps_, converged);
       bounds_.findInside(warps_, inside);
-      busy_ &= inside;
-      // A step so short hardly changes the correlation that was found before it.
-      done_ |= busy_ & settled;
-      busy_ &= ~settled;
+      active_ &= inside;
+      // The correlation dates from before the last step; a converged step hardly changes it.
+      done_ |= active_ & converged;
+      active_ &= ~converged;
     }
-    done_ |= busy_;
+    done_ |= active_;
   }
 
-  void answer(std::span<std::optional<AffineAlignment>> answers) const {
-    std::array<SumsOfPatch<ReturnSums>, kFour> sums{};
-    for (std::size_t i = 0; i < kFour; ++i)
-      if (done_[i] != 0) compareBothWays<Processor>(templates_[i], now_[i], sums[i]);
-    SumsOfFour<ReturnSums> lanes;
+  void writeResults(std::span<std::optional<AffineAlignment>> results) const {
+    std::array<SumsOfPatch<ForwardBackwardSums>, kBatchSize> sums{};
+    for (std::size_t i = 0; i < kBatchSize; ++i)
+      if (done_[i] != 0) compareForwardBackward<Processor>(templates_[i], now_[i], sums[i]);
+    SumsOfFour<ForwardBackwardSums> lanes;
     gatherLanes(sums, lanes);
-    Column misses, variance_x, variance_y;
-    returnMisses(lanes, at_, equations_.mean(), misses);
+    LaneValues errors, variance_x, variance_y;
+    forwardBackwardErrors(lanes, at_, equations_.mean(), errors);
     equations_.findVariances(at_, variance_x, variance_y);
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      answers[i].reset();
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      results[i].reset();
       if (done_[i] != 0)
-        answers[i] = {warps_.position(i),
+        results[i] = {warps_.position(i),
                       warps_.warp(i),
                       at_.correlation.value[i],
                       {variance_x.value[i], variance_y.value[i]},
-                      misses.value[i]};
+                      errors.value[i]};
     }
   }
 
  private:
-  /// Of those that are not busy all stays as it was.
+  /// Samples and compares the active patches; the results of the others stay as they are.
   void compare() {
-    for (std::size_t i = 0; i < kFour; ++i) {
-      if (busy_[i] == 0) continue;
+    for (std::size_t i = 0; i < kBatchSize; ++i) {
+      if (active_[i] == 0) continue;
       samplePatch<Processor>(*tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i]);
       comparePatches<Processor>(templates_[i], now_[i], sums_[i]);
     }
@@ -98,10 +98,10 @@ class FourAlignments {
   }
 
   std::span<const AlignmentTask> tasks_;
-  MaskLanes busy_{}, done_{};
-  std::array<AlignedTemplate<Parameters>, kFour> templates_;
-  std::array<AlignedPatch, kFour> now_;
-  std::array<SumsOfPatch<ComparisonSums<Parameters>>, kFour> sums_{};
+  MaskLanes active_{}, done_{};
+  std::array<AlignedTemplate<Parameters>, kBatchSize> templates_;
+  std::array<AlignedPatch, kBatchSize> now_;
+  std::array<SumsOfPatch<ComparisonSums<Parameters>>, kBatchSize> sums_{};
   AlignmentEquations<Parameters> equations_;
   FourComparisons at_;
   FourWarps warps_;
@@ -109,31 +109,31 @@ class FourAlignments {
 };
 
 template <typename Processor, int Parameters>
-void answerWith(const Question& asked) {
-  // Warped by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
+void alignBatches(const AlignmentRequest& request) {
+  // Stretched by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
   constexpr int kSpan = kPatchSide - 1;
   static_assert(kSpan * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
-  for (std::size_t first = 0; first < asked.tasks.size(); first += kFour) {
-    const std::size_t count = std::min<std::size_t>(kFour, asked.tasks.size() - first);
-    FourAlignments<Processor, Parameters> four(asked.tasks.subspan(first, count));
-    four.align(asked.iterations, asked.convergence);
-    four.answer(asked.answers.subspan(first, count));
+  for (std::size_t first = 0; first < request.tasks.size(); first += kBatchSize) {
+    const std::size_t count = std::min<std::size_t>(kBatchSize, request.tasks.size() - first);
+    FourAlignments<Processor, Parameters> four(request.tasks.subspan(first, count));
+    four.align(request.iterations, request.convergence);
+    four.writeResults(request.results.subspan(first, count));
   }
 }
 
 template <typename Processor>
-void answer(const Question& asked) {
-  if (asked.model == WarpModel::stereo) return answerWith<Processor, kStereoParameters>(asked);
-  answerWith<Processor, kAffineParameters>(asked);
+void alignAll(const AlignmentRequest& request) {
+  if (request.model == WarpModel::stereo) return alignBatches<Processor, kStereoParameters>(request);
+  alignBatches<Processor, kAffineParameters>(request);
 }
 
-CARTVO_BY_PROCESSOR(void, answerAll, (const Question& asked), (asked), answer)
+CARTVO_BY_PROCESSOR(void, dispatchAlignments, (const AlignmentRequest& request), (request), alignAll)
 
 }  // namespace
 
 void alignAffine(std::span<const AlignmentTask> tasks, WarpModel model, int iterations, double convergence,
                  std::span<std::optional<AffineAlignment>> aligned) {
-  answerAll({tasks, model, iterations, convergence, aligned});
+  dispatchAlignments({tasks, model, iterations, convergence, aligned});
 }
 
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,

@@ -8,17 +8,17 @@
 #include "vo_core/patch_sums.hpp"
 #include "vo_core/small_inverse.hpp"
 
-// The equations of four affine alignments, a lane each: what follows from one sum to the next takes long and
-// keeps the processor waiting, for four no longer than for one. Not for use outside them.
+// Gauss-Newton equations of four affine alignments, one SIMD lane each. Each step waits for the one before,
+// so that four patches take no longer than one. Internal to affine_alignment.cpp.
 
 namespace cartvo {
 
-constexpr double kMaximumStretch = 0.6;  ///< of any element of the warp against the identity
-constexpr double kMaximumMove = 3.0;     ///< px from the start
+constexpr double kMaximumStretch = 0.6;  ///< largest difference of a warp element from the identity
+constexpr double kMaximumMove = 3.0;     ///< px, largest distance from the start
 
-/// Four warps from offsets before to offsets after, and where they put the patches' centres, px.
+/// Four warps (offsets before to offsets after) and the positions of the patch centres, px.
 struct FourWarps {
-  Column x, y, xx, xy, yx, yy;
+  LaneValues x, y, xx, xy, yx, yy;
 
   Eigen::Vector2d position(std::size_t i) const { return {x.value[i], y.value[i]}; }
   Eigen::Matrix2d warp(std::size_t i) const {
@@ -36,9 +36,9 @@ struct FourWarps {
   }
 };
 
-/// Where four patches may be.
+/// Limits of the positions and warps of four patches.
 struct WarpBounds {
-  Column start_x, start_y;  ///< px
+  LaneValues start_x, start_y;  ///< px
   LevelBounds level;
 
   void findInside(const FourWarps& warps, MaskLanes& inside) const {
@@ -57,21 +57,21 @@ struct WarpBounds {
   }
 };
 
-/// How four patches after compare with their templates.
+/// Comparison of four patches after with their templates.
 struct FourComparisons {
-  Column mean;  ///< of the patch after
-  Column gain;  ///< against the template
-  Column correlation;
+  LaneValues mean;  ///< mean of the patch after
+  LaneValues gain;  ///< gain of the patch after relative to the template
+  LaneValues correlation;
   DoubleLanes right_side[kAffineParameters];  ///< of the normal equations
 };
 
-/// Of four templates' alignments by the first so many Parameters: shift x, y, then the warp's elements xx,
-/// xy, yx, yy, scaled by the patch's half side so that all are pixels. From all that is summed the mean is
-/// removed, which rounds nothing as the sums are exact: brightness does not matter.
+/// Normal equations of four alignments in the first `Parameters` of: shift x, y, then the warp elements xx,
+/// xy, yx, yy, scaled by half the patch side so that all are in px. The mean is removed from every sum, so
+/// that brightness does not matter; this rounds nothing, because the sums are exact.
 template <int Parameters>
 class AlignmentEquations {
  public:
-  /// Lanes are `regular` whose texture holds the warp.
+  /// Sets up the templates. `regular`: lanes whose texture constrains the warp.
   void setUp(const SumsOfFour<TemplateSums<Parameters>>& sums, MaskLanes& regular) {
     using Sums = TemplateSums<Parameters>;
     mean_ = kPerPixel * sums[Sums::kGreys];
@@ -87,19 +87,20 @@ class AlignmentEquations {
     invertCorner<Parameters>(normal, kMinimumPivot, inverse_, regular);
     greys_ = sums[Sums::kGreys];
     norm_ = sums[Sums::kSquares] - mean_ * greys_;
-    takeRoots(norm_);
+    replaceBySquareRoots(norm_);
   }
 
-  /// The patch's gain is taken out, else a darker image would shorten each step.
+  /// Compares the patches after with the templates. The gain is divided out; otherwise a darker image would
+  /// shorten each step.
   void compare(const SumsOfFour<ComparisonSums<Parameters>>& sums, FourComparisons& out) const {
     using Sums = ComparisonSums<Parameters>;
     const DoubleLanes mean = kPerPixel * sums[Sums::kValues];
     DoubleLanes deviation = sums[Sums::kSquares] - mean * sums[Sums::kValues];
-    raiseTo(1e-6, deviation);
-    takeRoots(deviation);
+    clampToMinimum(1e-6, deviation);
+    replaceBySquareRoots(deviation);
     const DoubleLanes product = sums[Sums::kWithGrey] - mean * greys_;
     DoubleLanes gain = product / (norm_ * norm_ + 1e-12);
-    raiseTo(kMinimumGain, gain);
+    clampToMinimum(kMinimumGain, gain);
     const DoubleLanes per_gain = 1.0 / gain;
 #pragma GCC unroll 6
     for (int i = 0; i < Parameters; ++i)
@@ -109,10 +110,10 @@ class AlignmentEquations {
     out.correlation.lanes() = product / (norm_ * deviation + 1e-12);
   }
 
-  /// Moves the warps `moving` by a Gauss-Newton step. Steps are `settled` that are too short for another to
-  /// be worth it.
-  void improve(const FourComparisons& at, double convergence, const MaskLanes& moving, FourWarps& warps,
-               MaskLanes& settled) const {
+  /// Applies a Gauss-Newton step to the lanes `moving`. `converged`: lanes whose step is too short for
+  /// another iteration.
+  void applyStep(const FourComparisons& at, double convergence, const MaskLanes& moving, FourWarps& warps,
+                 MaskLanes& converged) const {
     DoubleLanes step[kAffineParameters] = {};
 #pragma GCC unroll 6
     for (int i = 0; i < Parameters; ++i) {
@@ -121,20 +122,20 @@ class AlignmentEquations {
       for (int j = 1; j < Parameters; ++j)
         step[i] += inverse_[i][j] * at.right_side[j];
     }
-    moveBack(step, moving, warps);
-    findSettled(step, convergence, settled);
+    composeInverse(step, moving, warps);
+    findConverged(step, convergence, converged);
   }
 
-  /// Of the templates' grey values.
+  /// Mean grey values of the templates.
   const DoubleLanes& mean() const {
     return mean_;
   }
 
-  /// px^2, of the positions (AffineAlignment::variance).
-  void findVariances(const FourComparisons& at, Column& x, Column& y) const {
-    // What is left of the template, in its own grey values, by what it correlates with the patch after.
+  /// Variances of the positions, px^2 (AffineAlignment::variance).
+  void findVariances(const FourComparisons& at, LaneValues& x, LaneValues& y) const {
+    // Residual relative to the grey values of the template, from its correlation with the patch after.
     DoubleLanes left = 1.0 / (at.correlation.lanes() * at.correlation.lanes()) - 1.0;
-    raiseTo(0.0, left);
+    clampToMinimum(0.0, left);
     const DoubleLanes square = norm_ * norm_ * left / (kAlignedSize - Parameters);
     x.lanes() = square * inverse_[0][0];
     y.lanes() = square * inverse_[1][1];
@@ -142,13 +143,15 @@ class AlignmentEquations {
 
  private:
   static constexpr double kMinimumGain = 0.05;
-  static constexpr double kMinimumPivot = 1e-4;            // relative, of the normal matrix
-  static constexpr double kPerPixel = 1.0 / kAlignedSize;  // dividing takes long, and much waits for it
+  static constexpr double kMinimumPivot = 1e-4;  // of the normal matrix, relative to the largest pivot
+  static constexpr double kPerPixel =
+      1.0 / kAlignedSize;  // as a factor: division is slow and on the critical path
   static constexpr double kPerHalfSide = 2.0 / kPatchSide;
-  static constexpr double kShiftShare = 0.5, kStretchShare = 3.0;  // of the step that ends the iterations
+  static constexpr double kShiftShare = 0.5,
+                          kStretchShare = 3.0;  // times `convergence`: limits of a converged step
 
-  /// By the inverses of the steps' warps. Rows that are to stay do so to the last bit.
-  static void moveBack(const DoubleLanes* step, const MaskLanes& moving, FourWarps& warps) {
+  /// Composes the warps with the inverses of the steps' warps. Rows that are fixed stay so to the last bit.
+  static void composeInverse(const DoubleLanes* step, const MaskLanes& moving, FourWarps& warps) {
     const DoubleLanes a = 1.0 + kPerHalfSide * step[2], b = kPerHalfSide * step[3];
     DoubleLanes xx = 1.0 / a, xy = -b * xx, yx{}, yy = 1.0 + DoubleLanes{};
     if constexpr (Parameters == kAffineParameters) {
@@ -171,25 +174,27 @@ class AlignmentEquations {
     warps.y.replace(moving, warps.y.lanes() - (new_yx * step[0] + new_yy * step[1]));
   }
 
-  /// What stretches the patch moves its edge and not its centre, so that less is asked of it.
-  static void findSettled(const DoubleLanes* step, double convergence, MaskLanes& settled) {
+  /// A stretch moves the edge of the patch and not its centre, so that its limit is wider.
+  static void findConverged(const DoubleLanes* step, double convergence, MaskLanes& converged) {
     const double shift = kShiftShare * convergence, stretch = kStretchShare * convergence;
     const DoubleLanes shifted = step[0] * step[0] + step[1] * step[1];
     const DoubleLanes stretched =
         (step[2] * step[2] + step[4] * step[4]) + (step[3] * step[3] + step[5] * step[5]);
-    settled = (shifted < shift * shift) & (stretched < stretch * stretch);
+    converged = (shifted < shift * shift) & (stretched < stretch * stretch);
   }
 
   DoubleLanes inverse_[Parameters][Parameters];  // of the Gauss-Newton matrix
-  DoubleLanes slopes_[Parameters];               // sums
-  DoubleLanes slope_greys_[Parameters];          // sums, grey without its mean
-  DoubleLanes greys_, mean_, norm_;              // of grey: sum, mean, and deviation from it
+  DoubleLanes slopes_[Parameters];               // sums of the derivatives
+  DoubleLanes slope_greys_[Parameters];          // sums of derivative times grey less its mean
+  DoubleLanes greys_, mean_,
+      norm_;  // of the grey values: sum, mean, and norm of their deviations from the mean
 };
 
-/// Of four patches, the shift by which gradients explain the difference: the sums of one side of ReturnSums.
+/// Solves for the shift of four patches by which the gradients account for the grey differences. `sums`: one
+/// side of ForwardBackwardSums.
 inline void solveShift(const DoubleLanes* sums, const DoubleLanes& mean, const DoubleLanes& gain,
                        const DoubleLanes& grey_mean, DoubleLanes& x, DoubleLanes& y) {
-  using Sums = ReturnSums;
+  using Sums = ForwardBackwardSums;
   DoubleLanes error[2];
   for (int axis = 0; axis < 2; ++axis) {
     const DoubleLanes& alone = sums[Sums::kAlone + axis];
@@ -202,21 +207,21 @@ inline void solveShift(const DoubleLanes* sums, const DoubleLanes& mean, const D
   y = (xx * error[1] - xy * error[0]) / determinant;
 }
 
-/// px between the shift that the templates' gradients ask for and that by the gradients of the patches after:
-/// backwards, from the patch after to the template, one would miss the start by so much; at most
-/// kMaximumMove. `grey_mean`: the templates'.
-inline void returnMisses(const SumsOfFour<ReturnSums>& sums, const FourComparisons& at,
-                         const DoubleLanes& grey_mean, Column& misses) {
+/// Forward-backward errors of four patches, px, at most kMaximumMove: the distance between the shift by the
+/// gradients of the template and the shift by those of the patch after. `grey_mean`: of the templates.
+inline void forwardBackwardErrors(const SumsOfFour<ForwardBackwardSums>& sums, const FourComparisons& at,
+                                  const DoubleLanes& grey_mean, LaneValues& errors) {
   const DoubleLanes &mean = at.mean.lanes(), &gain = at.gain.lanes();
   DoubleLanes backward_x, backward_y, forward_x, forward_y;
   solveShift(sums.sum, mean, gain, grey_mean, backward_x, backward_y);
-  solveShift(sums.sum + ReturnSums::kOfOne, mean, gain, grey_mean, forward_x, forward_y);
+  solveShift(sums.sum + ForwardBackwardSums::kOfOne, mean, gain, grey_mean, forward_x, forward_y);
   const DoubleLanes x = backward_x - forward_x / gain;
   const DoubleLanes y = backward_y - forward_y / gain;
-  misses.lanes() = x * x + y * y;
-  takeRoots(misses.lanes());
-  for (double& miss : misses.value)
-    miss = miss < kMaximumMove ? miss : kMaximumMove;  // nor is it any number, if nothing is seen
+  errors.lanes() = x * x + y * y;
+  replaceBySquareRoots(errors.lanes());
+  for (double& miss : errors.value)
+    miss =
+        miss < kMaximumMove ? miss : kMaximumMove;  // also replaces NaN, which a patch without texture gives
 }
 
 }  // namespace cartvo

@@ -7,14 +7,15 @@
 
 namespace cartvo {
 
-/// Of the patch each other row is compared, which halves the work: neighbouring rows tell much the same.
+/// Row step of the compared patch. Every second row is compared, which halves the work; neighbouring rows
+/// carry nearly the same information.
 constexpr int kAlignedRowStep = 2;
 constexpr int kAlignedRows = (kPatchSide + kAlignedRowStep - 1) / kAlignedRowStep;
 constexpr int kAlignedSize = kPatchSide * kAlignedRows;  ///< px
-static_assert(kPatchSide < kLanes, "a row of a patch is one of lanes, the last of them padding");
+static_assert(kPatchSide < kLanes, "a patch row and its padding fill the lanes");
 
-/// The patches that shifts and alignments compare, or a derivative of one: rows of whole numbers, so that
-/// sums of their products are exact in whatever order, and fit into 32 bits. Zero in the padding.
+/// A patch, or a derivative of one, as shift tracking and alignment compare it: rows of integers, so that
+/// sums of their products are exact in any order and fit into 32 bits. The padding is zero.
 struct alignas(64) AlignedPatch {
   static constexpr int kValues = kAlignedRows * kLanes;
   std::int16_t value[kValues];
@@ -23,14 +24,16 @@ struct alignas(64) AlignedPatch {
   constexpr const std::int16_t* row(int y) const { return value + y * kLanes; }
 };
 
-// How a pixel between four others is found: by 255ths of a pixel across and 8191sts down, from grey values
-// less 128; of the result the upper sixteen bits are kept.
-constexpr int kAcross = 255, kDown = 8191;
-constexpr double kGreyUnits = kAcross * kDown / 65536.0;  ///< AlignedPatch's numbers to a grey value
-constexpr double kMostValue = 128 * kGreyUnits;
-static_assert(kAlignedSize * kMostValue * kMostValue < 2147483648.0, "sums of products fit into 32 bits");
+// Bilinear interpolation in integers: in 255ths of a pixel horizontally and 8191sts vertically, of grey
+// values less 128; the upper sixteen bits of the result are kept.
+constexpr int kColumnSteps = 255, kRowSteps = 8191;
+constexpr double kGreyUnits =
+    kColumnSteps * kRowSteps / 65536.0;  ///< units of an AlignedPatch per grey value
+constexpr double kMaximumValue = 128 * kGreyUnits;
+static_assert(kAlignedSize * kMaximumValue * kMaximumValue < 2147483648.0,
+              "sums of products fit into 32 bits");
 
-/// A number for each of the values.
+/// Ones in the patch, zeros in the padding: products with it sum the values of a patch.
 constexpr AlignedPatch kAlignedOnes = [] {
   AlignedPatch ones{};
   for (int i = 0; i < AlignedPatch::kValues; ++i)

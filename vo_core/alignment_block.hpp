@@ -11,20 +11,20 @@
 
 namespace cartvo {
 
-/// Where a patch is compared: between these, in that level of both.
+/// Two pyramids and the level in which a patch is aligned.
 struct PatchView {
   const ImagePyramid& before;
   const ImagePyramid& after;
   int level;
 };
 
-/// Patches that are aligned together, each in its own level of the pyramids, which is faster than one by one;
-/// positions and their variances are of the image.
+/// Aligns up to kCapacity patches together, each in its own pyramid level, which is faster than one by one.
+/// Positions and variances are in px and px^2 of the full image.
 class AlignmentBlock {
  public:
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kCapacity = 16;
 
-  /// The patch `index`, below kMost. Images too small to have the level align nothing.
+  /// Adds patch `index`, below kCapacity. Does nothing if one of the images is too small to have the level.
   void add(std::size_t index, const PatchView& view, const Eigen::Vector2d& from, AffineAlignment start) {
     if (!bothHave(view.before, view.after, view.level)) return;
     const double scale = levelScale(view.level);
@@ -33,28 +33,28 @@ class AlignmentBlock {
     members_.push_back({index, scale});
   }
 
-  /// Calls take(index, alignment) for those patches that align, in the order in which they were added.
-  template <typename Take>
-  void align(WarpModel model, const TrackingSettings& tracking, const Take& take) {
+  /// Calls handle(index, alignment) for each patch that aligned, in the order in which they were added.
+  template <typename Handler>
+  void align(WarpModel model, const TrackingSettings& tracking, const Handler& handle) {
     alignAffine({tasks_.begin(), tasks_.size()}, model, tracking.iterations, tracking.convergence,
                 {aligned_.data(), tasks_.size()});
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       if (!aligned_[i]) continue;
       aligned_[i]->position *= members_[i].scale;
       aligned_[i]->variance *= members_[i].scale * members_[i].scale;
-      take(members_[i].index, *aligned_[i]);
+      handle(members_[i].index, *aligned_[i]);
     }
   }
 
  private:
   struct Member {
     std::size_t index;
-    double scale;  ///< px of the image for each of the level
+    double scale;  ///< px of the image per px of the level
   };
 
-  FixedVector<AlignmentTask, kMost> tasks_;
-  FixedVector<Member, kMost> members_;
-  std::array<std::optional<AffineAlignment>, kMost> aligned_;
+  FixedVector<AlignmentTask, kCapacity> tasks_;
+  FixedVector<Member, kCapacity> members_;
+  std::array<std::optional<AffineAlignment>, kCapacity> aligned_;
 };
 
 }  // namespace cartvo

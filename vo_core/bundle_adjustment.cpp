@@ -1,4 +1,4 @@
-// Gauss-Newton on poses and inverse depths.
+// Bundle adjustment: Gauss-Newton iterations on poses and inverse depths.
 #include "vo_core/bundle_adjustment.hpp"
 
 #include <Eigen/Cholesky>
@@ -6,91 +6,92 @@
 #include <limits>
 #include <optional>
 
-#include "vo_core/held_poses.hpp"
-#include "vo_core/late_right.hpp"
 #include "vo_core/parallel_loop.hpp"
+#include "vo_core/pose_priors.hpp"
 #include "vo_core/residual_sizes.hpp"
 #include "vo_core/rig_system.hpp"
+#include "vo_core/time_offset_sensitivity.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kNotSeen = 1e3;  // error of a landmark behind a camera
-constexpr double kNearly = 3.0;   // times the size of a step that ends the iterations: the next one should
+constexpr double kBehindCameraError = 1e3;  // normalised error of a landmark behind a camera
+// A step below this multiple of the convergence limit makes the next iteration the probable last one.
+constexpr double kLastIterationFactor = 3.0;
 
-/// An iteration needs nothing but the equations.
-struct NoVisit {
+/// Visitor of an iteration that needs only the normal equations.
+struct NoVisitor {
   void begin(const LandmarkBlock&) {}
-  void add(const BlockView&, const SightingRows&) {}
+  void add(const BlockView&, const ObservationRows&) {}
   void eliminate(const LandmarkBlock&, const DepthBlock&, const PoseLanes*) {}
 };
 
-/// What is asked of the residuals at the end.
+/// Visitor of the last iteration: statistics, rig calibration and sensitivity to the time offset.
 struct Conclusions {
   RigSystem rig;
-  LateRight late_right;
+  TimeOffsetSensitivity time_offset_sensitivity;
   ResidualSizes sizes;
 
   void reset(const BundleProblem& problem, const BundleCameras& cameras, const BundleBlocks& blocks) {
     rig = RigSystem(problem);
-    late_right.reset(problem, cameras, blocks);
+    time_offset_sensitivity.reset(problem, cameras, blocks);
     sizes.reset(blocks);
   }
 
   void begin(const LandmarkBlock& block) {
     rig.begin();
-    late_right.begin(block);
+    time_offset_sensitivity.begin(block);
     sizes.begin(block);
   }
-  void add(const BlockView& view, const SightingRows& rows) {
-    rig.add(view, rows.row[SightingRows::kDisparity]);
-    late_right.add(view, rows);
+  void add(const BlockView& view, const ObservationRows& rows) {
+    rig.add(view, rows.row[ObservationRows::kDisparity]);
+    time_offset_sensitivity.add(view, rows);
     sizes.add(view, rows);
   }
   void eliminate(const LandmarkBlock&, const DepthBlock& depth, const PoseLanes* by_poses) {
     rig.eliminate(depth, by_poses);
-    late_right.eliminate(depth, by_poses);
+    time_offset_sensitivity.eliminate(depth, by_poses);
   }
 };
 
-CARTVO_VECTOR_CLONES
+CARTVO_TARGET_CLONES
 void buildPart(const BundleBlocks& blocks, const BlockResiduals& residuals, std::size_t part,
                ReducedSystem& system) {
-  NoVisit visit;
-  system.build(blocks, residuals, part, visit);
+  NoVisitor visitor;
+  system.build(blocks, residuals, part, visitor);
 }
 
 void buildEquations(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system) {
   forEachIndex(ReducedSystem::kParts, [&](std::size_t part) { buildPart(blocks, residuals, part, system); });
 }
 
-CARTVO_VECTOR_CLONES
+CARTVO_TARGET_CLONES
 void buildConclusions(const BundleBlocks& blocks, const BlockResiduals& residuals, ReducedSystem& system,
                       Conclusions& conclusions) {
   for (std::size_t part = 0; part < ReducedSystem::kParts; ++part)
     system.build(blocks, residuals, part, conclusions);
 }
 
-CARTVO_VECTOR_CLONES
-void moveDepths(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
-  system.takeStep(step, blocks);
+CARTVO_TARGET_CLONES
+void updateDepths(const ReducedSystem& system, const PoseVector& step, BundleBlocks& blocks) {
+  system.updateDepths(step, blocks);
 }
 
-/// In standard deviations of what it changes: mean of squares, root.
-double sizeOf(const PoseVector& step, const ReducedSystem& system) {
+/// RMS of a step in standard deviations of the poses.
+double stepSize(const PoseVector& step, const ReducedSystem& system) {
   return std::sqrt(step.dot(system.hessian * step) / static_cast<double>(step.size()));
 }
 
-void movePoses(const PoseVector& step, BundleProblem& problem) {
+void updatePoses(const PoseVector& step, BundleProblem& problem) {
   for (std::size_t i = problem.fixed; i < problem.poses.size(); ++i) {
     Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
     pose = orthonormalised(pose * motionFromVector(step.segment<6>(6 * (i - problem.fixed))));
   }
 }
 
-/// The blocks' results, to where their landmarks came from.
-void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const ResidualSizes& sizes,
-              BundleProblem& problem) {
+/// Copies the results from the blocks to the landmarks of the problem.
+void writeLandmarks(const BundleBlocks& blocks, const ReducedSystem& system, const ResidualSizes& sizes,
+                    BundleProblem& problem) {
   for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
     const LandmarkBlock& block = blocks.landmarks[i];
     for (int lane = 0; lane < block.count; ++lane) {
@@ -98,7 +99,7 @@ void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const Res
       const bool in_front = system.depths[i].in_front[lane] > 0.0;
       landmark.inverse_depth = block.place.inverse_depth[lane];
       landmark.information = system.depths[i].hessian[lane];
-      landmark.error = in_front ? sizes.lastError(i, lane) : kNotSeen;
+      landmark.error = in_front ? sizes.lastError(i, lane) : kBehindCameraError;
     }
   }
 }
@@ -108,51 +109,51 @@ void handBack(const BundleBlocks& blocks, const ReducedSystem& system, const Res
 struct BundleAdjuster::Work {
   BundleBlocks blocks;
   BundleCameras cameras;
-  HeldPoses held;
+  PosePriors priors;
   ReducedSystem system;
   Eigen::LDLT<PoseMatrix> factor;
   Conclusions conclusions;
 
-  void take(const BundleProblem& problem) {
-    blocks.take(problem);
-    cameras.take(problem);
-    held.reset(problem);
+  void reset(const BundleProblem& problem) {
+    blocks.reset(problem);
+    cameras.reset(problem);
+    priors.reset(problem);
     system.reset(problem, blocks);
   }
-  std::optional<double> takeStep(const BlockResiduals& residuals, bool may_end, BundleProblem& problem);
+  std::optional<double> iterate(const BlockResiduals& residuals, bool may_be_last, BundleProblem& problem);
   void conclude(BundleProblem& problem, BundleResult& result) const;
 };
 
-/// The step's size; nothing if the equations do not hold it. If it may be the last one, what is asked at the
-/// end is asked on the way.
-std::optional<double> BundleAdjuster::Work::takeStep(const BlockResiduals& residuals, bool may_end,
-                                                     BundleProblem& problem) {
-  if (may_end) {
+/// Performs one iteration and returns its stepSize(), or nothing if the equations are singular. An iteration
+/// that may be the last one also collects the conclusions.
+std::optional<double> BundleAdjuster::Work::iterate(const BlockResiduals& residuals, bool may_be_last,
+                                                    BundleProblem& problem) {
+  if (may_be_last) {
     conclusions.reset(problem, cameras, blocks);
     buildConclusions(blocks, residuals, system, conclusions);
   } else {
     buildEquations(blocks, residuals, system);
   }
-  system.conclude();
-  held.pull(problem, system);
+  system.sumParts();
+  priors.addTo(system, problem);
   factor.compute(system.hessian);
   const auto pivots = factor.vectorD();
   if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return std::nullopt;
   const PoseVector step = factor.solve(system.gradient);
   if (!step.allFinite()) return std::nullopt;
-  moveDepths(system, step, blocks);
-  movePoses(step, problem);
+  updateDepths(system, step, blocks);
+  updatePoses(step, problem);
   cameras.update(problem);
-  return sizeOf(step, system);
+  return stepSize(step, system);
 }
 
 void BundleAdjuster::Work::conclude(BundleProblem& problem, BundleResult& result) const {
-  handBack(blocks, system, conclusions.sizes, problem);
+  writeLandmarks(blocks, system, conclusions.sizes, problem);
   result.covariance = factor.solve(PoseMatrix::Identity(system.hessian.rows(), system.hessian.cols()));
   if (!result.covariance.allFinite()) return;
   conclusions.sizes.conclude(result);
   conclusions.rig.conclude(system, factor, result);
-  conclusions.late_right.conclude(factor, system, held, blocks, problem);
+  conclusions.time_offset_sensitivity.conclude(factor, system, priors, blocks, problem);
   result.converged = true;
 }
 
@@ -163,15 +164,16 @@ BundleAdjuster::~BundleAdjuster() = default;
 
 BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings& settings) {
   BundleResult result;
-  work_->take(problem);
+  work_->reset(problem);
   const BlockResiduals residuals(problem, work_->cameras, settings.robust_width);
   double size = std::numeric_limits<double>::infinity();
   for (int iteration = 1; iteration <= settings.iterations; ++iteration) {
-    const bool may_end = iteration == settings.iterations || size < kNearly * settings.convergence;
-    const auto step = work_->takeStep(residuals, may_end, problem);
+    const bool may_be_last =
+        iteration == settings.iterations || size < kLastIterationFactor * settings.convergence;
+    const auto step = work_->iterate(residuals, may_be_last, problem);
     if (!step) return result;
     size = *step;
-    if (may_end && size < settings.convergence) break;
+    if (may_be_last && size < settings.convergence) break;
   }
   work_->conclude(problem, result);
   return result;

@@ -1,4 +1,4 @@
-// Landmarks sorted by their hosts and laid side by side.
+// Sorting of landmarks by anchor and copying into SIMD blocks.
 #include "vo_core/bundle_blocks.hpp"
 
 #include <array>
@@ -6,33 +6,33 @@
 
 namespace cartvo {
 
-void BundleBlocks::take(const BundleProblem& problem) {
+void BundleBlocks::reset(const BundleProblem& problem) {
   order_.reserve(problem.landmarks.capacity());
   order_.sort(problem.poses.size(), problem.landmarks.size(),
-              [&](std::size_t i) { return problem.landmarks[i].sightings.front().pose; });
+              [&](std::size_t i) { return problem.landmarks[i].observations.front().pose; });
   landmarks.clear();
-  landmarks.reserve(order_.mostBlocks());
-  sightings.clear();
-  sightings.reserve(kMostWindowPairs * order_.mostBlocks());
-  order_.forEachBlock([&](int host, const int* first, int count) { add(problem, host, first, count); });
+  landmarks.reserve(order_.maximumBlocks());
+  observations.clear();
+  observations.reserve(kMaximumWindowPairs * order_.maximumBlocks());
+  order_.forEachBlock([&](int anchor, const int* first, int count) { add(problem, anchor, first, count); });
 }
 
-void BundleBlocks::add(const BundleProblem& problem, int host, const int* first, int count) {
+void BundleBlocks::add(const BundleProblem& problem, int anchor, const int* first, int count) {
   LandmarkBlock& block = landmarks.emplace_back();
-  block.host = host;
+  block.anchor = anchor;
   block.count = count;
-  block.first_sighting = sightings.size();
-  std::array<int, kMostWindowPairs> slot;
+  block.first_observation = observations.size();
+  std::array<int, kMaximumWindowPairs> slot;
   slot.fill(-1);
   for (int lane = 0; lane < count; ++lane)
-    for (const BundleSighting& sighting : problem.landmarks[first[lane]].sightings)
-      slot[sighting.pose] = 0;
+    for (const BundleObservation& observation : problem.landmarks[first[lane]].observations)
+      slot[observation.pose] = 0;
   for (std::size_t pose = 0; pose < slot.size(); ++pose) {
     if (slot[pose] < 0) continue;
-    slot[pose] = static_cast<int>(sightings.size());
-    sightings.emplace_back().pose = static_cast<int>(pose);
+    slot[pose] = static_cast<int>(observations.size());
+    observations.emplace_back().pose = static_cast<int>(pose);
   }
-  block.last_sighting = sightings.size();
+  block.last_observation = observations.size();
 
   block.place.bearing[2] = 1.0 + DoubleLanes{};
   for (int lane = 0; lane < count; ++lane) {
@@ -46,17 +46,17 @@ void BundleBlocks::add(const BundleProblem& problem, int host, const int* first,
     block.weight[lane] = landmark.weight;
     block.prior_inverse_depth[lane] = landmark.prior_inverse_depth;
     block.prior_information[lane] = landmark.prior_information;
-    block.prior_by_late_right[lane] = landmark.prior_by_late_right;
-    for (const BundleSighting& sighting : landmark.sightings) {
-      SightingBlock& into = sightings[slot[sighting.pose]];
+    block.prior_dinverse_depth_doffset[lane] = landmark.prior_dinverse_depth_doffset;
+    for (const BundleObservation& observation : landmark.observations) {
+      ObservationBlock& into = observations[slot[observation.pose]];
       into.seen[lane] = 1.0;
-      into.stereo[lane] = sighting.stereo ? 1.0 : 0.0;
+      into.stereo[lane] = observation.stereo ? 1.0 : 0.0;
       into.disparity_precision[lane] =
-          1.0 / (noise.disparity + noise.stretch * std::abs(sighting.disparity()));
+          1.0 / (noise.disparity + noise.stretch * std::abs(observation.disparity()));
       for (int axis = 0; axis < 2; ++axis) {
-        into.position_precision[axis][lane] = 1.0 / (noise.pixel * sighting.relative_noise[axis]);
-        into.left[axis][lane] = sighting.left[axis];
-        into.right[axis][lane] = sighting.right[axis];
+        into.position_precision[axis][lane] = 1.0 / (noise.pixel * observation.relative_noise[axis]);
+        into.left[axis][lane] = observation.left[axis];
+        into.right[axis][lane] = observation.right[axis];
       }
     }
   }

@@ -4,44 +4,46 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
-#include "vo_core/lane_order.hpp"
 #include "vo_core/reprojection_lanes.hpp"
+#include "vo_core/simd_groups.hpp"
 
-// A bundle's landmarks, four at a time. Not for use outside the bundle adjustment.
+// Landmarks of a bundle problem in SIMD blocks of four. Internal to the bundle adjustment.
 
 namespace cartvo {
 
-/// Up to four landmarks of one host, a lane each. Lanes beyond `count` see nothing and weigh nothing.
+/// Up to four landmarks of one anchor, one in each lane. Lanes from `count` on have no observation and no
+/// weight.
 struct LandmarkBlock {
-  int host = 0;
+  int anchor = 0;
   int count = 0;
-  std::array<int, kDoubleLanes> landmark{};           ///< index into the problem's
-  std::array<int, kDoubleLanes> level{};              ///< BundleLandmark's
-  std::size_t first_sighting = 0, last_sighting = 0;  ///< [first, last) of the sightings
+  std::array<int, kDoubleLanes> landmark{};                 ///< index into the problem's landmarks
+  std::array<int, kDoubleLanes> level{};                    ///< pyramid level
+  std::size_t first_observation = 0, last_observation = 0;  ///< range [first, last)
   PlaceLanes place{};
   DoubleLanes weight{};
-  DoubleLanes prior_inverse_depth{}, prior_information{}, prior_by_late_right{};
+  DoubleLanes prior_inverse_depth{}, prior_information{}, prior_dinverse_depth_doffset{};
 };
 
-/// What one pair saw of a block's landmarks; px.
-struct SightingBlock {
+/// Observations of a block's landmarks by one pair; px.
+struct ObservationBlock {
   int pose = 0;
-  DoubleLanes seen{}, stereo{};  ///< 1 where they are, else 0
+  DoubleLanes seen{}, stereo{};  ///< 1 if the landmark was observed (in both images), else 0
   DoubleLanes left[2]{}, right[2]{};
   DoubleLanes position_precision[2]{}, disparity_precision{};  ///< 1/px
 };
 
+/// All landmarks and observations of a problem, sorted by anchor.
 class BundleBlocks {
  public:
-  void take(const BundleProblem& problem);
+  void reset(const BundleProblem& problem);
 
   std::vector<LandmarkBlock> landmarks;
-  std::vector<SightingBlock> sightings;  ///< of each block its pairs, oldest first
+  std::vector<ObservationBlock> observations;  ///< by block, then by pair, oldest first
 
  private:
-  void add(const BundleProblem& problem, int host, const int* first, int count);
+  void add(const BundleProblem& problem, int anchor, const int* first, int count);
 
-  LaneOrder order_;
+  SimdGroups order_;
 };
 
 }  // namespace cartvo

@@ -5,43 +5,43 @@
 
 #include "vo_core/bundle_adjustment.hpp"
 
-// Not for use outside the bundle adjustment.
+// Internal to the bundle adjustment.
 
 namespace cartvo {
 
-/// The cameras of a problem, each left and right one as seen from each left one.
+/// Transforms from every left camera of a problem to every left and right camera.
 class BundleCameras {
  public:
-  using Change = Eigen::Matrix<double, 3, 4>;  // of R and t
+  using Change = Eigen::Matrix<double, 3, 4>;  // derivative of [R t]
 
-  void take(const BundleProblem& problem);
+  void reset(const BundleProblem& problem);
 
-  /// After the problem's free poses have moved.
+  /// Recomputes the transforms after a change of the free poses.
   void update(const BundleProblem& problem);
 
-  const Eigen::Isometry3d& leftFromHost(int camera, int host) const {
-    return T_left_host_[place(camera, host)];
+  const Eigen::Isometry3d& leftFromAnchor(int camera, int anchor) const {
+    return T_left_anchor_[index(camera, anchor)];
   }
-  const Eigen::Isometry3d& rightFromHost(int camera, int host) const {
-    return T_right_host_[place(camera, host)];
+  const Eigen::Isometry3d& rightFromAnchor(int camera, int anchor) const {
+    return T_right_anchor_[index(camera, anchor)];
   }
   const RightCamera& right(int camera) const { return right_[camera]; }
 
-  /// Whether the right camera moves with a free pose.
+  /// Whether the pose of the right camera depends on a free pose.
   bool rightIsFree(int camera) const;
 
-  /// How the left and the right camera, as seen from a host, change per second by which all right cameras are
-  /// exposed later than is believed: by that itself, and by what it has done to the poses that stand.
-  Change leftByLateRight(const BundleProblem& problem, int camera, int host) const;
-  Change rightByLateRight(const BundleProblem& problem, int camera, int host) const;
+  /// Derivatives of T_left_anchor and T_right_anchor by an error of the time offset (1/s): its direct effect
+  /// on the right camera and the error that it has caused in fixed poses.
+  Change leftByTimeOffset(const BundleProblem& problem, int camera, int anchor) const;
+  Change rightByTimeOffset(const BundleProblem& problem, int camera, int anchor) const;
 
  private:
-  std::size_t place(int camera, int host) const { return camera * count_ + host; }
+  std::size_t index(int camera, int anchor) const { return camera * count_ + anchor; }
 
   int count_ = 0;
   int fixed_ = 0;
   std::vector<RightCamera> right_;
-  std::vector<Eigen::Isometry3d> T_left_host_, T_right_host_;
+  std::vector<Eigen::Isometry3d> T_left_anchor_, T_right_anchor_;
 };
 
 }  // namespace cartvo

@@ -6,13 +6,12 @@
 
 namespace cartvo {
 
-/// The noise to be assumed from now on, by what the residuals of an adjusted pair tell: a running estimate,
-/// within bounds.
+/// Updates the assumed noise by the residuals of an adjusted window: exponential average, clamped.
 inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result) {
-  constexpr double kMemory = 0.9;                         // from pair to pair
-  constexpr double kLeastNoise = 0.03, kMostNoise = 0.6;  // px
+  constexpr double kMemory = 0.9;                              // weight of the previous estimate, per pair
+  constexpr double kMinimumNoise = 0.03, kMaximumNoise = 0.6;  // px
   const auto adapt = [&](double value, double scale) {
-    return std::clamp(value * (kMemory + (1.0 - kMemory) * scale), kLeastNoise, kMostNoise);
+    return std::clamp(value * (kMemory + (1.0 - kMemory) * scale), kMinimumNoise, kMaximumNoise);
   };
   BundleNoises next = noise;
   for (int level = 0; level < kLandmarkLevels; ++level) {

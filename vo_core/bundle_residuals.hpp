@@ -5,22 +5,23 @@
 #include "vo_core/bundle_blocks.hpp"
 #include "vo_core/bundle_cameras.hpp"
 
-// The residuals of a bundle, linearised, four landmarks at a time. All inline: their callers are compiled
-// per processor. Not for use outside the bundle adjustment.
+// Linearised residuals of a bundle problem, four landmarks at a time. All functions are inline because their
+// callers are compiled for several instruction sets. Internal to the bundle adjustment.
 
 namespace cartvo {
 
-constexpr int kRowPoses = 4;  // poses that one residual depends on at most
+constexpr int kRowPoses = 4;  // maximum number of poses that one residual depends on
 
-/// One residual of each of a block's landmarks: its derivative by the inverse depth and by the free poses.
+/// One residual of each landmark of a block, with derivatives by the inverse depth and the free poses.
 struct RowLanes {
   DoubleLanes residual;  // measured minus predicted, in standard deviations
-  DoubleLanes weight;    // zero where there is none
+  DoubleLanes weight;    // zero if the landmark has no such residual
   DoubleLanes by_inverse_depth;
   int poses = 0;
-  std::array<int, kRowPoses> pose{};  // counted from the first free one
-  PoseLanes by_pose[kRowPoses];       // of these, the first `poses`
+  std::array<int, kRowPoses> pose{};  // index, counted from the first free pose
+  PoseLanes by_pose[kRowPoses];       // the first `poses` are valid
 
+  /// Adds factor * derivative to the derivative by free pose `index`.
   void add(int index, const DoubleLanes& factor, const PoseLanes& derivative) {
     int at = 0;
     while (at < poses && pose[at] != index)
@@ -35,21 +36,21 @@ struct RowLanes {
   }
 };
 
-/// The residuals of one sighting.
-struct SightingRows {
+/// Residuals of one observation.
+struct ObservationRows {
   enum Index { kColumn, kRow, kDisparity, kCount };
-  RowLanes row[kCount];  // the first two, of the left position, not at the host, which defines it
+  RowLanes row[kCount];  // kColumn and kRow are unset in the anchor
 };
 
-/// What one pair sees of a block, and where it should.
+/// Observations of a block by one pair and the predicted views.
 struct BlockView {
-  const SightingBlock& sighting;
+  const ObservationBlock& observation;
   const PlaceLanes& place;
-  int host;
-  DoubleLanes seen, stereo;  ///< 1 where it counts, else 0
+  int anchor;
+  DoubleLanes seen, stereo;  ///< 1 if observed (in both images) and in front of the cameras, else 0
   ViewLanes left, right;
 
-  bool isHost() const { return sighting.pose == host; }
+  bool isAnchor() const { return observation.pose == anchor; }
 };
 
 /// derivative * matrix
@@ -62,109 +63,111 @@ inline PoseLanes timesMatrix(const PoseLanes& derivative, const Matrix6d& matrix
   return product;
 }
 
+/// Computes residuals, Cauchy weights and derivatives.
 class BlockResiduals {
  public:
   BlockResiduals(const BundleProblem& problem, const BundleCameras& cameras, double robust_width)
       : camera_(problem.camera),
         cameras_(cameras),
         fixed_(problem.fixed),
-        standing_share_(problem.standing_share),
+        fixed_pose_weight_(problem.fixed_pose_weight),
         robustness_(1.0 / (robust_width * robust_width)) {}
 
-  /// 1 where all cameras that see a landmark have it in front of them, else 0.
-  void findInFront(const LandmarkBlock& block, const SightingBlock* sightings, DoubleLanes& in_front) const {
+  /// Sets lanes to 1 if the landmark is in front of all cameras that observe it, else to 0.
+  void findInFront(const LandmarkBlock& block, const ObservationBlock* observations,
+                   DoubleLanes& in_front) const {
     BitLanes behind{};
-    const auto regard = [&](const RayLanes& ray, const DoubleLanes& seen) {
-      const DoubleLanes beyond = seen * (ray.z - kNearestRay) + (1.0 - seen);  // what is not seen, anywhere
+    const auto check = [&](const RayLanes& ray, const DoubleLanes& seen) {
+      const DoubleLanes beyond = seen * (ray.z - kNearestRay) + (1.0 - seen);  // 1 if not observed
       behind |= reinterpret_cast<const BitLanes&>(beyond);
     };
-    for (std::size_t i = block.first_sighting; i < block.last_sighting; ++i) {
-      const SightingBlock& sighting = sightings[i];
-      regard(rayOf(cameras_.leftFromHost(sighting.pose, block.host), block.place), sighting.seen);
-      regard(rayOf(cameras_.rightFromHost(sighting.pose, block.host), block.place), sighting.stereo);
+    for (std::size_t i = block.first_observation; i < block.last_observation; ++i) {
+      const ObservationBlock& observation = observations[i];
+      check(rayOf(cameras_.leftFromAnchor(observation.pose, block.anchor), block.place), observation.seen);
+      check(rayOf(cameras_.rightFromAnchor(observation.pose, block.anchor), block.place), observation.stereo);
     }
     findNegative(reinterpret_cast<const DoubleLanes&>(behind), behind);
     onesWhere(~behind, in_front);
   }
 
-  BlockView viewBy(const SightingBlock& sighting, int host, const PlaceLanes& place,
+  BlockView viewBy(const ObservationBlock& observation, int anchor, const PlaceLanes& place,
                    const DoubleLanes& in_front) const {
-    return {sighting,
+    return {observation,
             place,
-            host,
-            in_front * sighting.seen,
-            in_front * sighting.stereo,
-            viewOf(rayOf(cameras_.leftFromHost(sighting.pose, host), place)),
-            viewOf(rayOf(cameras_.rightFromHost(sighting.pose, host), place))};
+            anchor,
+            in_front * observation.seen,
+            in_front * observation.stereo,
+            viewOf(rayOf(cameras_.leftFromAnchor(observation.pose, anchor), place)),
+            viewOf(rayOf(cameras_.rightFromAnchor(observation.pose, anchor), place))};
   }
 
-  void linearise(const BlockView& view, const DoubleLanes& weight, SightingRows& rows) const {
-    if (!view.isHost())
-      linearisePosition(view, weight, rows.row[SightingRows::kColumn], rows.row[SightingRows::kRow]);
-    lineariseDisparity(view, weight, rows.row[SightingRows::kDisparity]);
+  void linearise(const BlockView& view, const DoubleLanes& weight, ObservationRows& rows) const {
+    if (!view.isAnchor())
+      linearisePosition(view, weight, rows.row[ObservationRows::kColumn], rows.row[ObservationRows::kRow]);
+    lineariseDisparity(view, weight, rows.row[ObservationRows::kDisparity]);
   }
 
  private:
   void linearisePosition(const BlockView& view, const DoubleLanes& weight, RowLanes& column,
                          RowLanes& row) const {
-    const SightingBlock& sighting = view.sighting;
-    const DoubleLanes& column_precision = sighting.position_precision[0];
-    const DoubleLanes& row_precision = sighting.position_precision[1];
+    const ObservationBlock& observation = view.observation;
+    const DoubleLanes& column_precision = observation.position_precision[0];
+    const DoubleLanes& row_precision = observation.position_precision[1];
     const DoubleLanes f_column = column_precision * camera_.focal_length;
     const DoubleLanes f_row = row_precision * camera_.focal_length;
-    column.residual = column_precision * (sighting.left[0] - camera_.cx) - f_column * view.left.x;
-    row.residual = row_precision * (sighting.left[1] - camera_.cy) - f_row * view.left.y;
+    column.residual = column_precision * (observation.left[0] - camera_.cx) - f_column * view.left.x;
+    row.residual = row_precision * (observation.left[1] - camera_.cy) - f_row * view.left.y;
     const DoubleLanes square = 0.5 * (column.residual * column.residual + row.residual * row.residual);
-    const double share = sighting.pose < fixed_ ? standing_share_ : 1.0;
-    column.weight = row.weight = share * weight * view.seen / (1.0 + robustness_ * square);
-    const Eigen::Isometry3d& T = cameras_.leftFromHost(sighting.pose, view.host);
+    const double pose_weight = observation.pose < fixed_ ? fixed_pose_weight_ : 1.0;
+    column.weight = row.weight = pose_weight * weight * view.seen / (1.0 + robustness_ * square);
+    const Eigen::Isometry3d& T = cameras_.leftFromAnchor(observation.pose, view.anchor);
     const PixelLanes by_depth = viewByInverseDepth(T, view.left);
     column.by_inverse_depth = f_column * by_depth.x;
     row.by_inverse_depth = f_row * by_depth.y;
     column.poses = row.poses = 0;
-    if (const int free = sighting.pose - fixed_; free >= 0) {
+    if (const int free = observation.pose - fixed_; free >= 0) {
       column.add(free, f_column, columnByCamera(view.left, view.place));
       row.add(free, f_row, rowByCamera(view.left, view.place));
     }
-    if (const int free = view.host - fixed_; free >= 0) {
-      column.add(free, f_column, columnByHost(T, view.left, view.place));
-      row.add(free, f_row, rowByHost(T, view.left, view.place));
+    if (const int free = view.anchor - fixed_; free >= 0) {
+      column.add(free, f_column, columnByAnchor(T, view.left, view.place));
+      row.add(free, f_row, rowByAnchor(T, view.left, view.place));
     }
   }
 
   void lineariseDisparity(const BlockView& view, const DoubleLanes& weight, RowLanes& row) const {
-    const SightingBlock& sighting = view.sighting;
-    const DoubleLanes f = camera_.focal_length * sighting.disparity_precision;
-    row.residual = sighting.disparity_precision * (sighting.left[0] - sighting.right[0]) -
+    const ObservationBlock& observation = view.observation;
+    const DoubleLanes f = camera_.focal_length * observation.disparity_precision;
+    row.residual = observation.disparity_precision * (observation.left[0] - observation.right[0]) -
                    f * (view.left.x - view.right.x);
     row.weight = weight * view.stereo / (1.0 + robustness_ * (row.residual * row.residual));
-    const Eigen::Isometry3d& T_left = cameras_.leftFromHost(sighting.pose, view.host);
-    const Eigen::Isometry3d& T_right = cameras_.rightFromHost(sighting.pose, view.host);
+    const Eigen::Isometry3d& T_left = cameras_.leftFromAnchor(observation.pose, view.anchor);
+    const Eigen::Isometry3d& T_right = cameras_.rightFromAnchor(observation.pose, view.anchor);
     row.by_inverse_depth =
         f * (viewByInverseDepth(T_left, view.left).x - viewByInverseDepth(T_right, view.right).x);
     row.poses = 0;
-    if (const int free = sighting.pose - fixed_; free >= 0 && !view.isHost())
+    if (const int free = observation.pose - fixed_; free >= 0 && !view.isAnchor())
       row.add(free, f, columnByCamera(view.left, view.place));
-    if (cameras_.rightIsFree(sighting.pose)) {
-      const RightCamera& right = cameras_.right(sighting.pose);
+    if (cameras_.rightIsFree(observation.pose)) {
+      const RightCamera& right = cameras_.right(observation.pose);
       const PoseLanes by_right = columnByCamera(view.right, view.place);
       const auto by_pose = [&](int pose, const Matrix6d& by_it) {
         if (pose >= fixed_) row.add(pose - fixed_, -f, timesMatrix(by_right, by_it));
       };
-      by_pose(sighting.pose, right.by_own);
+      by_pose(observation.pose, right.by_own);
       by_pose(right.neighbour, right.by_neighbour);
       by_pose(right.third, right.by_third);
     }
-    if (const int free = view.host - fixed_; free >= 0) {
-      if (!view.isHost()) row.add(free, f, columnByHost(T_left, view.left, view.place));
-      row.add(free, -f, columnByHost(T_right, view.right, view.place));
+    if (const int free = view.anchor - fixed_; free >= 0) {
+      if (!view.isAnchor()) row.add(free, f, columnByAnchor(T_left, view.left, view.place));
+      row.add(free, -f, columnByAnchor(T_right, view.right, view.place));
     }
   }
 
   const StereoCamera& camera_;
   const BundleCameras& cameras_;
   int fixed_;
-  double standing_share_;
+  double fixed_pose_weight_;
   double robustness_;
 };
 

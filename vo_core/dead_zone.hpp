@@ -5,12 +5,13 @@
 
 namespace cartvo {
 
-/// Nothing in the dead zone, nearly all of what is far beyond it, no jump between, at most so much: the
-/// non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the non-negative garrote", 1998).
-inline double beyondDeadZone(double value, double dead, double most) {
+/// Non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the non-negative garrote", 1998) with a
+/// limit: zero for |value| <= dead_zone, continuous, close to the value far beyond; the magnitude is at most
+/// `limit`.
+inline double applyDeadZone(double value, double dead_zone, double limit) {
   const double size = std::abs(value);
-  if (size <= dead) return 0.0;
-  return std::copysign(std::min(size - dead * dead / size, most), value);
+  if (size <= dead_zone) return 0.0;
+  return std::copysign(std::min(size - dead_zone * dead_zone / size, limit), value);
 }
 
 }  // namespace cartvo

@@ -14,17 +14,17 @@
 
 namespace cartvo {
 
-constexpr int kCircle = 16;  ///< pixels
+constexpr int kCircle = 16;  ///< pixels of the circle
 
-/// Offsets of the circle of radius 3, clockwise from the top, in an image of a given row length.
+/// Offsets of the circle of radius 3, clockwise from the top, in an image of a given row length in bytes.
 using Circle = std::array<std::ptrdiff_t, kCircle>;
 inline Circle circle(std::ptrdiff_t step) {
   return {-3 * step, -3 * step + 1, -2 * step + 2, -step + 3, 3,  step + 3,  2 * step + 2,  3 * step + 1,
           3 * step,  3 * step - 1,  2 * step - 2,  step - 3,  -3, -step - 3, -2 * step - 2, -3 * step - 1};
 }
 
-/// Whether any of the pixels' bytes is not 0; and one bit of each of the pixels, which are 0 or 255, the
-/// first pixel's the lowest.
+/// anyOf(): whether any byte is not 0. bitsOf(): one bit per pixel, which is 0 or 255; the first pixel's is
+/// the lowest.
 template <int kSize>
 bool anyOf(const typename ByteVectors<kSize>::Bytes& pixels) {
   std::array<std::uint64_t, kSize / 8> words;
@@ -37,8 +37,9 @@ bool anyOf(const typename ByteVectors<kSize>::Bytes& pixels) {
 template <int kSize>
 std::uint64_t bitsOf(const typename ByteVectors<kSize>::Bytes& pixels) {
   static_assert(std::endian::native == std::endian::little);  // the first byte of a word is its lowest
-  constexpr std::uint64_t kOfEachByte = 0x8040201008040201;   // one bit, each of another place
-  constexpr std::uint64_t kSum = 0x0101010101010101;  // by multiplication: of the bytes, in the highest
+  constexpr std::uint64_t kOfEachByte = 0x8040201008040201;   // one bit per byte, each at another position
+  constexpr std::uint64_t kSum =
+      0x0101010101010101;  // multiplication by it sums the bytes into the highest one
   std::array<std::uint64_t, kSize / 8> words;
   std::memcpy(words.data(), &pixels, sizeof pixels);
   std::uint64_t bits = 0;
@@ -48,7 +49,7 @@ std::uint64_t bitsOf(const typename ByteVectors<kSize>::Bytes& pixels) {
 }
 
 #ifdef CARTVO_WIDE_VECTORS
-// x86-64 tells of a whole register by one instruction, which GCC 12 does not find by itself.
+// x86-64 tests a whole register with one instruction, which GCC 12 does not find by itself.
 template <>
 CARTVO_WIDE_VECTORS("arch=x86-64-v4")
 inline bool anyOf<64>(const ByteVectors<64>::Bytes& pixels) {
@@ -71,11 +72,11 @@ inline std::uint64_t bitsOf<32>(const ByteVectors<32>::Bytes& pixels) {
 }
 #endif
 
-/// FAST-9 (fast_corners.hpp) of kSize pixels of a row at once.
+/// FAST-9 (fast_corners.hpp) on kSize pixels of a row at once.
 template <int kSize>
 class PixelBlock {
  public:
-  /// `thresholds` of each of the pixels from `centre` on.
+  /// `thresholds`: of the pixels from `centre` on.
   PixelBlock(const std::uint8_t* centre, const std::uint8_t* thresholds, const Circle& offsets)
       : centre_(centre), offsets_(offsets) {
     std::memcpy(&grey_, centre, sizeof grey_);
@@ -94,12 +95,12 @@ class PixelBlock {
     return anyOf<kSize>(bright_ | dark_);
   }
 
-  /// The scores of what findCorners() found, 0 of the other pixels.
+  /// Writes the scores of the corners that findCorners() found, 0 for the other pixels.
   void score(std::uint16_t* scores) const {
-    // Inverted, a darker circle is a brighter one.
+    // Inverting the grey values makes a darker circle a brighter one.
     const Pixels grey = grey_ ^ dark_;
     const Pixels threshold = threshold_ | ~(bright_ | dark_);
-    Shorts sums{}, odd_sums{};  // of two neighbours, the odd one's 256-fold; of the odd ones
+    Shorts sums{}, odd_sums{};  // even pixels plus 256 times odd pixels; odd pixels
 #pragma GCC unroll 16
     for (const std::ptrdiff_t offset : offsets_) {
       Pixels pixel;
@@ -111,7 +112,7 @@ class PixelBlock {
       sums += pairs;
       odd_sums += pairs >> 8;
     }
-    writeAlternately(sums - (odd_sums << 8), odd_sums, scores);  // what overflowed does so once more
+    writeAlternately(sums - (odd_sums << 8), odd_sums, scores);  // overflows cancel
   }
 
  private:
@@ -120,7 +121,7 @@ class PixelBlock {
   using HalfShorts = typename ByteVectors<kSize / 2>::Shorts;
   using Ints = typename ByteVectors<kSize>::Ints;
 
-  /// An arc of nine covers one of the top and bottom, and one of the left and right pixel.
+  /// Quick test: an arc of nine covers the top or bottom pixel, and the left or right pixel.
   bool mayHaveCorners() const {
     Pixels top, right, bottom, left;
     std::memcpy(&top, centre_ + offsets_[0], sizeof top);
@@ -139,7 +140,7 @@ class PixelBlock {
     return anyOf<kSize>((more < threshold_ ? threshold_ : more) - threshold_);
   }
 
-  /// Of the arcs of nine pixels the greatest least one, and the least greatest one.
+  /// Over all arcs of nine pixels: the greatest minimum and the least maximum.
   void extremeArcs(Pixels& greatest, Pixels& least) const {
     Pixels pixel[kCircle];
 #pragma GCC unroll 16

@@ -1,4 +1,4 @@
-// Features from accelerated segment test, scored by the sum of absolute differences.
+// FAST-9 corners, scored by the sum of absolute differences, with 3x3 non-maximum suppression.
 #include "vo_core/fast_corners.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace cartvo {
 namespace {
 
-/// Whether nine neighbours of the ring of sixteen bits are set.
+/// Whether nine contiguous bits of the ring of sixteen are set.
 bool hasArc(std::uint32_t bits) {
   const std::uint32_t ring = bits | bits << kCircle;
   std::uint32_t run = ring & ring >> 1;  // runs of 2, 4, 8
@@ -21,6 +21,7 @@ bool hasArc(std::uint32_t bits) {
   return (run & ring >> 8) != 0;
 }
 
+/// Score of one pixel, as fastScore().
 std::uint16_t scoreAt(const std::uint8_t* centre, const Circle& offsets, int threshold) {
   std::uint32_t bright_bits = 0;
   std::uint32_t dark_bits = 0;
@@ -41,26 +42,27 @@ std::uint16_t scoreAt(const std::uint8_t* centre, const Circle& offsets, int thr
   return 0;
 }
 
-/// Scores of a row: a block with corners is read whole, however narrow the image.
+/// Number of scores of a row: a block with corners is read whole, however narrow the image.
 int scoredWidth(int columns) {
   constexpr int kWidestBlock = 64;
   return std::max(columns, kWidestBlock + 2 * kFastRadius);
 }
 
-std::size_t mostBlocks(int width) {
+std::size_t maximumBlocks(int width) {
   constexpr int kNarrowestBlock = 16;
   return static_cast<std::size_t>(width / kNarrowestBlock) + 1;
 }
 
-/// A row of an image, whose columns [kFastRadius, width - kFastRadius) are to be scored.
+/// A row of an image; columns [kFastRadius, width - kFastRadius) are scored.
 struct ImageRow {
   const std::uint8_t* pixels;
-  std::ptrdiff_t step;  ///< to the next one
+  std::ptrdiff_t step;  ///< bytes to the next row
   int width;
   const std::uint8_t* thresholds;
 };
 
-/// Writes the scores, and where blocks of kSize columns with corners begin; returns how many these are.
+/// Writes the scores and the first columns of those blocks of kSize columns that contain corners; returns the
+/// number of these blocks.
 template <int kSize>
 int scoreBlocks(const ImageRow& row, std::uint16_t* scores, int* blocks) {
   const Circle offsets = circle(row.step);
@@ -85,7 +87,7 @@ int scoreBlocks(const ImageRow& row, std::uint16_t* scores, int* blocks) {
   return count;
 }
 
-/// Which of a block's scores are the greatest of their 3x3 neighbours': bits.
+/// Bit mask of the scores of a block that are the greatest in their 3x3 neighbourhood.
 template <int kSize>
 std::uint64_t maximaOf(const std::uint16_t* above, const std::uint16_t* row, const std::uint16_t* below) {
   using Shorts = typename ByteVectors<kSize>::Shorts;
@@ -104,7 +106,7 @@ std::uint64_t maximaOf(const std::uint16_t* above, const std::uint16_t* row, con
       std::memcpy(&other, below + at + side, sizeof other);
       after = after < other ? other : after;
     }
-    // No less than those after it is more than one less than they.
+    // "No less than those after" is "more than one less than those after".
     const Shorts one_less = (after < 1 ? Shorts{} + 1 : after) - 1;
     const Shorts is_maximum = score > (before < one_less ? one_less : before);
     are_maxima[half] = __builtin_convertvector(is_maximum, HalfBytes);
@@ -114,7 +116,7 @@ std::uint64_t maximaOf(const std::uint16_t* above, const std::uint16_t* row, con
   return bitsOf<kSize>(both);
 }
 
-/// The columns of a row's local maxima, which lie in its blocks with corners; and how many.
+/// Writes the columns of a row's local maxima, which lie in its blocks with corners; returns their number.
 template <int kSize>
 int maximaOfBlocks(const std::uint16_t* above, const std::uint16_t* row, const std::uint16_t* below,
                    const int* blocks, int block_count, int* columns) {
@@ -122,7 +124,7 @@ int maximaOfBlocks(const std::uint16_t* above, const std::uint16_t* row, const s
   int next = 0;
   for (int i = 0; i < block_count; ++i) {
     const int x = blocks[i];
-    const int known = std::max(next - x, 0);  // of the last block, which overlaps the one before
+    const int known = std::max(next - x, 0);  // columns of the last block that are part of the one before
     for (std::uint64_t left = maximaOf<kSize>(above + x, row + x, below + x) >> known << known; left != 0;
          left &= left - 1)
       columns[count++] = x + std::countr_zero(left);
@@ -156,11 +158,11 @@ void WindowThresholds::set(const cv::Rect& window, std::uint8_t threshold) {
 
 void CornerFinder::reserve(int columns, int rows) {
   const auto width = static_cast<std::size_t>(scoredWidth(columns));
-  maxima_.reserve(mostCorners(columns, rows));
+  maxima_.reserve(maximumCorners(columns, rows));
   columns_.reserve(width);
   for (ScoredRow& row : rows_) {
     row.scores.reserve(width);
-    row.blocks.reserve(mostBlocks(scoredWidth(columns)));
+    row.blocks.reserve(maximumBlocks(scoredWidth(columns)));
   }
 }
 
@@ -170,7 +172,7 @@ void CornerFinder::score(const cv::Mat& image, int y, const WindowThresholds& th
   const bool empty = y < kFastRadius || y >= image.rows - kFastRadius;
   if (empty || width > image.cols || static_cast<int>(row.scores.size()) != width)
     row.scores.assign(width, 0);
-  row.blocks.resize(mostBlocks(width));
+  row.blocks.resize(maximumBlocks(width));
   row.block_count = 0;
   if (empty) return;
   const ImageRow pixels{image.ptr(y), static_cast<std::ptrdiff_t>(image.step), image.cols, thresholds.row(y)};
@@ -189,7 +191,7 @@ void CornerFinder::suppress(int y) {
 const std::vector<Corner>& CornerFinder::find(const cv::Mat& image, const cv::Range& rows,
                                               const WindowThresholds& thresholds) {
   maxima_.clear();
-  maxima_.reserve(mostCorners(image.cols, rows.size()));
+  maxima_.reserve(maximumCorners(image.cols, rows.size()));
   score(image, rows.start - 1, thresholds);
   score(image, rows.start, thresholds);
   for (int y = rows.start; y < rows.end; ++y) {

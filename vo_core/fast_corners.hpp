@@ -10,16 +10,17 @@
 
 namespace cartvo {
 
+/// A corner of an image and its FAST score.
 struct Corner {
   int x = 0, y = 0;  ///< px
   std::uint16_t score = 0;
 };
 
 constexpr int kFastRadius = 3;            ///< px; pixels closer than this to the edge are no corners
-constexpr std::uint8_t kNoCorners = 255;  ///< a threshold that nothing passes
+constexpr std::uint8_t kNoCorners = 255;  ///< threshold that no pixel passes
 
-/// How many of an area's corners non-maximum suppression can leave: one of each four pixels.
-constexpr std::size_t mostCorners(int width, int height) {
+/// Maximum number of corners that non-maximum suppression leaves in an area: one of each four pixels.
+constexpr std::size_t maximumCorners(int width, int height) {
   return static_cast<std::size_t>((width + 1) / 2) * ((height + 1) / 2);
 }
 
@@ -29,39 +30,41 @@ constexpr std::size_t mostCorners(int width, int height) {
 /// circle that differ so (thesis 4.9); 0: no corner. (x, y) must lie kFastRadius inside the CV_8UC1 image.
 std::uint16_t fastScore(const cv::Mat& image, int x, int y, int threshold);
 
-/// The thresholds of an image's pixels: windows side by side have their own, and all rows of a row of windows
-/// the same.
+/// FAST thresholds of the pixels of an image. Windows side by side have different thresholds; all image rows
+/// of one row of windows have the same.
 class WindowThresholds {
  public:
-  /// No corners anywhere. Window row r of n holds the image's rows [r height / n, (r + 1) height / n).
+  /// Starts without corners anywhere. Window row r of n contains the image rows [r height / n, (r + 1) height
+  /// / n).
   WindowThresholds(const cv::Size& image_size, int window_rows);
 
   void set(const cv::Rect& window, std::uint8_t threshold);
-  /// Of the pixels of one row of the image.
+  /// Thresholds of the pixels of image row y.
   const std::uint8_t* row(int y) const { return &thresholds_[static_cast<std::size_t>(begin_[y])]; }
 
  private:
-  std::vector<std::uint8_t> thresholds_;  ///< of each row of windows, an image's width of them
-  std::vector<int> begin_;                ///< in thresholds_, of each row of the image
+  std::vector<std::uint8_t> thresholds_;  ///< for each row of windows, one value per image column
+  std::vector<int> begin_;                ///< index into thresholds_ of each image row
 };
 
-/// Finds corners in memory that it keeps from one image to the next.
+/// Finds corners; reuses its memory from one image to the next.
 class CornerFinder {
  public:
-  /// Memory for so many rows of images so wide, so that none is asked for later.
+  /// Reserves memory for images of this size, so that find() does not allocate.
   void reserve(int columns, int rows);
 
-  /// The corners of those rows of `image` (CV_8UC1, of the thresholds' size) whose score is the greatest of
-  /// their 3x3 neighbours' (non-maximum suppression; of equal ones the first in reading order stays), in
-  /// reading order. Pixels too close to the edge of the image are none. Valid until the next call.
+  /// Corners in the given rows of `image` (CV_8UC1, of the thresholds' size) whose score is the greatest in
+  /// its 3x3 neighbourhood (non-maximum suppression; of equal ones the first in reading order stays), in
+  /// reading order. Pixels closer than kFastRadius to the edge of the image are no corners. Valid until the
+  /// next call.
   const std::vector<Corner>& find(const cv::Mat& image, const cv::Range& rows,
                                   const WindowThresholds& thresholds);
 
  private:
-  /// One row before suppression.
+  /// Scores of one row before suppression.
   struct ScoredRow {
     std::vector<std::uint16_t> scores;  ///< of all columns; 0 where there is no corner
-    std::vector<int> blocks;            ///< of columns with corners: where each begins
+    std::vector<int> blocks;            ///< first columns of the blocks with corners
     int block_count = 0;
   };
 
@@ -70,8 +73,8 @@ class CornerFinder {
   ScoredRow& at(int y) { return rows_[static_cast<std::size_t>((y + kRows) % kRows)]; }
 
   static constexpr int kRows = 3;
-  std::array<ScoredRow, kRows> rows_;  ///< the last ones of the image
-  std::vector<int> columns_;           ///< of one row's maxima
+  std::array<ScoredRow, kRows> rows_;  ///< the last rows that were scored
+  std::vector<int> columns_;           ///< columns of one row's maxima
   std::vector<Corner> maxima_;
 };
 

@@ -6,51 +6,54 @@
 #include <cstdint>
 #include <optional>
 
+#include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
 namespace cartvo {
 
-constexpr int kHistoryLength = 8;       ///< observations a feature keeps; bounds refinement.frames
-constexpr int kMaximumSearchAgain = 7;  ///< bounds tracking.search_again, so that the history covers it
+/// Number of observations that a feature keeps.
+constexpr int kHistoryLength = kMaximumRefinementFrames;
+static_assert(kMaximumSearchAgain < kHistoryLength, "the history covers the pairs of a search");
 
-/// A feature seen by one pair.
-struct Observation {
+/// Observation of a feature by one pair.
+struct FeatureObservation {
   std::int64_t frame = -1;                          ///< index of the pair; -1: none
   Eigen::Vector2d left = Eigen::Vector2d::Zero();   ///< px
   double disparity = 0.0;                           ///< px; 0: no match in the right image
   double right_row = 0.0;                           ///< px, row of the match in the right image
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, in the left camera at that pair; if matched
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, in the left camera of that pair; if matched
 
   bool matched() const { return disparity > 0.0; }
 };
 
-/// A corner of the world followed through the left images.
+/// A corner of the world that is tracked through the left images.
 class Feature {
  public:
   Feature(std::uint64_t id, float score) : id_(id), score_(score) {}
 
   std::uint64_t id() const { return id_; }
-  /// FAST score (thesis 4.9) when it was detected.
+  /// FAST score (thesis 4.9) at its detection.
   float score() const { return score_; }
-  /// Pairs that saw it.
+  /// Number of pairs that observed it.
   int age() const { return age_; }
 
-  /// From feature history, in [0, 1]: how much it is believed to belong to the static world.
+  /// Weight from feature history, in [0, 1]: how likely it is part of the static world.
   double weight = 1.0;
 
-  /// Newest first; `back` < kHistoryLength; Observation::frame is -1 where there is none.
-  const Observation& seen(int back) const { return history_[back]; }
-  const Observation& last() const { return history_[0]; }
-  Observation& last() { return history_[0]; }
+  /// Observations, newest first; `back` < kHistoryLength. FeatureObservation::frame is -1 where there is
+  /// none.
+  const FeatureObservation& observation(int back) const { return history_[back]; }
+  const FeatureObservation& last() const { return history_[0]; }
+  FeatureObservation& last() { return history_[0]; }
 
   /// Its observation by pair `frame`, or nullptr.
-  const Observation* at(std::int64_t frame) const {
-    for (const Observation& observation : history_)
+  const FeatureObservation* at(std::int64_t frame) const {
+    for (const FeatureObservation& observation : history_)
       if (observation.frame == frame) return &observation;
     return nullptr;
   }
 
-  void observe(const Observation& observation) {
+  void observe(const FeatureObservation& observation) {
     std::shift_right(history_.begin(), history_.end(), 1);
     history_[0] = observation;
     ++age_;
@@ -60,7 +63,7 @@ class Feature {
   std::uint64_t id_;
   float score_;
   int age_ = 0;
-  std::array<Observation, kHistoryLength> history_{};
+  std::array<FeatureObservation, kHistoryLength> history_{};
 };
 
 }  // namespace cartvo

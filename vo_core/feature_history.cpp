@@ -1,4 +1,4 @@
-// What a feature's past says of its trustworthiness.
+// Weights of features from their motion history.
 #include "vo_core/feature_history.hpp"
 
 #include <Eigen/LU>
@@ -17,7 +17,8 @@ double motionVariance(const WorldStep& earlier, const WorldStep& later) {
 }
 
 double historyWeight(double weight, double motion_variance, const HistorySettings& settings) {
-  const double now = 1.0 / (1.0 + motion_variance / (settings.deviation * settings.deviation));
+  const double now =
+      1.0 / (1.0 + motion_variance / (settings.half_weight_stddevs * settings.half_weight_stddevs));
   return 0.5 * (weight + now);
 }
 

@@ -13,39 +13,39 @@
 
 namespace cartvo {
 
-/// All features that are followed, and the steps that bring them from one pair to the next. A feature is seen
-/// if the current pair saw it, and lost otherwise.
+/// All tracked features and the steps that carry them from one pair to the next. A feature is seen if the
+/// current pair observed it, and lost otherwise.
 class FeatureSet {
  public:
   FeatureSet(const StereoCamera& camera, const OdometrySettings& settings);
 
   void clear() { features_.clear(); }
 
-  /// From the next pair on, so many features are aimed at.
-  void aimAt(int features) { detector_.aimAt(features); }
+  /// Sets the target number of features from the next pair on.
+  void setTargetFeatureCount(int features) { detector_.setTargetFeatureCount(features); }
 
-  /// Follows each feature from the frame that saw it last, be it the one before or, for lost ones, up to
-  /// `tracking.search_again` earlier (thesis 4.10-4.13). Where it should be is predicted from
-  /// `T_world_camera`, the pose expected of the current pair, if there is one. What is not found for too
-  /// long, or must have left the image, is dropped.
+  /// Tracks each feature from the frame that observed it last: the previous one or, for lost features, one up
+  /// to `tracking.search_again` earlier (thesis 4.10-4.13). Its position is predicted from `T_world_camera`,
+  /// the predicted pose of the current pair, if there is one. Drops features that were not found for too long
+  /// or must have left the image.
   void track(const ImagePyramid& left, std::int64_t frame, const FrameWindow& window,
              const std::optional<Eigen::Isometry3d>& T_world_camera);
-  /// Of seen features closer than the minimum distance the older stays.
-  void keepDistance(SpacingGrid& spacing);
-  /// Fills up with new corners (thesis 4.9).
+  /// Of seen features closer than the minimum distance, keeps the older one.
+  void enforceMinimumDistance(SpacingGrid& spacing);
+  /// Adds new corners up to the target number (thesis 4.9).
   void detect(const cv::Mat& left, SpacingGrid& spacing);
-  /// Disparities of all seen features.
+  /// Measures the disparities of all seen features.
   void matchStereo(const ImagePyramid& left, const ImagePyramid& right);
-  /// Points of all seen features that have a disparity (thesis 4.14).
+  /// Computes the points of all seen features that have a disparity (thesis 4.14).
   void triangulate();
-  /// Drops features whose weight has fallen below the least.
-  void removeUnweighted();
+  /// Drops features whose weight is below history.minimum_weight.
+  void removeLowWeights();
 
   std::vector<Feature>& features() { return features_; }
   const std::vector<Feature>& features() const { return features_; }
-  bool seen(const Feature& feature) const { return feature.last().frame == frame_; }
+  bool isSeen(const Feature& feature) const { return feature.last().frame == frame_; }
   int seenCount() const;
-  int matchedCount() const;  ///< of the seen, with a disparity
+  int matchedCount() const;  ///< seen features with a disparity
 
  private:
   Eigen::Vector2d predictPixel(const Feature& feature, const FrameWindow& window,

@@ -9,10 +9,10 @@
 
 namespace cartvo {
 
-/// A vector of at most `kMost` items that holds them inside itself, so that no pair allocates one for each
-/// landmark (C++26 has std::inplace_vector). More are refused: std::length_error. Memory is written to only
-/// for items it holds: thousands of landmarks are made and copied for each pair.
-template <typename T, std::size_t kMost>
+/// Vector of at most `kCapacity` items that are stored in place, so that no pair allocates memory per
+/// landmark (C++26 has std::inplace_vector). Throws std::length_error for more. Memory is written only for
+/// items it holds: thousands of landmarks are created and copied per pair.
+template <typename T, std::size_t kCapacity>
 class FixedVector {
  public:
   FixedVector() {}  // NOLINT(modernize-use-equals-default): which the union would delete
@@ -64,12 +64,12 @@ class FixedVector {
 
  private:
   static void requireRoomFor(std::size_t size) {
-    if (size > kMost) throw std::length_error("a FixedVector cannot hold so many items");
+    if (size > kCapacity) throw std::length_error("FixedVector: more items than its capacity");
   }
 
-  static_assert(std::is_trivially_destructible_v<T>);  // so that nothing is to be done for those that go
+  static_assert(std::is_trivially_destructible_v<T>);  // so that removed items need no destructor
   union {
-    T items_[kMost];  // NOLINT(readability-identifier-naming): private
+    T items_[kCapacity];  // NOLINT(readability-identifier-naming): private
   };
   std::size_t size_ = 0;
 };

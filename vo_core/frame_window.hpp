@@ -9,12 +9,12 @@
 
 namespace cartvo {
 
-/// What is kept of a pair once it is processed.
+/// Record of a processed pair.
 struct FrameRecord {
   std::int64_t index = -1;
   std::int64_t exposure_ns = 0;                     ///< of the left image
   ImagePyramid left;                                ///< grey levels only
-  std::optional<Eigen::Isometry3d> T_world_camera;  ///< in the present epoch; none where it was not measured
+  std::optional<Eigen::Isometry3d> T_world_camera;  ///< in the current epoch; none where it was not measured
 };
 
 /// The last few pairs, oldest first.
@@ -28,7 +28,7 @@ class FrameWindow {
   }
   void clear() { frames_.clear(); }
 
-  /// nullptr if the pair has left the window.
+  /// The pair `index`; nullptr if it has left the window.
   const FrameRecord* find(std::int64_t index) const {
     for (const FrameRecord& frame : frames_)
       if (frame.index == index) return &frame;
@@ -44,7 +44,7 @@ class FrameWindow {
     return found;
   }
 
-  /// The newest pair becomes the origin; the poses of the others are forgotten.
+  /// Begins an epoch with the newest pair as its origin; the poses of the others are dropped.
   void beginEpochAtNewest() {
     for (FrameRecord& frame : frames_)
       frame.T_world_camera.reset();

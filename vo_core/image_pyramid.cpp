@@ -1,5 +1,5 @@
 // Gaussian and difference-of-Gaussian pyramids (P. Burt, E. Adelson, "The Laplacian pyramid as a compact
-// image code", 1983), one of each for all stages that need them. In integers, as OpenCV computes them.
+// image code", 1983) in integer arithmetic, with the same results as OpenCV.
 #include "vo_core/image_pyramid.hpp"
 
 #include <algorithm>
@@ -11,17 +11,18 @@
 namespace cartvo {
 namespace {
 
-constexpr int kTaps = 5;          // of both filters
-constexpr int kLeastToHalve = 8;  // px
-constexpr int kDogGain = 3;       // so that weak texture uses the range of a byte; strong texture saturates
-// Of the Gaussian with sigma 1 px, times 128; from the outermost one.
+constexpr int kTaps = 5;                // of both filters
+constexpr int kMinimumSideToHalve = 8;  // px
+constexpr int kDogGain = 3;  // so that weak texture uses the range of a byte; strong texture saturates
+// Taps of the Gaussian with sigma 1 px, times 128, from the outermost to the centre.
 constexpr std::uint16_t kGaussian[] = {7, 31, 52};
 
 int wholeBlocks(int width) {
   return (width + PyramidLevel::kBlock - 1) / PyramidLevel::kBlock * PyramidLevel::kBlock;
 }
 
-/// The pixel that is shown at place i outside an image of n pixels (0 is mirrored at 0, not doubled).
+/// Index of the pixel that the border shows at position i of a row of n pixels (reflection without doubling
+/// the edge pixel).
 int mirrored(int i, int n) {
   if (n == 1) return 0;
   const int period = 2 * (n - 1);
@@ -36,10 +37,10 @@ void mirrorEight(const std::uint8_t* from, std::uint8_t* to) {
   std::memcpy(to, &pixels, sizeof pixels);
 }
 
-/// Every other column of a row, blurred by the binomial filter 1 4 6 4 1, times 16.
+/// Horizontal binomial filter 1 4 6 4 1 at every other column of a row; the result is times 16.
 template <int kSize>
 void halveAcross(const std::uint8_t* row, int half_width, std::uint16_t* sums) {
-  using Pairs = typename ByteVectors<kSize>::Shorts;  // of an even and an odd column
+  using Pairs = typename ByteVectors<kSize>::Shorts;  // pairs of an even and an odd column
   static_assert(std::endian::native == std::endian::little);
   for (int x = 0; x < half_width; x += kSize / 2) {
     Pairs before, here, after;
@@ -53,9 +54,9 @@ void halveAcross(const std::uint8_t* row, int half_width, std::uint16_t* sums) {
   }
 }
 
-using RowSums = std::array<const std::uint16_t*, kTaps>;  // from the upmost one
+using RowSums = std::array<const std::uint16_t*, kTaps>;  // from top to bottom
 
-/// The same across rows; the sum of all weights is 256, and no sum exceeds sixteen bits.
+/// Vertical binomial filter. The sum of all weights is 256, so no sum exceeds sixteen bits.
 template <int kSize>
 void halveDown(const RowSums& rows, int half_width, std::uint8_t* out) {
   using Shorts = typename ByteVectors<kSize>::Shorts;
@@ -72,7 +73,7 @@ void halveDown(const RowSums& rows, int half_width, std::uint8_t* out) {
   }
 }
 
-/// A row blurred by the Gaussian, times 128.
+/// Horizontal Gaussian filter; the result is times 128.
 template <int kSize>
 void blurAcross(const std::uint8_t* row, int width, std::uint16_t* sums) {
   using Shorts = typename ByteVectors<kSize>::Shorts;
@@ -91,14 +92,15 @@ void blurAcross(const std::uint8_t* row, int width, std::uint16_t* sums) {
   }
 }
 
-/// The same across rows, and how much the row itself differs from that.
+/// Vertical Gaussian filter and difference of the row from it.
 template <int kSize>
 void differenceDown(const RowSums& rows, const std::uint8_t* row, int width, std::uint8_t* out) {
   using Shorts = typename ByteVectors<kSize>::Shorts;
   using SignedShorts = typename ByteVectors<kSize>::SignedShorts;
   using HalfBytes = typename ByteVectors<kSize / 2>::Bytes;
   for (int x = 0; x < width; x += kSize / 2) {
-    // Weighed sums take 22 bits. Of 128 h + l, h and l are summed apart, each in sixteen.
+    // Weighted sums take 22 bits. Each input is split into 128 h + l; h and l are summed in sixteen bits
+    // each.
     Shorts high{}, low{};
 #pragma GCC unroll 5
     for (int tap = 0; tap <= kTaps / 2; ++tap) {
@@ -133,51 +135,53 @@ CARTVO_BY_VECTOR_WIDTH(void differFromBlur(const RowSums& rows, const std::uint8
                                            std::uint8_t* out),
                        differenceDown<kSize>(rows, row, width, out);)
 
-/// Filters images by rows, then by columns, of which it keeps the last few rows.
+/// Ring buffer of the last rows after the horizontal filter.
 class RowFilter {
  public:
   RowFilter(std::vector<std::uint16_t>& memory, int width) : width_(wholeBlocks(width)) {
     memory.resize(std::max(memory.size(), static_cast<std::size_t>(kTaps) * width_));
     memory_ = memory.data();
   }
-  /// Where the sums of row y are kept, in place of those of row y - kTaps.
-  std::uint16_t* of(int y) const { return memory_ + (y + kTaps) % kTaps * width_; }
-  RowSums around(int y) const { return {of(y - 2), of(y - 1), of(y), of(y + 1), of(y + 2)}; }
+  /// Sums of row y; they replace those of row y - kTaps.
+  std::uint16_t* rowSums(int y) const { return memory_ + (y + kTaps) % kTaps * width_; }
+  RowSums around(int y) const {
+    return {rowSums(y - 2), rowSums(y - 1), rowSums(y), rowSums(y + 1), rowSums(y + 2)};
+  }
 
  private:
   std::uint16_t* memory_;
   int width_;
 };
 
-/// cv::pyrDown, of a level with its border.
+/// Equals cv::pyrDown; `level` needs its border.
 void halve(const PyramidLevel& level, std::vector<std::uint16_t>& memory, PyramidLevel& half) {
   const RowFilter sums(memory, half.width());
-  int next = -kTaps / 2;  // row to be filtered
+  int next = -kTaps / 2;  // next row to filter
   for (int y = 0; y < half.height(); ++y) {
     for (; next <= 2 * y + kTaps / 2; ++next)
-      halveRow(level.at(0, next), half.width(), sums.of(next));
+      halveRow(level.at(0, next), half.width(), sums.rowSums(next));
     halveRows(sums.around(2 * y), half.width(), half.row(y));
   }
   half.writeBorder();
 }
 
-/// kDogGain times how much a level with its border differs from its cv::GaussianBlur.
+/// kDogGain times the difference between a level and its cv::GaussianBlur; `level` needs its border.
 void differenceOfGaussians(const PyramidLevel& level, std::vector<std::uint16_t>& memory, PyramidLevel& dog) {
   const RowFilter sums(memory, level.width());
   int next = -kTaps / 2;
   for (int y = 0; y < level.height(); ++y) {
     for (; next <= y + kTaps / 2; ++next)
-      blurRow(level.at(0, next), level.width(), sums.of(next));
+      blurRow(level.at(0, next), level.width(), sums.rowSums(next));
     differFromBlur(sums.around(y), level.at(0, y), level.width(), dog.row(y));
   }
   dog.writeBorder();
 }
 
-/// The sizes of the levels, from the image's own.
-std::vector<cv::Size> levelSizes(const cv::Size& image, int most) {
+/// Sizes of at most `maximum` levels.
+std::vector<cv::Size> levelSizes(const cv::Size& image, int maximum) {
   std::vector<cv::Size> sizes{image};
-  while (static_cast<int>(sizes.size()) < most &&
-         std::min(sizes.back().width, sizes.back().height) >= kLeastToHalve)
+  while (static_cast<int>(sizes.size()) < maximum &&
+         std::min(sizes.back().width, sizes.back().height) >= kMinimumSideToHalve)
     sizes.push_back(levelSize(image, static_cast<int>(sizes.size())));
   return sizes;
 }
@@ -194,7 +198,7 @@ std::shared_ptr<ImagePyramid> emptyPyramid(const std::vector<cv::Size>& sizes, i
 }  // namespace
 
 PyramidLevel::PyramidLevel(const cv::Size& size) : width_(size.width), height_(size.height) {
-  // Pixel (0, 0) begins a block. Behind the end of a row there is room for one before the next row's border.
+  // Pixel (0, 0) begins a block. One block fits between the end of a row and the border of the next row.
   static_assert(kBorder < kBlock);
   stride_ = wholeBlocks(kBlock + width_ + kBlock);
   const std::ptrdiff_t size_in_pixels = stride_ * (height_ + 2 * kBorder) + 2 * kBlock;
@@ -229,7 +233,7 @@ void PyramidLevel::writeBorder() {
   }
 }
 
-/// The first that nobody holds, so that it is the same one until somebody does.
+/// Returns the first pyramid without another owner, so that repeated calls return the same one.
 std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
   auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
                            [](const auto& pyramid) { return pyramid.use_count() == 1; });
@@ -242,7 +246,7 @@ std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
   return *free;
 }
 
-cv::Mat PyramidPool::place(const cv::Size& size) {
+cv::Mat PyramidPool::acquireBuffer(const cv::Size& size) {
   PyramidLevel& level = findFree(size)->grey.front();
   return {size, CV_8UC1, level.row(0), static_cast<std::size_t>(level.stride())};
 }
@@ -257,7 +261,7 @@ SharedPyramid PyramidPool::build(const cv::Mat& image) {
   return pyramid;
 }
 
-/// All that follows from the image.
+/// Computes all levels from the image.
 void PyramidPool::fill(ImagePyramid& pyramid) {
   PyramidLevel* level = &pyramid.grey.front();
   level->writeBorder();

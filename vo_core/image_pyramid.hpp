@@ -12,31 +12,32 @@
 
 namespace cartvo {
 
-/// px of the image for each of a level.
+/// Size of a pixel of this level in px of the full image.
 constexpr double levelScale(int level) {
   return 1 << level;
 }
 
-/// The size of a level, from the image's own: each has every other row and column of the one before.
+/// Size of a level for an image of this size: each level has every other row and column of the one before.
 inline cv::Size levelSize(const cv::Size& image, int level) {
   const int more = (1 << level) - 1;
   return {(image.width + more) >> level, (image.height + more) >> level};
 }
 
-/// One image of a pyramid with a mirrored border around it, so that a patch whose centre lies inside the
-/// image can be read without asking at each pixel. Level l holds pixel (x, y) of the image at (x, y) / 2^l.
-/// Copies have the same pixels.
+/// One image of a pyramid with a mirrored border, so that a patch whose centre is inside the image can be
+/// read without bounds checks. Pixel (x, y) of the full image is at (x, y) / 2^l in level l. Copies share the
+/// pixels.
 class PyramidLevel {
  public:
   static constexpr int kBorder = 24;  ///< px
 
   PyramidLevel() = default;
-  /// The image is to be written, then the border.
+  /// Allocates memory; the caller writes the image, then calls writeBorder().
   explicit PyramidLevel(const cv::Size& size);
 
-  /// The pixels of a row, to be written; up to kBlock more than the width, which mean nothing.
+  /// Writable pixels of a row; up to kBlock pixels beyond the width are scratch space.
   std::uint8_t* row(int y) { return origin_ + y * stride_; }
-  static constexpr int kBlock = 64;  ///< px, worked on at once at most: what is read and written past an end
+  static constexpr int kBlock =
+      64;  ///< px, maximum of a SIMD block: overrun of reads and writes at the end of a row
   void writeBorder();
 
   int width() const { return width_; }
@@ -45,9 +46,9 @@ class PyramidLevel {
     return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= width_ - 1 && pixel.y() <= height_ - 1;
   }
 
-  /// The pixel (x, y), which may lie up to kBorder outside the image; the row goes on to its right.
+  /// Pointer to pixel (x, y), up to kBorder outside the image; the row continues to the right.
   const std::uint8_t* at(int x, int y) const { return origin_ + y * stride_ + x; }
-  /// From one row to the next, in pixels.
+  /// Distance of rows in pixels.
   std::ptrdiff_t stride() const { return stride_; }
 
  private:
@@ -61,14 +62,14 @@ class PyramidLevel {
   int width_ = 0, height_ = 0;
 };
 
-/// What one image of a pair is turned into, once, for all stages.
+/// Pyramids of one image, built once for all stages.
 struct ImagePyramid {
-  std::vector<PyramidLevel> grey;  ///< Gaussian pyramid, for the KLT and the NCC
-  /// Difference of Gaussians around 128 for the SAD, of the levels from kFinestDog on, kDogLevels of them.
+  std::vector<PyramidLevel> grey;  ///< Gaussian pyramid, for KLT and NCC
+  /// Differences of Gaussians, offset by 128, for SAD: kDogLevels levels from kFinestDog on.
   std::vector<PyramidLevel> dog;
 };
 
-/// Whether both have that level of grey: small images cannot be halved as often.
+/// Whether both have this grey level; small images have fewer levels.
 inline bool bothHave(const ImagePyramid& a, const ImagePyramid& b, int level) {
   return static_cast<std::size_t>(level) < std::min(a.grey.size(), b.grey.size());
 }
@@ -76,21 +77,22 @@ inline bool bothHave(const ImagePyramid& a, const ImagePyramid& b, int level) {
 constexpr int kFinestDog = 1;
 constexpr int kDogLevels = 3;
 
-/// `image`: CV_8UC1. `grey_levels` >= 1 levels of grey (fewer if the image is too small to be halved
-/// further): each is the one before blurred by a binomial filter of 5x5, every other row and column.
+/// Builds the pyramids of `image` (CV_8UC1) with `grey_levels` >= 1 grey levels, or fewer if the image is too
+/// small. Each level is the one before after a 5x5 binomial filter, every other row and column.
 ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
 
-/// A pyramid that several hold: handing it on copies neither pixels nor lists of levels.
+/// Shared ownership of a pyramid: copies neither pixels nor lists of levels.
 using SharedPyramid = std::shared_ptr<const ImagePyramid>;
 
-/// Builds pyramids of images of one size in memory that it keeps: what is built is valid for as long as
-/// somebody holds it, and then overwritten.
+/// Builds pyramids of images of one size in memory that it reuses: a pyramid is overwritten once its last
+/// owner has released it.
 class PyramidPool {
  public:
   explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
 
-  /// Where the next image may be written (CV_8UC1): build() of it copies nothing. Valid until that.
-  cv::Mat place(const cv::Size& size);
+  /// Returns memory for the next image (CV_8UC1). build() of an image in this memory copies nothing. Valid
+  /// until that build().
+  cv::Mat acquireBuffer(const cv::Size& size);
   SharedPyramid build(const cv::Mat& image);
 
  private:
@@ -99,8 +101,8 @@ class PyramidPool {
 
   int grey_levels_;
   std::vector<std::shared_ptr<ImagePyramid>> pyramids_;
-  std::vector<PyramidLevel> halves_;     ///< levels that are wanted for their difference of Gaussians only
-  std::vector<std::uint16_t> row_sums_;  ///< five rows, filtered along them
+  std::vector<PyramidLevel> halves_;     ///< grey levels that only the differences of Gaussians need
+  std::vector<std::uint16_t> row_sums_;  ///< five rows after the horizontal filter
 };
 
 }  // namespace cartvo

@@ -2,8 +2,8 @@
 
 namespace cartvo {
 
-/// Which pictures of a pair are key frames: coded by themselves in a stream whose others are coded as changes
-/// of the one before. Pictures of no such stream are none.
+/// Which images of a pair are key frames: intra-coded in a stream whose other images are inter-coded. False
+/// for images that are not from such a stream.
 struct KeyFrames {
   bool left = false;
   bool right = false;

@@ -8,14 +8,15 @@
 
 namespace cartvo {
 namespace {
-constexpr double kWorthAligning = 0.5;  // correlation after the shift, of which a warp may make a match
+constexpr double kMinimumShiftCorrelation =
+    0.5;  // minimum correlation after the shift from which an affine alignment can still match
 }  // namespace
 
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
                      const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings) {
   KltResult result;
   const auto shifted = trackShift({&before, &after, from, guess, {0, levels - 1}},
-                                  std::min(kWorthAligning, settings.minimum_correlation));
+                                  std::min(kMinimumShiftCorrelation, settings.minimum_correlation));
   if (!shifted) return result;
   AffineAlignment start;
   start.position = *shifted;

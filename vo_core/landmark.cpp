@@ -1,3 +1,4 @@
+// Noise of landmark positions and rejection of stereo matches by their rows.
 #include "vo_core/landmark.hpp"
 
 #include <algorithm>
@@ -9,10 +10,10 @@
 namespace cartvo {
 namespace {
 
-// Least noise of a position, that of the steepest patch, in images and in a video. Found on rendered worlds
-// and kitti_06 (docs/accuracy.md).
-constexpr double kPatchFloor = 0.07, kVideoFloor = 0.12;  // px of the level
-constexpr double kTypicalNoise = 0.1;                     // px of the image: a relative noise of one
+// Minimum stddev of a position, that of the steepest patch, in single and in inter-coded images. Fitted on
+// rendered worlds and kitti_06 (docs/accuracy.md).
+constexpr double kMinimumPatchNoise = 0.07, kMinimumCodecNoise = 0.12;  // px of the level
+constexpr double kTypicalNoise = 0.1;  // px of the full image: stddev of a typical patch
 
 }  // namespace
 
@@ -22,40 +23,41 @@ int countStereo(const std::vector<Landmark>& landmarks) {
 }
 
 Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
-  const double floor = kPatchFloor * levelScale(level);
+  const double floor = kMinimumPatchNoise * levelScale(level);
   return (variance.array() + floor * floor).sqrt() / kTypicalNoise;
 }
 
-void doubtLastPositions(std::vector<Landmark>& landmarks) {
-  constexpr double kMore =
-      (kVideoFloor * kVideoFloor - kPatchFloor * kPatchFloor) / (kTypicalNoise * kTypicalNoise);
+void inflateCodecNoise(std::vector<Landmark>& landmarks) {
+  constexpr double kAddedVariance =
+      (kMinimumCodecNoise * kMinimumCodecNoise - kMinimumPatchNoise * kMinimumPatchNoise) /
+      (kTypicalNoise * kTypicalNoise);
   for (Landmark& landmark : landmarks) {
     const double scale = levelScale(landmark.level);
-    auto noise = landmark.sightings.back().relative_noise.array();
-    noise = (noise.square() + kMore * scale * scale).sqrt();
+    auto noise = landmark.observations.back().relative_noise.array();
+    noise = (noise.square() + kAddedVariance * scale * scale).sqrt();
   }
 }
 
-void forgetOffRows(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
-  constexpr double kOffRow = 0.5;    // px of the level
-  constexpr double kScatters = 2.0;  // standard deviations of rows that all scatter, as a rolled rig's do
+void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
+  constexpr double kMinimumGate = 0.5;    // px of the level
+  constexpr double kGateInStddevs = 2.0;  // for rows that all scatter, as those of a rolled rig
   rows.clear();
   rows.reserve(landmarks.capacity());
   for (const Landmark& landmark : landmarks)
-    if (landmark.last().stereo) rows.push_back(landmark.row_miss);
+    if (landmark.last().stereo) rows.push_back(landmark.row_residual);
   if (rows.empty()) return;
-  const double common = median(rows);  // of a rig that is turned up or down
+  const double common = median(rows);  // nonzero if the rig has a pitch error
   for (double& row : rows)
     row = std::abs(row - common);
-  const double most = std::max(kOffRow, kScatters * deviationOf(rows));
+  const double gate = std::max(kMinimumGate, kGateInStddevs * stddevFromMedian(rows));
   for (Landmark& landmark : landmarks)
-    if (std::abs(landmark.row_miss - common) > most * levelScale(landmark.level))
-      landmark.sightings.back().stereo = false;
+    if (std::abs(landmark.row_residual - common) > gate * levelScale(landmark.level))
+      landmark.observations.back().stereo = false;
 }
 
-void forgetLastStereo(std::vector<Landmark>& landmarks) {
+void discardLastStereo(std::vector<Landmark>& landmarks) {
   for (Landmark& landmark : landmarks)
-    landmark.sightings.back().stereo = false;
+    landmark.observations.back().stereo = false;
 }
 
 }  // namespace cartvo

@@ -11,92 +11,79 @@
 #include "vo_core/landmark.hpp"
 #include "vo_core/landmark_detector.hpp"
 #include "vo_core/odometry_settings.hpp"
-#include "vo_core/pose_drift.hpp"
 #include "vo_core/reprojection.hpp"
 #include "vo_core/shift_tracking.hpp"
 #include "vo_core/spacing_grid.hpp"
 #include "vo_core/stereo_camera.hpp"
+#include "vo_core/window_frame.hpp"
 
 namespace cartvo {
 
-/// A pair in the window: what is kept of it once it is processed.
-struct WindowFrame {
-  std::int64_t index = -1;
-  std::int64_t exposure_ns = 0;  ///< of the left image
-  double offset = 0.0;           ///< s, right exposure minus left exposure
-  SharedPyramid left;
-  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  PoseUncertainty uncertainty;                   ///< against the first pair
-  Matrix6d local_covariance = Matrix6d::Zero();  ///< against the landmarks of its time
-  Vector6d by_late_right = Vector6d::Zero();     ///< as TimedPose's
-  /// Error of the pose against the first pair's if all offsets are off by one standard deviation, to the same
-  /// side. Not in `uncertainty`.
-  Vector6d offset_error = Vector6d::Zero();
-};
-
-/// Follows landmarks from pair to pair, finds them in the right images and adds new ones.
+/// Tracks landmarks from pair to pair, matches them in the right images and detects new ones.
 class LandmarkTracker {
  public:
   LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings);
 
-  /// From the next pair on, so many landmarks are aimed at.
-  void aimAt(int features);
+  /// Sets the number of landmarks that replenish() targets, from the next pair on.
+  void setTargetFeatureCount(int features);
 
-  /// Looks for each landmark in the left image of pair `frame`, first where the last pair's patch has gone,
-  /// then by the host's patch. Appends a sighting to those that are found and drops the others.
-  /// `T_world_camera`: the expected pose of that pair, if there is one. A landmark whose host's patch no
-  /// longer fits, or whose host is older than `oldest_host`, gets the last pair as its new host.
-  void follow(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-              const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_host,
-              const std::optional<Eigen::Isometry3d>& T_world_camera);
+  /// Searches each landmark in the left image of pair `frame`: first by a shift of the last pair's patch,
+  /// then by an alignment with the anchor's patch. Appends an observation to those found and removes the
+  /// others. `T_world_camera` is the predicted pose of that pair, if any. A landmark whose anchor's patch no
+  /// longer fits, or whose anchor is older than `oldest_anchor`, gets the last pair as its new anchor.
+  void track(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+             const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_anchor,
+             const std::optional<Eigen::Isometry3d>& T_world_camera);
 
-  /// Of landmarks closer to each other than the minimum distance, and of more than are aimed at, the more
-  /// trusted and older stay; then fills up with new corners.
-  void renew(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
+  /// Removes landmarks that are too close to each other or exceed the target count, those with less trust and
+  /// age first, and fills up with new corners.
+  void replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
 
-  /// Looks for the landmarks' last sightings, which are of this pair, in the right image. `T_right_left`: the
-  /// right camera at its own instant as expected from the left one at its; `T_world_camera` the expected
-  /// pose.
+  /// Matches the landmarks' last observations, which must be in this pair, in the right image. `T_right_left`
+  /// is the predicted transform between the left and the right camera at their own exposure times,
+  /// `T_world_camera` the predicted pose.
   void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                    const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_right_left,
                    const Eigen::Isometry3d& T_world_camera) const;
 
  private:
-  /// What landmarks are looked for in.
+  /// Left image in which landmarks are searched, the window and the predicted transforms.
   struct Scene {
     Scene(const std::vector<WindowFrame>& in, const ImagePyramid& image, std::int64_t index,
           const std::optional<Eigen::Isometry3d>& T_world_camera);
-    bool poseExpected() const { return !T_camera_frame.empty(); }
+    bool hasPredictedPose() const { return !T_camera_frame.empty(); }
 
     const std::vector<WindowFrame>& window;
-    const ImagePyramid& left;  ///< of the pair
-    std::int64_t frame;        ///< the pair's index
-    FixedVector<Eigen::Isometry3d, kMostWindowPairs>
-        T_camera_frame;  ///< expected, of the window's pairs; empty: nobody knows
+    const ImagePyramid& left;  ///< of the current pair
+    std::int64_t frame;        ///< index of the current pair
+    FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
+        T_camera_frame;  ///< predicted, for each pair of the window; empty without a predicted pose
   };
 
-  /// What landmarks are matched between.
+  /// Images of a stereo pair and their predicted geometry.
   struct StereoView {
     const ImagePyramid& left;
     const ImagePyramid& right;
-    const Eigen::Isometry3d& T_right_left;  ///< as expected
+    const Eigen::Isometry3d& T_right_left;  ///< predicted
     WarpModel warp_model;
   };
 
-  /// How far the search for a landmark has come.
-  struct Pursuit {
-    std::optional<Eigen::Vector2d> shifted;  ///< where the last pair's patch has gone; nothing: given up
-    std::optional<AffineAlignment> aligned;  ///< with the host's patch
+  /// State of the search for one landmark.
+  struct TrackingAttempt {
+    std::optional<Eigen::Vector2d> shifted;  ///< px, by the last pair's patch; unset if the search failed
+    std::optional<AffineAlignment> aligned;  ///< alignment with the anchor's patch
   };
 
-  std::optional<ShiftTask> startShift(Landmark& landmark, const Scene& scene, std::int64_t oldest_host) const;
-  void shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
-                std::span<Pursuit> pursuits) const;
-  std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int host, const Scene& scene) const;
-  void alignWithHosts(std::span<const Landmark> landmarks, const Scene& scene,
-                      std::span<Pursuit> pursuits) const;
-  void followBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_host,
-                   std::span<unsigned char> found) const;
+  std::optional<ShiftTask> startShift(Landmark& landmark, const Scene& scene,
+                                      std::int64_t oldest_anchor) const;
+  void shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                std::span<TrackingAttempt> attempts) const;
+  std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int anchor,
+                                               const Scene& scene) const;
+  void alignWithAnchors(std::span<const Landmark> landmarks, const Scene& scene,
+                        std::span<TrackingAttempt> attempts) const;
+  void trackBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                  std::span<unsigned char> found) const;
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
                                               double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
@@ -105,27 +92,23 @@ class LandmarkTracker {
   StereoCamera camera_;
   OdometrySettings settings_;
   LandmarkDetector detector_;
-  std::vector<unsigned char> found_;  ///< by follow(), of each landmark; kept for its memory
+  std::vector<unsigned char> found_;  ///< result of track() for each landmark; reused for its memory
 
-  /// What renew() works with, kept so that no pair allocates it anew.
-  struct Renewal {
+  /// Memory of replenish(), reused so that the steady state allocates nothing.
+  struct ReplenishBuffers {
     SpacingGrid spacing;
-    std::vector<std::pair<double, std::size_t>> order;  ///< of the landmarks, by merit, negative
+    std::vector<std::pair<double, std::size_t>> order;  ///< negative merit and index of each landmark
     std::vector<Landmark> kept;
 
     void reserve(std::size_t landmarks) {
       order.reserve(landmarks);
       kept.reserve(landmarks);
     }
-  } renewal_;
+  } buffers_;
 };
 
-/// Whether the right camera, at its own instant, stands beside the left one at its, so that each point is
-/// seen in the same row by both; one that has driven on since does not.
+/// Whether each point has the same row in both images, each at its own exposure time: false if the right
+/// camera has moved along z or y, or rolled, since the left exposure.
 bool keepsRows(const Eigen::Isometry3d& T_right_left);
-
-/// Where the window has the pair of that index, or -1; and that pair, or nullptr.
-int placeOf(const std::vector<WindowFrame>& window, std::int64_t index);
-const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// One pose out of many, unmoved by a minority of wrong ones.
+// Component-wise median of poses, robust against a minority of wrong ones.
 #include "vo_core/median_pose.hpp"
 
 #include "vo_core/median.hpp"

@@ -5,9 +5,9 @@
 
 namespace cartvo {
 
-/// The median of some poses, component by component: of the translations, and of the rotation vectors seen
-/// from the first pose's rotation (so they must lie within pi of it). Of an even number the upper median.
-/// `poses` must not be empty.
+/// Component-wise median of `poses`, which must not be empty: of the translations, and of the rotation
+/// vectors relative to the first pose's rotation (from which they must be within pi). The upper median of an
+/// even number.
 Eigen::Isometry3d medianPose(const std::vector<Eigen::Isometry3d>& poses);
 
 }  // namespace cartvo

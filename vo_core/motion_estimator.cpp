@@ -1,4 +1,5 @@
-// The motion between two pairs from the points both have seen.
+// Motion between two pairs from the points that both observed: random subsets, then iteratively reweighted
+// Horn alignment.
 #include "vo_core/motion_estimator.hpp"
 
 #include <Eigen/LU>
@@ -13,10 +14,12 @@
 namespace cartvo {
 namespace {
 
-constexpr double kBetterPart = 0.25;  // of the subsets' poses, of which the median is taken
-constexpr double kSettled = 1e-5;     // m and rad: the weights are not iterated further
+constexpr double kBestFraction =
+    0.25;  // fraction of the subsets' poses, the best ones, whose median is taken
+constexpr double kConvergedStep =
+    1e-5;  // m and rad, change of the pose that ends the iterations of the weights
 
-/// The matches with what depends on the rotation between them.
+/// The matches and the quantities that depend on the rotation between them.
 class Problem {
  public:
   Problem(const std::vector<PointMatch>& matches, const Eigen::Matrix3d& rotation) : matches_(matches) {
@@ -49,7 +52,7 @@ class Problem {
   std::vector<double> precision_;  // inverse variance times history weight
 };
 
-/// Draws subsets of distinct matches; sharp points (near ones) more often than blurred ones.
+/// Draws subsets of distinct matches, precise points (near ones) more often than imprecise ones.
 class SubsetSampler {
  public:
   SubsetSampler(const Problem& problem, SubsetRandom& random) : random_(random) {
@@ -58,7 +61,7 @@ class SubsetSampler {
       cumulative_.push_back(sum += std::sqrt(problem.precision(i)));
   }
 
-  /// Fewer than `size` only if the draws repeat themselves again and again.
+  /// Draws fewer than `size` only if the same matches are drawn again and again.
   void draw(int size, std::vector<std::size_t>& subset) {
     subset.clear();
     for (int attempt = 0; attempt < 4 * size && static_cast<int>(subset.size()) < size; ++attempt) {
@@ -95,7 +98,7 @@ std::optional<Eigen::Isometry3d> subsetsPose(const Problem& problem, const Motio
     const auto pose = absoluteOrientation(pairs);
     if (!pose) continue;
     problem.errors(*pose, errors);
-    const double limit = 2.0 * settings.radius;  // a subset's pose is blunt
+    const double limit = 2.0 * settings.radius;  // a subset's pose is imprecise
     const double cost = std::accumulate(errors.begin(), errors.end(), 0.0,
                                         [&](double sum, double c) { return sum + std::min(c, limit); });
     poses.push_back({*pose, cost});
@@ -104,7 +107,7 @@ std::optional<Eigen::Isometry3d> subsetsPose(const Problem& problem, const Motio
   std::stable_sort(poses.begin(), poses.end(),
                    [](const ScoredPose& a, const ScoredPose& b) { return a.cost < b.cost; });
   const auto better =
-      std::max<std::size_t>(static_cast<std::size_t>(kBetterPart * static_cast<double>(poses.size())), 1);
+      std::max<std::size_t>(static_cast<std::size_t>(kBestFraction * static_cast<double>(poses.size())), 1);
   std::vector<Eigen::Isometry3d> best;
   for (std::size_t i = 0; i < better; ++i)
     best.push_back(poses[i].pose);
@@ -136,7 +139,7 @@ std::optional<EstimatedMotion> estimateMotion(const std::vector<PointMatch>& mat
     if (!next) break;
     const Vector6d change = vectorFromMotion(motion.T_reference_current.inverse() * *next);
     motion.T_reference_current = *next;
-    if (change.lpNorm<Eigen::Infinity>() < kSettled) break;
+    if (change.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
   }
 
   problem.errors(motion.T_reference_current, errors);

@@ -9,7 +9,7 @@
 
 namespace cartvo {
 
-/// A feature's point seen from the reference and from the current camera.
+/// Point of a feature in the reference and in the current camera.
 struct PointMatch {
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();             ///< m, in the reference camera's axes
   Eigen::Vector3d current = Eigen::Vector3d::Zero();               ///< m, in the current camera's axes
@@ -18,21 +18,22 @@ struct PointMatch {
   double weight = 1.0;                                             ///< from feature history
 };
 
+/// Result of estimateMotion().
 struct EstimatedMotion {
   Eigen::Isometry3d T_reference_current = Eigen::Isometry3d::Identity();
-  double scale = 1.0;        ///< how much larger the errors are than the assumed noise; at least 1
+  double scale = 1.0;        ///< ratio of the errors to the assumed noise; at least 1
   std::vector<bool> inlier;  ///< of each match: within the radius
   int inliers = 0;
 };
 
 /// Horn's absolute orientation (thesis 4.15) over random subsets, the median pose of the subsets, then Horn
-/// over all features with weights w = 1/|c| that are found again from each solution (thesis 4.16).
+/// over all features with weights w = 1/|c| that are recomputed from each solution (thesis 4.16).
 ///
-/// Beyond the thesis: c counts in standard deviations of each point (prediction_error.hpp) and Horn's weights
-/// carry the inverse variance too; the radius widens with the errors' median where images are noisier than
+/// Beyond the thesis: c is in standard deviations of each point (prediction_error.hpp) and Horn's weights
+/// include the inverse variance; the radius widens with the errors' median where images are noisier than
 /// assumed; and the median is taken of the better quarter of the subsets' poses, by the sum of their
-/// truncated errors, so that outliers may be more than the few that the median of all poses stands. Nothing
-/// if there are less matches than a subset, or no subset has a pose.
+/// truncated errors, which tolerates more outliers than the few that the median of all poses does. Nothing if
+/// there are fewer matches than a subset has, or if no subset has a pose.
 std::optional<EstimatedMotion> estimateMotion(const std::vector<PointMatch>& matches,
                                               const MotionSettings& settings, SubsetRandom& random);
 

@@ -1,4 +1,4 @@
-// From features to a motion that is believed or a reason why not.
+// Measurement and validation of the motion between two pairs from their features.
 #include "vo_core/motion_measurement.hpp"
 
 #include <algorithm>
@@ -10,14 +10,14 @@
 namespace cartvo {
 namespace {
 
-/// A point in the world, with its covariance in world axes.
-EarlierPoint carryToWorld(const Observation& observation, const Eigen::Matrix3d& covariance,
+/// Carries the point of an observation to the world, with its covariance in world axes.
+EarlierPoint carryToWorld(const FeatureObservation& observation, const Eigen::Matrix3d& covariance,
                           const Eigen::Isometry3d& T_world_camera) {
   return {T_world_camera * observation.point,
           T_world_camera.linear() * covariance * T_world_camera.linear().transpose()};
 }
 
-/// The part of the image whose features err together (window_refinement.hpp).
+/// Cell of the image that a pixel is in; features of a cell have correlated errors (window_refinement.hpp).
 int cellOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
   const int column =
       std::clamp(static_cast<int>(pixel.x() * kCovarianceColumns / camera.width), 0, kCovarianceColumns - 1);
@@ -28,7 +28,7 @@ int cellOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-Eigen::Matrix3d MotionMeter::covarianceOf(const Observation& observation) const {
+Eigen::Matrix3d MotionMeter::covarianceOf(const FeatureObservation& observation) const {
   const double near = settings_.motion.near_noise * observation.disparity;
   return pointCovariance(camera_, observation.point, settings_.motion.pixel_noise + near,
                          settings_.motion.disparity_noise + near);
@@ -39,8 +39,8 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
   MotionMeasurement measurement;
   std::vector<PointMatch> matches;
   for (const Feature& feature : features) {
-    const Observation& now = feature.last();
-    const Observation* then = feature.at(reference);
+    const FeatureObservation& now = feature.last();
+    const FeatureObservation* then = feature.at(reference);
     if (now.frame != current || !now.matched() || then == nullptr || !then->matched()) continue;
     matches.push_back({then->point, now.point, covarianceOf(*then), covarianceOf(now), feature.weight});
   }
@@ -63,7 +63,7 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
     measurement.reasons.add(OdometryReason::too_few_inliers);
   if (settings_.refinement.frames == 1 && motion->scale > validity.maximum_residual)
     measurement.reasons.add(OdometryReason::high_residual);
-  if (!plausibleMotion(motion->T_reference_current, time_step, validity))
+  if (!isPlausibleMotion(motion->T_reference_current, time_step, validity))
     measurement.reasons.add(OdometryReason::implausible_motion);
   return measurement;
 }
@@ -76,11 +76,11 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
       std::min(current - std::max(settings_.refinement.frames - 1, 1), reference.index);
   std::vector<RefinementFeature> refined_features;
   for (const Feature& feature : features) {
-    const Observation& now = feature.last();
+    const FeatureObservation& now = feature.last();
     if (now.frame != current || !now.matched()) continue;
     RefinementFeature refined{now.point, covarianceOf(now), feature.weight, cellOf(camera_, now.left), {}};
     for (int back = 1; back < kHistoryLength; ++back) {
-      const Observation& earlier = feature.seen(back);
+      const FeatureObservation& earlier = feature.observation(back);
       const FrameRecord* frame =
           earlier.frame >= oldest && earlier.matched() ? window.find(earlier.frame) : nullptr;
       if (frame != nullptr && frame->T_world_camera)
@@ -97,8 +97,8 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     return;
   }
   if (settings_.refinement.frames > 1) {
-    // Horn's method has one weight for all directions of a point. Where few points are near its motion may
-    // leave large errors that are none of the images': they are judged once they are refined.
+    // Horn's method has one weight for all directions of a point. Where few points are near, its motion may
+    // leave large errors that are not the images': errors are validated after the refinement.
     if (refined.scale < measurement.scale) {
       const RefinedPose again = refine_from(refined.T_world_camera, refined.scale);
       if (again.converged) refined = again;
@@ -111,16 +111,17 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
     measurement.T_reference_current = orthonormalised(T_world_reference.inverse() * refined.T_world_camera);
   }
   measurement.covariance = refined.covariance;
-  if (!plausibleMotion(measurement.T_reference_current, time_step, settings_.validity))
+  if (!isPlausibleMotion(measurement.T_reference_current, time_step, settings_.validity))
     measurement.reasons = OdometryReason::implausible_motion;
 }
 
-void MotionMeter::weighHistory(std::vector<Feature>& features, const FrameWindow& window,
-                               std::int64_t current, const Eigen::Isometry3d& T_world_camera,
-                               double scale) const {
+void MotionMeter::updateHistoryWeights(std::vector<Feature>& features, const FrameWindow& window,
+                                       std::int64_t current, const Eigen::Isometry3d& T_world_camera,
+                                       double scale) const {
   for (Feature& feature : features) {
     if (feature.last().frame != current) continue;
-    const Observation* observations[3] = {&feature.seen(0), &feature.seen(1), &feature.seen(2)};
+    const FeatureObservation* observations[3] = {&feature.observation(0), &feature.observation(1),
+                                                 &feature.observation(2)};
     EarlierPoint points[3];
     bool complete = true;
     for (int i = 0; i < 3; ++i) {

@@ -9,33 +9,34 @@
 #include <iterator>
 
 #include "vo_core/aligned_patch.hpp"
+#include "vo_core/constant_fraction_sampler.hpp"
 #include "vo_core/double_lanes.hpp"
-#include "vo_core/even_rows.hpp"
 #include "vo_core/patch_lanes.hpp"
 #include "vo_core/patch_sums.hpp"
 #include "vo_core/subpixel_fit.hpp"
 
 namespace cartvo {
 
-constexpr int kNccColumns = 15, kNccRows = 9;    ///< px, of the windows that are correlated
+constexpr int kNccColumns = 15, kNccRows = 9;    ///< px, size of the windows that are correlated
 constexpr int kNccRadius = 2;                    ///< px to the left and right in which a peak may lie
 constexpr int kNccSamples = 2 * kNccRadius + 3;  ///< one more on each side, for the sub-pixel fit
 
 constexpr int kNccSize = kNccColumns * kNccRows;
-static_assert(kNccSize * kMostValue * kMostValue / 4 < 2147483648.0, "sums of products fit into 32 bits");
+static_assert(kNccSize * kMaximumValue * kMaximumValue / 4 < 2147483648.0,
+              "sums of products fit into 32 bits");
 
-/// A left patch: whole numbers, half as many to a grey value as those of an AlignedPatch.
+/// Left patch in integers, half as many per grey value as in an AlignedPatch.
 struct NccTemplate {
   alignas(64) std::int16_t value[wholeFours(kNccRows) * kLanes];  ///< zero in the padding
   double mean = 0.0;
-  double norm = 0.0;  ///< of the values less their mean
+  double norm = 0.0;  ///< norm of the values less their mean
 
   const std::int16_t* row(int y) const { return value + y * kLanes; }
 };
 
 template <typename Processor>
 void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
-  EvenRows<Processor> rows(level, pixel, kNccColumns / 2, kNccRows / 2);
+  ConstantFractionSampler<Processor> rows(level, pixel, kNccColumns / 2, kNccRows / 2);
   IntLanes sum, other;
   for (int y = 0; y < kNccRows; y += 2) {
     rows.load(y);
@@ -56,16 +57,16 @@ void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTe
 
 /// Three neighbouring correlations, the greatest in the middle.
 struct NccPeak {
-  int row = 0, middle_column = 0;  ///< px from where it was looked for
+  int row = 0, middle_column = 0;  ///< px from the centre of the search
   double left = 0.0, middle = 0.0, right = 0.0;
-  double height = 0.0;  ///< 0: there is none
+  double height = 0.0;  ///< of the fitted peak; 0: there is none
 
   double column() const { return middle_column + sinusoidalOffset(left, middle, right); }
 };
 
 namespace ncc_detail {
 
-/// What the windows around a place cover: rows of 32, of which more than enough are used.
+/// Strip of pixels that the windows around a position cover: rows of 32, which is more than they need.
 template <int Rows>
 struct Strip {
   static constexpr int kRows = kNccRows + 2 * Rows, kColumns = kNccColumns + kNccSamples - 1;
@@ -78,7 +79,7 @@ struct Strip {
 
 template <typename Processor, int Rows>
 void sampleStrip(const PyramidLevel& level, const Eigen::Vector2d& centre, Strip<Rows>& strip) {
-  EvenRows<Processor> rows(level, centre, Strip<Rows>::kColumns / 2, Strip<Rows>::kRows / 2);
+  ConstantFractionSampler<Processor> rows(level, centre, Strip<Rows>::kColumns / 2, Strip<Rows>::kRows / 2);
   for (int y = 0; y < Strip<Rows>::kRows; ++y) {
     IntLanes left, right;
     rows.load(y);
@@ -88,8 +89,8 @@ void sampleStrip(const PyramidLevel& level, const Eigen::Vector2d& centre, Strip
   }
 }
 
-/// One number for each sample, which are windows side by side, and one more.
-constexpr int kLanesOfSamples = kMostWindows;
+/// One number per sample, i.e. per window side by side, and one spare.
+constexpr int kLanesOfSamples = kMaximumWindows;
 using Samples = WindowSums;
 static_assert(kNccSamples <= kLanesOfSamples && Strip<0>::kStride >= kNccColumns + kLanesOfSamples - 1);
 
@@ -99,12 +100,13 @@ inline void widen(const Samples& samples, int first, DoubleLanes& numbers) {
       __builtin_convertvector(reinterpret_cast<const Some*>(&samples)[first / kDoubleLanes], DoubleLanes);
 }
 
-constexpr double kLeastVariance = 0.25 * kGreyUnits * kGreyUnits;  // of a window that shows anything
+constexpr double kMinimumVariance =
+    0.25 * kGreyUnits * kGreyUnits;  // smallest variance of a window with texture
 
-/// Squared correlations with their sign, so that no root is drawn of those that are no peak.
+/// Squared correlations with their sign, so that roots are computed only for peaks.
 using SquaredCorrelations = std::array<double, kLanesOfSamples>;
 
-/// Of the windows of the strip with the template.
+/// Correlates the windows of the strip with the template.
 template <typename Processor, int Rows>
 void correlate(const NccTemplate& left, const Strip<Rows>& strip,
                std::array<SquaredCorrelations, 2 * Rows + 1>& correlations) {
@@ -120,7 +122,7 @@ void correlate(const NccTemplate& left, const Strip<Rows>& strip,
       product -= left.mean * sum;
       const DoubleLanes variance = square - sum * sum / (1.0 * kNccSize);
       DoubleLanes squared = product * (product < 0.0 ? -product : product) / variance;
-      squared = variance > kLeastVariance ? squared : DoubleLanes{};
+      squared = variance > kMinimumVariance ? squared : DoubleLanes{};
       std::memcpy(&correlations[row][first], &squared, sizeof squared);
     }
   }
@@ -141,8 +143,8 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
     for (int sample = 1; sample < kNccSamples - 1; ++sample) {
       const double middle = squared[sample];
       if (middle <= 0.0 || middle < squared[sample - 1] || middle < squared[sample + 1]) continue;
-      // Peaks are compared, not samples: between two columns the right row's samples may be lower than those
-      // of a wrong row whose texture happens to meet a column.
+      // Compares peaks and not samples: between two columns the samples of the right row may be lower than
+      // those of a wrong row whose texture happens to meet a column.
       NccPeak peak{row - Rows, sample - (kNccRadius + 1), root(squared[sample - 1]), root(middle),
                    root(squared[sample + 1])};
       peak.height = sinusoidalHeight(peak.left, peak.middle, peak.right);
@@ -154,8 +156,8 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
 
 }  // namespace ncc_detail
 
-/// The highest peak of the template's normalised cross-correlation with windows of the right image, around
-/// those that are at most kNccRadius columns and `rows` <= 3 rows away from `centre`.
+/// The highest peak of the template's normalised cross-correlation with windows of the right image at most
+/// kNccRadius columns and `rows` <= 3 rows away from `centre`.
 template <typename Processor>
 NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
                     int rows) {

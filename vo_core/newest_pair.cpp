@@ -1,11 +1,12 @@
+// Stereo matching of the newest pair with the expected rotation of the right camera.
 #include "vo_core/newest_pair.hpp"
 
 namespace cartvo {
 
-void matchTurned(const NewestPair& pair, const Eigen::Isometry3d& T_right_left, const RigMonitor& rig,
-                 std::vector<Landmark>& landmarks) {
-  const Eigen::Isometry3d turned(rig.expected().rotation().transpose());
-  pair.tracker.matchStereo(landmarks, pair.window, pair.left, pair.right, turned * T_right_left,
+void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks) {
+  const Eigen::Isometry3d right_rotation(rig.expected().rotation().transpose());
+  pair.tracker.matchStereo(landmarks, pair.window, pair.left, pair.right, right_rotation * T_right_left,
                            pair.window.back().T_world_camera);
 }
 

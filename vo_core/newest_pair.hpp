@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "vo_core/landmark_tracker.hpp"
-#include "vo_core/rig_monitor.hpp"
+#include "vo_core/rig_calibration_filter.hpp"
 
 namespace cartvo {
 
-/// A track's newest pair and what its landmarks are matched in stereo by.
+/// The newest pair of a track and the tracker that matches its landmarks.
 struct NewestPair {
   const LandmarkTracker& tracker;
   const ImagePyramid& left;
@@ -16,9 +16,9 @@ struct NewestPair {
   const std::vector<WindowFrame>& window;  ///< the pair is the last
 };
 
-/// Looks for the landmarks' last sightings in the pair's right image, where the right camera is turned as
-/// `rig` expects. `T_right_left`: newestRightFromLeft()'s, by the rig file alone.
-void matchTurned(const NewestPair& pair, const Eigen::Isometry3d& T_right_left, const RigMonitor& rig,
-                 std::vector<Landmark>& landmarks);
+/// Searches the right image for the landmarks' last observations, with the right camera rotated by
+/// rig.expected(). `T_right_left`: newestRightFromLeft(), by the rig file alone.
+void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks);
 
 }  // namespace cartvo

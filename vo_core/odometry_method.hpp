@@ -1,19 +1,20 @@
 #pragma once
 
-#include "vo_core/repeated_pictures.hpp"
-#include "vo_core/stereo_odometry.hpp"
+#include "vo_core/odometry_estimate.hpp"
+#include "vo_core/repeated_image_detector.hpp"
+#include "vo_core/stage_observer.hpp"
 
 namespace cartvo {
 
-/// A way from pairs to motion. Images come checked.
+/// Interface of the estimators behind StereoOdometry, which checks the images.
 class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;
-  virtual OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
+  virtual OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
                                    StageObserver& observer) = 0;
-  virtual void aimAt(int features) = 0;
-  /// As StereoOdometry's.
-  virtual void placeNext(StereoImages&) {}
+  virtual void setTargetFeatureCount(int features) = 0;
+  /// See StereoOdometry::acquireBuffers(). Lends nothing by default.
+  virtual void acquireBuffers(StereoImages&) {}
 };
 
 }  // namespace cartvo

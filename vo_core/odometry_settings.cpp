@@ -1,4 +1,4 @@
-// The edge at which settings that make no sense are refused.
+// Validation of the settings.
 #include "vo_core/odometry_settings.hpp"
 
 #include <algorithm>
@@ -6,14 +6,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "vo_core/feature.hpp"
-
 namespace cartvo {
 namespace {
 
 template <typename Number>
 void requireRange(const char* name, Number value, Number low, Number high) {
-  if (value >= low && value <= high) return;  // false for NaN too
+  if (value >= low && value <= high) return;  // false for NaN
   std::ostringstream message;
   message << name << " is " << value << ": expected " << low << " to " << high;
   throw std::invalid_argument(message.str());
@@ -34,7 +32,7 @@ void validate(const TrackingSettings& settings) {
   requireRange("tracking.iterations", settings.iterations, 1, 100);
   requireRange("tracking.convergence", settings.convergence, 1e-4, 1.0);
   requireRange("tracking.minimum_correlation", settings.minimum_correlation, -1.0, 1.0);
-  requireRange("tracking.maximum_return", settings.maximum_return, 0.0, 100.0);
+  requireRange("tracking.maximum_backward_error", settings.maximum_backward_error, 0.0, 100.0);
   requireRange("tracking.minimum_score", settings.minimum_score, 0.0, 4080.0);
   requireRange("tracking.minimum_distance", settings.minimum_distance, 1.0, 100.0);
   requireRange("tracking.search_again", settings.search_again, 0, kMaximumSearchAgain);
@@ -69,7 +67,7 @@ void validate(const ValiditySettings& settings) {
   requireRange("validity.maximum_offset_uncertainty", settings.maximum_offset_uncertainty, 0.0, 10.0);
   requireRange("validity.maximum_speed", settings.maximum_speed, 0.1, 1000.0);
   requireRange("validity.maximum_rate", settings.maximum_rate, 0.01, 100.0);
-  requireRange("validity.maximum_deviation", settings.maximum_deviation, 1e-4, 100.0);
+  requireRange("validity.maximum_stddev", settings.maximum_stddev, 1e-4, 100.0);
 }
 
 }  // namespace
@@ -85,20 +83,21 @@ void validate(const OdometrySettings& settings) {
   validate(settings.tracking);
   validate(settings.stereo);
   validate(settings.motion);
-  requireRange("history.deviation", settings.history.deviation, 0.1, 100.0);
+  requireRange("history.half_weight_stddevs", settings.history.half_weight_stddevs, 0.1, 100.0);
   requireRange("history.minimum_weight", settings.history.minimum_weight, 0.0, 1.0);
-  requireRange("refinement.frames", settings.refinement.frames, 1, kHistoryLength);
+  requireRange("refinement.frames", settings.refinement.frames, 1, kMaximumRefinementFrames);
   requireRange("refinement.iterations", settings.refinement.iterations, 1, 100);
   requireRange("pose_search.subsets", settings.pose_search.subsets, 0, 10000);
   requireRange("pose_search.gate", settings.pose_search.gate, 0.1, 100.0);
-  requireRange("pose_search.enough", settings.pose_search.enough, 0.0, 1.0);
+  requireRange("pose_search.sufficient_support", settings.pose_search.sufficient_support, 0.0, 1.0);
   requireRange("pose_search.maximum_acceleration", settings.pose_search.maximum_acceleration, 0.1, 1e6);
-  requireRange("pose_search.maximum_turn", settings.pose_search.maximum_turn, 0.1, 1e6);
-  requireRange("bundle.frames", settings.bundle.frames, 2, kMostWindowPairs - 1);
+  requireRange("pose_search.maximum_angular_acceleration", settings.pose_search.maximum_angular_acceleration,
+               0.1, 1e6);
+  requireRange("bundle.frames", settings.bundle.frames, 2, kMaximumWindowPairs - 1);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
   requireRange("bundle.convergence", settings.bundle.convergence, 0.0, 1.0);
-  requireRange("bundle.hold", settings.bundle.hold, 0.0, 1e3);
-  requireRange("bundle.standing_share", settings.bundle.standing_share, 0.0, 1.0);
+  requireRange("bundle.prior_weight", settings.bundle.prior_weight, 0.0, 1e3);
+  requireRange("bundle.fixed_pose_weight", settings.bundle.fixed_pose_weight, 0.0, 1.0);
   requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);
   requireRange("bundle.robust_width", settings.bundle.robust_width, 0.1, 1000.0);
   requireRange("standstill.translation", settings.standstill.translation, 0.0, 1.0);

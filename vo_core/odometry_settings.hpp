@@ -2,148 +2,155 @@
 
 #include <cstdint>
 
+// Settings of StereoOdometry with their defaults; validate() has the permitted ranges.
+
 namespace cartvo {
 
-/// How the motion is estimated.
+/// Method that estimates the motion.
 enum class Estimator : std::uint8_t {
   reprojection,  ///< robust least squares on the reprojection error in both images over a window of pairs
   thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
 };
 
-/// Levels of the pyramids that patches of landmarks are taken from at most: the image itself and its half.
+/// Number of pyramid levels that landmark patches are taken from: the full image and its half.
 constexpr int kLandmarkLevels = 2;
 
-/// Windows with adaptive FAST thresholds (thesis 4.9).
+/// Detection windows with adaptive FAST thresholds (thesis 4.9).
 struct DetectionSettings {
-  int levels = kLandmarkLevels;  ///< of the pyramid, the full image among them, that corners are taken from
-  int window_columns = 16;       ///< windows side by side
-  int window_rows = 5;           ///< windows one above the other
-  int minimum_threshold = 6;     ///< grey values; no window's threshold falls below
-  int maximum_threshold = 80;    ///< grey values; nor rises above
-  int initial_threshold = 20;    ///< grey values, of each window before the first image
+  int levels = kLandmarkLevels;  ///< pyramid levels with corners, the full image included
+  int window_columns = 16;       ///< number of windows side by side
+  int window_rows = 5;           ///< number of windows one above the other
+  int minimum_threshold = 6;     ///< grey values, lower bound of a window's threshold
+  int maximum_threshold = 80;    ///< grey values, upper bound of a window's threshold
+  int initial_threshold = 20;    ///< grey values, threshold of each window for the first image
 };
 
-/// KLT from frame to frame (thesis 4.10-4.13).
+constexpr int kMaximumSearchAgain = 7;  ///< upper bound of TrackingSettings::search_again, pairs
+
+/// KLT tracking from frame to frame (thesis 4.10-4.13).
 struct TrackingSettings {
-  int levels = 4;                    ///< of the pyramid, the full image among them
-  int iterations = 6;                ///< at most, of the last, affine step
-  double convergence = 0.1;          ///< px; the track is done when a step is shorter
-  double minimum_correlation = 0.8;  ///< normalised, of the patch before and after
-  double maximum_return = 0.5;       ///< px by which an alignment backwards may miss its start
-  double minimum_score = 60.0;       ///< FAST score (4.9) below which a feature is not worth tracking
-  double minimum_distance = 8.0;     ///< px between features; less where `features` leaves no room for it
-  int search_again =
-      5;  ///< pairs in which a lost feature that has a depth is looked for before it is dropped
+  int levels = 4;                       ///< pyramid levels, the full image included
+  int iterations = 6;                   ///< maximum number of iterations of the last, affine step
+  double convergence = 0.1;             ///< px, length of a step that ends the iteration
+  double minimum_correlation = 0.8;     ///< normalised cross-correlation of the patches
+  double maximum_backward_error = 0.5;  ///< px, forward-backward error
+  double minimum_score = 60.0;          ///< FAST score (thesis 4.9) of a feature
+  double minimum_distance = 8.0;        ///< px between features; see minimumDistance()
+  int search_again = 5;                 ///< pairs over which a lost feature with a depth is searched for
 };
 
-/// The match from left to right (thesis 4.1-4.4, 4.14).
+/// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
-  double minimum_disparity = 0.5;     ///< px; what is farther has no usable depth
-  int maximum_disparity = 128;        ///< px; what is nearer is not found
-  int rows = 1;                       ///< px above and below in which the match may lie
-  double minimum_correlation = 0.85;  ///< normalised, of left and right patch
-  double uniqueness = 0.8;            ///< 1 - correlation is at most so much of the best rival's elsewhere
+  double minimum_disparity = 0.5;     ///< px; points farther away have no usable depth
+  int maximum_disparity = 128;        ///< px; nearer points are not found
+  int rows = 1;                       ///< px, rows searched above and below
+  double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
+  double uniqueness = 0.8;  ///< maximum ratio of 1 - correlation of the best to the second-best match
 };
 
 /// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).
 struct MotionSettings {
-  int subsets = 128;             ///< random subsets, each giving one pose
-  int subset_size = 4;           ///< features in each
-  int iterations = 10;           ///< of the weights w = 1/|c|, at most
-  double radius = 3.5;           ///< standard deviations of a feature's point beyond which it weighs nothing
-  double pixel_noise = 0.2;      ///< px, standard deviation assumed of a tracked position far away
-  double disparity_noise = 0.2;  ///< px, standard deviation assumed of a disparity far away
-  double near_noise = 0.01;      ///< added to both for each px of disparity: near patches deform more
+  int subsets = 128;             ///< random subsets, each of which gives one pose
+  int subset_size = 4;           ///< features per subset
+  int iterations = 10;           ///< maximum number of iterations of the weights w = 1/|c|
+  double radius = 3.5;           ///< standard deviations of a point beyond which its weight is zero
+  double pixel_noise = 0.2;      ///< px, standard deviation of a tracked position of a distant point
+  double disparity_noise = 0.2;  ///< px, standard deviation of the disparity of a distant point
+  double near_noise = 0.01;      ///< px added to both per px of disparity: near patches deform more
 };
 
-/// What a feature's motion over t-2, t-1, t says of it; of a landmark, how it fitted pair by pair.
+/// Weights from history: of a feature from its motion over t-2, t-1, t; of a landmark from its residuals.
 struct HistorySettings {
-  double deviation = 2.0;       ///< standard deviations of that at which a feature tends to half its weight
-  double minimum_weight = 0.2;  ///< below, a feature is removed
+  double half_weight_stddevs = 2.0;  ///< standard deviations of the motion or residual that halve the weight
+  double minimum_weight = 0.2;       ///< features below are removed
 };
+
+constexpr int kMaximumRefinementFrames = 8;  ///< upper bound of RefinementSettings::frames
 
 /// Refinement over the last frames (thesis 5.1).
 struct RefinementSettings {
-  int frames = 5;      ///< m: the new frame is fitted to the last m - 1; 1 switches the refinement off
-  int iterations = 6;  ///< at most
+  int frames = 5;      ///< m: the new frame is fitted to the last m - 1; 1 disables the refinement
+  int iterations = 6;  ///< maximum number of iterations
 };
 
-/// The search for the first estimate of a pose among moving objects and false matches.
+/// RANSAC for the initial pose among moving objects and false matches.
 struct PoseSearchSettings {
-  int subsets = 60;      ///< random subsets at most
-  double gate = 3.0;     ///< standard deviations within which a point is explained
-  double enough = 0.75;  ///< share of the points' weight: a start that explains so much needs no search
-  double maximum_acceleration = 25.0;  ///< m/s^2; a motion that changes faster is somebody else's
-  double maximum_turn = 40.0;          ///< rad/s^2
+  int subsets = 60;   ///< maximum number of random subsets
+  double gate = 3.0;  ///< standard deviations of a residual within which a point is an inlier
+  double sufficient_support =
+      0.75;  ///< share of the points' weight; a start with as many inliers ends the search
+  double maximum_acceleration = 25.0;          ///< m/s^2, gate of the change of the motion
+  double maximum_angular_acceleration = 40.0;  ///< rad/s^2, the same of the rotation
 };
 
-constexpr int kMostWindowPairs = 8;  ///< pairs, with the one that has just come
+constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included
 
-/// The least squares over the window of pairs.
+/// Bundle adjustment over the window of pairs.
 struct BundleSettings {
-  int frames = 7;       ///< pairs in the window, less than kMostWindowPairs
-  int free_frames = 2;  ///< of these the newest move; the older ones stand
-  /// Of what was known of a pose when it was published, so much holds it while it is still free: not all, for
-  /// the sightings that it is known by are in the window once more. 0: nothing.
-  double hold = 0.3;
-  /// Poses that stand err, each all landmarks alike, but count as exact. So of what is told against them,
-  /// left positions in their pairs and depths that earlier hosts knew, so much counts. 1: all.
-  double standing_share = 0.2;
-  int iterations = 4;         ///< at most
-  double convergence = 0.1;   ///< standard deviations, rms; done when a step of the poses is shorter
-  double robust_width = 1.5;  ///< standard deviations at which a residual has half its weight
+  int frames = 7;       ///< pairs in the window, less than kMaximumWindowPairs
+  int free_frames = 2;  ///< newest pairs whose poses are estimated; the older ones are fixed
+  /// Weight of the prior on published, still free poses; below 1 because their observations are used again.
+  /// 0: no prior.
+  double prior_weight = 0.3;
+  /// Weight of residuals against fixed poses: left positions in them, and depths from earlier anchors. Below
+  /// 1 because the error of a fixed pose, which all landmarks share, is not modelled. 1: full weight.
+  double fixed_pose_weight = 0.2;
+  int iterations = 4;         ///< maximum number of iterations
+  double convergence = 0.1;   ///< standard deviations, rms of a step of the poses that ends the iteration
+  double robust_width = 1.5;  ///< standard deviations of a residual that halve its weight
 };
 
-/// When the cart is taken to stand.
+/// Detection of a standstill: the pose stays within these limits.
 struct StandstillSettings {
-  double translation = 0.0015;  ///< m that the pose may stray
+  double translation = 0.0015;  ///< m
   double rotation = 0.0002;     ///< rad
-  double least_time = 0.25;     ///< s, for so long at least
+  double least_time = 0.25;     ///< s, minimum duration
 };
 
-/// What is done about a rig that is not as calibrated.
+/// Self-calibration of the rig.
 enum class RigRefinement : std::uint8_t {
   off,
-  correct,  ///< it is estimated, and measurements are corrected
+  correct,  ///< the calibration error is estimated and corrected
 };
 
-/// When a motion is believed.
+/// Conditions of a valid motion.
 struct ValiditySettings {
-  int minimum_features = 30;          ///< alive in the left image
-  int minimum_matches = 20;           ///< with a point before and now
-  int minimum_inliers = 15;           ///< explained by the motion
-  double minimum_inlier_ratio = 0.3;  ///< of the matches
-  double maximum_residual = 3.0;   ///< median of the matches' errors, in units of that of the assumed noise
-  double maximum_time_step = 1.0;  ///< s between pairs
-  double maximum_offset = 0.1;     ///< s between the exposures of a pair
-  double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of that
-  double maximum_speed = 50.0;               ///< m/s; no cart is faster
+  int minimum_features = 30;                 ///< detected in the left image
+  int minimum_matches = 20;                  ///< with a depth, in the current pair and the reference
+  int minimum_inliers = 15;                  ///< consistent with the motion
+  double minimum_inlier_ratio = 0.3;         ///< inliers / matches
+  double maximum_residual = 3.0;             ///< median residual, in units of that of the assumed noise
+  double maximum_time_step = 1.0;            ///< s between pairs
+  double maximum_offset = 0.1;               ///< s between the exposures of a pair
+  double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of the time offset
+  double maximum_speed = 50.0;               ///< m/s
   double maximum_rate = 4.0;                 ///< rad/s
-  double maximum_deviation = 0.1;            ///< m and rad, standard deviation of each component of a motion
+  double maximum_stddev = 0.1;               ///< m and rad, of each component of a motion
 };
 
 struct OdometrySettings {
   Estimator estimator = Estimator::reprojection;
-  int features = 1000;     ///< aimed at in each left image, 50 to 20000
+  int features = 1000;     ///< target number of features in each left image, 50 to 20000
   std::uint64_t seed = 1;  ///< of the random subsets
   DetectionSettings detection;
   TrackingSettings tracking;
   StereoSettings stereo;
-  MotionSettings motion;
+  MotionSettings motion;  ///< `estimator: thesis` only
   HistorySettings history;
-  RefinementSettings refinement;
-  PoseSearchSettings pose_search;
-  BundleSettings bundle;
-  StandstillSettings standstill;
-  RigRefinement rig_refinement = RigRefinement::correct;
+  RefinementSettings refinement;                          ///< `estimator: thesis` only
+  PoseSearchSettings pose_search;                         ///< `estimator: reprojection` only
+  BundleSettings bundle;                                  ///< `estimator: reprojection` only
+  StandstillSettings standstill;                          ///< `estimator: reprojection` only
+  RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
   ValiditySettings validity;
 };
 
-/// px between features in an image of that size; less than the setting where the aimed number of features
-/// leaves no room for it.
+/// Minimum distance between features, px, in an image of `width` x `height` px: tracking.minimum_distance, or
+/// half the mean spacing of `features` points if that is less; at least 1.
 double minimumDistance(const OdometrySettings& settings, int width, int height);
 
-/// Throws std::invalid_argument naming the value, as in "tracking.levels is 0: expected 1 to 8".
+/// Throws std::invalid_argument that names the first value out of range and its range, for example
+/// "tracking.levels is 0: expected 1 to 8".
 void validate(const OdometrySettings& settings);
 
 }  // namespace cartvo

@@ -7,7 +7,7 @@
 
 namespace cartvo {
 
-/// Calls work(i) for each i below count, on OpenCV's threads; each i must write to its own place only.
+/// Calls work(i) for each i below `count` on OpenCV's threads; each call must write only to its own data.
 template <typename Work>
 void forEachIndex(std::size_t count, const Work& work) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(count)), [&](const cv::Range& range) {
@@ -16,7 +16,7 @@ void forEachIndex(std::size_t count, const Work& work) {
   });
 }
 
-/// Calls both, at the same time if there are threads for it.
+/// Calls both functions, concurrently if threads are available.
 template <typename First, typename Second>
 void doBoth(const First& first, const Second& second) {
   forEachIndex(2, [&](std::size_t i) {
@@ -27,7 +27,7 @@ void doBoth(const First& first, const Second& second) {
   });
 }
 
-/// Calls work(first, size) for blocks of at most `block` of count indices.
+/// Calls work(first, size) for consecutive blocks of at most `block` out of `count` indices, in parallel.
 template <typename Work>
 void forEachBlock(std::size_t count, std::size_t block, const Work& work) {
   forEachIndex((count + block - 1) / block, [&](std::size_t i) {

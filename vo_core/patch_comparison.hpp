@@ -6,18 +6,18 @@
 #include <cstring>
 
 #include "vo_core/aligned_patch.hpp"
-#include "vo_core/even_rows.hpp"
+#include "vo_core/constant_fraction_sampler.hpp"
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/patch_lanes.hpp"
 #include "vo_core/patch_sums.hpp"
 #include "vo_core/warped_patch.hpp"
 
-// Templates, and how they compare with what is found elsewhere. Not for use outside tracking.
+// Templates and their comparison with patches of another image. Internal to tracking.
 
 namespace cartvo {
 
-/// The patch before: its derivatives by the parameters, which are a gradient by x or y times 1 or the pixel's
-/// offset from the centre, in half sides of the patch; then its grey values.
+/// Template, the patch before: its derivatives by the parameters (a gradient in x or y, times 1 or times the
+/// pixel's offset from the centre in half patch sides), then its grey values.
 template <int Parameters>
 struct AlignedTemplate {
   AlignedPatch slopes[Parameters];
@@ -26,7 +26,7 @@ struct AlignedTemplate {
 
 namespace patch_comparison_detail {
 
-/// 32768 times the offset of each pixel, in half sides.
+/// Offset of each pixel from the centre in half patch sides, times 32768.
 struct Offsets {
   AlignedPatch x{}, y{};
 };
@@ -43,13 +43,13 @@ constexpr Offsets kOffsets = [] {
   return offsets;
 }();
 
-/// Sums the products of patches, `patch(i)` being the i-th of them, at most so many at once as there are
-/// registers for.
+/// Sums the products of patches, of which `patch(i)` is the i-th; at most as many sums at once as there are
+/// registers.
 template <typename Processor, typename Sums, int Values, int First = 0, typename PatchAt>
 void sumProducts(const PatchAt& patch, SumsOfPatch<Sums>& sums) {
   static constexpr auto kProducts = Sums::products();
-  constexpr int kMost = 12;
-  constexpr int kCount = Sums::kCount - First < kMost ? Sums::kCount - First : kMost;
+  constexpr int kMaximumSums = 12;
+  constexpr int kCount = Sums::kCount - First < kMaximumSums ? Sums::kCount - First : kMaximumSums;
   PatchLanes<Processor>::template sumProducts<kCount, Values>(
       [&](int i) { return patch(kProducts[First + i].a); },
       [&](int i) { return patch(kProducts[First + i].b); }, sums.data() + First);
@@ -57,13 +57,13 @@ void sumProducts(const PatchAt& patch, SumsOfPatch<Sums>& sums) {
     sumProducts<Processor, Sums, Values, First + kCount>(patch, sums);
 }
 
-/// Grey values and gradients, by central differences.
+/// Samples grey values and gradients (central differences).
 template <typename Processor>
 void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedPatch& grey,
                      AlignedPatch& gradient_x, AlignedPatch& gradient_y) {
   using Lanes = PatchLanes<Processor>;
-  // From left of the first pixel on.
-  EvenRows<Processor> rows(level, centre, kPatchSide / 2 + 1, kPatchSide / 2);
+  // Column 0 lies left of the patch.
+  ConstantFractionSampler<Processor> rows(level, centre, kPatchSide / 2 + 1, kPatchSide / 2);
   IntLanes above, below;
   rows.load(-1);
   rows.template sample<1>(above);
@@ -88,7 +88,7 @@ void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, A
   }
 }
 
-/// Of a patch what has neighbours on all sides; zero elsewhere.
+/// The pixels of a patch with neighbours on all sides; zero elsewhere.
 struct alignas(64) InnerPatch {
   static constexpr int kValues = AlignedPatch::kValues - 2 * kLanes;
   std::int16_t value[kValues];
@@ -97,7 +97,7 @@ struct alignas(64) InnerPatch {
 constexpr int kShorts = 2 * kLanes;
 using Shorts = std::int16_t __attribute__((vector_size(2 * kShorts), may_alias));
 
-/// Of kShorts values the gradient between two that lie `apart` px before and behind each.
+/// Gradients of kShorts values from the pixels `apart` px behind and before each.
 inline void innerDifference(const std::int16_t* behind, const std::int16_t* before, int apart,
                             std::int16_t* gradient) {
   static constexpr auto kInner = [] {
@@ -116,10 +116,10 @@ inline void innerDifference(const std::int16_t* behind, const std::int16_t* befo
 
 }  // namespace patch_comparison_detail
 
-/// The template around `centre`, px of the level, inside it.
+/// Builds the template around `centre` (px of the level, inside it) and its sums.
 template <typename Processor, int Parameters>
-void takeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate<Parameters>& out,
-                  SumsOfPatch<TemplateSums<Parameters>>& sums) {
+void buildTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate<Parameters>& out,
+                   SumsOfPatch<TemplateSums<Parameters>>& sums) {
   namespace detail = patch_comparison_detail;
   AlignedPatch* const slopes = out.slopes;
   detail::sampleGradients<Processor>(level, centre, out.grey, slopes[0], slopes[1]);
@@ -140,10 +140,10 @@ void takeTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Alig
       sums);
 }
 
-/// The patch around `position`, px of the level, inside it.
+/// Samples the patch around `position` (px of the level, inside it).
 template <typename Processor>
 void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, AlignedPatch& patch) {
-  EvenRows<Processor> rows(level, position, kPatchSide / 2, kPatchSide / 2);
+  ConstantFractionSampler<Processor> rows(level, position, kPatchSide / 2, kPatchSide / 2);
   IntLanes sum[2];
   for (int row = 0; row < kAlignedRows; row += 2) {
 #pragma GCC unroll 2
@@ -155,7 +155,7 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, Ali
   }
 }
 
-/// The same under a warp (WarpedRows).
+/// Samples the patch under a warp (WarpedRows).
 template <typename Processor>
 void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp,
                  AlignedPatch& patch) {
@@ -176,11 +176,12 @@ void comparePatches(const AlignedTemplate<Parameters>& before, const AlignedPatc
       sums);
 }
 
-/// For the shift that the template's gradients ask for, and for that by the gradients of the patch after,
-/// which looks so: `now`. Without the patch's edge, beyond which nothing is known of that.
+/// Sums for the forward-backward error: for the shift by the gradients of the template and for that by the
+/// gradients of the patch after, `now`. Leaves out the edge of the patch, where the gradients of the patch
+/// after are unknown.
 template <typename Processor, int Parameters>
-void compareBothWays(const AlignedTemplate<Parameters>& before, const AlignedPatch& now,
-                     SumsOfPatch<ReturnSums>& sums) {
+void compareForwardBackward(const AlignedTemplate<Parameters>& before, const AlignedPatch& now,
+                            SumsOfPatch<ForwardBackwardSums>& sums) {
   namespace detail = patch_comparison_detail;
   detail::InnerPatch backward_x, backward_y, forward_x, forward_y;
   for (int i = 0; i < detail::InnerPatch::kValues; i += detail::kShorts) {
@@ -193,8 +194,8 @@ void compareBothWays(const AlignedTemplate<Parameters>& before, const AlignedPat
   const std::int16_t* const patches[] = {backward_x.value,   backward_y.value, forward_x.value,
                                          forward_y.value,    now.row(1),       before.grey.row(1),
                                          kAlignedOnes.row(1)};
-  detail::sumProducts<Processor, ReturnSums, detail::InnerPatch::kValues>([&](int i) { return patches[i]; },
-                                                                          sums);
+  detail::sumProducts<Processor, ForwardBackwardSums, detail::InnerPatch::kValues>(
+      [&](int i) { return patches[i]; }, sums);
 }
 
 }  // namespace cartvo

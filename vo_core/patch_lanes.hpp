@@ -7,79 +7,81 @@
 #include "vo_core/aligned_patch.hpp"
 #include "vo_core/lanes.hpp"
 
-// What is done with sixteen or more numbers of an AlignedPatch at once, by what the processor can do: the
-// same bits by each. Not for use outside tracking.
+// SIMD kernels on sixteen or more values of an AlignedPatch, specialised by processor: the same bits on each.
+// Internal to tracking and stereo matching.
 
 namespace cartvo {
 
-/// By how much of the way to the next pixel a patch's pixels lie behind whole ones.
-struct PixelShares {
-  int right = 0;  ///< of kAcross
-  int lower = 0;  ///< of kDown
+/// Sub-pixel position of a patch's pixels: distance to the whole pixel to the left and above.
+struct PixelFraction {
+  int right = 0;  ///< in 1/kColumnSteps px
+  int lower = 0;  ///< in 1/kRowSteps px
 };
 
-constexpr int kMostWindows = 8;  ///< that are compared at once
-using WindowSums = std::int32_t __attribute__((vector_size(4 * kMostWindows), may_alias));
+constexpr int kMaximumWindows = 8;  ///< windows that are compared at once
+using WindowSums = std::int32_t __attribute__((vector_size(4 * kMaximumWindows), may_alias));
 
-/// For any processor.
+/// Kernels for any processor.
 template <typename Processor>
 class PatchLanes {
  public:
-  /// Two rows of pixels, one below the other.
+  /// Two adjacent rows of pixels.
   struct RowPair {
     const std::uint8_t *upper, *lower;
   };
-  using Shares = PixelShares;
+  using Weights = PixelFraction;
 
-  static void share(const PixelShares& shares, Shares& out) { out = shares; }
+  static void setWeights(const PixelFraction& fraction, Weights& out) { out = fraction; }
   static void load(const std::uint8_t* first, std::ptrdiff_t stride, RowPair& rows) {
     rows = {first, first + stride};
   }
 
-  /// Sixteen pixels between those of both rows from `Column` on, 65536 to an AlignedPatch's unit.
+  /// Interpolates sixteen pixels between both rows from `Column` on; 65536 per unit of an AlignedPatch.
   template <int Column>
-  static void blend(const RowPair& rows, const Shares& shares, IntLanes& sum) {
+  static void blend(const RowPair& rows, const Weights& weights, IntLanes& sum) {
     IntLanes upper, lower;
-    blendAcross(rows.upper + Column, shares.right, upper);
-    blendAcross(rows.lower + Column, shares.right, lower);
-    sum = (kDown - shares.lower) * upper + shares.lower * lower;
+    blendAcross(rows.upper + Column, weights.right, upper);
+    blendAcross(rows.lower + Column, weights.right, lower);
+    sum = (kRowSteps - weights.lower) * upper + weights.lower * lower;
   }
 
-  /// The same of quads (quads.hpp), each with shares of its own: places in 1/65536 px.
-  static void blendQuads(const IntLanes& quads, const IntLanes& x, const IntLanes& y, IntLanes& sum) {
-    const IntLanes right = x >> 8 & 255, lower = y >> 3 & kDown;
-    const IntLanes above = kAcross * ((quads & 255) - 128) + right * ((quads >> 8 & 255) - (quads & 255));
-    const IntLanes below =
-        kAcross * ((quads >> 16 & 255) - 128) + right * ((quads >> 24 & 255) - (quads >> 16 & 255));
-    sum = (kDown - lower) * above + lower * below;
+  /// Interpolates sixteen 2x2 neighbourhoods (bilinear_gather.hpp), each at its own coordinates in 1/65536
+  /// px.
+  static void blendGathered(const IntLanes& neighbours, const IntLanes& x, const IntLanes& y, IntLanes& sum) {
+    const IntLanes right = x >> 8 & 255, lower = y >> 3 & kRowSteps;
+    const IntLanes above =
+        kColumnSteps * ((neighbours & 255) - 128) + right * ((neighbours >> 8 & 255) - (neighbours & 255));
+    const IntLanes below = kColumnSteps * ((neighbours >> 16 & 255) - 128) +
+                           right * ((neighbours >> 24 & 255) - (neighbours >> 16 & 255));
+    sum = (kRowSteps - lower) * above + lower * below;
   }
 
-  /// Two rows of a patch.
+  /// Stores two rows of a patch.
   static void store(const IntLanes& upper, const IntLanes& lower, std::int16_t* to) {
     storeRow(upper >> 16, to);
     storeRow(lower >> 16, to + kLanes);
   }
-  /// Half of it, rounded: for differences over two pixels.
+  /// Stores half of the values, rounded: for differences over two pixels.
   static void storeHalf(const IntLanes& upper, const IntLanes& lower, std::int16_t* to) {
     storeRow((upper + 65536) >> 17, to);
     storeRow((lower + 65536) >> 17, to + kLanes);
   }
 
-  /// The same of a row of 32, without padding.
+  /// Stores half of the values of a row of 32, rounded, without padding.
   static void storeHalfRow(const IntLanes& left, const IntLanes& right, std::int16_t* to) {
     const SignedShorts halves[] = {__builtin_convertvector((left + 65536) >> 17, SignedShorts),
                                    __builtin_convertvector((right + 65536) >> 17, SignedShorts)};
     std::memcpy(to, halves, sizeof halves);
   }
 
-  /// Of the first `Values` numbers a and b: a times b / 32768, rounded.
+  /// product = a b / 32768, rounded, for each of the first `Values` values.
   template <int Values>
   static void multiply(const std::int16_t* a, const std::int16_t* b, std::int16_t* product) {
     for (int i = 0; i < Values; ++i)
       product[i] = static_cast<std::int16_t>((a[i] * b[i] + 16384) >> 15);
   }
 
-  /// Sums of products of the `Values` numbers of left(i) and right(i), which are constants to the compiler.
+  /// Sums the products of the `Values` values of left(i) and right(i), which are constants to the compiler.
   template <int Count, int Values, typename Left, typename Right>
   static void sumProducts(const Left& left, const Right& right, std::int32_t* sums) {
 #pragma GCC unroll 16
@@ -92,8 +94,9 @@ class PatchLanes {
     }
   }
 
-  /// Of `Count` < kMostWindows windows side by side, whose rows lie `Stride` apart: sums of products with a
-  /// template, both without the last column, of values and of squares. The other sums mean nothing.
+  /// For `Count` < kMaximumWindows windows side by side, whose rows lie `Stride` apart: sums of products with
+  /// a template, of values and of squares, all without the last column. The other lanes of the results are
+  /// undefined.
   template <int Count, int Rows, int Stride>
   static void sumWindows(const std::int16_t* window, const std::int16_t* others, WindowSums& products,
                          WindowSums& values, WindowSums& squares) {
@@ -121,9 +124,9 @@ class PatchLanes {
     ShortLanes here, next;
     Processor::load(from, here);
     Processor::load(from + 1, next);
-    // Modulo 2^16; the sum is less.
-    const ShortLanes blended =
-        (here << 8) - here - std::uint16_t{kAcross * 128} + static_cast<std::uint16_t>(right) * (next - here);
+    // Modulo 2^16, which the sum does not exceed.
+    const ShortLanes blended = (here << 8) - here - std::uint16_t{kColumnSteps * 128} +
+                               static_cast<std::uint16_t>(right) * (next - here);
     sum = __builtin_convertvector(SignedShorts(blended), IntLanes);
   }
   static void storeRow(const IntLanes& row, std::int16_t* to) {
@@ -134,51 +137,53 @@ class PatchLanes {
 };
 
 #ifdef CARTVO_BYTE_SHUFFLES
-/// AVX-512 with VBMI and VNNI: four pixels are blended by one instruction across and one down, and products
-/// of 32 numbers summed by one. Forms with a full mask, as GCC 12 warns of its own ones without.
+/// Kernels for AVX-512 with VBMI and VNNI: one instruction blends four pixels horizontally, one vertically,
+/// and one sums the products of 32 numbers. Masked intrinsics with a full mask, because GCC 12 warns about
+/// its own unmasked ones.
 template <>
 class PatchLanes<ByteShufflingProcessor> {
  public:
   using Processor = ByteShufflingProcessor;
   using RowPair = IntLanes;
-  struct Shares {
+  struct Weights {
     IntLanes across, down;
   };
 
-  CARTVO_BYTE_SHUFFLES static void share(const PixelShares& shares, Shares& out) {
-    out.across = IntLanes{} + (shares.right * 0x01010101 ^ kLeftBytes);
-    out.down = IntLanes{} + (shares.lower << 16 | (kDown - shares.lower));
+  CARTVO_BYTE_SHUFFLES static void setWeights(const PixelFraction& fraction, Weights& out) {
+    out.across = IntLanes{} + (fraction.right * 0x01010101 ^ kLeftBytes);
+    out.down = IntLanes{} + (fraction.lower << 16 | (kRowSteps - fraction.lower));
   }
   CARTVO_BYTE_SHUFFLES static void load(const std::uint8_t* first, std::ptrdiff_t stride, RowPair& rows) {
     rows = IntLanes(Processor::rowPair(first, first + stride)) ^ kMiddleGrey;
   }
 
   template <int Column>
-  CARTVO_BYTE_SHUFFLES static void blend(const RowPair& rows, const Shares& shares, IntLanes& sum) {
+  CARTVO_BYTE_SHUFFLES static void blend(const RowPair& rows, const Weights& weights, IntLanes& sum) {
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    const IntLanes places = (column + Column) * 0x01010101 + Processor::kQuad;
-    const __m512i quads = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
-    blendBytes(quads, __m512i(shares.across), __m512i(shares.down), sum);
+    const IntLanes places = (column + Column) * 0x01010101 + Processor::k2x2Offsets;
+    const __m512i neighbours = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
+    blendBytes(neighbours, __m512i(weights.across), __m512i(weights.down), sum);
   }
 
-  CARTVO_BYTE_SHUFFLES static void blendQuads(const IntLanes& quads, const IntLanes& x, const IntLanes& y,
-                                              IntLanes& sum) {
+  CARTVO_BYTE_SHUFFLES static void blendGathered(const IntLanes& neighbours, const IntLanes& x,
+                                                 const IntLanes& y, IntLanes& sum) {
     const IntLanes across = Processor::shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
-    const IntLanes down = IntLanes(_mm512_srli_epi16(__m512i(Processor::shuffled<0, 1, 0, 1>(y)), 3)) ^ kDown;
-    blendBytes(__m512i(quads ^ kMiddleGrey), __m512i(across), __m512i(down), sum);
+    const IntLanes down =
+        IntLanes(_mm512_srli_epi16(__m512i(Processor::shuffled<0, 1, 0, 1>(y)), 3)) ^ kRowSteps;
+    blendBytes(__m512i(neighbours ^ kMiddleGrey), __m512i(across), __m512i(down), sum);
   }
 
-  /// The same of pixels between the row that begins at `first` and the next.
+  /// Interpolates pixels between the row that begins at `first` and the next.
   CARTVO_BYTE_SHUFFLES static void blendBetween(const std::uint8_t* first, std::ptrdiff_t stride,
                                                 const IntLanes& x, int y, IntLanes& sum) {
     RowPair rows;
     load(first, stride, rows);
-    const IntLanes places = Processor::shuffled<2, 2, 2, 2>(x) + Processor::kQuad;
-    const __m512i quads = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
+    const IntLanes places = Processor::shuffled<2, 2, 2, 2>(x) + Processor::k2x2Offsets;
+    const __m512i neighbours = _mm512_maskz_permutexvar_epi8(~__mmask64{0}, __m512i(places), __m512i(rows));
     const IntLanes across = Processor::shuffled<1, 1, 1, 1>(x) ^ kLeftBytes;
-    const int lower = y >> 3 & kDown;
-    const IntLanes down = IntLanes{} + (lower << 16 | (kDown - lower));
-    blendBytes(quads, __m512i(across), __m512i(down), sum);
+    const int lower = y >> 3 & kRowSteps;
+    const IntLanes down = IntLanes{} + (lower << 16 | (kRowSteps - lower));
+    blendBytes(neighbours, __m512i(across), __m512i(down), sum);
   }
 
   CARTVO_BYTE_SHUFFLES static void store(const IntLanes& upper, const IntLanes& lower, std::int16_t* to) {
@@ -204,8 +209,8 @@ class PatchLanes<ByteShufflingProcessor> {
 
   template <int Count, int Values, typename Left, typename Right>
   CARTVO_BYTE_SHUFFLES static void sumProducts(const Left& left, const Right& right, std::int32_t* sums) {
-    static_assert(Values % kShorts == 0 && Count <= kMostSums && Count % 4 == 0);
-    __m512i sum[kMostSums] = {};
+    static_assert(Values % kShorts == 0 && Count <= kMaximumSums && Count % 4 == 0);
+    __m512i sum[kMaximumSums] = {};
 #pragma GCC unroll 4
     for (int k = 0; k < Values; k += kShorts) {
 #pragma GCC unroll 16
@@ -213,7 +218,7 @@ class PatchLanes<ByteShufflingProcessor> {
         sum[i] =
             _mm512_dpwssd_epi32(sum[i], _mm512_loadu_si512(left(i) + k), _mm512_loadu_si512(right(i) + k));
     }
-    // Two at a time, so that each of their sixteen numbers is added to others at the same cost.
+    // Reduces two sums at a time, at the cost of one.
 #pragma GCC unroll 8
     for (int i = 0; i < Count; i += 2)
       sum[i] = _mm512_add_epi32(_mm512_maskz_unpacklo_epi32(0xffff, sum[i], sum[i + 1]),
@@ -233,10 +238,10 @@ class PatchLanes<ByteShufflingProcessor> {
   template <int Count, int Rows, int Stride>
   CARTVO_BYTE_SHUFFLES static void sumWindows(const std::int16_t* window, const std::int16_t* others,
                                               WindowSums& products, WindowSums& values, WindowSums& squares) {
-    static_assert(Count < kMostWindows);
+    static_assert(Count < kMaximumWindows);
     const __m256i ones = _mm256_set1_epi16(1);
     constexpr __mmask16 kPatch = 0x7fff;
-    __m256i product[kMostWindows] = {}, value[kMostWindows] = {}, square[kMostWindows] = {};
+    __m256i product[kMaximumWindows] = {}, value[kMaximumWindows] = {}, square[kMaximumWindows] = {};
 #pragma GCC unroll 16
     for (int y = 0; y < Rows; ++y) {
       const __m256i row = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(window + y * kLanes));
@@ -255,14 +260,14 @@ class PatchLanes<ByteShufflingProcessor> {
 
  private:
   static constexpr int kShorts = 2 * kLanes;
-  static constexpr int kMostSums = 16;
+  static constexpr int kMaximumSums = 16;
   static constexpr __mmask32 kUnpadded = 0x7fff7fff;
   static constexpr int kMiddleGrey = static_cast<int>(0x80808080);
   static constexpr int kLeftBytes = 0x00ff00ff;
 
-  CARTVO_BYTE_SHUFFLES static void blendBytes(const __m512i& quads, const __m512i& across,
+  CARTVO_BYTE_SHUFFLES static void blendBytes(const __m512i& neighbours, const __m512i& across,
                                               const __m512i& down, IntLanes& sum) {
-    sum = IntLanes(_mm512_madd_epi16(_mm512_maddubs_epi16(across, quads), down));
+    sum = IntLanes(_mm512_madd_epi16(_mm512_maddubs_epi16(across, neighbours), down));
   }
   template <__mmask32 Kept>
   CARTVO_BYTE_SHUFFLES static void storeRounded(const IntLanes& first, const IntLanes& second,
@@ -270,29 +275,29 @@ class PatchLanes<ByteShufflingProcessor> {
     const __m512i rounded = upperHalves<Kept>(first + 65536, second + 65536);
     _mm512_storeu_si512(to, _mm512_srai_epi16(rounded, 1));
   }
-  /// Of two rows.
+  /// Upper sixteen bits of the numbers of two rows, rounded down.
   template <__mmask32 Kept>
   CARTVO_BYTE_SHUFFLES static __m512i upperHalves(const IntLanes& upper, const IntLanes& lower) {
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    // Of two numbers each, the lower half of a lane first.
+    // Two 16-bit indices per lane, the lower half first.
     const IntLanes even = (column & 7) * 4 + (column >> 3) * 32;
     const __m512i places = __m512i((even + 3) << 16 | (even + 1));
     return _mm512_maskz_permutex2var_epi16(Kept, __m512i(upper), places, __m512i(lower));
   }
-  CARTVO_BYTE_SHUFFLES static void fold(__m256i (&sum)[kMostWindows], WindowSums& sums) {
+  CARTVO_BYTE_SHUFFLES static void fold(__m256i (&sum)[kMaximumWindows], WindowSums& sums) {
 #pragma GCC unroll 4
-    for (int i = 0; i < kMostWindows; i += 2)
+    for (int i = 0; i < kMaximumWindows; i += 2)
       sum[i] = _mm256_add_epi32(_mm256_unpacklo_epi32(sum[i], sum[i + 1]),
                                 _mm256_unpackhi_epi32(sum[i], sum[i + 1]));
 #pragma GCC unroll 2
-    for (int i = 0; i < kMostWindows; i += 4)
+    for (int i = 0; i < kMaximumWindows; i += 4)
       sum[i] = _mm256_add_epi32(_mm256_unpacklo_epi64(sum[i], sum[i + 2]),
                                 _mm256_unpackhi_epi64(sum[i], sum[i + 2]));
     constexpr int kLower = 0x20, kUpper = 0x31;
     sums = WindowSums(_mm256_add_epi32(_mm256_permute2x128_si256(sum[0], sum[4], kLower),
                                        _mm256_permute2x128_si256(sum[0], sum[4], kUpper)));
   }
-  /// a + its other quarters beside b + its own, first the lower ones.
+  /// Adds the quarters of a pairwise, and those of b; a receives both results, its own in the lower half.
   CARTVO_BYTE_SHUFFLES static void addQuarters(__m512i& a, const __m512i& b) {
     constexpr int kEven = 0b10'00'10'00, kOdd = 0b11'01'11'01;
     a = _mm512_add_epi32(_mm512_maskz_shuffle_i32x4(0xffff, a, b, kEven),

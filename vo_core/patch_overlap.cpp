@@ -1,4 +1,4 @@
-// How often the same pixel is asked.
+// Mean patch overlap: inflates the covariance for pixel noise that landmarks share.
 #include "vo_core/patch_overlap.hpp"
 
 #include <algorithm>
@@ -9,17 +9,18 @@
 namespace cartvo {
 namespace {
 
-constexpr int kEnough = 250;  // patches, of which a mean is known well enough
+constexpr int kMaximumSampledPatches = 250;  // per level; larger sets are subsampled
 
-/// Of two squares of side 1 the part that they share.
-double shared(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+/// Intersection area of two squares of side 1 with these centres.
+double sharedArea(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d apart = (a - b).cwiseAbs();
   return std::max(1.0 - apart.x(), 0.0) * std::max(1.0 - apart.y(), 0.0);
 }
 
 }  // namespace
 
-/// Of a grid with a ring of empty cells around the image, to which patches at its edge and beyond do not go.
+/// Cell in a grid with a ring of empty cells around the image. Patches outside the image get the nearest
+/// inner cell.
 std::size_t PatchOverlap::cellOf(const Patch& patch) const {
   const int column = std::clamp(static_cast<int>(patch.centre.x()) + 1, 1, columns_ - 2);
   const int row = std::clamp(static_cast<int>(patch.centre.y()) + 1, 1, rows_ - 2);
@@ -31,7 +32,7 @@ double PatchOverlap::overlapOf(const Patch& patch) const {
   double sum = 0.0;
   for (const std::size_t middle : {cell - columns_, cell, cell + columns_})
     for (int place = by_cell_.begin(middle - 1); place < by_cell_.begin(middle + 2); ++place)
-      sum += shared(patch.centre, patches_[by_cell_[place]].centre);
+      sum += sharedArea(patch.centre, patches_[by_cell_[place]].centre);
   return sum;
 }
 
@@ -42,7 +43,7 @@ PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level)
   patches_.reserve(problem.landmarks.capacity());
   by_cell_.reserve(problem.landmarks.capacity());
   for (const BundleLandmark& landmark : problem.landmarks) {
-    const BundleSighting& last = landmark.sightings.back();
+    const BundleObservation& last = landmark.observations.back();
     if (landmark.level == level && last.pose + 1 == static_cast<int>(problem.poses.size()))
       patches_.push_back({last.left / side, landmark.weight * precision});
   }
@@ -51,21 +52,21 @@ PatchOverlap::Sums PatchOverlap::sumsOf(const BundleProblem& problem, int level)
   by_cell_.sort(static_cast<std::size_t>(columns_) * rows_, patches_.size(),
                 [&](std::size_t i) { return cellOf(patches_[i]); });
   Sums sums;
-  double asked = 0.0;
+  double sampled_information = 0.0;
   const int count = static_cast<int>(patches_.size());
-  const int step = (count + kEnough - 1) / kEnough;
+  const int step = (count + kMaximumSampledPatches - 1) / kMaximumSampledPatches;
   for (int place = 0; place < count; ++place) {
     const Patch& patch = patches_[by_cell_[place]];
     sums.information += patch.information;
     if (place % step != 0) continue;
-    asked += patch.information;
+    sampled_information += patch.information;
     sums.overlap += patch.information * overlapOf(patch);
   }
-  if (asked > 0.0) sums.overlap *= sums.information / asked;
+  if (sampled_information > 0.0) sums.overlap *= sums.information / sampled_information;
   return sums;
 }
 
-double PatchOverlap::of(const BundleProblem& problem) {
+double PatchOverlap::compute(const BundleProblem& problem) {
   Sums all;
   for (int level = 0; level < kLandmarkLevels; ++level) {
     const Sums sums = sumsOf(problem, level);

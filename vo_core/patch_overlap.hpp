@@ -5,39 +5,40 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
-#include "vo_core/grouped_order.hpp"
+#include "vo_core/counting_sort.hpp"
 
 namespace cartvo {
 
-/// How much the patches of an adjusted bundle's landmarks overlap. Landmarks whose patches share pixels share
-/// what noise does to them there; the least squares take them for independent and believe the result more
-/// than they should: by this factor, in variance (of N errors whose correlations are r_ij, the mean has the
-/// variance sum r_ij / N^2).
+/// Mean overlap of the patches of an adjusted bundle's landmarks: inflates the covariance for pixel noise
+/// that landmarks share. Overlapping patches have correlated errors, but the least squares treat them as
+/// independent, so the variance is too small by this factor (the mean of N errors with correlations r_ij has
+/// the variance sum r_ij / N^2).
 class PatchOverlap {
  public:
-  /// The mean over the landmarks that the newest pair saw, each by its information: of how many patches of
-  /// its own level, itself one of them, a pixel of its patch is part. 1 and more. Of very many
-  /// landmarks only some are asked.
-  double of(const BundleProblem& problem);
+  /// Mean number of patches of the same level, the landmark's own included, that contain a pixel of its
+  /// patch;
+  /// >= 1. Averages over the landmarks in the newest pair, weighted by information; samples them if there are
+  /// more than 250 in a level.
+  double compute(const BundleProblem& problem);
 
  private:
   struct Patch {
-    Eigen::Vector2d centre;  ///< in patches' sides
+    Eigen::Vector2d centre;  ///< in units of the patch side
     double information = 0.0;
   };
 
-  /// Sums over one level's patches.
+  /// Sums over the patches of one level.
   struct Sums {
-    double information = 0.0, overlap = 0.0;  ///< the latter weighted by the former
+    double information = 0.0, overlap = 0.0;  ///< `overlap` is weighted by information
   };
 
   Sums sumsOf(const BundleProblem& problem, int level);
   std::size_t cellOf(const Patch& patch) const;
   double overlapOf(const Patch& patch) const;
 
-  // Kept for their memory.
+  // Reused for their memory.
   std::vector<Patch> patches_;  ///< of one level
-  GroupedOrder by_cell_;        ///< of these; cells are a patch's side wide
+  CountingSort by_cell_;        ///< patches_ by grid cell; cells are as wide as a patch
   int columns_ = 0, rows_ = 0;
 };
 

@@ -8,18 +8,16 @@
 #include "vo_core/double_lanes.hpp"
 #include "vo_core/image_pyramid.hpp"
 
-// What is summed over patches, and how it gets into the equations of four of them. Not for use outside
-// tracking.
+// Sums over a patch and their transposition into the equations of four patches. Internal to tracking.
 
 namespace cartvo {
 
-// What is asked of a patch: how far it has gone; in stereo how its columns have stretched and sheared, too;
-// and then its rows.
+// Numbers of parameters: of a shift; in stereo also of the stretch and shear of columns; then also of rows.
 constexpr int kShiftParameters = 2;   ///< x, y
 constexpr int kStereoParameters = 4;  ///< and the warp's elements xx, xy
 constexpr int kAffineParameters = 6;  ///< and yx, yy
 
-/// Patches whose product is summed, by their places in a list.
+/// Two patches whose product is summed, by their indices in a list.
 struct Product {
   int a, b;
 };
@@ -28,11 +26,12 @@ constexpr int wholeFours(int count) {
   return (count + 3) / 4 * 4;
 }
 
-/// The places of a template's sums. Its patches are the derivatives by the parameters, grey and ones.
+/// Indices of the sums of a template. Its patches are the derivatives by the parameters, the grey values, and
+/// ones.
 template <int Parameters>
 struct TemplateSums {
   static constexpr int kGrey = Parameters, kOnes = Parameters + 1;
-  /// Of two derivatives, j <= i; of one; of one times grey.
+  /// Sum of two derivatives, j <= i; of one; of one times grey.
   static constexpr int normal(int i, int j) { return i * (i + 1) / 2 + j; }
   static constexpr int slope(int i) { return normal(Parameters, 0) + i; }
   static constexpr int slopeGrey(int i) { return slope(Parameters) + i; }
@@ -53,11 +52,11 @@ struct TemplateSums {
   }
 };
 
-/// Those of a patch after, whose patches are the template's and then it.
+/// Indices of the sums of a patch after. Its patches are the template's, then the patch after.
 template <int Parameters>
 struct ComparisonSums {
   static constexpr int kGrey = Parameters, kOnes = Parameters + 1, kNow = Parameters + 2;
-  /// Of it and a derivative.
+  /// Sum of the patch after times a derivative.
   static constexpr int slope(int i) { return i; }
   static constexpr int kValues = Parameters, kSquares = kValues + 1, kWithGrey = kValues + 2;
   static constexpr int kCount = wholeFours(kWithGrey + 1);
@@ -73,11 +72,12 @@ struct ComparisonSums {
   }
 };
 
-/// Those of the shift that gradients ask for: of the patch after, to return, and of the template. The patches
-/// are the gradients by x and y of the one and of the other, the patch after, grey and ones.
-struct ReturnSums {
+/// Indices of the sums for the forward-backward error: backward by the gradients of the patch after, forward
+/// by those of the template. The patches are the gradients in x and y of the former and of the latter, the
+/// patch after, the grey values, and ones.
+struct ForwardBackwardSums {
   static constexpr int kBackward = 0, kForward = 2, kNow = 4, kGrey = 5, kOnes = 6;
-  /// From here on of the gradients: normal matrix, then times the patch after, times grey, and alone.
+  /// Sums of one direction: normal matrix, then the gradients times the patch after, times grey, and alone.
   static constexpr int kOfOne = 9;
   static constexpr int kXx = 0, kXy = 1, kYy = 2, kNows = 3, kGreys = 5, kAlone = 7;
   static constexpr int kCount = wholeFours(2 * kOfOne);
@@ -101,7 +101,7 @@ struct ReturnSums {
 
 template <typename Sums>
 using SumsOfPatch = std::array<std::int32_t, Sums::kCount>;
-/// A lane for each.
+/// The sums of four patches, one SIMD lane each.
 template <typename Sums>
 struct SumsOfFour {
   DoubleLanes sum[Sums::kCount];
@@ -109,7 +109,7 @@ struct SumsOfFour {
   const DoubleLanes& operator[](int place) const { return sum[place]; }
 };
 
-/// Each sum of four patches into lanes.
+/// Transposes the sums of four patches into lanes.
 template <typename Sums>
 void gatherLanes(const std::array<SumsOfPatch<Sums>, kDoubleLanes>& sums, SumsOfFour<Sums>& lanes) {
   using Ints = std::int32_t __attribute__((vector_size(4 * kDoubleLanes)));
@@ -127,8 +127,8 @@ void gatherLanes(const std::array<SumsOfPatch<Sums>, kDoubleLanes>& sums, SumsOf
   }
 }
 
-/// Numbers of four patches, to be read and written one by one as well.
-struct alignas(DoubleLanes) Column {
+/// Values of four patches, accessible as SIMD lanes and one by one.
+struct alignas(DoubleLanes) LaneValues {
   double value[kDoubleLanes] = {};
 
   DoubleLanes& lanes() { return *reinterpret_cast<DoubleLanes*>(value); }
@@ -136,16 +136,16 @@ struct alignas(DoubleLanes) Column {
   void replace(const MaskLanes& where, const DoubleLanes& by) { lanes() = where ? by : lanes(); }
 };
 
-/// The levels that four patches are looked for in, by their last pixels.
+/// Bounds of the levels in which four patches are tracked: their last pixels.
 struct LevelBounds {
-  Column right, bottom;  ///< px
+  LaneValues right, bottom;  ///< px
 
   void set(std::size_t i, const PyramidLevel& level) {
     right.value[i] = level.width() - 1;
     bottom.value[i] = level.height() - 1;
   }
-  /// As PyramidLevel::contains().
-  void findInside(const Column& x, const Column& y, MaskLanes& inside) const {
+  /// Same limits as PyramidLevel::contains().
+  void findInside(const LaneValues& x, const LaneValues& y, MaskLanes& inside) const {
     inside = (x.lanes() >= 0.0) & (y.lanes() >= 0.0) & (x.lanes() <= right.lanes()) &
              (y.lanes() <= bottom.lanes());
   }

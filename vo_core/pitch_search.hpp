@@ -8,15 +8,16 @@
 
 namespace cartvo {
 
-/// Looks for the landmarks' last sightings in the right image, turned by so much pitch, rad.
+/// Searches the right image for the landmarks' last observations, with the right camera at `pitch` (rad).
 using MatchAtPitch = std::function<void(std::vector<Landmark>& landmarks, double pitch)>;
 
-/// Whether so few of the landmarks' last sightings have a match in the right image that the right camera may
-/// have been bumped up or down by more than the search looks for.
-bool hardlyMatched(const std::vector<Landmark>& landmarks);
+/// Whether so few of the landmarks' last observations have a stereo match that the pitch of the right camera
+/// may exceed the range of the search over rows.
+bool hasFewMatches(const std::vector<Landmark>& landmarks);
 
-/// The pitch, rad, roughly, at which many of a sample of the unmatched find a match or, in the dark, far more
-/// of them all than are matched without it. Nothing if there is none: then the scene is to blame.
+/// Coarse pitch (rad) at which many of a sample of the unmatched landmarks find a match or, in the dark, many
+/// times as many of all landmarks as are matched without it. Empty if there is none: then the scene is the
+/// cause of the missing matches.
 std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,
                                 const MatchAtPitch& match);
 

@@ -1,4 +1,4 @@
-// Points sorted by their hosts and laid side by side.
+// Sorting of points by anchor, copying into SIMD blocks, and summation of the normal equations.
 #include "vo_core/pose_residuals.hpp"
 
 #include <cmath>
@@ -8,14 +8,14 @@ namespace cartvo {
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   PointBlock block;
   block.count = count;
-  block.noise = 1.0 + DoubleLanes{};  // nothing is divided by zero in lanes beyond the last
+  block.noise = 1.0 + DoubleLanes{};  // avoids a division by zero in unused lanes
   for (int lane = 0; lane < count; ++lane) {
     const PosePoint& point = problem.points[points[lane]];
     block.point[lane] = points[lane];
     for (int axis = 0; axis < 3; ++axis)
       block.place.bearing[axis][lane] = point.bearing[axis];
     block.place.inverse_depth[lane] = point.inverse_depth;
-    block.deviation[lane] = point.inverse_depth_deviation;
+    block.inverse_depth_stddev[lane] = point.inverse_depth_stddev;
     for (int axis = 0; axis < 2; ++axis)
       block.left[axis][lane] = point.left[axis];
     block.weight[lane] = point.weight;
@@ -24,15 +24,15 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   return block;
 }
 
-void PointBlocks::take(const PoseProblem& problem) {
+void PointBlocks::reset(const PoseProblem& problem) {
   order_.reserve(problem.points.capacity());
-  order_.sort(problem.hosts.size(), problem.points.size(),
-              [&](std::size_t i) { return problem.points[i].host; });
+  order_.sort(problem.anchors.size(), problem.points.size(),
+              [&](std::size_t i) { return problem.points[i].anchor; });
   blocks.clear();
-  blocks.reserve(order_.mostBlocks());
-  order_.forEachBlock([&](int host, const int* points, int count) {
+  blocks.reserve(order_.maximumBlocks());
+  order_.forEachBlock([&](int anchor, const int* points, int count) {
     blocks.push_back(blockOf(problem, points, count));
-    blocks.back().host = host;
+    blocks.back().anchor = anchor;
   });
 }
 

@@ -3,75 +3,75 @@
 #include <array>
 #include <vector>
 
-#include "vo_core/lane_order.hpp"
 #include "vo_core/pose_search.hpp"
 #include "vo_core/reprojection_lanes.hpp"
+#include "vo_core/simd_groups.hpp"
 
-// The residuals of a pose search, four points at a time. Not for use outside of it.
+// Residuals of a pose search, four points at a time. Internal to the pose search.
 
 namespace cartvo {
 
-/// Up to four points, a lane each. Lanes beyond `count` weigh nothing.
+/// Up to four points, one in each lane. Lanes from `count` on have no weight.
 struct PointBlock {
-  int host = 0;  ///< of all
+  int anchor = 0;  ///< common anchor of the points
   int count = 0;
-  std::array<int, kDoubleLanes> point{};  ///< index into the problem's
+  std::array<int, kDoubleLanes> point{};  ///< index into the problem's points
   PlaceLanes place{};
-  DoubleLanes deviation{};  ///< 1/m, of the inverse depth
-  DoubleLanes left[2]{};    ///< px
+  DoubleLanes inverse_depth_stddev{};  ///< 1/m
+  DoubleLanes left[2]{};               ///< px
   DoubleLanes weight{};
-  DoubleLanes noise{};  ///< px^2
+  DoubleLanes noise{};  ///< px^2, variance of each coordinate
 };
 
-/// A block of those points; the host is left open.
+/// Copies points into a block; leaves `anchor` at 0.
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count);
 
-/// All points, those of one host together.
+/// All points of a problem, sorted by anchor.
 class PointBlocks {
  public:
-  void take(const PoseProblem& problem);
+  void reset(const PoseProblem& problem);
 
   std::vector<PointBlock> blocks;
 
  private:
-  LaneOrder order_;
+  SimdGroups order_;
 };
 
-/// Transforms that differ from lane to lane.
+/// One transform for each lane.
 struct TransformLanes {
   DoubleLanes value[3][4];
   const DoubleLanes& operator()(int row, int column) const { return value[row][column]; }
 };
 
-/// Measured minus predicted, and how well that is known: the second coordinate is freed of what it shares
-/// with the first by the depth's uncertainty (Cholesky's factors without square roots).
+/// Measured minus predicted positions and their precision. The depth's uncertainty correlates the
+/// coordinates; the second one is decorrelated from the first (LDL^T factors of the covariance).
 struct PointResiduals {
   ViewLanes view;
   DoubleLanes in_front;      ///< 1 or 0
   DoubleLanes residual[2];   ///< px
   DoubleLanes precision[2];  ///< 1/px^2
-  DoubleLanes shared;        ///< so much of the first coordinate has been taken off the second
-  DoubleLanes square;        ///< of the error in standard deviations, the mean of both coordinates
+  DoubleLanes shared;        ///< factor of the first residual that was subtracted from the second
+  DoubleLanes square;        ///< squared normalised error, mean of both coordinates
 };
 
-/// Inline: the callers are compiled per processor.
+/// Inline because the callers are compiled for several instruction sets.
 template <typename Transform>
-inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T_camera_host,
+inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T_camera_anchor,
                                   const PointBlock& block) {
   const StereoCamera& camera = problem.camera;
   const DoubleLanes& noise = block.noise;
   PointResiduals at;
-  const RayLanes ray = rayOf(T_camera_host, block.place);
+  const RayLanes ray = rayOf(T_camera_anchor, block.place);
   BitLanes behind;
   findNegative(ray.z - kNearestRay, behind);
   onesWhere(~behind, at.in_front);
   at.view = viewOf(ray);
-  const PixelLanes by_depth = viewByInverseDepth(T_camera_host, at.view);
-  const DoubleLanes vague = camera.focal_length * block.deviation;
-  const DoubleLanes vague_x = vague * by_depth.x, vague_y = vague * by_depth.y;
-  at.precision[0] = 1.0 / (noise + vague_x * vague_x);
-  at.precision[1] = 1.0 / (noise * (1.0 + vague_y * vague_y * at.precision[0]));
-  at.shared = vague_x * vague_y * at.precision[0];
+  const PixelLanes by_depth = viewByInverseDepth(T_camera_anchor, at.view);
+  const DoubleLanes depth_noise = camera.focal_length * block.inverse_depth_stddev;
+  const DoubleLanes depth_noise_x = depth_noise * by_depth.x, depth_noise_y = depth_noise * by_depth.y;
+  at.precision[0] = 1.0 / (noise + depth_noise_x * depth_noise_x);
+  at.precision[1] = 1.0 / (noise * (1.0 + depth_noise_y * depth_noise_y * at.precision[0]));
+  at.shared = depth_noise_x * depth_noise_y * at.precision[0];
   at.residual[0] = block.left[0] - camera.cx - camera.focal_length * at.view.x;
   at.residual[1] = block.left[1] - camera.cy - camera.focal_length * at.view.y - at.shared * at.residual[0];
   at.square = 0.5 * (at.precision[0] * at.residual[0] * at.residual[0] +
@@ -79,10 +79,10 @@ inline PointResiduals residualsOf(const PoseProblem& problem, const Transform& T
   return at;
 }
 
-/// The normal equations of a pose, each lane by itself.
+/// Normal equations of a pose, summed separately in each lane.
 class PoseEquations {
  public:
-  /// `weight`: of each point. Inline, as residualsOf().
+  /// Adds a block with the points' weights. Inline, see residualsOf().
   void add(const PoseProblem& problem, const PointBlock& block, const PointResiduals& at,
            const DoubleLanes& weight) {
     const double f = problem.camera.focal_length;

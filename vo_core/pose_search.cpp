@@ -1,4 +1,4 @@
-// The pose that most of the landmarks agree on.
+// RANSAC and Gauss-Newton refinement of a camera pose from landmarks.
 #include "vo_core/pose_search.hpp"
 
 #include <Eigen/Cholesky>
@@ -12,32 +12,32 @@
 namespace cartvo {
 namespace {
 
-constexpr int kSubset = 4;         // points; three would do, the fourth steadies the steps
-constexpr int kSubsetSteps = 4;    // Gauss-Newton steps of a subset
-constexpr int kPolishSteps = 4;    // and of all that a pose explains
-constexpr double kSettled = 1e-5;  // m and rad
-constexpr double kNeverExplained = 1e3;
-static_assert(kSubset <= kDoubleLanes);
+constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
+constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
+constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
+constexpr double kConvergedStep = 1e-5;     // m and rad
+constexpr double kBehindCameraError = 1e3;  // normalised error of a point behind the camera
+static_assert(kSubsetSize <= kDoubleLanes);
 
-using Transforms = FixedVector<Eigen::Isometry3d, kMostWindowPairs>;
+using Transforms = FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>;
 
-/// A pose as the blocks need it.
-Transforms fromHosts(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
+/// Transforms from each anchor to the camera.
+Transforms fromAnchors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
-  Transforms T_camera_host;
-  for (const Eigen::Isometry3d& T_world_host : problem.hosts)
-    T_camera_host.push_back(T_camera_world * T_world_host);
-  return T_camera_host;
+  Transforms T_camera_anchor;
+  for (const Eigen::Isometry3d& T_world_anchor : problem.anchors)
+    T_camera_anchor.push_back(T_camera_world * T_world_anchor);
+  return T_camera_anchor;
 }
 
-/// Of all points within the gate.
-CARTVO_VECTOR_CLONES
+/// Adds all points within the gate, with Cauchy weights.
+CARTVO_TARGET_CLONES
 void addEquations(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
-                  const Transforms& T_camera_host, double gate, PoseEquations& equations) {
-  const double gentleness = 1.0 / (gate * gate);
+                  const Transforms& T_camera_anchor, double gate, PoseEquations& equations) {
+  const double inverse_square_gate = 1.0 / (gate * gate);
   for (const PointBlock& block : blocks) {
-    const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
-    const DoubleLanes scaled = gentleness * at.square;
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[block.anchor], block);
+    const DoubleLanes scaled = inverse_square_gate * at.square;
     DoubleLanes weight = at.in_front * block.weight / (1.0 + scaled);
     BitLanes within;
     findNegative(scaled - 1.0, within);
@@ -46,56 +46,58 @@ void addEquations(const PoseProblem& problem, const std::vector<PointBlock>& blo
   }
 }
 
-/// Of a few points of any hosts.
-CARTVO_VECTOR_CLONES
-void addEquations(const PoseProblem& problem, const PointBlock& block, const TransformLanes& T_camera_host,
+/// Adds a block whose points have different anchors.
+CARTVO_TARGET_CLONES
+void addEquations(const PoseProblem& problem, const PointBlock& block, const TransformLanes& T_camera_anchor,
                   PoseEquations& equations) {
-  const PointResiduals at = residualsOf(problem, T_camera_host, block);
+  const PointResiduals at = residualsOf(problem, T_camera_anchor, block);
   equations.add(problem, block, at, at.in_front * block.weight);
 }
 
-/// Weight of what a pose explains, a point counting the less the worse it fits.
-CARTVO_VECTOR_CLONES
-double supportOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
-                 const Transforms& T_camera_host, double gate) {
+/// Score of a pose: sum of the points' weights, each reduced linearly with its squared error.
+CARTVO_TARGET_CLONES
+double scoreOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+               const Transforms& T_camera_anchor, double gate) {
   DoubleLanes sum{};
   for (const PointBlock& block : blocks) {
-    const PointResiduals at = residualsOf(problem, T_camera_host[block.host], block);
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[block.anchor], block);
     DoubleLanes fit = 1.0 - at.square / (gate * gate);
-    raiseTo(0.0, fit);
+    clampToMinimum(0.0, fit);
     sum += block.weight * at.in_front * fit;
   }
   return sumOf(sum);
 }
 
-/// One number of each lane of the blocks.
+/// Squared error of each point of a block.
 struct SquareLanes {
   DoubleLanes value;
 };
 
-CARTVO_VECTOR_CLONES
+CARTVO_TARGET_CLONES
 void findSquares(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
-                 const Transforms& T_camera_host, std::vector<SquareLanes>& squares) {
+                 const Transforms& T_camera_anchor, std::vector<SquareLanes>& squares) {
   squares.reserve(blocks.capacity());
   squares.resize(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const PointResiduals at = residualsOf(problem, T_camera_host[blocks[i].host], blocks[i]);
-    squares[i].value = at.in_front > 0.0 ? at.square : kNeverExplained * kNeverExplained + DoubleLanes{};
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[blocks[i].anchor], blocks[i]);
+    squares[i].value =
+        at.in_front > 0.0 ? at.square : kBehindCameraError * kBehindCameraError + DoubleLanes{};
   }
 }
 
-/// `use(point, error)` gets each point's index and its normalised error under a pose. `squares`: memory.
+/// Calls use(point, error) with each point's index and normalised error. `squares` is a buffer.
 template <typename Use>
 void forEachError(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
                   const Eigen::Isometry3d& T_world_camera, std::vector<SquareLanes>& squares,
                   const Use& use) {
-  findSquares(problem, blocks, fromHosts(problem, T_world_camera), squares);
+  findSquares(problem, blocks, fromAnchors(problem, T_world_camera), squares);
   for (std::size_t i = 0; i < blocks.size(); ++i)
     for (int lane = 0; lane < blocks[i].count; ++lane)
       use(blocks[i].point[lane], std::sqrt(squares[i].value[lane]));
 }
 
-/// Gauss-Newton steps from a pose, nothing if the points leave it open. `build(pose, equations)`.
+/// Performs Gauss-Newton steps with equations from build(pose, equations). Returns nothing if they are
+/// singular.
 template <typename Build>
 std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, const Build& build) {
   for (int i = 0; i < steps; ++i) {
@@ -108,11 +110,12 @@ std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, cons
     const Vector6d change = factor.solve(equations.gradient());
     if (!change.allFinite()) return std::nullopt;
     pose = orthonormalised(pose * motionFromVector(change));
-    if (change.lpNorm<Eigen::Infinity>() < kSettled) break;
+    if (change.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
   }
   return pose;
 }
 
+/// One RANSAC search.
 class Search {
  public:
   Search(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
@@ -122,31 +125,31 @@ class Search {
       weight_ += point.weight;
   }
 
-  /// The pose; nothing if none explains anything.
+  /// Returns the best pose, or nothing if no pose within the motion gate was scored.
   std::optional<Eigen::Isometry3d> run() {
     consider(start_);
-    if (const auto polished = polish(start_, 3.0 * settings_.gate)) consider(*polished);
-    if (best_support_ < settings_.enough * weight_) drawSubsets();
-    if (best_support_ < 0.0) return std::nullopt;
+    if (const auto refined = refine(start_, 3.0 * settings_.gate)) consider(*refined);
+    if (best_score_ < settings_.sufficient_support * weight_) drawSubsets();
+    if (best_score_ < 0.0) return std::nullopt;
     for (const double gate : {2.0 * settings_.gate, settings_.gate})
-      if (const auto polished = polish(best_, gate); polished && admissible(*polished)) best_ = *polished;
+      if (const auto refined = refine(best_, gate); refined && isAdmissible(*refined)) best_ = *refined;
     return best_;
   }
 
-  /// Of all points.
+  /// Returns the weight of all points.
   double weight() const { return weight_; }
 
  private:
-  /// On all points within the gate.
-  std::optional<Eigen::Isometry3d> polish(const Eigen::Isometry3d& pose, double gate) const {
-    return iterate(pose, kPolishSteps, [&](const Eigen::Isometry3d& T, PoseEquations& equations) {
-      addEquations(problem_, blocks_, fromHosts(problem_, T), gate, equations);
+  /// Refines a pose on all points within the gate.
+  std::optional<Eigen::Isometry3d> refine(const Eigen::Isometry3d& pose, double gate) const {
+    return iterate(pose, kRefinementSteps, [&](const Eigen::Isometry3d& T, PoseEquations& equations) {
+      addEquations(problem_, blocks_, fromAnchors(problem_, T), gate, equations);
     });
   }
 
   void drawSubsets() {
     const int count = static_cast<int>(problem_.points.size());
-    std::array<int, kSubset> subset;
+    std::array<int, kSubsetSize> subset;
     for (int i = 0; i < settings_.subsets; ++i) {
       for (auto next = subset.begin(); next != subset.end();) {
         *next = std::min(static_cast<int>(random_.uniform() * count), count - 1);
@@ -156,33 +159,33 @@ class Search {
     }
   }
 
-  std::optional<Eigen::Isometry3d> poseOf(const std::array<int, kSubset>& subset) const {
-    PointBlock block = blockOf(problem_, subset.data(), kSubset);
-    for (int lane = 0; lane < kSubset; ++lane)
-      block.weight[lane] = 1.0;  // they count alike
+  std::optional<Eigen::Isometry3d> poseOf(const std::array<int, kSubsetSize>& subset) const {
+    PointBlock block = blockOf(problem_, subset.data(), kSubsetSize);
+    for (int lane = 0; lane < kSubsetSize; ++lane)
+      block.weight[lane] = 1.0;  // equal weights
     return iterate(start_, kSubsetSteps, [&](const Eigen::Isometry3d& pose, PoseEquations& equations) {
       const Eigen::Isometry3d T_camera_world = pose.inverse();
-      TransformLanes T_camera_host{};
-      for (int lane = 0; lane < kSubset; ++lane) {
-        const Eigen::Isometry3d T = T_camera_world * problem_.hosts[problem_.points[subset[lane]].host];
+      TransformLanes T_camera_anchor{};
+      for (int lane = 0; lane < kSubsetSize; ++lane) {
+        const Eigen::Isometry3d T = T_camera_world * problem_.anchors[problem_.points[subset[lane]].anchor];
         for (int row = 0; row < 3; ++row)
           for (int column = 0; column < 4; ++column)
-            T_camera_host.value[row][column][lane] = T(row, column);
+            T_camera_anchor.value[row][column][lane] = T(row, column);
       }
-      addEquations(problem_, block, T_camera_host, equations);
+      addEquations(problem_, block, T_camera_anchor, equations);
     });
   }
 
   void consider(const Eigen::Isometry3d& pose) {
-    if (!admissible(pose)) return;
-    const double gate = 2.0 * settings_.gate;  // a subset's pose is blunt
-    const double found = supportOf(problem_, blocks_, fromHosts(problem_, pose), gate);
-    if (found <= best_support_) return;
-    best_support_ = found;
+    if (!isAdmissible(pose)) return;
+    const double gate = 2.0 * settings_.gate;  // the pose of a subset is inaccurate
+    const double found = scoreOf(problem_, blocks_, fromAnchors(problem_, pose), gate);
+    if (found <= best_score_) return;
+    best_score_ = found;
     best_ = pose;
   }
 
-  bool admissible(const Eigen::Isometry3d& pose) const {
+  bool isAdmissible(const Eigen::Isometry3d& pose) const {
     if (!problem_.admissible_change) return true;
     const Vector6d change = vectorFromMotion(start_.inverse() * pose);
     return (change.cwiseAbs().array() <= problem_.admissible_change->array()).all();
@@ -194,7 +197,7 @@ class Search {
   SubsetRandom& random_;
   Eigen::Isometry3d start_;
   double weight_ = 0.0;
-  double best_support_ = -1.0;
+  double best_score_ = -1.0;
   Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
 };
 
@@ -212,9 +215,9 @@ PoseFinder::~PoseFinder() = default;
 
 std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearchSettings& settings,
                                           SubsetRandom& random) {
-  if (static_cast<int>(problem.points.size()) <= kSubset) return std::nullopt;
+  if (static_cast<int>(problem.points.size()) <= kSubsetSize) return std::nullopt;
   auto& [points, squares] = *work_;
-  points.take(problem);
+  points.reset(problem);
   Search search(problem, points.blocks, settings, random);
   const auto pose = search.run();
   if (!pose) return std::nullopt;
@@ -226,7 +229,7 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
     ++found.inliers;
     found.weight += point.weight;
   }
-  found.share = search.weight() > 0.0 ? found.weight / search.weight() : 0.0;
+  found.inlier_ratio = search.weight() > 0.0 ? found.weight / search.weight() : 0.0;
   return found;
 }
 

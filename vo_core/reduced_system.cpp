@@ -1,4 +1,4 @@
-// The lanes of the normal equations, added up.
+// Summation of the normal equations over SIMD lanes and parts.
 #include "vo_core/reduced_system.hpp"
 
 #include <algorithm>
@@ -40,7 +40,7 @@ void ReducedSystem::Sums::add(const Sums& other) {
       gradient[i].value[row] += other.gradient[i].value[row];
 }
 
-void ReducedSystem::conclude() {
+void ReducedSystem::sumParts() {
   Sums& all = sums_.front();
   for (std::size_t part = 1; part < kParts; ++part)
     all.add(sums_[part]);

@@ -7,35 +7,38 @@
 
 #include "vo_core/bundle_residuals.hpp"
 
-// Not for use outside the bundle adjustment.
+// Internal to the bundle adjustment.
 
 namespace cartvo {
 
-/// How the inverse depths of a block hang together with the poses.
+/// Normal equations of the inverse depths of a block.
 struct DepthBlock {
-  DoubleLanes in_front{};  ///< 1 or 0: what a camera has behind it takes no part
+  DoubleLanes in_front{};  ///< 1 or 0; landmarks behind a camera are left out
   DoubleLanes hessian{}, gradient{};
-  DoubleLanes variance{};  ///< 1 / hessian, or zero where the depth is left open
+  DoubleLanes variance{};  ///< 1 / hessian; 0 if the depth is not observable
 };
 
-/// What is added up over landmarks, times the free poses: a lane's each by itself.
-using PoseSums = FixedVector<PoseLanes, kMostWindowPairs>;
+/// Sums over landmarks for each free pose, kept separately in each lane.
+using PoseSums = FixedVector<PoseLanes, kMaximumWindowPairs>;
+/// Adds the lanes.
 PoseVector sumOf(const PoseSums& sums);
 
-/// The normal equations, the inverse depths eliminated.
+/// Normal equations of the free poses after elimination of the inverse depths.
 class ReducedSystem {
  public:
-  /// The blocks are divided so that threads can share the work. Each part is added up by itself, and the
-  /// parts in their order: the same bits on any number of threads.
+  /// Number of parts into which the blocks are divided for threads. Each part has its own sums, which are
+  /// added in a fixed order, so that the result does not depend on the number of threads.
   static constexpr std::size_t kParts = 4;
 
   void reset(const BundleProblem& problem, const BundleBlocks& blocks);
 
-  /// Builds the equations of one part of the blocks; `visit` sees, of each block,
-  ///   begin(block), add(view, rows) for each sighting, and eliminate(block, depth, by_poses).
-  /// Inline: the callers are compiled per processor; what is not unrolled keeps them small.
-  template <typename Visit>
-  void build(const BundleBlocks& blocks, const BlockResiduals& residuals, std::size_t part, Visit& visit) {
+  /// Builds the equations of one part of the blocks. For each block it calls visitor.begin(block),
+  /// visitor.add(view, rows) for each observation and visitor.eliminate(block, depth, by_poses).
+  /// Inline because the callers are compiled for several instruction sets; loops that are not unrolled keep
+  /// the code small.
+  template <typename Visitor>
+  void build(const BundleBlocks& blocks, const BlockResiduals& residuals, std::size_t part,
+             Visitor& visitor) {
     Sums& sums = sums_[part];
     sums.clear();
     const std::size_t count = blocks.landmarks.size();
@@ -43,28 +46,29 @@ class ReducedSystem {
       const LandmarkBlock& block = blocks.landmarks[i];
       DepthBlock& depth = depths[i];
       PoseLanes* const by_poses = by_poses_.data() + free_ * i;
-      begin(block, residuals, blocks.sightings.data(), depth, by_poses);
+      begin(block, residuals, blocks.observations.data(), depth, by_poses);
       PlaceLanes place = block.place;
       place.inverse_depth *= depth.in_front;
-      visit.begin(block);
-      for (std::size_t j = block.first_sighting; j < block.last_sighting; ++j) {
-        const BlockView view = residuals.viewBy(blocks.sightings[j], block.host, place, depth.in_front);
-        SightingRows rows;
+      visitor.begin(block);
+      for (std::size_t j = block.first_observation; j < block.last_observation; ++j) {
+        const BlockView view = residuals.viewBy(blocks.observations[j], block.anchor, place, depth.in_front);
+        ObservationRows rows;
         residuals.linearise(view, block.weight, rows);
-        for (int row = view.isHost() ? SightingRows::kDisparity : 0; row < SightingRows::kCount; ++row)
+        for (int row = view.isAnchor() ? ObservationRows::kDisparity : 0; row < ObservationRows::kCount;
+             ++row)
           add(rows.row[row], depth, by_poses, sums);
-        visit.add(view, rows);
+        visitor.add(view, rows);
       }
       eliminate(depth, by_poses, sums);
-      visit.eliminate(block, depth, by_poses);
+      visitor.eliminate(block, depth, by_poses);
     }
   }
 
-  /// What has been built of all parts, added up.
-  void conclude();
+  /// Sums all parts and their lanes into `hessian` and `gradient`.
+  void sumParts();
 
-  /// The poses' step, applied to the inverse depths. Inline, as build().
-  void takeStep(const PoseVector& step, BundleBlocks& blocks) const {
+  /// Changes the inverse depths by the step of the poses (back substitution). Inline, see build().
+  void updateDepths(const PoseVector& step, BundleBlocks& blocks) const {
     for (std::size_t i = 0; i < blocks.landmarks.size(); ++i) {
       DoubleLanes change = depths[i].gradient;
       for (int pose = 0; pose < free_; ++pose)
@@ -74,6 +78,7 @@ class ReducedSystem {
     }
   }
 
+  /// Off-diagonal Hessian blocks of a landmark block and each free pose.
   const PoseLanes* byPoses(std::size_t block) const { return by_poses_.data() + free_ * block; }
 
   PoseMatrix hessian;
@@ -84,20 +89,20 @@ class ReducedSystem {
   struct MatrixLanes {
     DoubleLanes value[6][6];
   };
-  /// Of one part.
+  /// Sums of one part.
   struct Sums {
     std::vector<MatrixLanes> hessian;
     PoseSums gradient;
 
-    /// a >= b. Of a diagonal block, the lower triangle is used.
+    /// Block (a, b) with a >= b. Only the lower triangle of a diagonal block is used.
     MatrixLanes& hessianOf(int a, int b) { return hessian[a * (a + 1) / 2 + b]; }
     void clear();
     void add(const Sums& other);
   };
 
-  void begin(const LandmarkBlock& block, const BlockResiduals& residuals, const SightingBlock* sightings,
-             DepthBlock& depth, PoseLanes* by_poses) const {
-    residuals.findInFront(block, sightings, depth.in_front);
+  void begin(const LandmarkBlock& block, const BlockResiduals& residuals,
+             const ObservationBlock* observations, DepthBlock& depth, PoseLanes* by_poses) const {
+    residuals.findInFront(block, observations, depth.in_front);
     depth.hessian = depth.in_front * block.prior_information;
     const DoubleLanes away = block.prior_inverse_depth - block.place.inverse_depth;
     depth.gradient = depth.hessian * away;
@@ -134,15 +139,15 @@ class ReducedSystem {
     }
   }
 
-  /// The Schur complement.
+  /// Subtracts the Schur complement of the inverse depths.
   void eliminate(DepthBlock& depth, const PoseLanes* by_poses, Sums& sums) const {
-    constexpr double kLeastInformation = 1e-9;
-    BitLanes little;
-    findNegative(depth.hessian - kLeastInformation, little);
-    DoubleLanes told;
-    onesWhere(~little, told);
-    depth.hessian *= told;
-    depth.variance = told / (depth.hessian + (1.0 - told));
+    constexpr double kMinimumInformation = 1e-9;  // m^2
+    BitLanes unobservable;
+    findNegative(depth.hessian - kMinimumInformation, unobservable);
+    DoubleLanes observable;
+    onesWhere(~unobservable, observable);
+    depth.hessian *= observable;
+    depth.variance = observable / (depth.hessian + (1.0 - observable));
     for (int a = 0; a < free_; ++a) {
       PoseLanes weighted;
 #pragma GCC unroll 1

@@ -10,67 +10,69 @@
 
 namespace cartvo {
 
-/// A pair as the estimator sees it: the pose of the left camera at its exposure, and how much later the right
-/// camera was exposed.
+/// A pair in the estimator: the pose of the left camera at its exposure, and the time offset of the right
+/// one.
 struct TimedPose {
   double time = 0.0;    ///< s, of the left exposure, since any fixed instant
   double offset = 0.0;  ///< s, right exposure minus left exposure
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  /// How much the estimate errs (a perturbation on the right) for each second by which the right cameras of
-  /// all pairs were in truth exposed later than `offset` says.
-  Vector6d by_late_right = Vector6d::Zero();
+  /// 1/s, sensitivity to the time offset: error of the estimate (a perturbation on the right) per second by
+  /// which the right cameras of all pairs were exposed later than `offset` says.
+  Vector6d dpose_doffset = Vector6d::Zero();
 };
 
-/// Of a window, oldest first.
-using TimedPoses = FixedVector<TimedPose, kMostWindowPairs>;
+/// Poses of a window, oldest first.
+using TimedPoses = FixedVector<TimedPose, kMaximumWindowPairs>;
 
-/// The right camera at its own instant. The rig is taken to move on a parabola through the poses of its pair,
-/// of a neighbour and of a third pair, translation and rotation apart; without a third one, on a line.
+/// The right camera at its own exposure. The rig is assumed to move on a parabola through the poses of its
+/// pair, of a neighbour and of a third pair, translation and rotation separately; without a third one, on a
+/// line.
 struct RightCamera {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< rectified right camera
-  int neighbour = -1;  ///< index of the pose on the other side of the right exposure, or on this; -1: none
+  int neighbour = -1;  ///< index of the neighbour's pose, see rightCameraOf(); -1: none
   int third = -1;      ///< index of the third pose; -1: none
-  /// How a perturbation of this camera (on the right) follows from those of its own pair and of the others.
+  /// Jacobians of a perturbation of this camera (on the right) by those of its own pair and of the others.
   Matrix6d by_own = Matrix6d::Identity();
   Matrix6d by_neighbour = Matrix6d::Zero();
   Matrix6d by_third = Matrix6d::Zero();
-  /// And from the offset, per s; known at an offset of zero too, as soon as there is another pose.
+  /// Jacobian by the offset, per s; known at an offset of zero too, as soon as there is another pose.
   Vector6d by_offset = Vector6d::Zero();
 };
 
-/// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure, if
-/// there is one, else the pair on this side: then the motion is carried on. The third is the pair on this
+/// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure if
+/// there is one (interpolation), else the pair on this side (extrapolation). The third is the pair on this
 /// pair's other side, else the one beyond the neighbour.
 RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline);
 
-/// Takes a point from the last pose's left camera to its right one at that one's own instant.
+/// Transform of points from the last pose's left camera to its right one, each at its own exposure.
 Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline);
 
-/// The rotation part of a right Jacobian of SO(3) and its inverse (T. Barfoot, "State Estimation for
-/// Robotics", 2017, eq. 7.77, 7.78).
+/// Right Jacobian of SO(3) at a rotation vector (T. Barfoot, "State Estimation for Robotics", 2017, eq. 7.77,
+/// 7.78).
 Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation);
 
-constexpr double kNearestRay =
-    1e-3;  ///< of a ray's z: what is nearer than a thousandth of its depth is behind
+constexpr double kNearestRay = 1e-3;  ///< smallest z of a ray: a landmark nearer than a thousandth of its
+                                      ///< depth counts as behind the camera
 
-/// Pixel of a landmark in a camera at T_camera_host: y = R b + rho t, with its bearing b (z = 1) and its
-/// inverse depth rho in the host camera, both up to the scale rho, so that rho = 0 is a point at infinity.
+/// Projection of a landmark into a camera at T_camera_anchor: y = R b + rho t, with its bearing b (z = 1) and
+/// its inverse depth rho in the anchor camera. y is up to the scale rho, so that rho = 0 is a point at
+/// infinity.
 struct Projection {
   bool valid = false;                               ///< in front of the camera
   Eigen::Vector3d ray = Eigen::Vector3d::Zero();    ///< y
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< px
 };
-Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_host,
+Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
                            const Eigen::Vector3d& bearing, double inverse_depth);
 
 /// Derivatives of a projection's pixel.
 struct ProjectionJacobians {
   Eigen::Matrix<double, 2, 6> by_camera = Eigen::Matrix<double, 2, 6>::Zero();  ///< perturbation on the right
-  Eigen::Matrix<double, 2, 6> by_host = Eigen::Matrix<double, 2, 6>::Zero();    ///< perturbation on the right
+  Eigen::Matrix<double, 2, 6> by_anchor = Eigen::Matrix<double, 2, 6>::Zero();  ///< perturbation on the right
   Eigen::Matrix<double, 2, 3> by_bearing = Eigen::Matrix<double, 2, 3>::Zero();
   Eigen::Vector2d by_inverse_depth = Eigen::Vector2d::Zero();
 };
-ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_host,
+ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
                                         const Eigen::Vector3d& bearing, double inverse_depth,
                                         const Projection& projection);
 

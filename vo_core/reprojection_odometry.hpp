@@ -3,11 +3,13 @@
 #include <memory>
 
 #include "vo_core/odometry_method.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/stereo_camera.hpp"
 
 namespace cartvo {
 
-/// Robust least squares on the reprojection error in both images, each at its own instant, over a window of
-/// pairs: `estimator: reprojection`.
+/// `estimator: reprojection`: robust least squares over a window of pairs on the reprojection error in both
+/// images, each at its own exposure instant.
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
                                                          const OdometrySettings& settings);
 

@@ -8,11 +8,12 @@
 #include "vo_core/bundle_residuals.hpp"
 #include "vo_core/size_histogram.hpp"
 
-// Not for use outside the bundle adjustment.
+// Internal to the bundle adjustment.
 
 namespace cartvo {
 
-/// How large the residuals are, of all landmarks of a level and of each one's last sighting.
+/// Magnitudes of the residuals, per pyramid level over all landmarks and for each landmark's last
+/// observation.
 class ResidualSizes {
  public:
   void reset(const BundleBlocks& blocks) {
@@ -23,29 +24,29 @@ class ResidualSizes {
     last_.reserve(blocks.landmarks.capacity());
   }
 
-  // Visits of ReducedSystem::build().
+  // Callbacks of ReducedSystem::build().
   void begin(const LandmarkBlock& block) {
     block_ = &block;
     last_.emplace_back();
   }
 
-  void add(const BlockView& view, const SightingRows& rows) {
+  void add(const BlockView& view, const ObservationRows& rows) {
     Last& last = last_.back();
-    if (!view.isHost()) {
-      const DoubleLanes& column = rows.row[SightingRows::kColumn].residual;
-      const DoubleLanes& row = rows.row[SightingRows::kRow].residual;
+    if (!view.isAnchor()) {
+      const DoubleLanes& column = rows.row[ObservationRows::kColumn].residual;
+      const DoubleLanes& row = rows.row[ObservationRows::kRow].residual;
       add(view.seen, column, pixels_);
       add(view.seen, row, pixels_);
       last.squares += view.seen * (column * column + row * row - last.squares);
       last.count += view.seen * (2.0 - last.count);
     }
-    const DoubleLanes& disparity = rows.row[SightingRows::kDisparity].residual;
+    const DoubleLanes& disparity = rows.row[ObservationRows::kDisparity].residual;
     add(view.stereo, disparity, disparities_);
     last.squares += view.stereo * (disparity * disparity);
     last.count += view.stereo;
   }
 
-  /// rms of a landmark's last sighting.
+  /// RMS residual of a landmark's last observation.
   double lastError(std::size_t block, int lane) const {
     const double count = last_[block].count[lane];
     return count > 0.0 ? std::sqrt(last_[block].squares[lane] / count) : 0.0;
@@ -58,7 +59,7 @@ class ResidualSizes {
 
  private:
   using ByLevel = std::array<SizeHistogram, kLandmarkLevels>;
-  static constexpr int kEnough = 30;  ///< residuals, of which a level knows its noise
+  static constexpr int kMinimumResiduals = 30;  ///< residuals from which the noise of a level is estimated
 
   struct Last {
     DoubleLanes squares{}, count{};
@@ -69,18 +70,18 @@ class ResidualSizes {
       if (counts[lane] > 0.0) sizes[block_->level[lane]].add(std::abs(residual[lane]));
   }
 
-  /// A level that has too few goes with the one that has most.
+  /// Noise scale of a level. A level with too few residuals uses those of the level with the most.
   static double scaleOf(const ByLevel& sizes, int level) {
-    const SizeHistogram* told = &sizes[level];
-    if (told->count() < kEnough)
-      told = &*std::max_element(sizes.begin(), sizes.end(),
-                                [](const auto& a, const auto& b) { return a.count() < b.count(); });
-    return told->count() == 0 ? 1.0 : told->deviation();
+    const SizeHistogram* source = &sizes[level];
+    if (source->count() < kMinimumResiduals)
+      source = &*std::max_element(sizes.begin(), sizes.end(),
+                                  [](const auto& a, const auto& b) { return a.count() < b.count(); });
+    return source->count() == 0 ? 1.0 : source->stddev();
   }
 
   ByLevel pixels_, disparities_;
   std::vector<Last> last_;
-  const LandmarkBlock* block_ = nullptr;  ///< the present one
+  const LandmarkBlock* block_ = nullptr;  ///< current block
 };
 
 }  // namespace cartvo

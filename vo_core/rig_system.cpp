@@ -1,10 +1,10 @@
-// Normal equations of the rig's correction.
+// Solution of the normal equations of the rig's correction and the window's scale.
 #include "vo_core/rig_system.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);  // of a window whose scale is not known
+constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);  // prior: 5 % stddev of an unobserved scale factor
 
 }  // namespace
 
@@ -12,7 +12,7 @@ void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatr
                          BundleResult& result) const {
   Eigen::Matrix<double, kShared, kShared> hessian;
   Eigen::Matrix<double, kShared, 1> gradient;
-  using SharedByPoses = Eigen::Matrix<double, Eigen::Dynamic, kShared, 0, kMostPoseUnknowns, kShared>;
+  using SharedByPoses = Eigen::Matrix<double, Eigen::Dynamic, kShared, 0, kMaximumPoseUnknowns, kShared>;
   SharedByPoses by_poses(system.gradient.size(), kShared);
   for (int i = 0; i < kShared; ++i) {
     for (int j = 0; j <= i; ++j)

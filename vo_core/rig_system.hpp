@@ -5,11 +5,11 @@
 
 #include "vo_core/reduced_system.hpp"
 
-// Not for use outside the bundle adjustment.
+// Internal to the bundle adjustment.
 
 namespace cartvo {
 
-/// What the residuals say of the rig's correction and the window's scale, the inverse depths eliminated.
+/// Normal equations of the rig's correction and the window's scale after elimination of the inverse depths.
 class RigSystem {
  public:
   RigSystem() = default;
@@ -17,21 +17,21 @@ class RigSystem {
     by_poses_.resize(problem.poses.size() - problem.fixed);
   }
 
-  // Visits of ReducedSystem::build().
+  // Callbacks of ReducedSystem::build().
   void begin() {
     for (DoubleLanes& derivative : by_depth_)
       derivative = DoubleLanes{};
   }
 
-  /// A disparity: of the rest, positions in the left image, the rig is no part.
+  /// Adds a disparity residual. Positions in the left image do not depend on the rig.
   void add(const BlockView& view, const RowLanes& row) {
-    const DoubleLanes f = camera_.focal_length * view.sighting.disparity_precision;
-    const DoubleLanes x = (view.sighting.right[0] - camera_.cx) / camera_.focal_length;
-    const DoubleLanes y = (view.sighting.right[1] - camera_.cy) / camera_.focal_length;
-    // Of the column as correctedRight() has it, by yaw and bend; and by the scale.
-    // The scale's is predicted, not measured: the noise of what is measured would take part in its own
-    // derivative, and a bias come of it. Of the disparity, what the baseline makes; what the motion since the
-    // left exposure makes scales with the window.
+    const DoubleLanes f = camera_.focal_length * view.observation.disparity_precision;
+    const DoubleLanes x = (view.observation.right[0] - camera_.cx) / camera_.focal_length;
+    const DoubleLanes y = (view.observation.right[1] - camera_.cy) / camera_.focal_length;
+    // Derivatives of the right column by yaw and p2 as in correctedRight(), and by the scale.
+    // The derivative by scale uses the predicted disparity: measurement noise in the derivative would bias
+    // the scale. It has only the part due to the baseline; the part due to the motion since the left exposure
+    // scales with the window.
     const DoubleLanes by_shared[kShared] = {
         f * (1.0 + x * x), f * (3.0 * (x * x) + y * y),
         f * (camera_.baseline * view.place.inverse_depth * view.right.inverse_z)};
@@ -64,12 +64,12 @@ class RigSystem {
     }
   }
 
-  /// Eliminates the poses and the scale.
+  /// Eliminates the poses and the scale; sets `rig_information`, `rig_gradient` and `scale_variance`.
   void conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatrix>& factor,
                 BundleResult& result) const;
 
  private:
-  /// The rig's correction, which disparities tell of, and the window's scale.
+  /// Components of the rig's correction that disparities observe, and the window's scale.
   static constexpr int kShared = RigCorrection::kSize + 1;
   struct SharedByPose {
     PoseLanes of[kShared];
@@ -78,8 +78,8 @@ class RigSystem {
   StereoCamera camera_;
   DoubleLanes hessian_[kShared][kShared]{};  // the lower triangle
   DoubleLanes gradient_[kShared]{};
-  DoubleLanes by_depth_[kShared]{};  // of the present block
-  FixedVector<SharedByPose, kMostWindowPairs> by_poses_;
+  DoubleLanes by_depth_[kShared]{};  // current block
+  FixedVector<SharedByPose, kMaximumWindowPairs> by_poses_;
 };
 
 }  // namespace cartvo

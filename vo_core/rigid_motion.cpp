@@ -1,4 +1,4 @@
-// Small calculus of rigid motions; see T. Barfoot, "State Estimation for Robotics", chapter 7.
+// Calculus of rigid motions; see T. Barfoot, "State Estimation for Robotics", chapter 7.
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {

@@ -10,8 +10,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// The matrix of the cross product: skew(a) * b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& vector);
 
-/// A small motion as a vector (x, y, z, rotation vector; m and rad) and back. Translation and rotation are
-/// taken apart, not along a screw: for the perturbations and steps used here both agree to first order.
+/// Converts a motion to a vector (x, y, z, rotation vector; m and rad) and back. Translation and rotation are
+/// separate, not along a screw: for the perturbations and steps used here both agree to first order.
 Eigen::Isometry3d motionFromVector(const Vector6d& vector);
 Vector6d vectorFromMotion(const Eigen::Isometry3d& motion);
 

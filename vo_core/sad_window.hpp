@@ -14,7 +14,7 @@
 #include <emmintrin.h>
 #endif
 
-// Sums of absolute differences of windows. Not for use outside the stereo search.
+// Sums of absolute differences (SAD) of windows. Internal to the stereo search.
 
 namespace cartvo {
 
@@ -26,7 +26,7 @@ struct LevelPixel {
   int x = 0, y = 0;
 };
 
-/// The top left pixel of the window around that one.
+/// Top left pixel of the window around `pixel`.
 inline const std::uint8_t* sadCorner(const PyramidLevel& level, const LevelPixel& pixel) {
   return level.at(pixel.x - kSadColumns / 2, pixel.y - kSadRows / 2);
 }
@@ -43,7 +43,7 @@ class SadWindow {
       std::memcpy(&rows_[row], from, kSadColumns);
   }
 
-  /// With that around `pixel` and the next to its left.
+  /// SADs with the window around `pixel` and the ones to its left.
   void compareRun(const PyramidLevel& right, const LevelPixel& pixel, SadRun& sums) const {
     compare<kSadRun>(right, pixel, sums.data());
   }
@@ -76,7 +76,7 @@ class SadWindow {
 #endif
   }
 
-#ifdef __SSE2__  // whose sum of sixteen absolute differences GCC does not always find by itself
+#ifdef __SSE2__  // GCC does not always find its sum of sixteen absolute differences by itself
   using Row = __m128i;
 #else
   using Row = std::array<std::uint8_t, kSadColumns>;
@@ -85,7 +85,7 @@ class SadWindow {
 };
 
 #ifdef CARTVO_BYTE_SHUFFLES
-/// AVX-512 sums the differences of four neighbours at eight places, four times at once: a row of eight
+/// AVX-512 sums the differences of four neighbours at eight positions, four times at once: a row of eight
 /// windows.
 template <>
 class SadWindow<ByteShufflingProcessor> {
@@ -101,7 +101,7 @@ class SadWindow<ByteShufflingProcessor> {
 
   CARTVO_BYTE_SHUFFLES void compareRun(const PyramidLevel& right, const LevelPixel& pixel,
                                        SadRun& sums) const {
-    // Each quarter of a register holds what four columns of the window meet.
+    // Each quarter of a register has the pixels that four columns of the window are compared with.
     const __m512i quarters = _mm512_set_epi32(6, 5, 4, 3, 5, 4, 3, 2, 4, 3, 2, 1, 3, 2, 1, 0);
     constexpr int kLeftmost = kSadRun - 1, kFirstAndSecondHalf = 0b10'01'01'00;
     const std::uint8_t* from = sadCorner(right, pixel) - kLeftmost;

@@ -1,4 +1,4 @@
-// The first step of tracking: the patch as it is, somewhere else.
+// Translation-only Lucas-Kanade tracking, coarse to fine, four patches per SIMD block.
 #include "vo_core/shift_tracking.hpp"
 
 #include <algorithm>
@@ -12,25 +12,26 @@
 namespace cartvo {
 namespace {
 
-constexpr std::size_t kFour = kDoubleLanes;
+constexpr std::size_t kBatchSize = kDoubleLanes;
 constexpr double kMinimumTexture = 1.0;  // grey^2 / px^2, smaller eigenvalue of G per pixel
-constexpr int kIterations = 5;           // a shift that takes longer is lost
-constexpr double kCoarse = 0.1;          // px: precise enough for a shift that will be refined
+constexpr int kIterations = 5;           // per level; a shift that needs more is lost
+constexpr double kConvergedStep =
+    0.1;  // px, step that ends the iterations: precise enough for a shift that is refined later
 
 using OfTemplate = TemplateSums<kShiftParameters>;
 using OfComparison = ComparisonSums<kShiftParameters>;
 
-/// Of four patches, a lane each. From all that is summed the mean is taken off, which makes the shift blind
-/// to a change of brightness.
+/// Shift equations of four patches, one SIMD lane each. The mean is removed from every sum, so that
+/// brightness does not matter.
 class ShiftEquations {
  public:
-  /// Lanes are `textured` that hold a shift.
+  /// Sets up the templates. `textured`: lanes whose texture constrains a shift.
   void setUp(const SumsOfFour<OfTemplate>& sums, MaskLanes& textured) {
     constexpr int kX = OfTemplate::slope(0), kY = OfTemplate::slope(1);
     greys_ = sums[OfTemplate::kGreys];
     const DoubleLanes mean = greys_ / kSize;
     norm_ = sums[OfTemplate::kSquares] - mean * greys_;
-    takeRoots(norm_);
+    replaceBySquareRoots(norm_);
     mean_x_ = sums[kX] / kSize;
     mean_y_ = sums[kY] / kSize;
     grey_x_ = sums[OfTemplate::slopeGrey(0)] - mean * sums[kX];
@@ -39,7 +40,7 @@ class ShiftEquations {
                       xy = sums[OfTemplate::normal(1, 0)] - sums[kX] * mean_y_,
                       yy = sums[OfTemplate::normal(1, 1)] - sums[kY] * mean_y_;
     DoubleLanes root = 0.25 * (xx - yy) * (xx - yy) + xy * xy;
-    takeRoots(root);
+    replaceBySquareRoots(root);
     textured = 0.5 * (xx + yy) - root >= kSize * kMinimumTexture * kGreyUnits * kGreyUnits;
     const DoubleLanes determinant = xx * yy - xy * xy;
     inverse_xx_ = yy / determinant;
@@ -47,8 +48,9 @@ class ShiftEquations {
     inverse_yy_ = xx / determinant;
   }
 
+  /// One Gauss-Newton step of each lane, px, and the correlation before it.
   void solve(const SumsOfFour<OfComparison>& sums, DoubleLanes& step_x, DoubleLanes& step_y,
-             Column& correlation) const {
+             LaneValues& correlation) const {
     const DoubleLanes& values = sums[OfComparison::kValues];
     const DoubleLanes x = sums[OfComparison::slope(0)] - values * mean_x_ - grey_x_;
     const DoubleLanes y = sums[OfComparison::slope(1)] - values * mean_y_ - grey_y_;
@@ -56,21 +58,21 @@ class ShiftEquations {
     step_y = inverse_xy_ * x + inverse_yy_ * y;
     const DoubleLanes mean = values / kSize;
     DoubleLanes deviation = sums[OfComparison::kSquares] - values * mean;
-    raiseTo(1e-6, deviation);
-    takeRoots(deviation);
+    clampToMinimum(1e-6, deviation);
+    replaceBySquareRoots(deviation);
     correlation.lanes() = (sums[OfComparison::kWithGrey] - mean * greys_) / (norm_ * deviation + 1e-12);
   }
 
  private:
   static constexpr double kSize = kAlignedSize;
 
-  DoubleLanes greys_, norm_;                          // of grey: sum, and deviation from its mean
-  DoubleLanes mean_x_, mean_y_;                       // of the gradients
-  DoubleLanes grey_x_, grey_y_;                       // sums of them times grey without its mean
-  DoubleLanes inverse_xx_, inverse_xy_, inverse_yy_;  // of the structure matrix G (thesis 4.12)
+  DoubleLanes greys_, norm_;     // of the grey values: sum, and norm of their deviations from the mean
+  DoubleLanes mean_x_, mean_y_;  // means of the gradients
+  DoubleLanes grey_x_, grey_y_;  // sums of gradient times grey less its mean
+  DoubleLanes inverse_xx_, inverse_xy_, inverse_yy_;  // inverse of the structure matrix G (thesis 4.12)
 };
 
-/// Up to four tasks, each step of all of them at once.
+/// Tracks up to four tasks at once, one SIMD lane each.
 template <typename Processor>
 class FourShifts {
  public:
@@ -95,7 +97,7 @@ class FourShifts {
       trackIn(level);
   }
 
-  void answer(std::span<std::optional<Eigen::Vector2d>> shifted) const {
+  void writeResults(std::span<std::optional<Eigen::Vector2d>> shifted) const {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       shifted[i].reset();
       const Eigen::Vector2d position = tasks_[i].from + Eigen::Vector2d(x_.value[i], y_.value[i]);
@@ -105,8 +107,8 @@ class FourShifts {
 
  private:
   void trackIn(int level) {
-    MaskLanes here{}, last{};  // those of this level, and those whose finest it is
-    std::array<SumsOfPatch<OfTemplate>, kFour> sums{};
+    MaskLanes here{}, last{};  // lanes that use this level; lanes whose finest level it is
+    std::array<SumsOfPatch<OfTemplate>, kBatchSize> sums{};
     const double scale = 1.0 / levelScale(level);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const PyramidLevels levels{tasks_[i].levels.finest, coarsest_[i]};
@@ -121,7 +123,7 @@ class FourShifts {
       centre_x_.value[i] = centre.x();
       centre_y_.value[i] = centre.y();
       bounds_.set(i, after);
-      takeTemplate<Processor>(before, centre, templates_[i], sums[i]);
+      buildTemplate<Processor>(before, centre, templates_[i], sums[i]);
     }
     SumsOfFour<OfTemplate> lanes;
     gatherLanes(sums, lanes);
@@ -132,7 +134,7 @@ class FourShifts {
     const MaskLanes arrived = here & inside;
     x_.replace(arrived, (position_x_.lanes() - centre_x_.lanes()) / scale);
     y_.replace(arrived, (position_y_.lanes() - centre_y_.lanes()) / scale);
-    // The last step, if it was short, hardly changes the correlation that was found before it.
+    // The correlation dates from before the last step; a short step hardly changes it.
     alive_ &= ~last | (arrived & (correlation_.lanes() >= minimum_correlation_));
   }
 
@@ -140,10 +142,10 @@ class FourShifts {
     position_x_.lanes() = centre_x_.lanes() + x_.lanes() * scale;
     position_y_.lanes() = centre_y_.lanes() + y_.lanes() * scale;
     bounds_.findInside(position_x_, position_y_, inside);
-    MaskLanes busy = here & inside;
-    for (int iteration = 0; iteration < kIterations && any(busy); ++iteration) {
-      for (std::size_t i = 0; i < kFour; ++i) {
-        if (busy[i] == 0) continue;
+    MaskLanes active = here & inside;
+    for (int iteration = 0; iteration < kIterations && any(active); ++iteration) {
+      for (std::size_t i = 0; i < kBatchSize; ++i) {
+        if (active[i] == 0) continue;
         AlignedPatch now;
         samplePatch<Processor>(*after_[i], {position_x_.value[i], position_y_.value[i]}, now);
         comparePatches<Processor>(templates_[i], now, sums_[i]);
@@ -152,52 +154,52 @@ class FourShifts {
       gatherLanes(sums_, lanes);
       DoubleLanes step_x, step_y;
       equations_.solve(lanes, step_x, step_y, correlation_);
-      position_x_.replace(busy, position_x_.lanes() - step_x);
-      position_y_.replace(busy, position_y_.lanes() - step_y);
+      position_x_.replace(active, position_x_.lanes() - step_x);
+      position_y_.replace(active, position_y_.lanes() - step_y);
       bounds_.findInside(position_x_, position_y_, inside);
-      busy &= inside & (step_x * step_x + step_y * step_y >= kCoarse * kCoarse);
+      active &= inside & (step_x * step_x + step_y * step_y >= kConvergedStep * kConvergedStep);
     }
   }
 
   std::span<const ShiftTask> tasks_;
   double minimum_correlation_;
-  std::array<int, kFour> coarsest_{};
+  std::array<int, kBatchSize> coarsest_{};
   MaskLanes alive_{};
-  Column x_, y_;                    // the shift, px of the image
-  Column centre_x_, centre_y_;      // of the patch before, px of the level
-  Column position_x_, position_y_;  // of the patch after
-  LevelBounds bounds_;              // of the level after
-  Column correlation_;
-  std::array<const PyramidLevel*, kFour> after_{};
-  std::array<AlignedTemplate<kShiftParameters>, kFour> templates_;
-  std::array<SumsOfPatch<OfComparison>, kFour> sums_{};
+  LaneValues x_, y_;                    // the shift, px of the image
+  LaneValues centre_x_, centre_y_;      // of the patch before, px of the level
+  LaneValues position_x_, position_y_;  // of the patch after, px of the level
+  LevelBounds bounds_;                  // of the level after
+  LaneValues correlation_;
+  std::array<const PyramidLevel*, kBatchSize> after_{};
+  std::array<AlignedTemplate<kShiftParameters>, kBatchSize> templates_;
+  std::array<SumsOfPatch<OfComparison>, kBatchSize> sums_{};
   ShiftEquations equations_;
 };
 
-/// What trackShifts is asked.
-struct Question {
+/// Arguments of trackShifts().
+struct ShiftRequest {
   std::span<const ShiftTask> tasks;
   double minimum_correlation;
-  std::span<std::optional<Eigen::Vector2d>> answers;
+  std::span<std::optional<Eigen::Vector2d>> results;
 };
 
 template <typename Processor>
-void answer(const Question& asked) {
-  for (std::size_t first = 0; first < asked.tasks.size(); first += kFour) {
-    const std::size_t count = std::min(kFour, asked.tasks.size() - first);
-    FourShifts<Processor> four(asked.tasks.subspan(first, count), asked.minimum_correlation);
+void trackAll(const ShiftRequest& request) {
+  for (std::size_t first = 0; first < request.tasks.size(); first += kBatchSize) {
+    const std::size_t count = std::min(kBatchSize, request.tasks.size() - first);
+    FourShifts<Processor> four(request.tasks.subspan(first, count), request.minimum_correlation);
     four.track();
-    four.answer(asked.answers.subspan(first, count));
+    four.writeResults(request.results.subspan(first, count));
   }
 }
 
-CARTVO_BY_PROCESSOR(void, answerAll, (const Question& asked), (asked), answer)
+CARTVO_BY_PROCESSOR(void, dispatchShifts, (const ShiftRequest& request), (request), trackAll)
 
 }  // namespace
 
 void trackShifts(std::span<const ShiftTask> tasks, double minimum_correlation,
                  std::span<std::optional<Eigen::Vector2d>> shifted) {
-  answerAll({tasks, minimum_correlation, shifted});
+  dispatchShifts({tasks, minimum_correlation, shifted});
 }
 
 std::optional<Eigen::Vector2d> trackShift(const ShiftTask& task, double minimum_correlation) {

@@ -9,8 +9,8 @@
 
 namespace cartvo {
 
-/// Sizes of errors, counted by their leading digits: of thousands, the median to a thousandth of itself in
-/// the time that it takes to write them down.
+/// Histogram of error magnitudes by their leading binary digits: the median of thousands to a thousandth of
+/// itself, in the time that it takes to record them.
 class SizeHistogram {
  public:
   void clear() {
@@ -18,9 +18,9 @@ class SizeHistogram {
     count_ = 0;
   }
 
-  /// `size` >= 0; what is below 2^-12 or above 2^12 is known no better.
+  /// Adds a magnitude, >= 0. Magnitudes below 2^-12 or above 2^12 count in the first or last bin.
   void add(double size) {
-    ++counts_[std::clamp<std::int64_t>(std::bit_cast<std::int64_t>(size) >> kDropped, kFirst,
+    ++counts_[std::clamp<std::int64_t>(std::bit_cast<std::int64_t>(size) >> kDroppedBits, kFirst,
                                        kFirst + kBins - 1) -
               kFirst];
     ++count_;
@@ -28,9 +28,9 @@ class SizeHistogram {
 
   int count() const { return count_; }
 
-  /// As deviationOf(), of some sizes at least.
-  double deviation() const {
-    const int rank = count_ / 2;  // of the median: the upper one of two
+  /// Robust estimate of the standard deviation, as stddevFromMedian(). Requires at least one magnitude.
+  double stddev() const {
+    const int rank = count_ / 2;  // rank of the median, the upper one of two
     int before = 0, bin = 0;
     while (before + counts_[bin] <= rank)
       before += counts_[bin++];
@@ -39,11 +39,12 @@ class SizeHistogram {
   }
 
  private:
-  // A double's bits, read as a number, grow with it: each bin is a 64th of the way to the next power of two.
-  static constexpr int kDropped = 52 - 6;
-  static constexpr std::int64_t kFirst = std::bit_cast<std::int64_t>(0x1p-12) >> kDropped;
+  // The bits of a positive double, read as an integer, grow with it: each bin is a 64th of the way to the
+  // next power of two.
+  static constexpr int kDroppedBits = 52 - 6;
+  static constexpr std::int64_t kFirst = std::bit_cast<std::int64_t>(0x1p-12) >> kDroppedBits;
   static constexpr int kBins = 24 << 6;
-  static double edge(int bin) { return std::bit_cast<double>((kFirst + bin) << kDropped); }
+  static double edge(int bin) { return std::bit_cast<double>((kFirst + bin) << kDroppedBits); }
 
   std::array<int, kBins> counts_{};
   int count_ = 0;

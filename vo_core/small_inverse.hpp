@@ -4,9 +4,9 @@
 
 namespace cartvo {
 
-/// Inverts the upper left corner of four symmetric matrices, a lane each, by L D L^T, written out. Of a
-/// matrix only the elements on and below the diagonal are read. The other elements of `inverse` are left as
-/// they are. The lanes whose smallest pivot is more than `least_pivot` times the largest are `regular`.
+/// Inverts the upper left Size x Size corner of four symmetric matrices, one SIMD lane each, by L D L^T. Only
+/// elements on and below the diagonal are read; elements of `inverse` outside the corner are left as they
+/// are. `regular`: lanes whose smallest pivot is more than `least_pivot` times the largest.
 template <int Size, int Side>
 void invertCorner(const DoubleLanes (&matrix)[Side][Side], double least_pivot,
                   DoubleLanes (&inverse)[Side][Side], MaskLanes& regular) {

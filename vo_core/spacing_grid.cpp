@@ -1,4 +1,4 @@
-// The minimum distance between features.
+// Grid that keeps features a minimum distance apart.
 #include "vo_core/spacing_grid.hpp"
 
 #include <cmath>
@@ -8,14 +8,14 @@
 namespace cartvo {
 namespace {
 
-constexpr float kNowhere = -1e6F;  // px
+constexpr float kEmptyCell = -1e6F;  // px, coordinate of an empty cell
 
 constexpr int kFloats = 4;  // a register of any processor
 using Floats = float __attribute__((vector_size(4 * kFloats)));
 using Mask = std::int32_t __attribute__((vector_size(4 * kFloats)));
 
-/// Where the cells are that reach to within the distance of a point, which is the diagonal of a cell: in five
-/// rows, but not at their corners. As many from each place on as a register holds.
+/// First cells, relative to the point's own, of runs of kFloats cells. Together they cover all cells within
+/// the minimum distance, which is the diagonal of a cell: five rows without their corners.
 struct Run {
   int row, column;
 };
@@ -30,12 +30,12 @@ void SpacingGrid::reset(int width, int height, double distance) {
   rows_ = static_cast<int>(height * cells_per_pixel_) + 1;
   stride_ = columns_ + 2 * kReach;
   const std::size_t cells = static_cast<std::size_t>(stride_) * (rows_ + 2 * kReach);
-  x_.assign(cells, kNowhere);
-  y_.assign(cells, kNowhere);
+  x_.assign(cells, kEmptyCell);
+  y_.assign(cells, kEmptyCell);
 }
 
 bool SpacingGrid::tooClose(std::ptrdiff_t cell, float x, float y) const {
-  if (x_[cell] != kNowhere) return true;
+  if (x_[cell] != kEmptyCell) return true;
   Mask close{};
 #pragma GCC unroll 8
   for (const Run& run : kRuns) {

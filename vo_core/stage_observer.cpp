@@ -1,4 +1,4 @@
-// The names by which people and files know the stages.
+// Names of the stages in files and outputs.
 #include "vo_core/stage_observer.hpp"
 
 namespace cartvo {

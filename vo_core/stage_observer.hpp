@@ -17,9 +17,11 @@ enum class Stage : std::uint8_t {
   minimum_distance
 };
 constexpr int kStageCount = 9;
+/// Name of a stage in files and outputs.
 const char* stageName(Stage stage);
 
-/// Is told when a stage begins and ends; whoever owns a clock measures. vo_core itself has none.
+/// Interface that is notified when a stage begins and ends. Callers with a clock measure durations by it;
+/// vo_core has no clock.
 class StageObserver {
  public:
   virtual ~StageObserver() = default;
@@ -27,14 +29,14 @@ class StageObserver {
   virtual void end(Stage stage) = 0;
 };
 
-/// For callers who do not measure.
+/// Observer that does nothing.
 class NullStageObserver final : public StageObserver {
  public:
   void begin(Stage /*stage*/) override {}
   void end(Stage /*stage*/) override {}
 };
 
-/// A stage lasts as long as this object lives.
+/// Notifies the observer of a stage that lasts as long as this object.
 class StageScope {
  public:
   StageScope(StageObserver& observer, Stage stage) : observer_(observer), stage_(stage) {

@@ -9,26 +9,26 @@
 
 namespace cartvo {
 
-/// Tells a cart that stands from one that moves: its pose has stayed within a few millimetres for some time.
+/// Detects a standstill: the pose has stayed within a few millimetres for a minimum time.
 class StandstillDetector {
  public:
   explicit StandstillDetector(const StandstillSettings& settings) : settings_(settings) {}
 
-  /// Takes the next pose; whether the cart stands.
-  bool stands(const Eigen::Isometry3d& T_world_camera, std::int64_t time_ns) {
-    if (!since_ || beyond(since_->T_world_camera.inverse() * T_world_camera))
-      since_ = Stay{T_world_camera, time_ns};
-    return 1e-9 * static_cast<double>(time_ns - since_->time_ns) >= settings_.least_time;
+  /// Processes the next pose and its time (ns); returns whether the cart stands.
+  bool update(const Eigen::Isometry3d& T_world_camera, std::int64_t time_ns) {
+    if (!start_ || exceedsLimits(start_->T_world_camera.inverse() * T_world_camera))
+      start_ = Start{T_world_camera, time_ns};
+    return 1e-9 * static_cast<double>(time_ns - start_->time_ns) >= settings_.least_time;
   }
 
-  /// Whether a motion is more than the standing of a cart explains.
-  bool beyond(const Eigen::Isometry3d& motion) const {
+  /// Whether a motion exceeds the translation or rotation that a standstill permits.
+  bool exceedsLimits(const Eigen::Isometry3d& motion) const {
     return motion.translation().norm() > settings_.translation ||
            Eigen::AngleAxisd(motion.linear()).angle() > settings_.rotation;
   }
 
-  /// Covariance of where a cart that is taken to stand is in truth: anywhere within the limits, evenly.
-  Matrix6d stray() const {
+  /// Covariance of the true pose at a standstill: uniform within the limits.
+  Matrix6d covariance() const {
     Vector6d square;
     square << Eigen::Vector3d::Constant(settings_.translation * settings_.translation / 3.0),
         Eigen::Vector3d::Constant(settings_.rotation * settings_.rotation / 3.0);
@@ -36,12 +36,12 @@ class StandstillDetector {
   }
 
  private:
-  struct Stay {
+  struct Start {
     Eigen::Isometry3d T_world_camera;
     std::int64_t time_ns;
   };
   StandstillSettings settings_;
-  std::optional<Stay> since_;
+  std::optional<Start> start_;
 };
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// The geometry of a rectified pair: from pixels and disparities to points, and how sure they are.
+// Geometry of a rectified stereo pair: triangulation, projection and the covariance of points.
 #include "vo_core/stereo_camera.hpp"
 
 #include <cmath>

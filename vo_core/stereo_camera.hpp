@@ -12,20 +12,20 @@ struct StereoCamera {
   int width = 0, height = 0;  ///< px
 };
 
-/// Throws std::invalid_argument naming the value that makes no sense.
+/// Throws std::invalid_argument that names the first value out of range.
 void validate(const StereoCamera& camera);
 
-/// Where a feature was seen by one pair: pixel in the left image (px) and disparity x_left - x_right (px).
+/// Observation of a point by one pair: pixel in the left image (px) and disparity x_left - x_right (px).
 struct StereoMeasurement {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();
   double disparity = 0.0;
 };
 
-/// The point in the left camera's axes (m): Z = f b / d, X = (x - cx) Z / f, Y = (y - cy) Z / f
-/// (thesis 4.1-4.4, 4.14). The disparity must be positive.
+/// Point in the left camera's axes (m): Z = f b / d, X = (x - cx) Z / f, Y = (y - cy) Z / f (thesis 4.1-4.4,
+/// 4.14). The disparity must be positive.
 Eigen::Vector3d triangulate(const StereoCamera& camera, const StereoMeasurement& measurement);
 
-/// The pixel of a point in front of the left camera.
+/// Pixel of a point in front of the left camera, px.
 Eigen::Vector2d project(const StereoCamera& camera, const Eigen::Vector3d& point);
 
 /// Covariance (m^2) of the triangulated point of `point`, to first order, from the standard deviations of

@@ -1,4 +1,5 @@
-// From the left image to the right one, for one feature.
+// Stereo matching of one feature: coarse-to-fine search by SAD along the epipolar line, then NCC with a
+// sub-pixel fit.
 #include "vo_core/stereo_matcher.hpp"
 
 #include <algorithm>
@@ -13,12 +14,13 @@
 namespace cartvo {
 namespace {
 
-constexpr int kCandidates = 3;          // of the coarsest level
-constexpr int kSearchRadius = 3;        // px at each finer level
-constexpr int kDistinct = 3;            // px; candidates closer than this are the same peak
-constexpr double kLeastColumns = 0.05;  // px per px of disparity
-constexpr double kNoRival = 1.3;        // times the least difference: a candidate that is none
-constexpr double kNoiseFloor = 0.002;   // of 1 - correlation: differences below are noise
+constexpr int kCandidates = 3;           // candidates that are kept from the coarsest level
+constexpr int kSearchRadius = 3;         // px at each finer level
+constexpr int kMinimumPeakDistance = 3;  // px of disparity; candidates closer than this are the same peak
+constexpr double kMinimumColumnsPerDisparity = 0.05;  // px per px of disparity
+constexpr double kMaximumSadRatio =
+    1.3;  // a candidate whose SAD is more than so many times the least is ignored
+constexpr double kNoiseFloor = 0.002;  // of 1 - correlation: smaller differences are noise
 
 bool contains(const PyramidLevel& level, const LevelPixel& pixel) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < level.width() && pixel.y < level.height();
@@ -29,7 +31,7 @@ struct Candidates {
   int count = 0;
 };
 
-/// The nearest whole number; of what is above -kRoundingBias, as all pixels are.
+/// Rounds to the nearest integer; for values above -kRoundingBias, as all pixel coordinates are.
 int rounded(double value) {
   constexpr int kRoundingBias = 1 << 20;
   return static_cast<int>(value + (kRoundingBias + 0.5)) - kRoundingBias;
@@ -41,7 +43,7 @@ LevelPixel pixelAt(const PyramidLevel& level, const Eigen::Vector2d& pixel, int 
           std::min(rounded(pixel.y() * scale), level.height() - 1)};
 }
 
-/// The line of one left pixel in one level.
+/// Epipolar line of one left pixel in one pyramid level.
 class LevelLine {
  public:
   LevelLine(const LevelPixel& pixel, const EpipolarLine& line, int index)
@@ -59,42 +61,42 @@ class LevelLine {
   Eigen::Vector2d infinity_, slope_;
 };
 
-constexpr int kFar = 1 << 24;  // a difference where the right image shows nothing
+constexpr int kSadOutsideImage = 1 << 24;  // SAD where the right image has no pixels
 static_assert(kSadRun == 2 * kSearchRadius + 1);
 
-/// At kSadRun disparities from `first` on.
+/// SADs at kSadRun disparities from `first` on.
 template <typename Processor>
 void compareAlong(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
                   int first, SadRun& differences) {
   const LevelPixel from = line.at(first);
   const LevelPixel to = line.at(first + kSadRun - 1);
-  // As steps are rounded, they are all one pixel if they are so together: nearly always.
+  // The steps are rounded: if all together are one pixel each, every single one is. This is nearly always so.
   if (from.y == to.y && from.x - to.x == kSadRun - 1 && contains(right, from) && contains(right, to))
     return left.compareRun(right, from, differences);
   for (int i = 0; i < kSadRun; ++i) {
     const LevelPixel at = line.at(first + i);
-    differences[i] = kFar;
+    differences[i] = kSadOutsideImage;
     if (contains(right, at)) differences[i] = left.compareOne(right, at);
   }
 }
 
-/// The deepest local minima of the sum of absolute differences over the whole range of disparity.
+/// The lowest local minima of the SAD over the whole range of disparity.
 template <typename Processor>
 Candidates searchCoarsest(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
                           int maximum_disparity) {
   std::array<int, kCandidates> best_sad;
-  best_sad.fill(kFar);
+  best_sad.fill(kSadOutsideImage);
   Candidates candidates;
   SadRun differences;
   const auto difference = [&](int disparity) {
     if (disparity % kSadRun == 0) compareAlong(left, right, line, disparity, differences);
-    return disparity <= maximum_disparity ? differences[disparity % kSadRun] : kFar;
+    return disparity <= maximum_disparity ? differences[disparity % kSadRun] : kSadOutsideImage;
   };
-  int previous = kFar;
+  int previous = kSadOutsideImage;
   int current = difference(0);
   for (int disparity = 0; disparity <= maximum_disparity; ++disparity) {
     const int next = difference(disparity + 1);
-    // Without a branch on each: whether a difference is greater than the next is anybody's guess.
+    // Without a branch on each comparison: their outcomes are unpredictable.
     const bool deep = (current <= previous) & (current < next) & (current < best_sad[kCandidates - 1]);
     if (deep) {
       int slot = kCandidates - 1;
@@ -112,24 +114,24 @@ Candidates searchCoarsest(const SadWindow<Processor>& left, const PyramidLevel& 
   return candidates;
 }
 
-/// The best disparity around one, and its sum of absolute differences.
+/// The disparity of the least SAD around a given one, and that SAD.
 template <typename Processor>
 int searchAround(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
                  int disparity, int& best_sad) {
   SadRun differences;
   compareAlong(left, right, line, disparity - kSearchRadius, differences);
-  // The first of the least, without a branch on each.
+  // The first minimum, without a branch on each comparison.
   constexpr int kPlaces = 8;
   static_assert(kSadRun <= kPlaces);
-  int least = kPlaces * kFar;
+  int least = kPlaces * kSadOutsideImage;
   for (int i = 0; i < kSadRun; ++i)
     least = std::min(least, kPlaces * differences[i] + i);
   best_sad = least / kPlaces;
-  return best_sad == kFar ? disparity : disparity - kSearchRadius + least % kPlaces;
+  return best_sad == kSadOutsideImage ? disparity : disparity - kSearchRadius + least % kPlaces;
 }
 
-/// The best correlation around an integer disparity and its sub-pixel place. Left and right are sampled at
-/// the same fractions of a pixel: the same blur in both, so that interpolation biases nothing.
+/// The best correlation around an integer disparity and its sub-pixel position. Left and right are sampled at
+/// the same fractions of a pixel: the same blur in both, so that interpolation causes no bias.
 template <typename Processor>
 StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& pixel,
                             const EpipolarLine& line, int disparity, int rows) {
@@ -139,22 +141,23 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
   const NccPeak peak = highestPeak<Processor>(left, right, centre, rows);
   if (peak.height <= 0.0) return best;
   // Near the epipole a column is many disparities.
-  const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kLeastColumns);
+  const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kMinimumColumnsPerDisparity);
   best.correlation = peak.height;
   best.row_offset = peak.row;
-  best.disparity = disparity - peak.column() * per_column;  // to the right is less disparity
+  best.disparity = disparity - peak.column() * per_column;  // disparity decreases to the right
   best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, peak.row);
   return best;
 }
 
-/// The levels of both pyramids from the finest that is looked at on.
+/// Both pyramids, from the finest level in use on.
 struct PyramidPair {
   const PyramidLevel& left;
   const PyramidLevel& right;
-  std::span<const PyramidLevel> left_dog, right_dog;  // of the levels from kFinestDog above that one on
+  std::span<const PyramidLevel> left_dog,
+      right_dog;  // DoG levels, kFinestDog above that one and coarser
 };
 
-/// The few best disparities in the finest difference of Gaussians, coarse to fine, and their differences.
+/// The best disparities in the finest difference of Gaussians, searched coarse to fine, and their SADs.
 template <typename Processor>
 Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, const EpipolarLine& line,
                       int maximum_disparity, std::array<int, kCandidates>& difference) {
@@ -176,8 +179,8 @@ Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, co
   return candidates;
 }
 
-/// What is looked for, in px of the finest level.
-struct Question {
+/// Arguments of a search, in px of the finest level.
+struct MatchRequest {
   const PyramidPair& images;
   const Eigen::Vector2d& left;
   const EpipolarLine& line;
@@ -185,10 +188,10 @@ struct Question {
   const StereoSettings& settings;
 };
 
-/// In px of the finest level, whatever the range of disparity; if it is the only one.
+/// The match in px of the finest level, whatever its disparity; nothing if it is ambiguous.
 template <typename Processor>
-std::optional<StereoMatch> onlyMatch(const Question& asked) {
-  const auto& [images, left, line, maximum_disparity, settings] = asked;
+std::optional<StereoMatch> findUniqueMatch(const MatchRequest& request) {
+  const auto& [images, left, line, maximum_disparity, settings] = request;
   std::array<int, kCandidates> difference{};
   const Candidates candidates = searchDown<Processor>(images, left, line, maximum_disparity, difference);
   if (candidates.count == 0) return std::nullopt;
@@ -198,26 +201,27 @@ std::optional<StereoMatch> onlyMatch(const Question& asked) {
   makeTemplate<Processor>(images.left, left, patch);
   if (patch.norm < 0.5 * kGreyUnits) return std::nullopt;
   StereoMatch best;
-  double rival = 0.0;  // correlation of the best candidate elsewhere
+  double second_best = 0.0;  // correlation of the best candidate at another disparity
   for (int i = 0; i < candidates.count; ++i) {
-    if (difference[i] > kNoRival * least) continue;
+    if (difference[i] > kMaximumSadRatio * least) continue;
     const StereoMatch match = correlateAround<Processor>(
         patch, images.right, left, line, candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;
-    const bool elsewhere = std::abs(match.disparity - best.disparity) > kDistinct;
+    const bool elsewhere = std::abs(match.disparity - best.disparity) > kMinimumPeakDistance;
     if (match.correlation > best.correlation) {
-      if (elsewhere) rival = best.correlation;
+      if (elsewhere) second_best = best.correlation;
       best = match;
     } else if (elsewhere) {
-      rival = std::max(rival, match.correlation);
+      second_best = std::max(second_best, match.correlation);
     }
   }
   if (best.correlation < settings.minimum_correlation) return std::nullopt;
-  if (1.0 - best.correlation > settings.uniqueness * (1.0 - rival) - kNoiseFloor) return std::nullopt;
+  if (1.0 - best.correlation > settings.uniqueness * (1.0 - second_best) - kNoiseFloor) return std::nullopt;
   return best;
 }
 
-CARTVO_BY_PROCESSOR(std::optional<StereoMatch>, match, (const Question& asked), (asked), onlyMatch)
+CARTVO_BY_PROCESSOR(std::optional<StereoMatch>, dispatchMatch, (const MatchRequest& request), (request),
+                    findUniqueMatch)
 
 }  // namespace
 
@@ -233,7 +237,7 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   if (!images.left.contains(left / scale)) return std::nullopt;
   const EpipolarLine level_line{line.at_infinity / scale, line.per_disparity};
   const Eigen::Vector2d level_left = left / scale;
-  auto found = match({images, level_left, level_line, settings.maximum_disparity >> level, settings});
+  auto found = dispatchMatch({images, level_left, level_line, settings.maximum_disparity >> level, settings});
   if (!found) return std::nullopt;
   found->disparity *= scale;
   found->right *= scale;

@@ -1,10 +1,10 @@
-// The choice of the method, and what holds for all.
+// The facade: selects the estimator, checks the images and rejects repeated ones.
 #include "vo_core/stereo_odometry.hpp"
 
 #include <stdexcept>
 #include <string>
 
-#include "vo_core/repeated_pictures.hpp"
+#include "vo_core/repeated_image_detector.hpp"
 #include "vo_core/reprojection_odometry.hpp"
 #include "vo_core/thesis_odometry.hpp"
 
@@ -24,8 +24,8 @@ std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const Odo
   return makeReprojectionOdometry(camera, settings);
 }
 
-/// As if the pair had not come: the pose is the last one that was known.
-OdometryEstimate unknownSince(const OdometryEstimate& last, const StereoImages& images) {
+/// Estimate of a pair whose images repeat: the last pose, as if the pair had not arrived.
+OdometryEstimate rejectRepeated(const OdometryEstimate& last, const StereoImages& images) {
   OdometryEstimate estimate;
   estimate.exposure_ns = images.left_exposure_ns;
   estimate.reasons = OdometryReason::repeated_picture;
@@ -39,7 +39,7 @@ OdometryEstimate unknownSince(const OdometryEstimate& last, const StereoImages& 
 }  // namespace
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-    : camera_(camera), settings_(settings), repeated_(std::make_unique<RepeatedPictures>()) {
+    : camera_(camera), settings_(settings), repeated_images_(std::make_unique<RepeatedImageDetector>()) {
   validate(camera);
   validate(settings);
   method_ = makeMethod(camera, settings);
@@ -49,21 +49,21 @@ StereoOdometry::~StereoOdometry() = default;
 StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
 
-void StereoOdometry::aimAt(int features) {
+void StereoOdometry::setTargetFeatureCount(int features) {
   settings_.features = features;
   validate(settings_);
-  method_->aimAt(features);
+  method_->setTargetFeatureCount(features);
 }
 
-void StereoOdometry::placeNext(StereoImages& images) {
-  method_->placeNext(images);
+void StereoOdometry::acquireBuffers(StereoImages& images) {
+  method_->acquireBuffers(images);
 }
 
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");
-  const PictureRepeats repeats = repeated_->take(images, last_);
-  last_ = repeats.of_moving_cart ? unknownSince(last_, images) : method_->process(images, repeats, observer);
+  const ImageRepeats repeats = repeated_images_->update(images, last_);
+  last_ = repeats.while_moving ? rejectRepeated(last_, images) : method_->process(images, repeats, observer);
   return last_;
 }
 

@@ -1,4 +1,4 @@
-// The sub-pixel step of the stereo match.
+// Sinusoidal sub-pixel fit of correlation peaks.
 #include "vo_core/subpixel_fit.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace cartvo {
 
 namespace {
 
-/// Whether a sinusoid fits, of which `cosine` is that of a step.
+/// Whether a sinusoid fits; `cosine` is that of its phase step between samples.
 bool fits(double middle, double cosine) {
   return middle > 0.0 && cosine < 1.0 && cosine > -1.0;
 }

@@ -5,7 +5,7 @@
 
 namespace cartvo {
 
-/// Uniform numbers, the same on each platform.
+/// Uniform random numbers, the same on each platform.
 class SubsetRandom {
  public:
   explicit SubsetRandom(std::uint64_t seed) : engine_(seed) {}

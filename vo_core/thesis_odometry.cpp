@@ -1,4 +1,4 @@
-// The thesis' odometry: its `process` is the list of the method's stages.
+// The estimator of the thesis: process() runs its stages in order.
 #include "vo_core/thesis_odometry.hpp"
 
 #include <algorithm>
@@ -21,16 +21,16 @@ class ThesisOdometry final : public OdometryMethod {
         window_(std::max(settings.tracking.search_again + 1, settings.refinement.frames)),
         meter_(camera, settings) {}
 
-  OdometryEstimate process(const StereoImages& images, const PictureRepeats& repeats,
+  OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
                            StageObserver& observer) override;
-  void aimAt(int features) override { features_.aimAt(features); }
+  void setTargetFeatureCount(int features) override { features_.setTargetFeatureCount(features); }
 
  private:
-  void takeTime(std::int64_t exposure_ns);
+  void beginPair(std::int64_t exposure_ns);
   std::optional<Eigen::Isometry3d> predictedPose() const;
   void measureMotion();
-  void refineAndWeigh();
-  OdometryEstimate conclude();
+  void refineMotion();
+  OdometryEstimate finishPair();
   double secondsSince(const FrameRecord& frame) const {
     return 1e-9 * static_cast<double>(current_.exposure_ns - frame.exposure_ns);
   }
@@ -43,19 +43,19 @@ class ThesisOdometry final : public OdometryMethod {
 
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
-  Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();  ///< the last that is known
+  Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();  ///< last known pose
   Matrix6d pose_covariance_ = Matrix6d::Zero();
   std::optional<Vector6d> velocity_;  ///< m/s and rad/s of the camera, in its axes, at the reference
 
-  // Of the pair at hand.
+  // State of the current pair.
   FrameRecord current_;
   MotionMeasurement motion_;
   FeatureCounts counts_;
 };
 
-OdometryEstimate ThesisOdometry::process(const StereoImages& images, const PictureRepeats&,
+OdometryEstimate ThesisOdometry::process(const StereoImages& images, const ImageRepeats&,
                                          StageObserver& observer) {
-  takeTime(images.left_exposure_ns);
+  beginPair(images.left_exposure_ns);
   ImagePyramid left;
   ImagePyramid right;
   {
@@ -71,7 +71,7 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, const Pictu
                       minimumDistance(settings_, camera_.width, camera_.height));
   {
     const StageScope stage(observer, Stage::minimum_distance);
-    features_.keepDistance(spacing);
+    features_.enforceMinimumDistance(spacing);
     counts_.tracked = features_.seenCount();
   }
   {
@@ -94,14 +94,14 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, const Pictu
   }
   {
     const StageScope stage(observer, Stage::weights);
-    refineAndWeigh();
+    refineMotion();
   }
   current_.left.grey = std::move(left.grey);
-  return conclude();
+  return finishPair();
 }
 
-/// Begins the pair. Across a time step out of range nothing can be followed: all starts anew.
-void ThesisOdometry::takeTime(std::int64_t exposure_ns) {
+/// Begins the pair. Features cannot be tracked across a time step out of range: starts a new epoch.
+void ThesisOdometry::beginPair(std::int64_t exposure_ns) {
   current_ = FrameRecord{next_index_++, exposure_ns, {}, {}};
   motion_ = MotionMeasurement{};
   counts_ = FeatureCounts{};
@@ -119,14 +119,15 @@ void ThesisOdometry::takeTime(std::int64_t exposure_ns) {
   velocity_.reset();
 }
 
-/// Where the camera should be now if it went on as before.
+/// Pose at constant velocity; empty without a reference or a velocity.
 std::optional<Eigen::Isometry3d> ThesisOdometry::predictedPose() const {
   const FrameRecord* reference = window_.reference();
   if (reference == nullptr || !velocity_) return std::nullopt;
   return *reference->T_world_camera * motionFromVector(secondsSince(*reference) * *velocity_);
 }
 
-/// The motion since the reference or, where that is lost, since the pair before, which begins a new epoch.
+/// Measures the motion since the reference or, if that is lost, since the previous pair, which starts a new
+/// epoch.
 void ThesisOdometry::measureMotion() {
   const FrameRecord* previous = window_.newest();
   if (previous == nullptr) return;
@@ -141,27 +142,28 @@ void ThesisOdometry::measureMotion() {
         meter_.measure(features_.features(), reference->index, current_.index, secondsSince(*reference));
   if (motion_.valid() || reference == previous) return;
 
-  const MotionMeasurement anew =
+  const MotionMeasurement since_previous =
       meter_.measure(features_.features(), previous->index, current_.index, secondsSince(*previous));
-  if (!anew.valid()) return;
-  motion_ = anew;
+  if (!since_previous.valid()) return;
+  motion_ = since_previous;
   ++epoch_;
   window_.beginEpochAtNewest();
   pose_covariance_.setZero();
 }
 
-void ThesisOdometry::refineAndWeigh() {
+void ThesisOdometry::refineMotion() {
   if (!motion_.valid()) return;
   const FrameRecord& reference = *window_.reference();
   meter_.refine(features_.features(), window_, current_.index, secondsSince(reference), motion_);
   if (!motion_.valid()) return;
   current_.T_world_camera = orthonormalised(*reference.T_world_camera * motion_.T_reference_current);
-  meter_.weighHistory(features_.features(), window_, current_.index, *current_.T_world_camera, motion_.scale);
-  features_.removeUnweighted();
+  meter_.updateHistoryWeights(features_.features(), window_, current_.index, *current_.T_world_camera,
+                              motion_.scale);
+  features_.removeLowWeights();
 }
 
-/// Hands out the estimate and makes the pair the newest of the window.
-OdometryEstimate ThesisOdometry::conclude() {
+/// Returns the estimate and adds the pair to the window.
+OdometryEstimate ThesisOdometry::finishPair() {
   counts_.matched = motion_.matched;
   counts_.inliers = motion_.inliers;
   OdometryEstimate estimate;

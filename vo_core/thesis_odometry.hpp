@@ -3,10 +3,13 @@
 #include <memory>
 
 #include "vo_core/odometry_method.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/stereo_camera.hpp"
 
 namespace cartvo {
 
-/// The method of the thesis, every stage of it: `estimator: thesis`. Treats left and right as simultaneous.
+/// `estimator: thesis`: the method of the thesis with all its stages. Treats left and right exposure as
+/// simultaneous.
 std::unique_ptr<OdometryMethod> makeThesisOdometry(const StereoCamera& camera,
                                                    const OdometrySettings& settings);
 

@@ -4,9 +4,9 @@
 
 namespace cartvo {
 
-/// Small unsigned numbers that are worked on at once, in Size bytes: the vector extensions of GCC and Clang.
-/// Never passed by value, as how that is done depends on the processor. Each size is spelt out, as GCC 12
-/// overlooks a vector_size that depends on a template's parameter.
+/// Small unsigned numbers that are processed at once, in Size bytes: the vector extensions of GCC and Clang.
+/// Never passed by value, because that ABI depends on the processor. Each size is spelt out, because GCC 12
+/// ignores a vector_size that depends on a template parameter.
 template <int Size>
 struct ByteVectors;
 
@@ -39,9 +39,9 @@ struct ByteVectors<64> {
 
 }  // namespace cartvo
 
-// Defines a function for AVX-512, for AVX2 and for any processor, each with the size of its vectors, kSize:
-// GCC compares and chooses well only what fits into one register, which is all that CARTVO_VECTOR_CLONES
-// (vector_clones.hpp) lacks. The results must not depend on kSize.
+// Defines a function for AVX-512, for AVX2 and for any processor, each with the size of its vectors, kSize,
+// in bytes: GCC compares and selects well only what fits into one register, which CARTVO_TARGET_CLONES
+// (target_clones.hpp) does not provide. The results must not depend on kSize.
 #define CARTVO_FOR_ANY_PROCESSOR(declaration, ...) \
   declaration {                                    \
     constexpr int kSize = 16;                      \

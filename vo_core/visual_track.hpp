@@ -5,119 +5,133 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
+#include "vo_core/frozen_camera_detector.hpp"
 #include "vo_core/landmark_tracker.hpp"
+#include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/patch_overlap.hpp"
-#include "vo_core/pitch_suspicion.hpp"
+#include "vo_core/pitch_reinitialiser.hpp"
 #include "vo_core/pose_search.hpp"
-#include "vo_core/repeated_pictures.hpp"
-#include "vo_core/rig_monitor.hpp"
-#include "vo_core/stand_witness.hpp"
+#include "vo_core/repeated_image_detector.hpp"
+#include "vo_core/rig_calibration_filter.hpp"
+#include "vo_core/stage_observer.hpp"
 #include "vo_core/standstill.hpp"
-#include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
 
-/// A pair, prepared.
+/// A pair with its image pyramids.
 struct PreparedPair {
   std::int64_t index = 0;
   std::int64_t left_exposure_ns = 0;
   std::int64_t right_exposure_ns = 0;
-  double offset_deviation = 0.0;  ///< s
+  double offset_stddev = 0.0;  ///< s
   KeyFrames key_frames{};
-  bool coded = false;   ///< its pictures are of a video, of which a key frame has been seen
-  double excess = 1.0;  ///< of its pose's variance, times what the landmarks tell: VideoErrors'
+  bool from_video = false;            ///< its stream has had a key frame
+  double pose_noise_inflation = 1.0;  ///< factor on the variance of its pose: CodecErrorModel
   SharedPyramid left, right;
-  PictureRepeats repeats;
+  ImageRepeats repeats;
 };
 
-/// What a pair told a track.
+/// Motion of a track to a pair.
 struct TrackedMotion {
-  OdometryReason reasons = OdometryReason::none;  ///< why it is not to be believed, or that the cart stands
-  double time_step = 0.0;                         ///< s, since the last pair that the track took in
+  OdometryReason reason = OdometryReason::none;  ///< why it is invalid, or zero_velocity
+  double time_step = 0.0;                        ///< s since the last tracked pair
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
-  Vector6d deviation_by_landmarks = Vector6d::Zero();  ///< of the motion, with no other doubt in it
-  bool guessed = false;  ///< so is the noise that this goes by: one of the track's first motions
+  Vector6d stddev_by_landmarks = Vector6d::Zero();  ///< of the motion, without inflation
+  bool noise_uncalibrated = false;  ///< one of the first motions: the noise level is still an assumption
   Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
-  bool rivalled = false;  ///< another first motion explains nearly as much: nobody knows which the cart's is
+  bool ambiguous = false;  ///< the first motion, and another one has nearly as many inliers
   FeatureCounts counts;
 
-  bool valid() const { return reasons == OdometryReason::none || reasons == OdometryReason::zero_velocity; }
+  bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
 };
 
-/// An unbroken run of pairs: their poses since the first one, and the landmarks they share. A pair that
-/// cannot be explained leaves it as it was.
+/// Motion through an uninterrupted sequence of pairs: a sliding window of poses and the landmarks they share.
+/// A pair with an invalid motion leaves the track unchanged.
 class VisualTrack {
  public:
-  /// Begins at a pair, which is the origin. `rig`: what is known of the rig so far; `suspicion`: that of all
-  /// first pairs.
+  /// Starts at the pair `first`, which is the origin. `rig`: calibration error estimated so far.
+  /// `reinitialiser`: used for this pair; shared by all tracks, as each pair may start one.
   VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
-              const RigMonitor& rig, PitchSuspicion& suspicion, StageObserver& observer);
+              const RigCalibrationFilter& rig, PitchReinitialiser& reinitialiser, StageObserver& observer);
 
+  /// Tracks the next pair and, if its motion is valid, adds it.
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
-  void aimAt(int features) { tracker_.aimAt(features); }
+  void setTargetFeatureCount(int features) { tracker_.setTargetFeatureCount(features); }
 
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;
-  std::int64_t lastExposure() const { return last_exposure_ns_; }
-  /// Whether the left picture stands still while the right camera moves: it cannot be believed.
-  bool leftHangs() const { return stand_witness_.denies(); }
-  /// m/s and rad/s of the camera, in its axes, at the last pair; nothing after the first.
+  std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
+  /// Whether the left image stands still while the right camera moves.
+  bool leftIsFrozen() const { return frozen_camera_.leftIsFrozen(); }
+  /// Velocity of the camera at the last pair in its axes, m/s and rad/s; empty after the first pair.
   const std::optional<Vector6d>& velocity() const { return velocity_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
-  int stereoCount() const;  ///< of the landmarks, found in the last pair's right image
-  const RigMonitor& rig() const { return rig_; }
-  std::optional<RigCheck> rigCheck() const;  ///< nothing where the rig is not watched
+  int stereoCount() const;  ///< landmarks found in the last pair's right image
+  const RigCalibrationFilter& rig() const { return rig_; }
+  std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
 
  private:
-  /// What a pair would become in the window, before it is accepted.
+  /// Landmarks and window with the current pair, before it is accepted.
   struct Draft {
     std::vector<Landmark> landmarks;
     std::vector<WindowFrame> window;  ///< the pair is the last
   };
 
-  TrackedMotion explain(const PreparedPair& pair, StageObserver& observer);
-  bool corrects() const;
+  // visual_track.cpp
+  TrackedMotion track(const PreparedPair& pair, StageObserver& observer);
+  void trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion, StageObserver& observer);
+  void replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
+                          StageObserver& observer);
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  bool rivalled(const FoundPose& found) const;
+  bool isAmbiguous(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
-  void statePoseProblem(const PreparedPair& pair, const Draft& draft);
+  void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
-                   PitchSuspicion& suspicion, std::vector<Landmark>& landmarks);
-  void stateBundle(const Draft& draft, const RigCorrection& rig);
-  void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  void weigh(Draft& draft) const;
-  OdometryReason judge(const TrackedMotion& motion, const Matrix6d& covariance) const;
-  RigMonitor rigAfter(const BundleResult& result, const Draft& draft, const RigCorrection& applied);
-  void holdStill(const PreparedPair& pair, TrackedMotion& motion);
-  bool expectsToMove(const PreparedPair& pair) const;
-  void askRight(const PreparedPair& pair, bool stays, Draft& draft, StageObserver& observer);
-  void renewStand(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
+                   PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks);
   void accept(const PreparedPair& pair, Draft& draft);
+  bool estimatesRig() const;
+
+  // visual_track_standstill.cpp
+  void applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion);
+  void refreshStandstill(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
+  bool expectsMotion(const PreparedPair& pair) const;
+  void checkRightCamera(const PreparedPair& pair, bool within_standstill, Draft& draft,
+                        StageObserver& observer);
+
+  // visual_track_adjustment.cpp
+  void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
+  BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
+  void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  void updateWeights(Draft& draft) const;
+  OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
+  RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
+                                  const RigCorrection& applied);
 
   StereoCamera camera_;
   OdometrySettings settings_;
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
-  RigMonitor rig_;                  ///< knows of nothing unless it is to be corrected
-  PitchSuspicion pitch_suspicion_;  ///< at later pairs than the first
+  RigCalibrationFilter rig_;                ///< unchanged unless RigRefinement::correct
+  PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;
-  StandWitness stand_witness_;
+  FrozenCameraDetector frozen_camera_;
   bool standing_ = false;
-  int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the stand
+  int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;
-  std::vector<WindowFrame> window_;             ///< oldest first; never empty
-  std::optional<Vector6d> velocity_;            ///< as velocity() tells
-  Vector6d last_deviation_ = Vector6d::Zero();  ///< of the last motion, by its landmarks
-  std::int64_t last_exposure_ns_ = 0;           ///< of the last pair that was explained
-  // Of the present pair only; kept for their memory.
+  std::vector<WindowFrame> window_;  ///< oldest first; never empty
+  std::optional<Vector6d> velocity_;
+  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddev_by_landmarks of the last motion
+  std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
+  // State of the current pair; members to reuse their memory.
   Draft draft_;
-  std::vector<std::size_t> chosen_;  ///< landmarks of the draft: those that the problem last stated is about
+  std::vector<std::size_t>
+      chosen_;  ///< indices into draft_.landmarks of the landmarks of the last problem built
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;

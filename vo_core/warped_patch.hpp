@@ -5,22 +5,23 @@
 #include <cstdlib>
 
 #include "vo_core/aligned_patch.hpp"
+#include "vo_core/bilinear_gather.hpp"
 #include "vo_core/image_pyramid.hpp"
 #include "vo_core/patch_lanes.hpp"
-#include "vo_core/quads.hpp"
 
 namespace cartvo {
 
-/// The places of a patch around `position`, which must lie inside the level, under a warp from offsets in the
-/// patch to offsets in the level. All integers: places in 1/65536 px.
+/// Sampling grid of a patch around `position`, which must lie inside the level, under a warp from offsets in
+/// the patch to offsets in the level. All integers: coordinates in 1/65536 px.
 template <typename Processor>
 class WarpedRows {
  public:
-  /// No element of the warp may reach more than the level's border, nor turn columns around.
+  /// The warped patch must not reach beyond the level's border, nor may the warp reverse the order of
+  /// columns.
   WarpedRows(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp)
       : stride_(level.stride()) {
-    // Counted from a pixel left of and above all that is read, as positive numbers shift to whole pixels
-    // below.
+    // Coordinates count from a pixel left of and above all pixels that are read, because only positive
+    // numbers shift to whole pixels below.
     constexpr int kBias = PyramidLevel::kBorder;
     constexpr double kOne = 65536.0;
     const int whole_x = static_cast<int>(position.x()), whole_y = static_cast<int>(position.y());
@@ -41,15 +42,16 @@ class WarpedRows {
 
   void sample(AlignedPatch& patch) {
     if constexpr (Processor::kShufflesBytes) {
-      constexpr int kMostRows = 2;  // below the first: four rows of 32 pixels hold them all
+      constexpr int kMaximumRise =
+          2;  // rows below the first; four rows of 32 pixels then hold all neighbours
       if (rise_ == 0) return sampleBy(patch, [this](IntLanes& sum) { blendLevelRow(sum); });
-      if (rise_ <= kMostRows << 16) return sampleBy(patch, [this](IntLanes& sum) { blendNearRow(sum); });
+      if (rise_ <= kMaximumRise << 16) return sampleBy(patch, [this](IntLanes& sum) { blendNearRow(sum); });
     }
     sampleBy(patch, [this](IntLanes& sum) { blendAnyRow(sum); });
   }
 
  private:
-  /// First the upmost row and then each kAlignedRowStep-th below it. `blend`: as PatchLanes::blend().
+  /// Samples the top row, then every kAlignedRowStep-th row below it. `blend`: as PatchLanes::blend().
   template <typename Blend>
   void sampleBy(AlignedPatch& patch, const Blend& blend) {
     IntLanes sum[2];
@@ -64,34 +66,36 @@ class WarpedRows {
     }
   }
 
-  /// Of pixels that all lie between the same two rows.
+  /// Interpolates a row whose pixels all lie between the same two image rows.
   void blendLevelRow(IntLanes& sum) const {
     const int top = y_ >> 16, left = x_ >> 16;
     PatchLanes<Processor>::blendBetween(corner_ + top * stride_ + left, stride_, x_ramp_ + (x_ & 0xffff), y_,
                                         sum);
   }
+  /// Interpolates a row whose neighbours lie in four adjacent image rows.
   void blendNearRow(IntLanes& sum) const {
     const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
-    // Whole pixels may be counted from anywhere.
+    // Whole pixels may count from any origin.
     const IntLanes x = x_ramp_ + (x_ & 0xffff), y = y_ramp_ + (y_ - (top << 16));
-    IntLanes quads;
-    Processor::fetchQuads(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), quads);
-    PatchLanes<Processor>::blendQuads(quads, x, y, sum);
+    IntLanes neighbours;
+    Processor::gather2x2(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), neighbours);
+    PatchLanes<Processor>::blendGathered(neighbours, x, y, sum);
   }
+  /// Interpolates any row.
   void blendAnyRow(IntLanes& sum) const {
     const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
-    IntLanes quads;
-    fetchQuadsOneByOne(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), kPatchSide,
-                       quads);
-    PatchLanes<Processor>::blendQuads(quads, x, y, sum);
+    IntLanes neighbours;
+    gather2x2Scalar(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), kPatchSide,
+                    neighbours);
+    PatchLanes<Processor>::blendGathered(neighbours, x, y, sum);
   }
 
   std::ptrdiff_t stride_;
   const std::uint8_t* corner_;
-  int x_, y_;  // of the next row's first pixel, 1/65536 px from the corner
+  int x_, y_;  // first pixel of the next row, 1/65536 px from the corner
   int x_by_row_, y_by_row_;
-  int rise_;    // of a row from its first pixel to its last, up or down
-  int to_top_;  // from a row's first pixel to its upmost one
+  int rise_;    // height of a row, from its first pixel to its last
+  int to_top_;  // from the first pixel of a row to its topmost one
   IntLanes x_ramp_, y_ramp_;
 };
 

@@ -1,16 +1,18 @@
-// Landmarks and poses in the terms of pose search and bundle adjustment.
+// Conversion of landmarks and poses to pose search and bundle problems.
 #include "vo_core/window_problems.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "vo_core/triangulation.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kMonocularInverseDepth = 0.03;  // 1/m, what is expected of a landmark without a stereo match
-constexpr double kMonocularDeviation = 0.1;      // 1/m
-constexpr double kMonocularInformation = 1.0 / (kMonocularDeviation * kMonocularDeviation);
+// Prior of a landmark without a stereo match.
+constexpr double kMonocularInverseDepth = 0.03;  // 1/m
+constexpr double kMonocularStddev = 0.1;         // 1/m
+constexpr double kMonocularInformation = 1.0 / (kMonocularStddev * kMonocularStddev);
 
 }  // namespace
 
@@ -18,13 +20,13 @@ TimedPoses timedPoses(const std::vector<WindowFrame>& window) {
   TimedPoses poses;
   for (const WindowFrame& frame : window)
     poses.push_back({1e-9 * static_cast<double>(frame.exposure_ns - window.front().exposure_ns), frame.offset,
-                     frame.T_world_camera, frame.by_late_right});
+                     frame.T_world_camera, frame.dpose_doffset});
   return poses;
 }
 
-void takePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                const StereoCamera& camera, std::vector<PosePoint>& points,
-                std::vector<std::size_t>& chosen) {
+void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                  const StereoCamera& camera, std::vector<PosePoint>& points,
+                  std::vector<std::size_t>& chosen) {
   points.clear();
   points.reserve(landmarks.capacity());
   chosen.clear();
@@ -32,11 +34,13 @@ void takePoints(const std::vector<Landmark>& landmarks, const std::vector<Window
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth()) continue;
+    const std::optional<int> anchor = findFrameIndex(window, landmark.anchor().frame);
+    if (!anchor) continue;
     PosePoint point;
-    point.host = placeOf(window, landmark.host().frame);
-    point.bearing = bearingOf(camera, landmark.host().left);
+    point.anchor = *anchor;
+    point.bearing = bearingOf(camera, landmark.anchor().left);
     point.inverse_depth = landmark.inverse_depth;
-    point.inverse_depth_deviation = 1.0 / std::sqrt(landmark.information);
+    point.inverse_depth_stddev = 1.0 / std::sqrt(landmark.information);
     point.left = landmark.last().left;
     point.weight = landmark.trust;
     point.level = landmark.level;
@@ -45,61 +49,63 @@ void takePoints(const std::vector<Landmark>& landmarks, const std::vector<Window
   }
 }
 
-void seeByRight(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
-                const StereoCamera& camera, const RigCorrection& rig, std::vector<PosePoint>& points) {
+void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
+                         const StereoCamera& camera, const RigCorrection& rig,
+                         std::vector<PosePoint>& points) {
   std::size_t seen = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const Sighting& last = landmarks[chosen[i]].last();
+    const Observation& last = landmarks[chosen[i]].last();
     if (!last.stereo) continue;
     points[seen] = points[i];
-    points[seen++].left = correctedRight(camera, rig, last.left - last.parallax);
+    points[seen++].left = correctedRight(camera, rig, last.left - last.stereo_offset);
   }
   points.resize(seen);
 }
 
-void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                   const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
-                   std::vector<std::size_t>& chosen) {
+void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                       const StereoCamera& camera, const RigCorrection& rig,
+                       std::vector<BundleLandmark>& items, std::vector<std::size_t>& chosen) {
   chosen.clear();
   chosen.reserve(landmarks.capacity());
   for (std::size_t i = 0; i < landmarks.size(); ++i)
-    if (landmarks[i].sightings.size() > 1) chosen.push_back(i);
+    if (landmarks[i].observations.size() > 1) chosen.push_back(i);
   items.reserve(landmarks.capacity());
   items.resize(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Landmark& landmark = landmarks[chosen[i]];
     BundleLandmark& item = items[i] = {};
-    item.bearing = bearingOf(camera, landmark.host().left);
+    item.bearing = bearingOf(camera, landmark.anchor().left);
     item.weight = landmark.trust;
     item.level = landmark.level;
     item.inverse_depth = landmark.inverse_depth;
     item.prior_inverse_depth = landmark.prior_inverse_depth;
     item.prior_information = landmark.prior_information;
-    item.prior_by_late_right = landmark.prior_by_late_right;
+    item.prior_dinverse_depth_doffset = landmark.prior_dinverse_depth_doffset;
     if (!landmark.hasDepth()) {
       item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
       item.prior_information = kMonocularInformation;
-      item.prior_by_late_right = 0.0;
+      item.prior_dinverse_depth_doffset = 0.0;
     }
-    for (const Sighting& sighting : landmark.sightings)
-      if (const int pose = placeOf(window, sighting.frame); pose >= 0)
-        item.sightings.push_back({pose, sighting.stereo, sighting.left,
-                                  correctedRight(camera, rig, sighting.left - sighting.parallax),
-                                  sighting.relative_noise});
+    for (const Observation& observation : landmark.observations)
+      if (const std::optional<int> pose = findFrameIndex(window, observation.frame))
+        item.observations.push_back(
+            {*pose, observation.stereo, observation.left,
+             correctedRight(camera, rig, observation.left - observation.stereo_offset),
+             observation.relative_noise});
   }
 }
 
-BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                           const StereoCamera& camera) {
+BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
+                                     const std::vector<WindowFrame>& window, const StereoCamera& camera) {
   BundleProblem problem;
   problem.camera = camera;
   problem.poses = timedPoses(window);
   const int newest = static_cast<int>(problem.poses.size()) - 1;
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(problem.poses, camera.baseline);
   for (const Landmark& landmark : landmarks) {
-    const Sighting& last = landmark.last();
+    const Observation& last = landmark.last();
     if (!last.stereo) continue;
-    const Eigen::Vector2d seen = last.left - last.parallax;
+    const Eigen::Vector2d seen = last.left - last.stereo_offset;
     const auto found = triangulate(camera, T_right_left, last.left, seen);
     if (!found) continue;
     BundleLandmark& item = problem.landmarks.emplace_back();
@@ -107,12 +113,12 @@ BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::ve
     item.inverse_depth = found->inverse_depth;
     item.weight = landmark.trust;
     item.level = landmark.level;
-    item.sightings.push_back({newest, true, last.left, seen, last.relative_noise});
+    item.observations.push_back({newest, true, last.left, seen, last.relative_noise});
   }
   return problem;
 }
 
-bool tellsDepth(const BundleLandmark& adjusted) {
+bool depthIsObserved(const BundleLandmark& adjusted) {
   return adjusted.information >= 4.0 * kMonocularInformation;
 }
 

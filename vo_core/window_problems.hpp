@@ -4,41 +4,46 @@
 #include <vector>
 
 #include "vo_core/bundle_adjustment.hpp"
-#include "vo_core/landmark_tracker.hpp"
+#include "vo_core/landmark.hpp"
 #include "vo_core/pose_search.hpp"
+#include "vo_core/rig_correction.hpp"
+#include "vo_core/window_frame.hpp"
 
-// A window of pairs and its landmarks, as the estimators are asked about them. Lists that are filled get room
-// for as many as there is room for landmarks, so that none grows once that does not.
+// Conversion of a window of pairs and its landmarks to pose search and bundle problems. Output lists reserve
+// the capacity of the list of landmarks, so that the steady state allocates nothing.
 
 namespace cartvo {
 
-/// Times in s since the oldest.
+/// Poses of the window with times in s since its oldest pair.
 TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
-/// The landmarks whose depth is known and whose last sighting is of the current pair; `window` has their
-/// hosts and may end before that pair. `chosen`: which landmarks they are. Both are overwritten; their memory
-/// is used again.
-void takePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                const StereoCamera& camera, std::vector<PosePoint>& points, std::vector<std::size_t>& chosen);
+/// Fills `points` with the landmarks that have a depth and `chosen` with their indices. Their last
+/// observations must be in the current pair. `window` has the anchors and may end before the current pair; a
+/// landmark whose anchor is not in the window is left out.
+void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                  const StereoCamera& camera, std::vector<PosePoint>& points,
+                  std::vector<std::size_t>& chosen);
 
-/// Of such points those that the current pair sees in its right image too, where that sees them, corrected by
-/// `rig`: by them it is the right camera whose pose is sought.
-void seeByRight(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
-                const StereoCamera& camera, const RigCorrection& rig, std::vector<PosePoint>& points);
+/// Reduces points of toPosePoints() to the landmarks with a stereo match in the current pair and replaces
+/// `left` by the right position, corrected by `rig`: a pose search with them finds the pose of the right
+/// camera.
+void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
+                         const StereoCamera& camera, const RigCorrection& rig,
+                         std::vector<PosePoint>& points);
 
-/// The landmarks seen by more than one pair, their right pixels corrected by `rig`; `window` ends with the
-/// current pair. `chosen`: which landmarks they are. Both are overwritten; their memory is used again.
-void takeLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                   const StereoCamera& camera, const RigCorrection& rig, std::vector<BundleLandmark>& items,
-                   std::vector<std::size_t>& chosen);
+/// Fills `items` with the landmarks that have more than one observation, right positions corrected by `rig`,
+/// and `chosen` with their indices. `window` ends with the current pair.
+void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                       const StereoCamera& camera, const RigCorrection& rig,
+                       std::vector<BundleLandmark>& items, std::vector<std::size_t>& chosen);
 
-/// The newest pair's stereo matches by themselves, hosted there, each at the depth that its own disparity
-/// tells: what rows are left over does not depend on a window that may not have come about yet.
-BundleProblem matchesAlone(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                           const StereoCamera& camera);
+/// Builds a problem of the newest pair's stereo matches alone: anchored in that pair, with the depths of
+/// their own disparities. Its row residuals do not depend on the rest of the window.
+BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
+                                     const std::vector<WindowFrame>& window, const StereoCamera& camera);
 
-/// Whether an adjusted landmark's depth has come from what was seen, rather than from what is expected of any
-/// landmark.
-bool tellsDepth(const BundleLandmark& adjusted);
+/// Whether the depth of an adjusted landmark comes from observations rather than from the prior of a landmark
+/// without depth.
+bool depthIsObserved(const BundleLandmark& adjusted);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// The refinement of the newest pose over the last frames, and what it knows of its own error.
+// Refinement of the newest pose against the last frames, and its covariance.
 #include "vo_core/window_refinement.hpp"
 
 #include <Eigen/Cholesky>
@@ -11,35 +11,37 @@
 namespace cartvo {
 namespace {
 
-constexpr double kSettled = 1e-6;  // m and rad
-// Errors are taken to spread at least by this part of the assumed noise: identical images have none.
-constexpr double kLeastVariance = 0.01;
-constexpr int kEnoughCells = 13;  // twice the parameters
+constexpr double kConvergedStep = 1e-6;  // m and rad, step that ends the iterations
+// Smallest variance of the errors relative to the assumed noise: identical images have none.
+constexpr double kMinimumVariance = 0.01;
+constexpr int kMinimumCells = 13;  // twice the number of parameters, and one
 
 /// The normal equations of one linearisation.
 struct NormalEquations {
-  Matrix6d hessian = Matrix6d::Zero();  // of the weighted squares (the weights held)
+  Matrix6d hessian = Matrix6d::Zero();  // of the weighted squares, at fixed weights
   Vector6d gradient = Vector6d::Zero();
-  Matrix6d derivative = Matrix6d::Zero();  // of the gradient, the weights' own change with the error included
-  Matrix6d spread = Matrix6d::Zero();      // sum over cells of their gradients' squares
+  Matrix6d derivative =
+      Matrix6d::Zero();                // of the gradient, including the change of the weights with the error
+  Matrix6d spread = Matrix6d::Zero();  // sum over cells of their gradients' squares
 };
 
-/// What the features of one cell pull at the pose.
+/// Gradient of the features of one cell.
 struct CellGradient {
   Vector6d gradient = Vector6d::Zero();
-  Matrix6d square = Matrix6d::Zero();  // sum of the squares, were the errors independent
+  Matrix6d square = Matrix6d::Zero();  // sum of the squares, as if the errors were independent
   bool used = false;
 };
 
-/// Sums up gradients and spread. At the minimum the cells' gradients cancel: of `used` ones only used - 6 are
-/// free. Where that leaves few, their squares say little, and the features' own stand in.
+/// Sums the gradients and the spread of the cells. At the minimum the cells' gradients cancel: of `used` ones
+/// only used - 6 are free. Where that leaves few, their squares are unreliable, and those of the features are
+/// used instead.
 void addSpread(const std::array<CellGradient, kCovarianceCells>& cells, NormalEquations& sum) {
   const auto used =
       std::count_if(cells.begin(), cells.end(), [](const CellGradient& cell) { return cell.used; });
   const double free = static_cast<double>(used) - 6.0;
   for (const CellGradient& cell : cells) {
     sum.gradient += cell.gradient;
-    if (used >= kEnoughCells)
+    if (used >= kMinimumCells)
       sum.spread += static_cast<double>(used) / free * cell.gradient * cell.gradient.transpose();
     else
       sum.spread += cell.square;
@@ -54,8 +56,8 @@ NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   for (const RefinementFeature& feature : features) {
     Vector6d feature_gradient = Vector6d::Zero();
-    // However long its track, a feature has one current point: its sightings share one vote.
-    const double vote = feature.weight / static_cast<double>(feature.earlier.size());
+    // A feature has one current point, however long its track: its observations share one weight.
+    const double observation_weight = feature.weight / static_cast<double>(feature.earlier.size());
     for (const EarlierPoint& earlier : feature.earlier) {
       const Eigen::Vector3d predicted = T_camera_world * earlier.world;
       const Eigen::Vector3d error = predicted - feature.current;
@@ -64,7 +66,7 @@ NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
               .inverse() /
           (scale * scale);
       const double c = normalisedError(error, information);
-      const double weight = vote * errorWeight(c, radius);
+      const double weight = observation_weight * errorWeight(c, radius);
       if (weight <= 0.0) continue;
 
       Eigen::Matrix<double, 3, 6> J;  // of the error by a perturbation of T_world_camera on the right
@@ -76,7 +78,7 @@ NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
       sum.hessian += square;
       sum.derivative += square;
       if (c > 1.0) sum.derivative -= slope * slope.transpose() / (weight * c * c);
-      sum.spread += kLeastVariance * weight * square;
+      sum.spread += kMinimumVariance * weight * square;
       feature_gradient += slope;
     }
     CellGradient& cell = cells[feature.cell];
@@ -88,7 +90,7 @@ NormalEquations linearise(const Eigen::Isometry3d& T_world_camera,
   return sum;
 }
 
-/// How much larger than assumed the errors are under a pose.
+/// Ratio of the errors under a pose to the assumed noise.
 double scaleUnder(const Eigen::Isometry3d& T_world_camera, const std::vector<RefinementFeature>& features) {
   const Eigen::Matrix3d R_camera_world = T_world_camera.linear().transpose();
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
@@ -102,7 +104,7 @@ double scaleUnder(const Eigen::Isometry3d& T_world_camera, const std::vector<Ref
   return errorScale(std::move(errors));
 }
 
-/// Whether each direction of the motion is held: no eigenvalue vanishes beside the others.
+/// Whether each direction of the motion is constrained: no pivot is negligible beside the others.
 bool wellConditioned(const Matrix6d& hessian) {
   const Eigen::LDLT<Matrix6d> factor(hessian);
   const auto pivots = factor.vectorD();
@@ -122,7 +124,7 @@ RefinedPose refinePose(const Eigen::Isometry3d& T_world_camera,
     if (!wellConditioned(equations.hessian)) return refined;
     const Vector6d step = -equations.hessian.ldlt().solve(equations.gradient);
     pose = pose * motionFromVector(step);
-    if (step.lpNorm<Eigen::Infinity>() < kSettled) break;
+    if (step.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
   }
   const NormalEquations equations = linearise(pose, features, scale, radius);
   if (!wellConditioned(equations.derivative)) return refined;

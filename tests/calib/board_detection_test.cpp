@@ -1,3 +1,4 @@
+// Board detection and view quality on rendered boards.
 #include "calib/board_detection.hpp"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A board in the middle of the left image, tilted; its centre `sideways` (m) from there.
+/// Pose of a tilted board in front of the left camera; its centre is `sideways` (m) from the optical axis.
 Eigen::Isometry3d tilted(const BoardSpec& board, double distance, double sideways) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(0.4, Eigen::Vector3d(0.6, 0.8, 0.0)).toRotationMatrix();
@@ -27,8 +28,7 @@ Eigen::Isometry3d tilted(const BoardSpec& board, double distance, double sideway
   return pose;
 }
 
-/// The root mean square distance between the corners seen and where they are; infinite for one that is not
-/// there.
+/// RMS distance between detected and true corners, px; infinite if a detected corner does not exist.
 double errorOf(const std::vector<SeenCorner>& seen, const CameraModel& camera, const Eigen::Isometry3d& pose,
                const BoardSpec& board) {
   Rig rig;
@@ -45,7 +45,7 @@ double errorOf(const std::vector<SeenCorner>& seen, const CameraModel& camera, c
   return std::sqrt(squares / static_cast<double>(seen.size()));
 }
 
-TEST(BoardDetection, FindsAChessboardsCornersToATenthOfAPixel) {
+TEST(BoardDetection, LocatesChessboardCornersToATenthOfAPixel) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;
   const Eigen::Isometry3d pose = tilted(board, 0.4, 0.02);
@@ -54,7 +54,7 @@ TEST(BoardDetection, FindsAChessboardsCornersToATenthOfAPixel) {
   EXPECT_LT(errorOf(seen, camera, pose, board), 0.1);
 }
 
-TEST(BoardDetection, TellsTheTopOfAChessboardThatIsUpsideDown) {
+TEST(BoardDetection, NumbersTheCornersOfAnUpsideDownChessboardFromItsTop) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;
   Eigen::Isometry3d pose = tilted(board, 0.4, 0.02);
@@ -66,7 +66,7 @@ TEST(BoardDetection, TellsTheTopOfAChessboardThatIsUpsideDown) {
   EXPECT_LT(errorOf(seen, camera, pose, board), 0.1);
 }
 
-TEST(BoardDetection, FindsACharucosCornersThroughAFisheye) {
+TEST(BoardDetection, LocatesCharucoCornersInAFisheyeImage) {
   const BoardSpec board = parseBoardSpec("charuco:7x5:0.04:0.03");
   const CameraModel camera = test::wideRig().left;
   const Eigen::Isometry3d pose = tilted(board, 0.22, 0.02);
@@ -75,7 +75,7 @@ TEST(BoardDetection, FindsACharucosCornersThroughAFisheye) {
   EXPECT_LT(errorOf(seen, camera, pose, board), 0.1);
 }
 
-TEST(BoardDetection, FindsTheCornersOfACharucoThatIsCutOff) {
+TEST(BoardDetection, LocatesTheVisibleCornersOfACutOffCharuco) {
   const BoardSpec board = parseBoardSpec("charuco:7x5:0.04:0.03");
   const CameraModel camera = test::cartRig().left;
   const Eigen::Isometry3d pose = tilted(board, 0.4, 0.25);
@@ -85,7 +85,7 @@ TEST(BoardDetection, FindsTheCornersOfACharucoThatIsCutOff) {
   EXPECT_LT(errorOf(seen, camera, pose, board), 0.1);
 }
 
-TEST(BoardDetection, FindsAnAprilGridsCorners) {
+TEST(BoardDetection, LocatesAprilGridCorners) {
   const BoardSpec board = parseBoardSpec("aprilgrid:4x3:0.05:0.3");
   const CameraModel camera = test::cartRig().left;
   const Eigen::Isometry3d pose = tilted(board, 0.4, 0.0);
@@ -94,17 +94,17 @@ TEST(BoardDetection, FindsAnAprilGridsCorners) {
   EXPECT_LT(errorOf(seen, camera, pose, board), 0.1);
 }
 
-TEST(BoardDetection, FindsNothingOnAnEmptyImageAndNamesAnotherBoard) {
+TEST(BoardDetection, FindsNothingInAnEmptyImageAndNamesAnotherBoard) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;
   const cv::Mat image = test::renderBoard(camera, tilted(board, 0.4, 0.02), board, 0.024);
   EXPECT_THAT(detectBoard(cv::Mat(420, 680, CV_8UC1, cv::Scalar(90)), board), IsEmpty());
   const BoardSpec miscounted = Chessboard{10, 7, 0.024};
   EXPECT_THAT(detectBoard(image, miscounted), IsEmpty());
-  EXPECT_THAT(otherBoardSeen(image, miscounted), HasSubstr("9x6 inner corners"));
+  EXPECT_THAT(describeOtherBoard(image, miscounted), HasSubstr("9x6 inner corners"));
 }
 
-TEST(ViewQuality, TellsBlurAndDarkness) {
+TEST(ViewQuality, DetectsBlurDarknessAndOverexposure) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;
   const Eigen::Isometry3d pose = tilted(board, 0.4, 0.02);
@@ -122,7 +122,7 @@ TEST(ViewQuality, TellsBlurAndDarkness) {
               HasSubstr("overexposed"));
 }
 
-TEST(ViewQuality, TellsABoardThatIsTiltedTooFarAndCornersOnALine) {
+TEST(ViewQuality, DetectsExcessiveTiltAndCollinearCorners) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;
   const auto problem_at = [&](double tilt, int corners) {

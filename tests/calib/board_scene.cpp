@@ -1,3 +1,4 @@
+// Simulated and rendered views of boards.
 #include "calib/board_scene.hpp"
 
 #include <cmath>
@@ -32,7 +33,7 @@ std::vector<SeenCorner> seenCorners(const CameraModel& camera, const Eigen::Isom
   return seen;
 }
 
-/// White paper with a margin around the printed pattern; one pixel is one cell.
+/// White paper with a margin around the printed pattern; one pixel per cell.
 cv::Mat paper(const BoardSpec& board, double cell, int margin) {
   const Eigen::Vector2d extent = boardExtent(board);
   const auto cells = [&](double length) { return static_cast<int>(std::lround(length / cell)); };
@@ -64,7 +65,7 @@ std::vector<Eigen::Isometry3d> boardPoses(const BoardSpec& board, double nearest
   const Eigen::Vector2d middle = 0.5 * boardExtent(board);
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
-    const double turn = 2.4 * i;  // the golden angle: tilts and places never fall in step
+    const double turn = 2.4 * i;  // the golden angle, so that tilts and positions are uncorrelated
     const double tilt = (15.0 + 12.5 * (i % 3)) * M_PI / 180.0;
     const Eigen::Vector3d axis(std::cos(turn), std::sin(turn), 0.0);
     const double distance = nearest * (1.0 + 0.35 * (i % 4));

@@ -1,4 +1,4 @@
-// The text that names a board, and where on it the corners and markers are.
+// Board specifications: text, corners, markers and dictionaries.
 #include "calib/board_spec.hpp"
 
 #include <gmock/gmock.h>
@@ -23,12 +23,11 @@ TEST(BoardSpec, IsReadAndWrittenBack) {
   }
 }
 
-TEST(BoardSpec, ThatIsNoneIsRefusedSayingWhy) {
+TEST(BoardSpec, RefusesFaultyTextWithTheReason) {
   const auto problem = [](const char* text) { return test::messageOf([&] { parseBoardSpec(text); }); };
-  EXPECT_THAT(problem("chessbord:9x6:0.025"),
-              HasSubstr("'chessbord:9x6:0.025': there is no kind 'chessbord'; "
-                        "expected chessboard:COLUMNSxROWS:SQUARE"));
-  EXPECT_THAT(problem(""), HasSubstr("there is no kind ''"));
+  EXPECT_THAT(problem("chessbord:9x6:0.025"), HasSubstr("'chessbord:9x6:0.025': unknown kind 'chessbord'; "
+                                                        "expected chessboard:COLUMNSxROWS:SQUARE"));
+  EXPECT_THAT(problem(""), HasSubstr("unknown kind ''"));
   EXPECT_THAT(problem("chessboard:9x6"), HasSubstr("it has 2 parts"));
   EXPECT_THAT(problem("chessboard:9x6:0.025:1"), HasSubstr("it has 4 parts"));
   EXPECT_THAT(problem("chessboard:9:0.025"), HasSubstr("'9' is not COLUMNSxROWS"));
@@ -39,13 +38,13 @@ TEST(BoardSpec, ThatIsNoneIsRefusedSayingWhy) {
   EXPECT_THAT(problem("chessboard:9x6:25mm"), HasSubstr("'25mm' is not a number"));
   EXPECT_THAT(problem("charuco:11x8:0.03:0.03"), HasSubstr("markers must be smaller than the squares"));
   EXPECT_THAT(problem("charuco:11x8:0.03:0.02:8x8"), HasSubstr("4x4, 5x5, 6x6 or 7x7 bits"));
-  EXPECT_THAT(problem("charuco:60x60:0.03:0.02"), HasSubstr("there are 1000 markers"));
+  EXPECT_THAT(problem("charuco:60x60:0.03:0.02"), HasSubstr("more than the 1000 markers"));
   EXPECT_THAT(problem("aprilgrid:6x6:0.088:0.0264m"), HasSubstr("the spacing '0.0264m' is not a number"));
   EXPECT_THAT(problem("aprilgrid:6x6:0.088:3"), HasSubstr("the spacing must lie in 0.05 to 2"));
-  EXPECT_THAT(problem("aprilgrid:30x30:0.088:0.3"), HasSubstr("there are 587 tags"));
+  EXPECT_THAT(problem("aprilgrid:30x30:0.088:0.3"), HasSubstr("more than the 587 tags"));
 }
 
-TEST(BoardCorners, OfAChessboardLieBetweenItsSquares) {
+TEST(BoardCorners, OfAChessboardAreBetweenItsSquares) {
   const BoardSpec board = parseBoardSpec("chessboard:9x6:0.025");
   const std::vector<Eigen::Vector2d> corners = boardCorners(board);
   ASSERT_EQ(corners.size(), 54u);
@@ -56,8 +55,8 @@ TEST(BoardCorners, OfAChessboardLieBetweenItsSquares) {
   EXPECT_TRUE(boardMarkers(board).empty());
 }
 
-/// OpenCV's own board is the reference: its corners and markers, by id.
-TEST(BoardCorners, OfCharucoAreOpenCvs) {
+/// Compares corners and markers, by id, with OpenCV's own board.
+TEST(BoardCorners, OfACharucoAgreeWithOpenCv) {
   for (const char* text : {"charuco:5x3:0.04:0.03", "charuco:6x4:0.04:0.03:5x5"}) {
     const BoardSpec board = parseBoardSpec(text);
     const auto& charuco = std::get<Charuco>(board);
@@ -95,7 +94,7 @@ TEST(BoardCorners, OfAnAprilGridAreNumberedFromTheBottomLeft) {
   EXPECT_EQ(corners[4 * 7 + 2], tags[7].corners[2]);
 }
 
-TEST(MarkerDictionary, IsTheSmallestThatHoldsTheBoard) {
+TEST(MarkerDictionary, IsTheSmallestThatContainsTheBoard) {
   const auto markers = [](const char* text) {
     return markerDictionary(parseBoardSpec(text)).dictionary->bytesList.rows;
   };

@@ -1,3 +1,4 @@
+// Brown's distortion, compared with OpenCV's projection.
 #include "calib/brown_distortion.hpp"
 
 #include <stdexcept>
@@ -11,7 +12,7 @@
 namespace cartvo {
 namespace {
 
-TEST(BrownDistortion, DistortsAsOpenCvProjects) {
+TEST(BrownDistortion, DistortsLikeOpenCv) {
   const Rig rig = test::cartRig();
   CameraModel camera = rig.left;
   camera.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01, 0.02, 0.01, -0.003};
@@ -26,7 +27,7 @@ TEST(BrownDistortion, DistortsAsOpenCvProjects) {
   }
 }
 
-TEST(BrownDistortion, UndistortingUndoesDistorting) {
+TEST(BrownDistortion, UndistortInvertsDistort) {
   const BrownDistortion lens(test::cartRig().left);
   for (int row = -3; row <= 3; ++row) {
     for (int column = -5; column <= 5; ++column) {
@@ -43,8 +44,8 @@ TEST(BrownDistortion, EndsWhereTheModelFolds) {
   camera.distortion = {-0.3};
   const BrownDistortion lens(camera);
   // r (1 - 0.3 r^2) turns back at r = 1 / sqrt(0.9).
-  EXPECT_NEAR(lens.largestRadius(), 1.0 / std::sqrt(0.9), 2e-3);
-  EXPECT_NEAR(lens.distort({5.0, 0.0}).x, lens.distort({lens.largestRadius(), 0.0}).x, 1e-12);
+  EXPECT_NEAR(lens.maxRadius(), 1.0 / std::sqrt(0.9), 2e-3);
+  EXPECT_NEAR(lens.distort({5.0, 0.0}).x, lens.distort({lens.maxRadius(), 0.0}).x, 1e-12);
   EXPECT_THROW(lens.undistort({0.8, 0.0}), std::invalid_argument);
 }
 

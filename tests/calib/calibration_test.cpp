@@ -1,3 +1,4 @@
+// Calibration from simulated board views of rigs with known truth.
 #include "calib/calibration.hpp"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ const BoardSpec& board() {
   return spec;
 }
 
-/// Where the board fills about half of the image's width.
+/// Distance at which the board fills about half of the image width, m.
 double nearest(const Rig& rig) {
   return rig.left.lens == LensModel::wide ? 0.28 : 0.5;
 }
@@ -37,13 +38,13 @@ std::vector<BoardView> thirtyViews(const Rig& rig, double noise) {
   return test::boardViews(rig, board(), test::boardPoses(board(), nearest(rig), 30), noise, random);
 }
 
-/// How far a rig is from the truth.
+/// Errors of a rig relative to the truth.
 struct Errors {
-  double focal_length = 0.0;     ///< the largest of four, as a share
+  double focal_length = 0.0;     ///< the largest of four, relative
   double principal_point = 0.0;  ///< the largest of four, px
   double baseline = 0.0;         ///< m
   double rotation = 0.0;         ///< degrees
-  double rows = 0.0;             ///< vertical disparity that is left between noise-free corners, px RMS
+  double rows = 0.0;             ///< vertical disparity of noise-free corners, px RMS
 };
 
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
@@ -72,45 +73,45 @@ Errors errorsOf(const Rig& found, const Rig& truth) {
   return errors;
 }
 
-/// The aims of rigs with known truth: 680x420, wide-angle, 30 views, 0.1 px of noise in each corner.
-void expectTruth(const Rig& found, const Rig& truth, double most_degrees) {
+/// Checks the error limits for rigs with known truth: 680x420, wide-angle, 30 views, corner noise of 0.1 px.
+void expectTruth(const Rig& found, const Rig& truth, double max_degrees) {
   const Errors errors = errorsOf(found, truth);
   EXPECT_LE(errors.focal_length, 1e-3);
   EXPECT_LE(errors.principal_point, 0.5);
   EXPECT_LE(errors.baseline, 2e-4);
-  EXPECT_LE(errors.rotation, most_degrees);
+  EXPECT_LE(errors.rotation, max_degrees);
   EXPECT_LE(errors.rows, 0.1);
 }
 
-TEST(Calibration, FindsABrownRigFromNoisyCorners) {
+TEST(Calibration, EstimatesBrownRigFromNoisyCorners) {
   const Rig truth = test::cartRig();
   const Calibration calibration = calibrateViews(thirtyViews(truth, 0.1), board(), truth.left.size, kAll);
   expectTruth(calibration.rig(), truth, 0.01);
   EXPECT_EQ(calibration.rig().left.lens, LensModel::brown);
-  EXPECT_NEAR(calibration.result().corner_deviation, 0.1, 0.01);
+  EXPECT_NEAR(calibration.result().corner_stddev, 0.1, 0.01);
   EXPECT_TRUE(calibration.passed());
   EXPECT_LE(calibration.validation().vertical_disparity_rms, 0.2);
 }
 
-TEST(Calibration, FindsAWideRigAndRefusesBrownsModelsForIt) {
+TEST(Calibration, EstimatesWideRigAndRefusesBrownModels) {
   const Rig truth = test::wideRig();
   const Calibration calibration = calibrateViews(thirtyViews(truth, 0.1), board(), truth.left.size, kAll);
   EXPECT_EQ(calibration.result().model, CalibrationModel::wide);
-  expectTruth(calibration.rig(), truth, 0.02);  // its pixels are twice as wide
+  expectTruth(calibration.rig(), truth, 0.02);  // a pixel covers twice the angle
   EXPECT_TRUE(calibration.passed());
 }
 
-/// The standard deviation of the rotation's angle that the views allow at best (Cramer and Rao's bound, from
-/// the information of the solution), degrees.
+/// Cramer-Rao bound of the standard deviation of the rotation angle, from the information of the solution,
+/// degrees.
 double rotationBound(const StereoCalibration& calibration) {
   double variance = 0.0;
   for (const ParameterEstimate& parameter : calibration.parameters) {
-    if (parameter.name.name.starts_with("rotation")) variance += parameter.deviation * parameter.deviation;
+    if (parameter.name.name.starts_with("rotation")) variance += parameter.stddev * parameter.stddev;
   }
   return std::sqrt(variance) * kDegreesPerRadian;
 }
 
-/// A rig, and the board that is held before it, at `distance` times the usual distance.
+/// A rig, and a board in front of it at `distance` times the usual distance.
 struct KnownTruth {
   Rig truth;
   CalibrationModel model;
@@ -119,10 +120,10 @@ struct KnownTruth {
   int times;
 };
 
-/// With other noise each time; run with --gtest_filter='*AsTheViewsAllow*' to read the numbers of
-/// docs/calibration.md. What a lens' principal point is off, the rotation makes good: of 12x9 corners a view
-/// it cannot be known to 0.01 degrees; of 24x17 on a board of the same size, held nearer, it can.
-TEST(Calibration, IsAsNearToTheTruthAsTheViewsAllow) {
+/// Uses different noise in each run. --gtest_filter='*CramerRaoBound*' prints the numbers of
+/// docs/calibration.md. The rotation compensates an error of the principal point: with 12x9 corners per view
+/// it cannot be determined to 0.01 degrees, with 24x17 corners on a nearer board of the same size it can.
+TEST(Calibration, ReachesTheCramerRaoBound) {
   const BoardSpec fine = Chessboard{24, 17, 0.015};
   for (const KnownTruth& setup : {KnownTruth{test::cartRig(), CalibrationModel::brown5, board(), 1.0, 8},
                                   KnownTruth{test::wideRig(), CalibrationModel::wide, board(), 1.0, 8},
@@ -161,30 +162,29 @@ TEST(Calibration, IsAsNearToTheTruthAsTheViewsAllow) {
   }
 }
 
-TEST(Calibration, TellsHowUncertainItsNumbersAre) {
+TEST(Calibration, StddevsMatchTheErrors) {
   const Rig truth = test::cartRig();
   const Calibration calibration =
       calibrateViews(thirtyViews(truth, 0.1), board(), truth.left.size, {CalibrationModel::brown5});
   double squares = 0.0;
   for (const ParameterEstimate& parameter : calibration.result().parameters) {
     if (parameter.name.name == "left fx")
-      squares += std::pow((parameter.value - truth.left.fx) / parameter.deviation, 2.0);
+      squares += std::pow((parameter.value - truth.left.fx) / parameter.stddev, 2.0);
     if (parameter.name.name == "translation x")
-      squares +=
-          std::pow((parameter.value - truth.T_right_left.translation().x()) / parameter.deviation, 2.0);
+      squares += std::pow((parameter.value - truth.T_right_left.translation().x()) / parameter.stddev, 2.0);
   }
   EXPECT_GT(squares, 0.0);
-  EXPECT_LT(squares, 14.0);  // of two normal values: once in a thousand
+  EXPECT_LT(squares, 14.0);  // for two normal values exceeded once in a thousand
 
   const double scale = calibration.rig().baseline() / truth.baseline() - 1.0;
-  EXPECT_LT(std::abs(scale), 3.0 * scaleDeviation(calibration));
-  EXPECT_GE(scaleDeviation(calibration), 1e-3) << "nobody knows the board's squares better";
+  EXPECT_LT(std::abs(scale), 3.0 * scaleStddev(calibration));
+  EXPECT_GE(scaleStddev(calibration), 1e-3) << "uncertainty of the board's squares";
   Calibration poor = calibration;
   poor.halves.baseline = 0.02;
-  EXPECT_NEAR(scaleDeviation(poor), 0.01, 1e-3);
+  EXPECT_NEAR(scaleStddev(poor), 0.01, 1e-3);
 }
 
-TEST(Calibration, IsTheSameEachTime) {
+TEST(Calibration, IsDeterministic) {
   const Rig truth = test::cartRig();
   const std::vector<BoardView> views = thirtyViews(truth, 0.1);
   const std::vector<CalibrationModel> models{CalibrationModel::brown2};
@@ -194,7 +194,7 @@ TEST(Calibration, IsTheSameEachTime) {
   EXPECT_EQ(first.rig().left.distortion, second.rig().left.distortion);
 }
 
-TEST(Calibration, RejectsACornerAndAViewThatAreOffAndSaysSo) {
+TEST(Calibration, RejectsOutlierCornerAndOutlierView) {
   const Rig truth = test::cartRig();
   std::vector<BoardView> views = thirtyViews(truth, 0.1);
   views[3].left[5].pixel.x() += 3.0;
@@ -203,18 +203,18 @@ TEST(Calibration, RejectsACornerAndAViewThatAreOffAndSaysSo) {
   const Calibration calibration = calibrateViews(views, board(), truth.left.size, {CalibrationModel::brown5});
   ASSERT_EQ(calibration.rejected.size(), 1U);
   EXPECT_EQ(calibration.rejected[0].name, "view8");
-  EXPECT_THAT(calibration.rejected[0].reason, HasSubstr("px off where the other views put them"));
+  EXPECT_THAT(calibration.rejected[0].reason, HasSubstr("the RMS error of its corners is"));
   EXPECT_EQ(calibration.rejected_corners, 1U);
   expectTruth(calibration.rig(), truth, 0.02);
 }
 
-TEST(Calibration, TellsThatTheCamerasSawAMovingBoardAtDifferentInstants) {
+TEST(Calibration, DetectsABoardThatMovedBetweenTheExposures) {
   const Rig truth = test::cartRig();
   std::vector<BoardView> views = thirtyViews(truth, 0.1);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    // The board moved between the exposures, each time another way.
-    const double way = 2.0 * static_cast<double>(i);
-    const Eigen::Vector2d moved(std::cos(way), std::sin(way));
+    // The board moved between the exposures, in a different direction in each view.
+    const double direction = 2.0 * static_cast<double>(i);
+    const Eigen::Vector2d moved(std::cos(direction), std::sin(direction));
     for (SeenCorner& corner : views[i].right)
       corner.pixel += moved;
   }
@@ -233,10 +233,10 @@ TEST(Calibration, RefusesExchangedCameras) {
     std::swap(view.left, view.right);
   EXPECT_THAT(
       test::messageOf([&] { calibrateViews(views, board(), truth.left.size, {CalibrationModel::brown2}); }),
-      HasSubstr("left and right are exchanged: the camera given as the right one stands 115 mm to the left"));
+      HasSubstr("left and right are exchanged: the camera given as the right one is 115 mm to the left"));
 }
 
-TEST(Calibration, RefusesABoardThatIsNeverTilted) {
+TEST(Calibration, RefusesABoardWithoutTilt) {
   const Rig truth = test::cartRig();
   std::vector<Eigen::Isometry3d> poses = test::boardPoses(board(), nearest(truth), 20);
   for (Eigen::Isometry3d& pose : poses)
@@ -257,46 +257,47 @@ TEST(Calibration, RefusesTooFewViews) {
       HasSubstr("only 3 views show the board to both cameras: at least 6 are needed"));
 }
 
-TEST(CalibrationDifference, OfAFocalLengthIsThatOfItsProjectionAndDepth) {
+TEST(CalibrationDifference, MeasuresBaselineAndRotationByProjectionAndDepth) {
   const Rig a = test::rectifiedRig();
   ImageCoverage all;
   all.corners.fill(1);
   EXPECT_LT(compareCalibrations(a, a, all, all, {10.0}).projection_p95, 1e-9);
   EXPECT_LT(compareCalibrations(a, a, all, all, {10.0}).depth[0].p95, 1e-6);
   Rig b = a;
-  b.T_right_left.translation().x() *= 1.02;  // the same pictures from 2 % farther away
+  b.T_right_left.translation().x() *= 1.02;  // depths grow by 2 %
   EXPECT_LT(compareCalibrations(a, b, all, all, {10.0}).projection_p95, 1e-9);
   EXPECT_NEAR(compareCalibrations(a, b, all, all, {10.0}).depth[0].median, 0.2, 1e-3);
   EXPECT_NEAR(compareCalibrations(b, a, all, all, {10.0}).baseline, 0.02, 1e-9);
   Rig turned = a;
   turned.T_right_left.linear() = Eigen::AngleAxisd(1e-3, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  // A turn of 1 mrad about the vertical is half a pixel of disparity: Z^2 / b.
+  // A rotation of 1 mrad about the vertical axis is half a pixel of disparity: a depth error of Z^2 / b * 1
+  // mrad.
   EXPECT_NEAR(compareCalibrations(a, turned, all, all, {5.0}).depth[0].median, 5.0 * 5.0 * 1e-3 / 0.12, 0.06);
 }
 
-TEST(CalibrationDifference, IsInfiniteWhereThereIsNothingToCompare) {
+TEST(CalibrationDifference, IsInfiniteWithoutCommonCoverage) {
   const Rig a = test::rectifiedRig();
   ImageCoverage all, none;
   all.corners.fill(1);
   EXPECT_TRUE(std::isinf(compareCalibrations(a, a, none, none, {}).projection_p95));
   EXPECT_TRUE(std::isinf(compareCalibrations(a, a, none, none, {}).projection_rms));
-  // The right camera had no corners where it sees what the left one does.
+  // The right image has no corners in the common field of view.
   const CalibrationDifference apart = compareCalibrations(a, a, all, none, {10.0});
   EXPECT_TRUE(std::isfinite(apart.projection_p95));
   EXPECT_TRUE(std::isinf(apart.depth[0].median));
   EXPECT_TRUE(std::isinf(apart.depth[0].p95));
 }
 
-TEST(ViewCoverage, SaysWhatToShowNextUntilThereIsEnough) {
+TEST(ViewCoverage, GivesAdviceUntilCoverageIsSufficient) {
   const Rig rig = test::cartRig();
   const std::vector<BoardView> few = {thirtyViews(rig, 0.0).front()};
   const ImageCoverage left = coverageOf(few, &BoardView::left, rig.left.size);
-  EXPECT_THAT(whatToShowNext(left, left, tiltsOf({})), HasSubstr("show the board in the"));
+  EXPECT_THAT(nextViewAdvice(left, left, tiltsOf({})), HasSubstr("show the board in the"));
   ImageCoverage full;
   full.corners.fill(1);
-  EXPECT_THAT(whatToShowNext(full, full, tiltsOf({Eigen::Isometry3d::Identity()})),
+  EXPECT_THAT(nextViewAdvice(full, full, tiltsOf({Eigen::Isometry3d::Identity()})),
               HasSubstr("turn the board"));
-  EXPECT_THAT(whatToShowNext(full, full, tiltsOf(test::boardPoses(board(), 0.5, 12))), IsEmpty());
+  EXPECT_THAT(nextViewAdvice(full, full, tiltsOf(test::boardPoses(board(), 0.5, 12))), IsEmpty());
 }
 
 }  // namespace

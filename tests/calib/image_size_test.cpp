@@ -1,3 +1,4 @@
+// Image sizes as text.
 #include "calib/image_size.hpp"
 
 #include <gtest/gtest.h>
@@ -7,11 +8,11 @@ namespace {
 
 TEST(ImageSize, IsReadAsItIsWritten) {
   for (const cv::Size& size : {cv::Size(1, 1), cv::Size(680, 420), cv::Size(99999, 7)})
-    EXPECT_EQ(sizeFrom(sizeText(size)), size);
+    EXPECT_EQ(parseImageSize(sizeText(size)), size);
   EXPECT_EQ(sizeText({1241, 376}), "1241x376");
 }
 
-TEST(ImageSize, IsNoOtherText) {
+TEST(ImageSize, RefusesOtherText) {
   for (const char* text : {"",
                            "x",
                            "680",
@@ -33,7 +34,7 @@ TEST(ImageSize, IsNoOtherText) {
                            "680x99999999999",
                            "99999999999x420",
                            "680.5x420"})
-    EXPECT_FALSE(sizeFrom(text)) << text;
+    EXPECT_FALSE(parseImageSize(text)) << text;
 }
 
 }  // namespace

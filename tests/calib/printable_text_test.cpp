@@ -1,4 +1,4 @@
-// Text that comes from outside: what may be shown of it, and how it is cut.
+// Text from untrusted sources: check for printable characters, and truncation.
 #include "calib/printable_text.hpp"
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 namespace cartvo {
 namespace {
 
-TEST(PrintableText, IsWhatPeopleWrite) {
+TEST(PrintableText, AcceptsTextOfAnyLanguage) {
   for (const char* text :
        {"", "left camera", "Grüße", "左カメラ", "\U0001F6D2", "\u00A0", "\u202F", "\U0010FFFF"})
     EXPECT_TRUE(isPrintable(text)) << text;
 }
 
-TEST(PrintableText, HoldsNothingThatSteers) {
+TEST(PrintableText, RefusesControlCharacters) {
   const std::string_view c0[] = {"two\nlines", "tab\t", std::string_view("\0", 1), "\x1b[2J"};
   const std::string_view delete_and_c1[] = {"\x7f", "\u0080", "\u009B"};
   const std::string_view separators[] = {"\u2028", "\u2029"};
@@ -29,7 +29,7 @@ TEST(PrintableText, HoldsNothingThatSteers) {
       EXPECT_FALSE(isPrintable(text)) << testing::PrintToString(text);
 }
 
-TEST(PrintableText, IsUtf8) {
+TEST(PrintableText, RefusesInvalidUtf8) {
   for (const char* bytes :
        {"\x80", "\xC3", "\xC3(", "\xE2\x82", "\xF8\x88\x80\x80\x80", "\xFF",  // no characters
         "\xC0\xAF", "\xE0\x80\xAF", "\xF0\x80\x80\xAF",                       // overlong
@@ -37,20 +37,20 @@ TEST(PrintableText, IsUtf8) {
     EXPECT_FALSE(isPrintable(std::string("a") + bytes)) << testing::PrintToString(bytes);
 }
 
-TEST(PrintableText, IsCutBetweenCharacters) {
-  EXPECT_EQ(beginningOf("abc", 3), "abc");
-  EXPECT_EQ(beginningOf("abc", 2), "ab");
-  EXPECT_EQ(beginningOf("abc", 0), "");
+TEST(PrintableText, IsTruncatedBetweenCharacters) {
+  EXPECT_EQ(utf8Prefix("abc", 3), "abc");
+  EXPECT_EQ(utf8Prefix("abc", 2), "ab");
+  EXPECT_EQ(utf8Prefix("abc", 0), "");
   const std::string_view text = "a\u00FC\u20AC\U0001F6D2";  // of one, two, three and four bytes
   const std::string_view expected[] = {"", "a", "a", "a\u00FC", "a\u00FC", "a\u00FC", "a\u00FC\u20AC"};
   for (std::size_t most = 0; most < std::size(expected); ++most)
-    EXPECT_EQ(beginningOf(text, most), expected[most]) << most;
-  EXPECT_EQ(beginningOf(text, 9), "a\u00FC\u20AC");
-  EXPECT_EQ(beginningOf(text, 10), text);
+    EXPECT_EQ(utf8Prefix(text, most), expected[most]) << most;
+  EXPECT_EQ(utf8Prefix(text, 9), "a\u00FC\u20AC");
+  EXPECT_EQ(utf8Prefix(text, 10), text);
 }
 
-TEST(PrintableText, OfBytesThatAreNoTextNothingMayBeLeft) {
-  EXPECT_EQ(beginningOf("\x80\x80\x80\x80", 2), "");
+TEST(PrintableText, TruncatesInvalidUtf8ToNothing) {
+  EXPECT_EQ(utf8Prefix("\x80\x80\x80\x80", 2), "");
 }
 
 }  // namespace

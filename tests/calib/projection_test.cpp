@@ -1,3 +1,4 @@
+// Projection and its derivatives, compared with Lens and with finite differences.
 #include "calib/projection.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace cartvo {
 namespace {
 
-class ProjectionOf : public ::testing::TestWithParam<LensModel> {
+class Projection : public ::testing::TestWithParam<LensModel> {
  protected:
   static CameraModel camera() {
     if (GetParam() == LensModel::wide) return test::wideRig().left;
@@ -18,7 +19,7 @@ class ProjectionOf : public ::testing::TestWithParam<LensModel> {
   }
 };
 
-TEST_P(ProjectionOf, APointIsThatOfTheLens) {
+TEST_P(Projection, AgreesWithLens) {
   const Eigen::Vector3d point(0.4, -0.3, 1.2);
   const NormalisedPoint distorted = Lens(camera()).distort(point);
   const Eigen::Vector2d pixel = project(camera(), point)->pixel;
@@ -26,7 +27,7 @@ TEST_P(ProjectionOf, APointIsThatOfTheLens) {
   EXPECT_NEAR(pixel.y(), camera().fy * distorted.y + camera().cy, 1e-9);
 }
 
-TEST_P(ProjectionOf, APointHasTheDerivativesOfDifferences) {
+TEST_P(Projection, DerivativesAgreeWithFiniteDifferences) {
   constexpr double kStep = 1e-6;
   for (const Eigen::Vector3d& point :
        {Eigen::Vector3d(0.4, -0.3, 1.2), {-0.7, 0.1, 0.8}, {1e-12, 0.0, 2.0}}) {
@@ -50,11 +51,11 @@ TEST_P(ProjectionOf, APointHasTheDerivativesOfDifferences) {
   }
 }
 
-TEST_P(ProjectionOf, NothingBehindIsNoPixel) {
+TEST_P(Projection, IsUndefinedBehindTheCamera) {
   EXPECT_FALSE(project(camera(), {0.0, 0.0, -1.0}));
 }
 
-INSTANTIATE_TEST_SUITE_P(, ProjectionOf, ::testing::Values(LensModel::brown, LensModel::wide),
+INSTANTIATE_TEST_SUITE_P(, Projection, ::testing::Values(LensModel::brown, LensModel::wide),
                          [](const auto& lens) { return lens.param == LensModel::wide ? "Wide" : "Brown"; });
 
 }  // namespace

@@ -1,3 +1,4 @@
+// Rectification of a rig, compared with OpenCV and with projected points.
 #include "calib/rectification.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ Eigen::Vector2d project(const Rectification& rectification, const Eigen::Vector3
           rectification.focal_length * point.y() / point.z() + rectification.cy};
 }
 
-TEST(Rectification, PutsAPointOnTheSameRowWithTheDisparityOfItsDepth) {
+TEST(Rectification, ProjectsAPointToTheSameRowWithTheDisparityOfItsDepth) {
   const Rig rig = test::cartRig();
   const Rectification rectification = computeRectification(rig, {});
   for (const Eigen::Vector3d& in_left :
@@ -34,7 +35,7 @@ TEST(Rectification, PutsAPointOnTheSameRowWithTheDisparityOfItsDepth) {
   }
 }
 
-TEST(Rectification, TurnsTheCamerasAsOpenCvDoes) {
+TEST(Rectification, RotatesTheCamerasLikeOpenCv) {
   const Rig rig = test::cartRig();
   const Rectification rectification = computeRectification(rig, {});
   const auto intrinsics = [](const CameraModel& camera) {
@@ -58,12 +59,11 @@ TEST(Rectification, TurnsTheCamerasAsOpenCvDoes) {
       EXPECT_NEAR(rectification.R_rectified_right(i, j), R_right(i, j), 1e-9);
     }
   }
-  // OpenCV looks at a grid of 9 x 9 points and keeps some margin; the whole outline gives about the same
-  // view.
+  // OpenCV uses a grid of 9 x 9 points and keeps some margin; the whole outline gives about the same view.
   EXPECT_NEAR(rectification.focal_length, P_left(0, 0), 0.05 * P_left(0, 0));
 }
 
-TEST(Rectification, LeavesNoPixelWithoutSourceAtScalingZeroAndLosesNoRawPixelAtOne) {
+TEST(Rectification, HasASourceForEachPixelAtScalingZeroAndKeepsEachRawPixelAtOne) {
   const Rig rig = test::cartRig();
   const Rectification cropped = computeRectification(rig, {.free_scaling = 0.0});
   const Rectification whole = computeRectification(rig, {.free_scaling = 1.0});
@@ -94,7 +94,7 @@ TEST(Rectification, LeavesNoPixelWithoutSourceAtScalingZeroAndLosesNoRawPixelAtO
   EXPECT_LT(whole.focal_length, cropped.focal_length);
 }
 
-TEST(Rectification, OfARectifiedRigIsTheIdentityExactly) {
+TEST(Rectification, IsExactlyTheIdentityForARectifiedRig) {
   const Rig rig = test::rectifiedRig();
   const Rectification rectification = computeRectification(rig, {});
   EXPECT_TRUE(rectification.is_identity);
@@ -112,14 +112,14 @@ TEST(Rectification, RefusesSwappedCameras) {
   rig.T_right_left = rig.T_right_left.inverse();
   EXPECT_THAT(
       test::messageOf([&] { computeRectification(rig, {}); }),
-      HasSubstr("rig 'cart': the right camera stands to the left of the left one: the cameras are swapped"));
+      HasSubstr("rig 'cart': the right camera is to the left of the left one: the cameras are swapped"));
 }
 
 TEST(Rectification, RefusesCamerasAboveEachOther) {
   Rig rig = test::rectifiedRig();
   rig.T_right_left.translation() = Eigen::Vector3d(-0.01, -0.12, 0.0);
   EXPECT_THAT(test::messageOf([&] { computeRectification(rig, {}); }),
-              HasSubstr("does not stand beside the left"));
+              HasSubstr("is not beside the left one"));
 }
 
 TEST(Rectification, RefusesDistortionThatFoldsWithinTheImage) {

@@ -1,3 +1,4 @@
+// Rectification of whole images.
 #include "calib/rectifier.hpp"
 
 #include <cmath>
@@ -19,12 +20,12 @@ Rectifier rectifierFor(const Rig& rig) {
   return Rectifier(rig, {}, buildTables(rig, {}));
 }
 
-/// A smooth pattern painted on the sky: the grey value of a direction.
+/// A smooth pattern at infinity: the grey value of a direction.
 double grey(const Eigen::Vector3d& ray) {
   return 128.0 + 60.0 * std::sin(40.0 * ray.x() / ray.z()) + 50.0 * std::cos(35.0 * ray.y() / ray.z());
 }
 
-/// The pattern as a camera sees it whose axes `R_sky_camera` turns into the sky's.
+/// The image of the pattern in a camera. `R_sky_camera` takes the camera's axes to the pattern's.
 cv::Mat rawImage(const CameraModel& camera, const Eigen::Matrix3d& R_sky_camera) {
   const BrownDistortion lens(camera);
   cv::Mat image(camera.size, CV_8UC1);
@@ -39,7 +40,7 @@ cv::Mat rawImage(const CameraModel& camera, const Eigen::Matrix3d& R_sky_camera)
   return image;
 }
 
-TEST(Rectifier, ShowsBothCamerasTheSameFarScene) {
+TEST(Rectifier, MakesADistantSceneEqualInBothImages) {
   const Rig rig = test::cartRig();
   const Rectifier rectifier = rectifierFor(rig);
   const Rectification& rectification = rectifier.rectification();
@@ -55,8 +56,8 @@ TEST(Rectifier, ShowsBothCamerasTheSameFarScene) {
                           std::abs(right.at<std::uint8_t>(row, column) - expected)});
     }
   }
-  // Half a grey value twice (the raw image's rounding, the result's) and the pattern's curvature between
-  // pixels.
+  // Rounding of the raw image and of the result, half a grey value each, and the curvature of the pattern
+  // between pixels.
   EXPECT_LT(largest, 1.6);
 }
 
@@ -70,7 +71,7 @@ TEST(Rectifier, PassesRectifiedImagesThroughWithoutACopy) {
   EXPECT_EQ(right.data, raw.data);
 }
 
-TEST(Rectifier, ReusesTheOutputsMemoryButNeverTheInputs) {
+TEST(Rectifier, ReusesTheMemoryOfTheOutputButNotOfTheInput) {
   const Rectifier rectifier = rectifierFor(test::cartRig());
   const cv::Mat raw(420, 680, CV_8UC1, cv::Scalar(7));
   cv::Mat rectified;
@@ -95,7 +96,7 @@ TEST(Rectifier, RefusesImagesOfAnotherSizeStatingBoth) {
   EXPECT_THAT(test::messageOf([&] { identity.rectifyLeft(raw, rectified); }), HasSubstr("are 1280x720 but"));
 }
 
-TEST(Rectifier, RefusesColour) {
+TEST(Rectifier, RefusesColourImages) {
   const Rectifier rectifier = rectifierFor(test::cartRig());
   cv::Mat rectified;
   EXPECT_THAT(test::messageOf([&] { rectifier.rectifyLeft(cv::Mat(420, 680, CV_8UC3), rectified); }),

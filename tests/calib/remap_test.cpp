@@ -1,3 +1,4 @@
+// Remapping, compared with bilinear interpolation in double precision.
 #include "calib/remap.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ cv::Mat noise(cv::Size size) {
   return image;
 }
 
-/// Random places all over a source of this size, its last row and column included.
+/// Random positions all over a source of this size, including its last row and column.
 PixelSources randomSources(cv::Size source, int count) {
   cv::RNG random(11);
   PixelSources sources;
@@ -29,8 +30,8 @@ PixelSources randomSources(cv::Size source, int count) {
   return sources;
 }
 
-/// Places in a source that is turned, enlarged and cut at its border, as a rectification's: neighbours lie
-/// next to each other, all over the source.
+/// Positions in a source that is rotated, enlarged and cut at its border, as in a rectification: neighbouring
+/// pixels have neighbouring sources.
 PixelSources turnedSources(cv::Size source, cv::Size target, double degrees) {
   const double c = std::cos(degrees * M_PI / 180.0), s = std::sin(degrees * M_PI / 180.0);
   PixelSources sources;
@@ -68,12 +69,12 @@ void expectInterpolated(const cv::Mat& source, const PixelSources& sources, cv::
 
 TEST(Remap, IsBilinearInterpolationRoundedOnce) {
   const cv::Mat source = noise({203, 97});
-  // Widths of less than a block, of whole blocks, and of blocks with a rest.
+  // Widths below one block, of whole blocks, and of blocks with a remainder.
   for (const cv::Size size : {cv::Size(5, 3), cv::Size(128, 20), cv::Size(199, 90)})
     expectInterpolated(source, randomSources(source.size(), size.area()), size);
 }
 
-TEST(Remap, IsTheSameWhereNeighboursLieTogether) {
+TEST(Remap, IsTheSameForNeighbouringSources) {
   const cv::Mat source = noise({203, 97});
   const cv::Size size(199, 90);
   for (const double degrees : {0.0, 1.0, -7.0, 30.0, 170.0})

@@ -1,3 +1,4 @@
+// Rig files: round trips, and errors for faulty files.
 #include "calib/rig_file.hpp"
 
 #include <ostream>
@@ -28,7 +29,7 @@ void expectEqual(const CameraModel& a, const CameraModel& b) {
   EXPECT_EQ(a.distortion, b.distortion);
 }
 
-TEST(RigFile, GivesBackWhatWasWrittenToTheLastBit) {
+TEST(RigFile, ReturnsWhatWasWrittenToTheLastBit) {
   const test::TemporaryFolder folder;
   Rig rig = test::cartRig();
   rig.name = "roof \"A\" \\ 2";
@@ -42,36 +43,36 @@ TEST(RigFile, GivesBackWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(read.T_body_camera.matrix(), rig.T_body_camera.matrix());
 }
 
-TEST(RigFile, GivesBackAWideLensTheScalingAndTheScalesDeviation) {
+TEST(RigFile, ReturnsWideLensFreeScalingAndScaleStddev) {
   const test::TemporaryFolder folder;
   Rig rig = test::wideRig();
   rig.rectification.free_scaling = 0.25;
-  rig.scale_deviation = 0.002;
+  rig.scale_stddev = 0.002;
   writeRig(folder / "rig.yaml", rig);
   const Rig read = readRig(folder / "rig.yaml");
   expectEqual(read.left, rig.left);
   expectEqual(read.right, rig.right);
   EXPECT_EQ(read.rectification.free_scaling, 0.25);
-  EXPECT_EQ(read.scale_deviation, 0.002);
+  EXPECT_EQ(read.scale_stddev, 0.002);
 }
 
-TEST(RigFile, WithoutALensModelOrScalingIsBrownsAndCropped) {
+TEST(RigFile, DefaultsToBrownLensAndCropping) {
   const std::string text = rigText(test::cartRig());
   ASSERT_THAT(text, ::testing::Not(HasSubstr("\n  lens:")));
   const Rig read = parseRig(text.substr(0, text.find("free_scaling:")), "rig.yaml");
   EXPECT_EQ(read.left.lens, LensModel::brown);
   EXPECT_EQ(read.rectification.free_scaling, 0.0);
-  EXPECT_EQ(read.scale_deviation, 0.0);
+  EXPECT_EQ(read.scale_stddev, 0.0);
 }
 
-TEST(RigFile, WithoutAPlaceOnTheCartLooksForward) {
+TEST(RigFile, DefaultsToAForwardLookingMount) {
   const test::TemporaryFolder folder;
   const std::string text = rigText(test::cartRig());
   writeFileAtomically(folder / "rig.yaml", text.substr(0, text.find("T_body_camera:")));
   EXPECT_EQ(readRig(folder / "rig.yaml").T_body_camera.matrix(), forwardLookingMount().matrix());
 }
 
-TEST(RigFile, IsNotTouchedByARigThatIsNone) {
+TEST(RigFile, IsUnchangedIfTheRigIsInvalid) {
   const test::TemporaryFolder folder;
   writeRig(folder / "rig.yaml", test::cartRig());
   Rig bad = test::cartRig();
@@ -82,7 +83,7 @@ TEST(RigFile, IsNotTouchedByARigThatIsNone) {
   EXPECT_EQ(readRig(folder / "rig.yaml").name, "cart");
 }
 
-TEST(RigFile, IsWrittenOnlyWithWhatItsReaderTakes) {
+TEST(RigFile, ValidatesTheSameRangesWhenReadingAndWriting) {
   const std::vector<double CameraModel::*> members = {&CameraModel::fx, &CameraModel::fy, &CameraModel::cx,
                                                       &CameraModel::cy};
   for (double CameraModel::*const member : members) {
@@ -96,7 +97,7 @@ TEST(RigFile, IsWrittenOnlyWithWhatItsReaderTakes) {
   }
 }
 
-/// One fault in an otherwise good file and the message it must cause.
+/// A fault in an otherwise valid file and the error it must cause.
 struct Fault {
   std::string name;
   std::string replace;
@@ -110,7 +111,7 @@ void PrintTo(const Fault& fault, std::ostream* stream) {
 
 class FaultyRigFile : public ::testing::TestWithParam<Fault> {};
 
-TEST_P(FaultyRigFile, IsRefusedNamingLineKeyAndExpectation) {
+TEST_P(FaultyRigFile, IsRefusedNamingLineKeyAndExpectedValue) {
   const Fault& fault = GetParam();
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "rig.yaml";
@@ -137,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
               "0]"},
         Fault{"ScalingBeyondOne", "free_scaling: 0", "free_scaling: 1.5",
               "38: free_scaling: expected a number from 0 to 1, found '1.5'"},
-        Fault{"ScaleKnownToNothing", "scale_deviation: 0", "scale_deviation: 1",
+        Fault{"ScaleStddevTooLarge", "scale_deviation: 0", "scale_deviation: 1",
               "41: scale_deviation: expected a number from 0 to 0.1, found '1'"},
         Fault{"RepeatedKey", "name:", "name: x\nname:", "4: name: expected each key once, found 'name'"},
         Fault{"MissingKey", "  cx: 320.25\n", "",
@@ -180,12 +181,12 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NotYaml", "left:", "left: [", "10: is not YAML: end of sequence flow not found"}),
     [](const auto& test_case) { return test_case.param.name; });
 
-TEST(RigFile, MissingIsSaid) {
+TEST(RigFile, ReportsAMissingFile) {
   EXPECT_EQ(test::messageOf([] { readRig("/no/such/rig.yaml"); }),
             "/no/such/rig.yaml: cannot be read; does the file exist?");
 }
 
-TEST(RigFile, OfNoKnownFormatIsSaid) {
+TEST(RigFile, ReportsAnUnknownFormat) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "rig.yaml", "cameras: 2\n");
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "rig.yaml"); }),
@@ -195,21 +196,21 @@ TEST(RigFile, OfNoKnownFormatIsSaid) {
               EndsWith("rig.yaml:1: expected a map of keys and values, found 'just text'"));
 }
 
-TEST(RigFile, OfAbsurdSizeIsNotRead) {
+TEST(RigFile, RefusesAFileAbove1MiB) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "rig.yaml", std::string((1 << 20) + 1, '#'));
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "rig.yaml"); }),
               EndsWith("is larger than 1 MiB, too large for a file of keys and values"));
 }
 
-TEST(RigFile, NestedWithoutEndIsRefused) {
+TEST(RigFile, RefusesUnboundedNesting) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "rig.yaml", std::string(100'000, '['));
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "rig.yaml"); }),
               StartsWith((folder / "rig.yaml").string()));
 }
 
-TEST(RigFile, WhoseAliasesStandForABillionNumbersIsRefused) {
+TEST(RigFile, RefusesAliasesThatExpandToABillionNumbers) {
   const test::TemporaryFolder folder;
   std::string text = "a: &l0 [0, 0, 0, 0, 0, 0, 0, 0]\n";
   for (int level = 0; level < 10; ++level) {

@@ -1,4 +1,4 @@
-// Rigs into other tools' files and back, and what those files mean.
+// Rig formats of other tools: round trips, errors, and the meaning of their values.
 #include "calib/rig_formats.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr double kTolerance = 1e-12;
 
-/// Writes a rig's files and gives their paths.
+/// Writes a rig's files and returns their paths.
 std::vector<fs::path> writeFiles(const test::TemporaryFolder& folder, const Rig& rig, RigFormat format) {
   std::vector<fs::path> paths;
   for (const RigFile& file : rigFilesOf(rig, format)) {
@@ -42,7 +42,7 @@ void expectSameCamera(const CameraModel& read, const CameraModel& written) {
     EXPECT_NEAR(read.distortion[i], written.distortion[i], kTolerance);
 }
 
-/// Without k3, which radtan does not have.
+/// A rig without k3, which radtan does not have.
 Rig fourCoefficients() {
   Rig rig = test::cartRig();
   rig.left.distortion[4] = rig.right.distortion[4] = 0.0;
@@ -67,7 +67,7 @@ void PrintTo(const RoundTrip& trip, std::ostream* stream) {
 
 class RigRoundTrip : public ::testing::TestWithParam<RoundTrip> {};
 
-TEST_P(RigRoundTrip, GivesTheSameRigBack) {
+TEST_P(RigRoundTrip, ReturnsTheSameRig) {
   const auto& [name, format, rig] = GetParam();
   const test::TemporaryFolder folder;
   const Rig read = readRigFiles(writeFiles(folder, rig, format), rig.left.size);
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(, RigRoundTrip,
                                            RoundTrip{"EurocEquidistant", RigFormat::euroc, test::wideRig()}),
                          [](const auto& test_case) { return test_case.param.name; });
 
-TEST(RigFormats, ThatCannotHoldARigSayWhy) {
+TEST(RigFormats, NameTheReasonIfTheyCannotRepresentARig) {
   const auto problem = [](const Rig& rig, RigFormat format) {
     return test::messageOf([&] { rigFilesOf(rig, format); });
   };
@@ -110,14 +110,14 @@ TEST(RigFormats, ThatCannotHoldARigSayWhy) {
   EXPECT_THAT(problem(mixed, RigFormat::opencv), HasSubstr("holds one lens model; this rig has two"));
 }
 
-TEST(RigFormats, AreNamed) {
+TEST(RigFormats, HaveNames) {
   for (const std::string& name : rigFormatNames())
-    EXPECT_EQ(rigFormatNames()[static_cast<std::size_t>(rigFormatNamed(name))], name);
-  EXPECT_EQ(rigFormatNamed("euroc"), RigFormat::euroc);
-  EXPECT_THROW(rigFormatNamed("excel"), std::invalid_argument);
+    EXPECT_EQ(rigFormatNames()[static_cast<std::size_t>(parseRigFormat(name))], name);
+  EXPECT_EQ(parseRigFormat("euroc"), RigFormat::euroc);
+  EXPECT_THROW(parseRigFormat("excel"), std::invalid_argument);
 }
 
-TEST(RigFormats, OfOneCameraAskForTheOther) {
+TEST(RigFormats, RefuseMissingFilesAndAMissingSize) {
   const test::TemporaryFolder folder;
   const std::vector<fs::path> files = writeFiles(folder, test::cartRig(), RigFormat::ros);
   EXPECT_THAT(test::messageOf([&] { readRigFiles({files[0]}, {}); }), HasSubstr("holds one camera only"));
@@ -147,7 +147,8 @@ TEST(OpenCvText, IsReadByOpenCv) {
   EXPECT_EQ(T.at<double>(0), rig.T_right_left.translation().x());
 }
 
-/// Where ROS' rectified image of a camera shows a point, from its axes; the baseline in P is not for it.
+/// The pixel of a point (camera axes) in the camera's own rectified image by ROS. The baseline term of P
+/// applies only to points in the left camera's axes and is not used.
 Eigen::Vector2d rectifiedPixel(const RigFile& file, const Eigen::Vector3d& in_camera) {
   const StrictYaml yaml = StrictYaml::parse(file.text, file.name);
   const std::vector<double> R = yaml["rectification_matrix"]["data"].numbers(9);
@@ -173,7 +174,7 @@ TEST(RosText, RectifiesAPointIntoOneRowWithTheDisparityOfItsDepth) {
   EXPECT_NEAR(left.x() - right.x(), -minus_fb / depth, 1e-9);
 }
 
-/// A Kalibr camchain as Kalibr writes it, the right camera 11 cm to the right.
+/// A camchain in Kalibr's own formatting, with a baseline of 11 cm.
 constexpr const char* kCamchain = R"(cam0:
   cam_overlaps: [1]
   camera_model: pinhole
@@ -210,7 +211,7 @@ TEST(KalibrRig, IsReadFromACamchain) {
   EXPECT_EQ(rig.T_right_left.translation(), Eigen::Vector3d(-0.11, 0.001, 0.002));
 }
 
-TEST(KalibrRig, ThatIsNoneIsRefusedNamingLineAndKey) {
+TEST(KalibrRig, RefusesFaultyFilesNamingLineAndKey) {
   const auto problem = [](const std::string& text) {
     return test::messageOf([&] { parseRig(text, "chain.yaml"); });
   };
@@ -225,9 +226,9 @@ TEST(KalibrRig, ThatIsNoneIsRefusedNamingLineAndKey) {
   EXPECT_THAT(problem(camchainWith("[752, 480]", "[640, 480]")), HasSubstr("must have the same image size"));
 }
 
-/// What MATLAB holds of two cameras, of which the second is turned about its z axis, as rows
-/// that are multiplied from the left.
-TEST(MatlabRig, IsTransposedCountsFromOneAndMeasuresInMillimetres) {
+/// MATLAB's parameters of two cameras, the second rotated about its z axis; row vectors are multiplied from
+/// the left.
+TEST(MatlabRig, IsReadTransposedWithPixelsFromOneAndMillimetres) {
   const std::string camera = R"({"IntrinsicMatrix": [[500, 0, 0], [0, 501, 0], [321, 241, 1]],
     "RadialDistortion": [-0.3, 0.1], "TangentialDistortion": [0.001, 0.002], "ImageSize": [480, 640],
     "EstimateSkew": false})";
@@ -250,7 +251,7 @@ TEST(MatlabRig, IsTransposedCountsFromOneAndMeasuresInMillimetres) {
   EXPECT_TRUE(ours.isApprox(in_right.transpose() / 1000.0, 1e-12));
 }
 
-TEST(MatlabRig, ThatIsNotTransposedIsRefused) {
+TEST(MatlabRig, RefusesMatricesThatAreNotTransposed) {
   const test::TemporaryFolder folder;
   std::string text = rigFilesOf(test::cartRig(), RigFormat::matlab)[0].text;
   const std::size_t begin = text.find("[[");
@@ -258,10 +259,10 @@ TEST(MatlabRig, ThatIsNotTransposedIsRefused) {
   EXPECT_THAT(
       test::messageOf([&] { parseRig(text, "stereo.json"); }),
       HasSubstr("stereo.json:3: CameraParameters1.IntrinsicMatrix: expected [fx 0 0; 0 fy 0; cx cy 1], as "
-                "MATLAB has it, without skew"));
+                "MATLAB writes it, without skew"));
 }
 
-TEST(RosRig, ThatIsNoneIsRefusedNamingFileLineAndKey) {
+TEST(RosRig, RefusesFaultyFilesNamingFileLineAndKey) {
   const test::TemporaryFolder folder;
   const std::vector<fs::path> files = writeFiles(folder, test::cartRig(), RigFormat::ros);
   std::string text = rigFilesOf(test::cartRig(), RigFormat::ros)[1].text;

@@ -1,4 +1,4 @@
-// Rigs from files as other tools write them.
+// Reading of rig files of other tools.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What cv::stereoCalibrate's result looks like on disk.
+/// Writes a rig as OpenCV's own FileStorage does.
 void writeFileStorage(const std::filesystem::path& file, const Rig& rig) {
   cv::FileStorage storage(file.string(), cv::FileStorage::WRITE);
   const auto K = [](const CameraModel& camera) {
@@ -52,7 +52,7 @@ TEST(OpenCvRig, IsReadFromFileStorage) {
   EXPECT_EQ(rig.T_body_camera.matrix(), forwardLookingMount().matrix());
 }
 
-TEST(OpenCvRig, InMillimetresIsRefused) {
+TEST(OpenCvRig, RefusesMillimetres) {
   const test::TemporaryFolder folder;
   Rig millimetres = test::cartRig();
   millimetres.T_right_left.translation() *= 1000.0;
@@ -61,14 +61,14 @@ TEST(OpenCvRig, InMillimetresIsRefused) {
               HasSubstr("was the board's square given in millimetres?"));
 }
 
-TEST(OpenCvRig, WithoutSizeIsRefused) {
+TEST(OpenCvRig, RefusesAFileWithoutImageSize) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "stereo.yml", "%YAML:1.0\n---\nK1: 1\n");
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "stereo.yml"); }),
               HasSubstr("stereo.yml:3: image_size: expected this key, which is missing"));
 }
 
-TEST(OpenCvRig, WithCoefficientsBeyondBrownIsRefused) {
+TEST(OpenCvRig, RefusesThinPrismCoefficients) {
   const test::TemporaryFolder folder;
   const std::string matrix =
       "!!opencv-matrix {rows: 3, cols: 3, dt: d, data: [500., 0., 320., 0., 500., 240., 0., 0., 1.]}\n";
@@ -80,7 +80,7 @@ TEST(OpenCvRig, WithCoefficientsBeyondBrownIsRefused) {
               HasSubstr("stereo.yml:4: D1: expected at most 8 coefficients"));
 }
 
-TEST(EurocRig, IsReadFromItsTwoSensorFiles) {
+TEST(EurocRig, IsReadFromTwoSensorFiles) {
   CARTVO_NEEDS_DATA(folder, "euroc_still");
   const Rig rig = readEurocRig(folder / "mav0/cam0/sensor.yaml", folder / "mav0/cam1/sensor.yaml");
   EXPECT_EQ(rig.left.size, cv::Size(752, 480));
@@ -93,7 +93,7 @@ TEST(EurocRig, IsReadFromItsTwoSensorFiles) {
   EXPECT_NO_THROW(computeRectification(rig, {}));
 }
 
-TEST(EurocRig, OfAnotherCameraModelIsRefused) {
+TEST(EurocRig, RefusesAnotherCameraModel) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "sensor.yaml", "camera_model: omni\n");
   EXPECT_THAT(test::messageOf([&] { readEurocRig(folder / "sensor.yaml", folder / "sensor.yaml"); }),
@@ -108,7 +108,7 @@ TEST(KittiRig, IsReadFromCalibTxt) {
   EXPECT_TRUE(computeRectification(rig, {}).is_identity);
 }
 
-TEST(KittiRig, WithAShortRowIsRefused) {
+TEST(KittiRig, RefusesAShortRowAndAMissingRow) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "calib.txt", "P0: 707 0 601 0 0 707 183 0 0 0 1 0\nP1: 707 0 601\n");
   EXPECT_THAT(test::messageOf([&] {

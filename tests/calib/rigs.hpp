@@ -4,7 +4,7 @@
 
 namespace cartvo::test {
 
-/// A wide-angle pair as on the cart: distorted, and turned against each other by about a degree.
+/// A wide-angle pair like that of the cart: distorted, and rotated relative to each other by about a degree.
 inline Rig cartRig() {
   Rig rig;
   rig.name = "cart";
@@ -19,7 +19,7 @@ inline Rig cartRig() {
   rig.right.fy = 479.0;
   rig.right.cx = 336.5;
   rig.right.distortion = {-0.29, 0.09, -0.0002, 0.0005, -0.01, 0.0, 0.0, 0.0};
-  // No sine or cosine: the same bits on each machine.
+  // Without sine and cosine: the same bits on each machine.
   rig.T_right_left.linear() = Eigen::Quaterniond(1.0, 0.003, -0.008, 0.005).normalized().toRotationMatrix();
   rig.T_right_left.translation() = Eigen::Vector3d(-0.115, 0.002, -0.001);
   rig.T_body_camera = forwardLookingMount();
@@ -27,7 +27,7 @@ inline Rig cartRig() {
   return rig;
 }
 
-/// A pair whose images are rectified already.
+/// A pair whose images are already rectified.
 inline Rig rectifiedRig() {
   Rig rig;
   rig.name = "rectified";
@@ -41,7 +41,8 @@ inline Rig rectifiedRig() {
   return rig;
 }
 
-/// A pair of fisheye lenses that see more than 150 degrees across, turned against each other by a degree.
+/// A pair of fisheye cameras with a field of view above 150 degrees, rotated relative to each other by a
+/// degree.
 inline Rig wideRig() {
   Rig rig = cartRig();
   rig.name = "wide";

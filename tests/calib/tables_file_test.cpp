@@ -1,3 +1,4 @@
+// Rectification tables and the file that stores them.
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -22,7 +23,7 @@ std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A small rig, so that the tests stay quick.
+/// A small rig, to keep the tests fast.
 Rig smallRig() {
   Rig rig = test::cartRig();
   for (CameraModel* camera : {&rig.left, &rig.right}) {
@@ -75,21 +76,21 @@ TEST(RectificationTables, AgreeWithUndistortPoints) {
   check(rig.right, rectification.R_rectified_right, tables.right);
 }
 
-TEST(RectificationTables, AreTheSameBitsEachTime) {
+TEST(RectificationTables, AreDeterministic) {
   EXPECT_EQ(buildTables(smallRig(), {}), buildTables(smallRig(), {}));
 }
 
-TEST(RectificationTables, AreTheSameBitsOnEachMachine) {
+TEST(RectificationTables, HaveTheSameBitsOnEachMachine) {
   const RectificationTables tables = buildTables(smallRig(), {});
   const auto hash = [](const auto& values) {
     return XXH3_64bits(values.data(), values.size() * sizeof(values.front()));
   };
-  // Recorded once, on x86-64. A change of the method changes them, and asks for a new kTablesVersion.
+  // Recorded on x86-64. A change of the method changes these hashes and requires a new kTablesVersion.
   EXPECT_EQ(hash(tables.left.column) ^ hash(tables.left.row_fraction), 3805643790401268345u);
   EXPECT_EQ(hash(tables.right.row) ^ hash(tables.right.column_fraction), 12695195399689095364u);
 }
 
-TEST(RectificationTables, FingerprintKnowsWhatTheTablesDependOn) {
+TEST(RectificationTables, FingerprintDependsOnCamerasRelativePoseAndSettings) {
   const std::uint64_t fingerprint = tablesFingerprint(test::cartRig(), {});
   const auto differs = [&](auto change) {
     Rig rig = test::cartRig();
@@ -105,7 +106,7 @@ TEST(RectificationTables, FingerprintKnowsWhatTheTablesDependOn) {
   EXPECT_FALSE(differs([](Rig& rig) { rig.T_body_camera.translation().z() += 1.0; }));
 }
 
-TEST_F(TablesFile, IsBuiltOnceAndLoadedAfterwards) {
+TEST_F(TablesFile, IsWrittenOnceAndThenLoaded) {
   const LoadedTables first = loadOrBuild(rig_);
   EXPECT_EQ(first.origin, TablesOrigin::first_built);
   const LoadedTables second = loadOrBuild(rig_);
@@ -120,7 +121,7 @@ TEST_F(TablesFile, IsRebuiltWhenTheRigChanges) {
   changed.right.cx += 0.5;
   const LoadedTables rebuilt = loadOrBuild(changed);
   EXPECT_EQ(rebuilt.origin, TablesOrigin::rig_changed);
-  EXPECT_THAT(rebuilt.explanation, HasSubstr("the rig's calibration has changed"));
+  EXPECT_THAT(rebuilt.message, HasSubstr("the rig's calibration has changed"));
   EXPECT_EQ(rebuilt.tables, buildTables(changed, {}));
   EXPECT_EQ(loadOrBuild(changed).origin, TablesOrigin::loaded);
 }
@@ -131,7 +132,7 @@ TEST_F(TablesFile, IsRebuiltWhenTheImageSizeChanges) {
   changed.left.size.height = changed.right.size.height = 104;
   const LoadedTables rebuilt = loadOrBuild(changed);
   EXPECT_EQ(rebuilt.origin, TablesOrigin::rig_changed);
-  EXPECT_THAT(rebuilt.explanation, HasSubstr("is for images of 170x105, the rig's are 170x104"));
+  EXPECT_THAT(rebuilt.message, HasSubstr("is for images of 170x105, the rig's are 170x104"));
 }
 
 TEST_F(TablesFile, IsRebuiltWhenAnyByteIsDamaged) {
@@ -144,7 +145,7 @@ TEST_F(TablesFile, IsRebuiltWhenAnyByteIsDamaged) {
     writeFileAtomically(file_, damaged);
     const LoadedTables rebuilt = loadOrBuild(rig_);
     EXPECT_EQ(rebuilt.origin, TablesOrigin::damaged) << "byte " << at;
-    EXPECT_THAT(rebuilt.explanation, HasSubstr(file_.string()));
+    EXPECT_THAT(rebuilt.message, HasSubstr(file_.string()));
     EXPECT_EQ(contents(file_), whole);
   }
 }
@@ -156,25 +157,25 @@ TEST_F(TablesFile, IsRebuiltWhenItIsCutShortOrTooLong) {
     writeFileAtomically(file_, whole.substr(0, length));
     const LoadedTables rebuilt = loadOrBuild(rig_);
     EXPECT_EQ(rebuilt.origin, TablesOrigin::damaged) << length;
-    EXPECT_THAT(rebuilt.explanation, HasSubstr("is cut short"));
+    EXPECT_THAT(rebuilt.message, HasSubstr("is cut short"));
   }
   writeFileAtomically(file_, whole + "more");
   EXPECT_EQ(loadOrBuild(rig_).origin, TablesOrigin::damaged);
 }
 
-TEST_F(TablesFile, IsRefusedIfItPointsOutsideTheImageThoughItsChecksumHolds) {
+TEST_F(TablesFile, IsRefusedIfItPointsOutsideTheImageDespiteAValidChecksum) {
   RectificationTables tables = buildTables(rig_, {});
   tables.left.column[3] = 169;  // the last column: its right neighbour does not exist
   writeTables(file_, tables);
   const LoadedTables rebuilt = loadOrBuild(rig_);
   EXPECT_EQ(rebuilt.origin, TablesOrigin::damaged);
-  EXPECT_THAT(rebuilt.explanation, HasSubstr("points outside the raw image"));
+  EXPECT_THAT(rebuilt.message, HasSubstr("points outside the raw image"));
 }
 
-TEST_F(TablesFile, ThatCannotBeWrittenIsSaidAndDoesNoHarm) {
+TEST_F(TablesFile, ReportsAWriteErrorAndReturnsTheTables) {
   const LoadedTables built = loadOrBuildTables(rig_, {}, folder_ / "no-such-folder/tables.bin");
   EXPECT_EQ(built.origin, TablesOrigin::first_built);
-  EXPECT_THAT(built.explanation, HasSubstr("they could not be kept"));
+  EXPECT_THAT(built.message, HasSubstr("the tables could not be saved"));
   EXPECT_EQ(built.tables, buildTables(rig_, {}));
 }
 

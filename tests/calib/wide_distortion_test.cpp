@@ -1,3 +1,4 @@
+// Kannala and Brandt's distortion, compared with OpenCV's fisheye module.
 #include "calib/wide_distortion.hpp"
 
 #include <cmath>
@@ -15,19 +16,19 @@
 namespace cartvo {
 namespace {
 
-TEST(PortableArcTangent, IsThatOfTheLibraryToItsLastDigits) {
+TEST(PortableArcTangent, AgreesWithTheLibrary) {
   for (const double x : {1e-9, 0.01, 0.3, 1.0, 2.5, 40.0, 1e6})
     EXPECT_NEAR(portableArcTangent(x) / std::atan(x), 1.0, 4e-15) << x;
   EXPECT_EQ(portableArcTangent(0.0), 0.0);
 }
 
-TEST(PortableTangent, IsThatOfTheLibraryToItsLastDigits) {
+TEST(PortableTangent, AgreesWithTheLibrary) {
   for (const double angle : {1e-9, 0.01, 0.3, 1.0, 1.3, 1.5})
     EXPECT_NEAR(portableTangent(angle) / std::tan(angle), 1.0, 1e-13) << angle;
   EXPECT_EQ(portableTangent(0.0), 0.0);
 }
 
-TEST(WideDistortion, DistortsAsOpenCvsFisheyeProjects) {
+TEST(WideDistortion, DistortsLikeOpenCvFisheye) {
   const CameraModel camera = test::wideRig().left;
   const WideDistortion lens(camera);
   const cv::Vec4d coefficients(camera.distortion[0], camera.distortion[1], camera.distortion[2],
@@ -41,7 +42,7 @@ TEST(WideDistortion, DistortsAsOpenCvsFisheyeProjects) {
   }
 }
 
-TEST(WideDistortion, UndistortingUndoesDistortingEvenBehindTheCamera) {
+TEST(WideDistortion, UndistortInvertsDistortEvenBehindTheCamera) {
   const WideDistortion lens(test::wideRig().left);
   for (const double angle : {0.0, 1e-6, 0.3, 1.0, 1.55, 1.62, 1.8}) {
     for (const double direction : {0.0, 1.0, 2.5, 4.0}) {
@@ -58,13 +59,13 @@ TEST(WideDistortion, EndsWhereTheModelFolds) {
   camera.distortion = {-0.3};
   const WideDistortion lens(camera);
   // a (1 - 0.3 a^2) turns back at a = 1 / sqrt(0.9).
-  EXPECT_NEAR(lens.largestAngle(), 1.0 / std::sqrt(0.9), 2e-3);
+  EXPECT_NEAR(lens.maxAngle(), 1.0 / std::sqrt(0.9), 2e-3);
   const NormalisedPoint rim = lens.distort({1.0, 0.0, -1.0});
-  EXPECT_NEAR(rim.x, lens.largestAngle() * (1.0 - 0.3 * std::pow(lens.largestAngle(), 2.0)), 1e-12);
-  EXPECT_NEAR(std::acos(lens.undistort({2.0, 0.0}).z()), lens.largestAngle(), 1e-9);
+  EXPECT_NEAR(rim.x, lens.maxAngle() * (1.0 - 0.3 * std::pow(lens.maxAngle(), 2.0)), 1e-12);
+  EXPECT_NEAR(std::acos(lens.undistort({2.0, 0.0}).z()), lens.maxAngle(), 1e-9);
 }
 
-TEST(Lens, OfAWideRigIsRectifiedToTheSameRowsWithTheDisparityOfTheDepth) {
+TEST(Lens, RectifiesAWideRigToCommonRowsWithTheDisparityOfTheDepth) {
   const Rig rig = test::wideRig();
   const Rectification rectification = computeRectification(rig, {});
   const RectificationTables tables = buildTables(rig, {});
@@ -94,7 +95,7 @@ TEST(Lens, OfAWideRigIsRectifiedToTheSameRowsWithTheDisparityOfTheDepth) {
   }
 }
 
-TEST(Rectification, OfAWideRigKeepsMoreWithMoreScalingButNotThePlanesEnd) {
+TEST(Rectification, KeepsMoreOfAWideRigWithScalingUpTo70Degrees) {
   const Rig rig = test::wideRig();
   const Rectification cropped = computeRectification(rig, {.free_scaling = 0.0});
   const Rectification whole = computeRectification(rig, {.free_scaling = 1.0});
@@ -104,7 +105,7 @@ TEST(Rectification, OfAWideRigKeepsMoreWithMoreScalingButNotThePlanesEnd) {
   EXPECT_LE(std::min(half_height, half_width), std::tan(70.0 * M_PI / 180.0));
 }
 
-TEST(RectificationTables, TellTheLensModelsApart) {
+TEST(RectificationTables, FingerprintDependsOnTheLensModel) {
   Rig brown = test::wideRig();
   brown.left.lens = brown.right.lens = LensModel::brown;
   EXPECT_NE(tablesFingerprint(brown, {}), tablesFingerprint(test::wideRig(), {}));

@@ -1,3 +1,5 @@
+// Assembly of pictures from synthetic RTP payloads.
+
 #include "capture/access_unit_assembler.hpp"
 
 #include <algorithm>
@@ -12,7 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMtu = 1400;  ///< of an RTP payload
+constexpr std::size_t kMtu = 1400;  ///< maximum RTP payload, bytes
 constexpr std::uint8_t kKeySlice = 0x65;
 constexpr std::uint8_t kSlice = 0x41;
 constexpr std::uint8_t kSei = 0x06;
@@ -21,11 +23,11 @@ Bytes startCode() {
   return {0, 0, 0, 1};
 }
 
-/// One NAL unit as FFmpeg hands out its RTP packets: whole, or cut as FU-A cuts it (RFC 6184, 5.8).
+/// One NAL unit as FFmpeg delivers its RTP packets: whole, or in FU-A fragments (RFC 6184, 5.8).
 std::vector<Bytes> packets(std::uint8_t header, std::size_t payload, std::size_t fragment = kMtu - 2) {
   Bytes whole = startCode();
   whole.push_back(header);
-  for (std::size_t i = 0; i < payload; ++i)  // no two fragments alike, and no start code among them
+  for (std::size_t i = 0; i < payload; ++i)  // all fragments differ, and none contains a start code
     whole.push_back(static_cast<std::uint8_t>(0x80U | (i * 31U + i / 128U + payload)));
   if (payload + 1 <= kMtu) return {whole};
   std::vector<Bytes> result;
@@ -50,11 +52,11 @@ std::vector<Bytes> picture(bool key, const std::vector<std::size_t>& slices) {
   return result;
 }
 
-/// Feeds pictures packet by packet and notes after which packet each came out.
+/// Feeds pictures packet by packet and records after which packet each is delivered.
 class Feeder {
  public:
   struct Result {
-    bool early = false;  ///< came out with its own last packet
+    bool early = false;  ///< delivered with its own last packet
     bool data_lost = false;
     Bytes data;
   };
@@ -66,7 +68,7 @@ class Feeder {
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       whole.insert(whole.end(), fragments[i].begin(), fragments[i].end());
       assembler.add({fragments[i], pts_, pts_ + static_cast<std::int64_t>(i), std::nullopt, false});
-      while (std::optional<AssembledUnit> unit = assembler.take()) {
+      while (std::optional<AssembledUnit> unit = assembler.popUnit()) {
         if (unit->pts == pts_) {
           EXPECT_EQ(unit->arrival_ns, pts_ + static_cast<std::int64_t>(i));
         }
@@ -77,7 +79,7 @@ class Feeder {
     return results;
   }
 
-  /// Pictures of these sizes, a key picture each ten.
+  /// Feeds pictures of these sizes, every tenth one a key picture.
   void warmUp(int pictures, const std::vector<std::size_t>& slices) {
     for (int i = 0; i < pictures; ++i) {
       std::vector<std::size_t> sizes = slices;
@@ -92,7 +94,7 @@ class Feeder {
   std::int64_t pts_ = 0;
 };
 
-TEST(AccessUnitAssembler, AtFirstAPictureIsCompleteWhenTheNextOneBegins) {
+TEST(AccessUnitAssembler, CompletesPictureWhenNextOneBeginsUntilRuleIsConfirmed) {
   Feeder feeder;
   EXPECT_TRUE(feeder.feed(picture(true, {5000})).empty());
   const auto results = feeder.feed(picture(false, {3000}));
@@ -101,7 +103,7 @@ TEST(AccessUnitAssembler, AtFirstAPictureIsCompleteWhenTheNextOneBegins) {
   EXPECT_FALSE(results[0].early);
 }
 
-TEST(AccessUnitAssembler, OnceProvedAPictureIsCompleteWithItsLastPacket) {
+TEST(AccessUnitAssembler, CompletesPictureWithLastPacketOnceRuleIsConfirmed) {
   Feeder feeder;
   feeder.warmUp(40, {4000});
   ASSERT_TRUE(feeder.assembler.completesEarly());
@@ -111,10 +113,10 @@ TEST(AccessUnitAssembler, OnceProvedAPictureIsCompleteWithItsLastPacket) {
     EXPECT_TRUE(results[0].early) << size;
     EXPECT_EQ(results[0].data.size(), size + 5) << size;
   }
-  EXPECT_EQ(feeder.assembler.wrongGuesses(), 0U);
+  EXPECT_EQ(feeder.assembler.prematureUnits(), 0U);
 }
 
-TEST(AccessUnitAssembler, AFewPicturesProveItTheFirstKeyPictureAmongThem) {
+TEST(AccessUnitAssembler, ConfirmsRuleAfterFourPicturesIncludingKeyPicture) {
   Feeder feeder;
   feeder.feed(picture(true, {9000}));
   for (const std::size_t size : {3000UL, 3100UL, 2900UL}) {
@@ -122,12 +124,12 @@ TEST(AccessUnitAssembler, AFewPicturesProveItTheFirstKeyPictureAmongThem) {
       EXPECT_FALSE(result.early) << size;
   }
   const auto results = feeder.feed(picture(false, {3200}));
-  ASSERT_EQ(results.size(), 2U) << "the one before, and itself";
+  ASSERT_EQ(results.size(), 2U) << "the previous picture and this one";
   EXPECT_FALSE(results[0].early);
   EXPECT_TRUE(results[1].early);
 }
 
-TEST(AccessUnitAssembler, WithoutAKeyPictureNothingIsProved) {
+TEST(AccessUnitAssembler, DoesNotConfirmRuleWithoutKeyPicture) {
   Feeder feeder;
   for (std::size_t i = 0; i < 100; ++i)
     feeder.feed(picture(false, {3000 + 37 * i}));
@@ -137,25 +139,25 @@ TEST(AccessUnitAssembler, WithoutAKeyPictureNothingIsProved) {
   EXPECT_TRUE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, SlicesOfLimitedSizeAreNeverGuessed) {
+TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithSlicesOfLimitedSize) {
   Feeder feeder;
-  for (int i = 0; i < 100; ++i)  // a key picture has more of them
+  for (int i = 0; i < 100; ++i)  // a key picture has more slices
     feeder.feed(picture(i % 10 == 0, std::vector<std::size_t>(i % 10 == 0 ? 5 : 2, 2000)));
   EXPECT_FALSE(feeder.assembler.completesEarly());
-  EXPECT_EQ(feeder.assembler.wrongGuesses(), 0U);
+  EXPECT_EQ(feeder.assembler.prematureUnits(), 0U);
 }
 
-TEST(AccessUnitAssembler, AFirstPictureThatGoesOnBehindItsSlicesProvesNothing) {
+TEST(AccessUnitAssembler, DoesNotConfirmRuleWithKeyPictureFollowedByOtherNalUnits) {
   Feeder feeder;
   std::vector<Bytes> first = picture(true, {4000});
   first.push_back(packets(kSei, 20).front());
   feeder.feed(first);
   for (std::size_t i = 0; i < 50; ++i)
     feeder.feed(picture(false, {3000 + 37 * i}));
-  EXPECT_FALSE(feeder.assembler.completesEarly()) << "no key picture has ended as the rule says";
+  EXPECT_FALSE(feeder.assembler.completesEarly()) << "no key picture has satisfied the rule";
 }
 
-TEST(AccessUnitAssembler, ALastFragmentOfFullSizeWaitsForTheNextPicture) {
+TEST(AccessUnitAssembler, WaitsForNextPictureAfterLastFragmentOfFullSize) {
   Feeder feeder;
   feeder.warmUp(40, {4000});
   EXPECT_TRUE(feeder.feed(picture(false, {3 * (kMtu - 2)})).empty());
@@ -166,7 +168,7 @@ TEST(AccessUnitAssembler, ALastFragmentOfFullSizeWaitsForTheNextPicture) {
   EXPECT_FALSE(results[0].data_lost || results[1].data_lost);
 }
 
-TEST(AccessUnitAssembler, CountsTheSlicesOfEachPicture) {
+TEST(AccessUnitAssembler, CountsSlicesOfEachPicture) {
   Feeder feeder;
   feeder.warmUp(40, {1700, 900, 2500, 3000});
   ASSERT_TRUE(feeder.assembler.completesEarly());
@@ -175,7 +177,7 @@ TEST(AccessUnitAssembler, CountsTheSlicesOfEachPicture) {
   EXPECT_TRUE(results[0].early);
 }
 
-TEST(AccessUnitAssembler, APacketThatCameTwiceStandsInItsPictureOnce) {
+TEST(AccessUnitAssembler, DropsDuplicatePacket) {
   Feeder feeder;
   feeder.warmUp(40, {4000});
   for (std::size_t repeated = 0; repeated < 3; ++repeated) {
@@ -190,16 +192,16 @@ TEST(AccessUnitAssembler, APacketThatCameTwiceStandsInItsPictureOnce) {
   EXPECT_FALSE(feeder.feed(picture(false, {4000})).at(0).data_lost);
 }
 
-TEST(AccessUnitAssembler, VaryingSlicesAreNeverGuessed) {
+TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithVaryingNumberOfSlices) {
   Feeder feeder;
   for (int i = 0; i < 100; ++i) {
     feeder.feed(picture(i % 10 == 0, std::vector<std::size_t>(static_cast<std::size_t>(1 + i % 3), 2000)));
   }
   EXPECT_FALSE(feeder.assembler.completesEarly());
-  EXPECT_EQ(feeder.assembler.wrongGuesses(), 0U);
+  EXPECT_EQ(feeder.assembler.prematureUnits(), 0U);
 }
 
-TEST(AccessUnitAssembler, EvenlyCutFragmentsAreNeverGuessed) {
+TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithEvenlyCutFragments) {
   Feeder feeder;
   for (int i = 0; i < 100; ++i) {
     const std::size_t size = 3000 + static_cast<std::size_t>(i * 131 % 4000);
@@ -209,7 +211,7 @@ TEST(AccessUnitAssembler, EvenlyCutFragmentsAreNeverGuessed) {
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, WhatFollowsTheSlicesIsWaitedFor) {
+TEST(AccessUnitAssembler, WaitsForNalUnitsAfterSlices) {
   Feeder feeder;
   for (int i = 0; i < 100; ++i) {
     std::vector<Bytes> fragments = picture(i % 10 == 0, {4000});
@@ -221,22 +223,22 @@ TEST(AccessUnitAssembler, WhatFollowsTheSlicesIsWaitedFor) {
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, AWrongGuessMarksThePictureAndIsTheLastOne) {
+TEST(AccessUnitAssembler, MarksNextPictureAfterPrematureOneAndRejectsRule) {
   Feeder feeder;
   feeder.warmUp(40, {4000});
   ASSERT_TRUE(feeder.assembler.completesEarly());
-  feeder.feed(picture(false, {4000, 4000}));  // suddenly two slices
-  EXPECT_EQ(feeder.assembler.wrongGuesses(), 1U);
+  feeder.feed(picture(false, {4000, 4000}));  // two slices instead of one
+  EXPECT_EQ(feeder.assembler.prematureUnits(), 1U);
   EXPECT_FALSE(feeder.assembler.completesEarly());
   feeder.feed(picture(false, {4000}));
   const auto results = feeder.feed(picture(false, {4000}));
   ASSERT_EQ(results.size(), 1U);
-  EXPECT_TRUE(results[0].data_lost) << "the picture after the cut one must count as damaged";
+  EXPECT_TRUE(results[0].data_lost) << "the picture after the incomplete one must count as damaged";
   feeder.warmUp(100, {4000});
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, APictureWithoutItsBeginningIsMarked) {
+TEST(AccessUnitAssembler, MarksPictureWithoutBeginning) {
   Feeder feeder;
   std::vector<Bytes> fragments = picture(false, {4000});
   fragments.erase(fragments.begin());
@@ -246,17 +248,17 @@ TEST(AccessUnitAssembler, APictureWithoutItsBeginningIsMarked) {
   EXPECT_TRUE(results[0].data_lost);
 }
 
-TEST(AccessUnitAssembler, KeepsTheLatestReferenceOfAPicture) {
+TEST(AccessUnitAssembler, KeepsLatestReferenceOfPicture) {
   AccessUnitAssembler assembler(VideoCodec::h264);
   const Bytes data = packets(kKeySlice, 100).front();
   assembler.add({data, 0, 1, 77, false});
   assembler.add({data, 5000, 2, std::nullopt, false});
-  const std::optional<AssembledUnit> unit = assembler.take();
+  const std::optional<AssembledUnit> unit = assembler.popUnit();
   ASSERT_TRUE(unit);
   EXPECT_EQ(unit->reference_us, 77);
 }
 
-TEST(AccessUnitAssembler, UnderstandsH265Headers) {
+TEST(AccessUnitAssembler, ParsesH265Headers) {
   AccessUnitAssembler assembler(VideoCodec::h265);
   constexpr std::uint8_t kIdr = 19 << 1;
   constexpr std::uint8_t kTrail = 1 << 1;
@@ -271,7 +273,7 @@ TEST(AccessUnitAssembler, UnderstandsH265Headers) {
     assembler.add({first, pts, pts, std::nullopt, false});
     assembler.add({Bytes(kMtu - 3, 0xaa), pts, pts, std::nullopt, false});
     assembler.add({Bytes(200 + static_cast<std::size_t>(i), 0xaa), pts, pts, std::nullopt, false});
-    while (const std::optional<AssembledUnit> unit = assembler.take()) {
+    while (const std::optional<AssembledUnit> unit = assembler.popUnit()) {
       if (unit->pts == pts) ++early;
     }
   }
@@ -281,14 +283,14 @@ TEST(AccessUnitAssembler, UnderstandsH265Headers) {
 TEST(NalUnits, ReadsExpGolombCodesAndSkipsEmulationPrevention) {
   const Bytes data = {0b10100011, 0b01000010, 0x00, 0x00, 0x03, 0x01};
   BitReader bits(data);
-  EXPECT_EQ(bits.unsignedExpGolomb(), 0U);  // 1
-  EXPECT_EQ(bits.unsignedExpGolomb(), 1U);  // 010
-  EXPECT_EQ(bits.unsignedExpGolomb(), 5U);  // 00110
-  EXPECT_EQ(bits.bits(7), 0b1000010U);
-  EXPECT_EQ(bits.bits(24), 1U);
-  EXPECT_FALSE(bits.exhausted());
-  bits.flag();
-  EXPECT_TRUE(bits.exhausted());
+  EXPECT_EQ(bits.readUnsignedExpGolomb(), 0U);  // 1
+  EXPECT_EQ(bits.readUnsignedExpGolomb(), 1U);  // 010
+  EXPECT_EQ(bits.readUnsignedExpGolomb(), 5U);  // 00110
+  EXPECT_EQ(bits.readBits(7), 0b1000010U);
+  EXPECT_EQ(bits.readBits(24), 1U);
+  EXPECT_FALSE(bits.isExhausted());
+  bits.readFlag();
+  EXPECT_TRUE(bits.isExhausted());
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// Synthetic pictures, encoded through FFmpeg.
+
 #include "tests/capture/encoded_sequence.hpp"
 
 #include <cmath>

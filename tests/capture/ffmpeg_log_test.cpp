@@ -1,3 +1,5 @@
+// Removal of credentials from FFmpeg's messages.
+
 #include "capture/ffmpeg_log.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +14,7 @@ TEST(FfmpegLog, RemovesCredentialsFromUrls) {
   EXPECT_EQ(withoutCredentials("rtsp://admin:p@ss@host"), "rtsp://***@host");
 }
 
-TEST(FfmpegLog, LeavesTheRestAlone) {
+TEST(FfmpegLog, KeepsTextWithoutCredentials) {
   EXPECT_EQ(withoutCredentials("tcp://10.0.0.1:554?timeout=5 failed"), "tcp://10.0.0.1:554?timeout=5 failed");
   EXPECT_EQ(withoutCredentials("rtsp://host/a@b"), "rtsp://host/a@b");
   EXPECT_EQ(withoutCredentials(""), "");

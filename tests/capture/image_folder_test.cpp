@@ -1,3 +1,5 @@
+// Image folders in KITTI's and EuRoC's layouts.
+
 #include "capture/image_folder.hpp"
 
 #include <fstream>
@@ -62,7 +64,7 @@ std::string readError(const fs::path& folder) {
   return test::messageOf([&] { readImageFolder(folder); });
 }
 
-TEST(ImageFolder, ReadsKittisLayout) {
+TEST(ImageFolder, ReadsKittiLayout) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 3);
   const ImageFolder read = readImageFolder(folder.path());
@@ -78,7 +80,7 @@ TEST(ImageFolder, ReadsKittisLayout) {
   EXPECT_TRUE(read.rig_file.empty());
 }
 
-TEST(ImageFolder, EachCamerasOwnTimesTakePrecedence) {
+TEST(ImageFolder, PrefersTimesOfEachCamera) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 3);
   write(folder / "times_0.txt", "1\n2\n3\n");
@@ -90,7 +92,7 @@ TEST(ImageFolder, EachCamerasOwnTimesTakePrecedence) {
   EXPECT_EQ(read.rig_file, folder / "rig.yaml");
 }
 
-TEST(ImageFolder, ReadsEurocsLayoutFromEitherFolder) {
+TEST(ImageFolder, ReadsEurocLayoutFromEitherFolder) {
   const test::TemporaryFolder folder;
   writeEuroc(folder / "mav0", 3);
   for (const fs::path& path : {folder.path(), folder / "mav0"}) {
@@ -103,7 +105,7 @@ TEST(ImageFolder, ReadsEurocsLayoutFromEitherFolder) {
   }
 }
 
-TEST(ImageFolder, PlaysTheImagesWithTheirInstants) {
+TEST(ImageFolder, DeliversImagesWithTheirInstants) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 3);
   ImageSequenceSource source(readImageFolder(folder.path()).right);
@@ -120,7 +122,7 @@ TEST(ImageFolder, PlaysTheImagesWithTheirInstants) {
   EXPECT_EQ(source.health().state, CameraState::ended);
 }
 
-TEST(ImageFolder, InterruptEndsIt) {
+TEST(ImageFolder, EndsWhenInterrupted) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 3);
   ImageSequenceSource source(readImageFolder(folder.path()).left);
@@ -129,26 +131,26 @@ TEST(ImageFolder, InterruptEndsIt) {
   EXPECT_EQ(source.read(frame, kAtOnce), ReadOutcome::ended);
 }
 
-TEST(ImageFolder, NamesTheFileAndWhatIsWrong) {
+TEST(ImageFolder, ErrorNamesFileAndProblem) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 4);
   fs::remove(folder / "image_1/000002.png");
-  EXPECT_THAT(readError(folder.path()), HasSubstr("image_1 holds 3 images, but"));
+  EXPECT_THAT(readError(folder.path()), HasSubstr("image_1 contains 3 images, but"));
   EXPECT_THAT(readError(folder.path()), HasSubstr("has 4 instants, the first one missing is 000002.png"));
 
   write(folder / "times.txt", "0.1\n0.2\n0.2\n0.3\n");
   EXPECT_THAT(readError(folder.path()),
-              HasSubstr("times.txt, line 3: the instant is not after the one before it"));
+              HasSubstr("times.txt, line 3: the instant is not later than the previous one"));
   write(folder / "times.txt", "0.1\n0.2 x\n");
-  EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 2: expected one number, seconds"));
+  EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 2: expected one number (seconds)"));
   write(folder / "times.txt", "-8e9\n8e9\n");  // their difference overflows
-  EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 1: expected one number, seconds"));
+  EXPECT_THAT(readError(folder.path()), HasSubstr("times.txt, line 1: expected one number (seconds)"));
   fs::remove(folder / "times.txt");
   EXPECT_THAT(readError(folder.path()),
-              HasSubstr("holds no times.txt (nor both times_0.txt and times_1.txt)"));
+              HasSubstr("contains neither times.txt nor both times_0.txt and times_1.txt"));
 }
 
-TEST(ImageFolder, AGapIsFoundAmongTheLargestNumbersToo) {
+TEST(ImageFolder, FindsGapAmongLargestNumbers) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 1);
   write(folder / "image_0/9223372036854775807.jpg", "");
@@ -157,15 +159,15 @@ TEST(ImageFolder, AGapIsFoundAmongTheLargestNumbersToo) {
   EXPECT_THAT(readError(folder.path()), HasSubstr("the first one missing is 0000000000000000001.jpg"));
 }
 
-TEST(ImageFolder, AnEmptyFolderIsAnError) {
+TEST(ImageFolder, RejectsFolderWithoutImages) {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "image_0");
   fs::create_directories(folder / "image_1");
   write(folder / "times.txt", "");
-  EXPECT_THAT(readError(folder.path()), HasSubstr("image_0 holds no PNG or JPEG image"));
+  EXPECT_THAT(readError(folder.path()), HasSubstr("image_0 contains no PNG or JPEG image"));
 }
 
-TEST(ImageFolder, AWrongCalibrationIsAnError) {
+TEST(ImageFolder, RejectsInvalidCalibration) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 2);
   const auto with = [&](const std::string& text) {
@@ -175,16 +177,17 @@ TEST(ImageFolder, AWrongCalibrationIsAnError) {
   EXPECT_THAT(with("P0: 1 2 3\n"),
               HasSubstr("calib.txt, line 1: expected 12 numbers (3 rows of 4), found 3"));
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 zero\n"), HasSubstr("line 1: 'zero' is not a number"));
-  EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\n"), HasSubstr("must hold the matrices P0: and P1:"));
+  EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\n"),
+              HasSubstr("must contain the matrices P0: and P1:"));
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\nP1: 700 0 320 80 0 700 240 0 0 0 1 0\n"),
-              HasSubstr("puts the right camera to the left"));
+              HasSubstr("places the right camera to the left"));
   EXPECT_THAT(with("P0: 700 0 320 1e308 0 700 240 0 0 0 1 0\nP1: 700 0 320 -1e308 0 700 240 0 0 0 1 0\n"),
-              HasSubstr("infinitely far apart"));
+              HasSubstr("the baseline from P0 and P1 is not finite"));
   EXPECT_THAT(with("P0: 700 0 320 0 0 700 240 0 0 0 1 0\nP1: 650 0 320 -80 0 650 240 0 0 0 1 0\n"),
-              HasSubstr("not of rectified cameras"));
+              HasSubstr("not those of rectified cameras"));
 }
 
-TEST(ImageFolder, AnUnreadableOrMissizedImageIsNamed) {
+TEST(ImageFolder, ErrorNamesUnreadableOrMissizedImage) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 3);
   write(folder / "image_0/000001.png", "this is no picture");
@@ -194,15 +197,15 @@ TEST(ImageFolder, AnUnreadableOrMissizedImageIsNamed) {
   ImageSequenceSource left(read.left);
   left.read(frame, kAtOnce);
   EXPECT_THAT(test::messageOf([&] { left.read(frame, kAtOnce); }),
-              HasSubstr("expected a whole PNG or JPEG file"));
+              HasSubstr("expected a complete PNG or JPEG file"));
   EXPECT_THAT(test::messageOf([&] { left.read(frame, kAtOnce); }), HasSubstr("image_0/000001.png"));
   ImageSequenceSource right(read.right);
   right.read(frame, kAtOnce);
   EXPECT_THAT(test::messageOf([&] { right.read(frame, kAtOnce); }),
-              HasSubstr("image_1/000001.png is 30x24, but the images before it are 32x24"));
+              HasSubstr("image_1/000001.png is 30x24, but the previous images are 32x24"));
 }
 
-TEST(ImageFolder, EurocsErrorsNameTheLine) {
+TEST(ImageFolder, ErrorNamesLineOfEurocList) {
   const test::TemporaryFolder folder;
   writeEuroc(folder.path(), 2);
   const fs::path list = folder / "cam0/data.csv";
@@ -221,7 +224,7 @@ TEST(ImageFolder, EurocsErrorsNameTheLine) {
   EXPECT_THAT(readError(folder.path()), HasSubstr("lists no image"));
 }
 
-TEST(StereoSource, FindsOutWhatAFolderIs) {
+TEST(StereoSource, DetectsKindOfFolder) {
   const test::TemporaryFolder folder;
   writeKitti(folder / "kitti", 3);
   writeEuroc(folder / "euroc/mav0", 2);
@@ -242,7 +245,7 @@ TEST(StereoSource, FindsOutWhatAFolderIs) {
   EXPECT_THAT(test::messageOf([&] { openSource(folder / "nowhere"); }), HasSubstr("does not exist"));
 }
 
-TEST(StereoSource, OpensTheRealSequences) {
+TEST(StereoSource, OpensRealSequences) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   CARTVO_NEEDS_DATA(euroc, "euroc_still");
   StereoSource source = openSource(kitti);

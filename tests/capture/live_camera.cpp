@@ -1,10 +1,12 @@
+// Simulated cameras and helpers for tests of live connections.
+
 #include "tests/capture/live_camera.hpp"
 
 #include <string>
 #include <utility>
 
-#include "support/patience.hpp"
 #include "support/pattern_content.hpp"
+#include "support/test_timeout.hpp"
 #include "tools/simulate/encode_content.hpp"
 
 namespace cartvo::test {
@@ -46,11 +48,12 @@ std::shared_ptr<const EncodedStream> rightStream() {
   return {encoded(), &encoded()->right};
 }
 
-std::unique_ptr<SimulatedCamera> switchOn(std::shared_ptr<const EncodedStream> stream, std::uint16_t port) {
+std::unique_ptr<SimulatedCamera> startCamera(std::shared_ptr<const EncodedStream> stream,
+                                             std::uint16_t port) {
   SimulatedCameraSettings settings;
   settings.port = port;
   settings.password = kLivePassword;
-  settings.repeat_after_ns = kLiveTurn_ns;
+  settings.repeat_after_ns = kLiveDuration_ns;
   return std::make_unique<SimulatedCamera>(std::move(stream), settings);
 }
 
@@ -65,7 +68,7 @@ RtspCameraSettings settingsFor(std::uint16_t port) {
 }
 
 bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done) {
-  const std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() + kPatience;
+  const std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() + kTestTimeout;
   Frame frame;
   while (std::chrono::steady_clock::now() < deadline) {
     const ReadOutcome outcome = camera.read(frame, milliseconds(100));

@@ -11,25 +11,27 @@
 namespace cartvo::test {
 
 inline constexpr char kLivePassword[] = "p@ss:w/rd%";
-inline constexpr std::int64_t kLiveOffset_ns = 10'000'000;   ///< right minus left
-inline constexpr std::int64_t kLiveTurn_ns = 2'000'000'000;  ///< length of the content
+inline constexpr std::int64_t kLiveOffset_ns = 10'000'000;       ///< right minus left exposure
+inline constexpr std::int64_t kLiveDuration_ns = 2'000'000'000;  ///< duration of the content
 
+/// Host's clock, ns since the Unix epoch.
 std::int64_t nowNs();
 
-/// What the two cameras send: a moving pattern of `kLiveTurn_ns` at 25 Hz, encoded once for all tests.
+/// Streams of the two cameras: a moving pattern of `kLiveDuration_ns` at 25 Hz, encoded once for all tests.
 std::shared_ptr<const simulate::EncodedStream> leftStream();
 std::shared_ptr<const simulate::EncodedStream> rightStream();
 
-/// Camera on a free port, or the port given, that repeats its content for ever.
-std::unique_ptr<simulate::SimulatedCamera> switchOn(std::shared_ptr<const simulate::EncodedStream> stream,
-                                                    std::uint16_t port = 0);
+/// Starts a camera on a free port, or on the given one, that repeats its content without end.
+std::unique_ptr<simulate::SimulatedCamera> startCamera(std::shared_ptr<const simulate::EncodedStream> stream,
+                                                       std::uint16_t port = 0);
 
-/// What connects to it, quick to try again.
+/// Settings to connect to it, with short retry pauses.
 RtspCameraSettings settingsFor(std::uint16_t port);
 
-/// Reads until `done` says so; false if that takes longer than kPatience.
+/// Reads until `done` returns true; false if that takes longer than kTestTimeout.
 bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done);
 
+/// Reads `count` frames; false if that takes longer than kTestTimeout.
 bool readFrames(RtspCamera& camera, int count);
 
 }  // namespace cartvo::test

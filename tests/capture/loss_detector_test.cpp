@@ -1,3 +1,5 @@
+// Loss detection in encoded and in hand-made streams.
+
 #include "capture/loss_detector.hpp"
 
 #include <string>
@@ -16,7 +18,7 @@ std::vector<EncodedUnit> camera(const std::string& options = "") {
   return test::encodeSequence(VideoCodec::h264, kSize, 60, 20, options);
 }
 
-TEST(LossDetector, AnUnbrokenStreamIsGood) {
+TEST(LossDetector, AcceptsUnbrokenStream) {
   for (const char* options : {"", "ref=4", "slices=3", "cabac=1:ref=2"}) {
     LossDetector detector({VideoCodec::h264, {}});
     for (const EncodedUnit& unit : camera(options)) {
@@ -25,7 +27,7 @@ TEST(LossDetector, AnUnbrokenStreamIsGood) {
   }
 }
 
-TEST(LossDetector, AMissingReferenceDamagesAllUpToTheNextKeyFrame) {
+TEST(LossDetector, MarksPicturesAfterMissingReferenceUpToKeyFrame) {
   LossDetector detector({VideoCodec::h264, {}});
   for (const EncodedUnit& unit : camera()) {
     if (unit.sequence == 27) continue;
@@ -35,7 +37,7 @@ TEST(LossDetector, AMissingReferenceDamagesAllUpToTheNextKeyFrame) {
   }
 }
 
-TEST(LossDetector, WhatTheReceiverMissedDamagesAllUpToTheNextKeyFrame) {
+TEST(LossDetector, MarksPicturesAfterLostDataUpToKeyFrame) {
   LossDetector detector({VideoCodec::h264, {}});
   for (const EncodedUnit& unit : camera()) {
     const bool damaged = unit.sequence >= 5 && unit.sequence < 20;
@@ -44,7 +46,7 @@ TEST(LossDetector, WhatTheReceiverMissedDamagesAllUpToTheNextKeyFrame) {
   }
 }
 
-TEST(LossDetector, InH265AGapInTimeCounts) {
+TEST(LossDetector, CountsGapInTimeAsLossForH265) {
   LossDetector detector({VideoCodec::h265, {}});
   for (const EncodedUnit& unit : test::encodeSequence(VideoCodec::h265, kSize, 30, 10, "")) {
     const bool damaged = unit.sequence >= 4 && unit.sequence < 10;
@@ -54,7 +56,8 @@ TEST(LossDetector, InH265AGapInTimeCounts) {
   }
 }
 
-/// A NAL unit behind a start code, of '0' and '1', with emulation prevention bytes (ITU-T H.264 7.4.1.1).
+/// NAL unit with start code from a string of '0' and '1', with emulation prevention bytes (ITU-T
+/// H.264 7.4.1.1).
 std::vector<std::uint8_t> nalUnit(std::uint8_t header, std::string bits) {
   bits.resize((bits.size() + 7) / 8 * 8, '0');
   std::vector<std::uint8_t> data = {0, 0, 1, header};
@@ -71,10 +74,10 @@ std::vector<std::uint8_t> nalUnit(std::uint8_t header, std::string bits) {
   return data;
 }
 
-TEST(LossDetector, NumbersThatNoParameterSetHasAreNotFollowed) {
+TEST(LossDetector, IgnoresParameterSetsOutOfRange) {
   const std::string profile_and_level = "010000101100000000001010", zero = "1";
   const std::string largest = std::string(31, '0') + '1' + std::string(31, '1');  // 2^32 - 2, Exp-Golomb
-  // Taken for log2_max_frame_num_minus4 it would overflow to 2 bits.
+  // As log2_max_frame_num_minus4 it would overflow to 2 bits.
   LossDetector detector(
       {VideoCodec::h264, nalUnit(0x67, profile_and_level + zero + largest + zero + zero + zero + "01")});
   for (const char* frame_num : {"00", "10"}) {
@@ -82,14 +85,14 @@ TEST(LossDetector, NumbersThatNoParameterSetHasAreNotFollowed) {
     EXPECT_EQ(detector.inspect(slice, false, 0), FrameStatus::good);
   }
 
-  // A scaling list of the high profile whose first difference is as large.
+  // A scaling list of the high profile with an equally large first difference.
   const std::string high_profile = "011001000000000000001010";
-  LossDetector of_lists({VideoCodec::h264, nalUnit(0x67, high_profile + zero + "010" + zero + zero + "0" +
-                                                             "1" + "1" + largest)});
-  EXPECT_EQ(of_lists.inspect(nalUnit(0x41, "11110000"), false, 0), FrameStatus::good);
+  LossDetector with_scaling_list({VideoCodec::h264, nalUnit(0x67, high_profile + zero + "010" + zero + zero +
+                                                                      "0" + "1" + "1" + largest)});
+  EXPECT_EQ(with_scaling_list.inspect(nalUnit(0x41, "11110000"), false, 0), FrameStatus::good);
 }
 
-TEST(LossDetector, GarbageIsNoReasonToCrash) {
+TEST(LossDetector, SurvivesInvalidData) {
   LossDetector detector({VideoCodec::h264, {0, 0, 0, 1, 0x67}});
   for (std::uint8_t type = 0; type < 32; ++type) {
     for (std::size_t size = 0; size < 12; ++size) {

@@ -1,3 +1,5 @@
+// Pairing of frames by their instants, with hand-made and with random sequences.
+
 #include "capture/pair_synchroniser.hpp"
 
 #include <algorithm>
@@ -44,7 +46,7 @@ std::uint64_t accounted(const PairingCounts& c) {
   return c.paired + c.no_partner + c.damaged + c.out_of_order + c.overflow + c.clock_restarted;
 }
 
-TEST(PairSynchroniser, PairsAtOnceWhatIsHalfAPeriodApartAtMost) {
+TEST(PairSynchroniser, PairsFramesAtMostHalfAPeriodApart) {
   PairSynchroniser synchroniser = nominal();
   synchroniser.push(CameraSide::left, frameAt(0));
   EXPECT_FALSE(synchroniser.pop());
@@ -55,20 +57,20 @@ TEST(PairSynchroniser, PairsAtOnceWhatIsHalfAPeriodApartAtMost) {
   EXPECT_FALSE(pair->time_restarted);
 }
 
-TEST(PairSynchroniser, NeverPairsBeyondHalfAPeriod) {
+TEST(PairSynchroniser, DoesNotPairFramesMoreThanHalfAPeriodApart) {
   PairSynchroniser synchroniser = nominal();
   synchroniser.push(CameraSide::left, frameAt(0));
   synchroniser.push(CameraSide::right, frameAt(kPeriod / 2 + 1));
   EXPECT_FALSE(synchroniser.pop());
   EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
   synchroniser.push(CameraSide::left,
-                    frameAt(kPeriod));  // nearer than half a period to the waiting right one
+                    frameAt(kPeriod));  // within half a period of the waiting right frame
   const std::optional<FramePair> pair = synchroniser.pop();
   ASSERT_TRUE(pair);
   EXPECT_EQ(pair->offsetNs(), kPeriod / 2 + 1 - kPeriod);
 }
 
-TEST(PairSynchroniser, DamagedFramesNeverMakeAPair) {
+TEST(PairSynchroniser, DropsDamagedFrames) {
   PairSynchroniser synchroniser = nominal();
   synchroniser.push(CameraSide::left, damagedAt(0));
   synchroniser.push(CameraSide::right, frameAt(0));
@@ -93,16 +95,16 @@ TEST(PairSynchroniser, DropsDuplicateAndBackwardInstants) {
   EXPECT_EQ(synchroniser.counts(CameraSide::left).out_of_order, 2U);
 }
 
-TEST(PairSynchroniser, FollowsAClockThatWasSetBackAndSaysSo) {
+TEST(PairSynchroniser, RestartsAfterClockWasSetBack) {
   PairSynchroniser synchroniser = nominal();
-  const std::int64_t set_back = 3'600'000'000'000;
+  const std::int64_t set_back_ns = 3'600'000'000'000;
   const auto push_both = [&](std::int64_t instant) {
     synchroniser.push(CameraSide::left, frameAt(instant));
     synchroniser.push(CameraSide::right, frameAt(instant + 1000));
     return popAll(synchroniser);
   };
   for (int i = 0; i < 20; ++i)
-    EXPECT_EQ(push_both(set_back + i * kPeriod).size(), 1U);
+    EXPECT_EQ(push_both(set_back_ns + i * kPeriod).size(), 1U);
   int pairs = 0;
   int restarts = 0;
   for (int i = 0; i < 20; ++i) {
@@ -111,11 +113,11 @@ TEST(PairSynchroniser, FollowsAClockThatWasSetBackAndSaysSo) {
       if (pair.time_restarted) ++restarts;
     }
   }
-  EXPECT_EQ(pairs, 13);  // the first seven of the backward ones are not believed
+  EXPECT_EQ(pairs, 13);  // the first seven of the earlier frames are dropped
   EXPECT_EQ(restarts, 1);
 }
 
-TEST(PairSynchroniser, ACameraThatFallsSilentDoesNotGrowTheQueueOfTheOther) {
+TEST(PairSynchroniser, LimitsQueueWhileOtherCameraSendsNothing) {
   PairSynchroniser synchroniser = nominal();
   for (int i = 0; i < 100; ++i) {
     synchroniser.push(CameraSide::left, frameAt(i * kPeriod));
@@ -128,7 +130,7 @@ TEST(PairSynchroniser, ACameraThatFallsSilentDoesNotGrowTheQueueOfTheOther) {
     EXPECT_EQ(pair.offsetNs(), 3);
 }
 
-TEST(PairSynchroniser, GoesOnAtOnceWhenASilentCameraReturns) {
+TEST(PairSynchroniser, ResumesPairingWhenStalledCameraReturns) {
   PairSynchroniser synchroniser = nominal();
   int pairs = 0;
   for (int i = 0; i < 100; ++i) {
@@ -139,7 +141,7 @@ TEST(PairSynchroniser, GoesOnAtOnceWhenASilentCameraReturns) {
   EXPECT_EQ(pairs, 20);
 }
 
-TEST(PairSynchroniser, WithoutAPeriodOnlyOneInstantPairsUntilItIsLearned) {
+TEST(PairSynchroniser, PairsOnlyEqualInstantsUntilPeriodIsEstimated) {
   PairSynchroniser synchroniser({});
   synchroniser.push(CameraSide::left, frameAt(0));
   synchroniser.push(CameraSide::right, frameAt(0));
@@ -155,7 +157,7 @@ TEST(PairSynchroniser, WithoutAPeriodOnlyOneInstantPairsUntilItIsLearned) {
   EXPECT_NEAR(static_cast<double>(synchroniser.periodNs()), static_cast<double>(kPeriod), 2.0);
 }
 
-TEST(PairSynchroniser, DropsWhatWaitsForACameraThatHasEnded) {
+TEST(PairSynchroniser, DropsFramesThatWaitForFinishedCamera) {
   PairSynchroniser synchroniser = nominal();
   synchroniser.push(CameraSide::left, frameAt(0));
   synchroniser.push(CameraSide::left, frameAt(kPeriod));
@@ -165,7 +167,7 @@ TEST(PairSynchroniser, DropsWhatWaitsForACameraThatHasEnded) {
   EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
 }
 
-TEST(PairSynchroniser, RefusesSettingsThatMakeNoSense) {
+TEST(PairSynchroniser, RejectsInvalidSettings) {
   EXPECT_THROW(PairSynchroniser({.period_ns = -1, .queue_length = 1, .restart_after = 1}),
                std::invalid_argument);
   EXPECT_THROW(PairSynchroniser({.period_ns = 0, .queue_length = 0, .restart_after = 1}),
@@ -174,7 +176,7 @@ TEST(PairSynchroniser, RefusesSettingsThatMakeNoSense) {
                std::invalid_argument);
 }
 
-/// Two free-running cameras with the faults of real ones.
+/// Faults of two free-running cameras.
 struct Scenario {
   double skew = 0.0;           ///< right against left, relative
   std::int64_t offset_ns = 0;  ///< at the start
@@ -235,7 +237,7 @@ Outcome run(const Scenario& scenario, unsigned seed) {
   return outcome;
 }
 
-void expectSound(const Outcome& outcome) {
+void expectConsistent(const Outcome& outcome) {
   std::set<std::uint64_t> left;
   std::set<std::uint64_t> right;
   std::int64_t last_left = -kPeriod * 100;
@@ -255,7 +257,7 @@ void expectSound(const Outcome& outcome) {
   EXPECT_EQ(accounted(outcome.right), outcome.right.received);
 }
 
-TEST(PairSynchroniser, StaysSoundUnderRandomJitterDropsAndDamage) {
+TEST(PairSynchroniser, StaysConsistentUnderRandomJitterDropsAndDamage) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     Scenario scenario;
     scenario.frames = 200;
@@ -265,29 +267,29 @@ TEST(PairSynchroniser, StaysSoundUnderRandomJitterDropsAndDamage) {
     scenario.damage = seed % 3 * 0.05;
     scenario.given_period_ns = seed % 2 == 0 ? kPeriod : 0;
     const Outcome outcome = run(scenario, seed);
-    if (scenario.given_period_ns != 0) expectSound(outcome);
+    if (scenario.given_period_ns != 0) expectConsistent(outcome);
     EXPECT_GT(outcome.pairs.size(), 40U) << "seed " << seed;
     EXPECT_EQ(accounted(outcome.left), outcome.left.received);
   }
 }
 
-TEST(PairSynchroniser, ALearnedPeriodIsRightDespiteDrops) {
+TEST(PairSynchroniser, EstimatesPeriodDespiteDrops) {
   Scenario scenario;
   scenario.frames = 1000;
   scenario.offset_ns = kPeriod / 3;
   scenario.drop = 0.3;
   scenario.given_period_ns = 0;
   const Outcome outcome = run(scenario, 7);
-  expectSound(outcome);
+  expectConsistent(outcome);
   EXPECT_NEAR(static_cast<double>(outcome.pairs.size()), 1000 * 0.7 * 0.7, 50.0);
 }
 
-TEST(PairSynchroniser, ASweepingOffsetCostsOneFrameForEachPeriodThatItSweeps) {
-  Scenario scenario;  // 50 ppm at 20 fps sweep one period in 20,000 frames: here through two and a half
+TEST(PairSynchroniser, LosesOneFramePerPeriodOfOffsetSweep) {
+  Scenario scenario;  // 50 ppm at 20 fps: one period in 20,000 frames, two and a half in this test
   scenario.frames = 50000;
   scenario.skew = 50e-6;
   const Outcome outcome = run(scenario, 1);
-  expectSound(outcome);
+  expectConsistent(outcome);
   EXPECT_GE(outcome.pairs.size(), 49990U);
   EXPECT_LE(outcome.left.no_partner + outcome.right.no_partner, 12U);
   std::size_t gap = 0;
@@ -298,22 +300,22 @@ TEST(PairSynchroniser, ASweepingOffsetCostsOneFrameForEachPeriodThatItSweeps) {
   EXPECT_LE(gap, 2U);
 }
 
-TEST(PairSynchroniser, AtTheSwapWithJitterPairsGoOnComing) {
+TEST(PairSynchroniser, KeepsPairingAtHalfAPeriodOffsetWithJitter) {
   Scenario scenario;
   scenario.frames = 1000;
   scenario.offset_ns = kPeriod / 2;
   scenario.jitter_ns = 5e5;
   const Outcome outcome = run(scenario, 3);
-  expectSound(outcome);
+  expectConsistent(outcome);
   EXPECT_GT(outcome.pairs.size(), 500U);
 }
 
-TEST(FramePair, ItsOffsetIsAsUncertainAsBothInstantsTogether) {
+TEST(FramePair, OffsetVarianceIsSumOfBothVariances) {
   FramePair pair;
-  EXPECT_EQ(pair.offsetDeviationNs(), 0.0);
-  pair.left.exposure_deviation_ns = 3'000'000;
-  pair.right.exposure_deviation_ns = 4'000'000;
-  EXPECT_DOUBLE_EQ(pair.offsetDeviationNs(), 5e6);
+  EXPECT_EQ(pair.offsetStddevNs(), 0.0);
+  pair.left.exposure_stddev_ns = 3'000'000;
+  pair.right.exposure_stddev_ns = 4'000'000;
+  EXPECT_DOUBLE_EQ(pair.offsetStddevNs(), 5e6);
 }
 
 }  // namespace

@@ -11,23 +11,23 @@
 
 namespace cartvo::test {
 
-// Pictures to record, and what came of them.
+// Pictures to record, and access to what was recorded.
 
-/// Of a recording in that folder, all else as usual.
+/// Default settings of a recording in that folder.
 inline RecordingSettings settingsFor(const std::filesystem::path& folder) {
   RecordingSettings settings;
   settings.folder = folder;
   return settings;
 }
 
-/// 2.25 s, a key picture each 0.75 s.
+/// Pictures of 2.25 s, a key picture every 0.75 s.
 inline const std::vector<EncodedUnit>& camera() {
   static const std::vector<EncodedUnit> units =
       encodeSequence(VideoCodec::h264, cv::Size(320, 200), 45, 15, "");
   return units;
 }
 
-/// The pictures again and again, in the order of time.
+/// The picture at an index of their endless repetition, in the order of time.
 inline EncodedUnit unitAt(int index) {
   const auto count = static_cast<int>(camera().size());
   EncodedUnit unit = camera()[static_cast<std::size_t>(index % count)];
@@ -38,7 +38,7 @@ inline EncodedUnit unitAt(int index) {
   return unit;
 }
 
-/// The numbers of a camera's pictures in a recording.
+/// Sequence numbers of a camera's pictures in a recording.
 inline std::vector<std::uint64_t> recordedSequences(const std::filesystem::path& folder, CameraSide side) {
   RecordingReader reader(folder, side);
   std::vector<std::uint64_t> sequences;
@@ -47,7 +47,7 @@ inline std::vector<std::uint64_t> recordedSequences(const std::filesystem::path&
   return sequences;
 }
 
-/// Of the segments that are there; none if there is no recording.
+/// Numbers of the existing segments; empty if there is no recording.
 inline std::vector<std::uint64_t> segmentNumbers(const std::filesystem::path& recording) {
   std::vector<std::uint64_t> numbers;
   if (!std::filesystem::exists(recording)) return numbers;

@@ -1,3 +1,5 @@
+// Rows of a recording's index.
+
 #include "capture/recording_index.hpp"
 
 #include <optional>
@@ -8,7 +10,7 @@
 namespace cartvo {
 namespace {
 
-TEST(RecordingIndex, ARowSurvivesTheRoundTrip) {
+TEST(RecordingIndex, ParsesFormattedRow) {
   IndexRow row;
   row.number = 7;
   row.time_ms = 350;
@@ -19,27 +21,27 @@ TEST(RecordingIndex, ARowSurvivesTheRoundTrip) {
   row.reference_us = 1'700'000'000'123'456;
   row.first_arrival_ns = 1'700'000'000'200'000'001;
   row.arrival_ns = 1'700'000'000'210'000'001;
-  row.undelayed_arrival_ns = 1'700'000'000'199'000'001;
+  row.min_delay_arrival_ns = 1'700'000'000'199'000'001;
   row.exposure_ns = 1'700'000'000'123'456'789;
-  row.exposure_deviation_ns = 1'000'000;
+  row.exposure_stddev_ns = 1'000'000;
   row.instant_source = InstantSource::sender_report;
   row.size = 4711;
   row.checksum = 0xdeadbeef;
   row.key = true;
   row.data_lost = true;
   row.status = FrameStatus::damaged;
-  const std::string text = toText(row);
+  const std::string text = formatIndexRow(row);
   const std::optional<IndexRow> read = parseIndexRow(text);
   ASSERT_TRUE(read);
-  EXPECT_EQ(toText(*read), text);
+  EXPECT_EQ(formatIndexRow(*read), text);
   EXPECT_EQ(read->status, FrameStatus::damaged);
   row.reference_us.reset();
-  ASSERT_TRUE(parseIndexRow(toText(row)));
-  EXPECT_EQ(parseIndexRow(toText(row))->reference_us, std::nullopt);
+  ASSERT_TRUE(parseIndexRow(formatIndexRow(row)));
+  EXPECT_EQ(parseIndexRow(formatIndexRow(row))->reference_us, std::nullopt);
 }
 
-TEST(RecordingIndex, ALineThatIsNotAsItWasWrittenIsNoRow) {
-  const std::string text = toText(IndexRow{});
+TEST(RecordingIndex, RejectsChangedLine) {
+  const std::string text = formatIndexRow(IndexRow{});
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string changed = text;
     changed[i] = changed[i] == '7' ? '8' : '7';
@@ -49,21 +51,21 @@ TEST(RecordingIndex, ALineThatIsNotAsItWasWrittenIsNoRow) {
   EXPECT_FALSE(parseIndexRow(""));
 }
 
-TEST(RecordingIndex, ALineWithTimesThatCannotBeIsNoRow) {
+TEST(RecordingIndex, RejectsTimesOutOfRange) {
   IndexRow row;
-  ASSERT_TRUE(parseIndexRow(toText(row)));
+  ASSERT_TRUE(parseIndexRow(formatIndexRow(row)));
   for (std::int64_t IndexRow::*const member :
-       {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::undelayed_arrival_ns,
-        &IndexRow::exposure_ns, &IndexRow::exposure_deviation_ns, &IndexRow::time_ms}) {
+       {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::min_delay_arrival_ns,
+        &IndexRow::exposure_ns, &IndexRow::exposure_stddev_ns, &IndexRow::time_ms}) {
     IndexRow impossible = row;
-    // -2^62 and 2^62 are too far apart for a difference.
+    // The difference of -2^62 and 2^62 overflows.
     for (const std::int64_t instant : {INT64_MAX, INT64_MIN, -(std::int64_t{1} << 62)}) {
       impossible.*member = instant;
-      EXPECT_FALSE(parseIndexRow(toText(impossible))) << instant;
+      EXPECT_FALSE(parseIndexRow(formatIndexRow(impossible))) << instant;
     }
   }
   row.reference_us = INT64_MAX;
-  EXPECT_FALSE(parseIndexRow(toText(row)));
+  EXPECT_FALSE(parseIndexRow(formatIndexRow(row)));
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// Deletion of old segments.
+
 #include "capture/recording_quota.hpp"
 
 #include <chrono>
@@ -21,7 +23,7 @@ using test::unitAt;
 using testing::HasSubstr;
 
 /// Two recordings of three segments each.
-class Quota : public testing::Test {
+class RecordingQuotaTest : public testing::Test {
  protected:
   void SetUp() override {
     for (const fs::path& recording : {old_, latest_}) {
@@ -51,7 +53,7 @@ class Quota : public testing::Test {
   RecordingQuota quota_;
 };
 
-TEST_F(Quota, DeletesTheOldestSegmentsFirstAndNoMoreThanItMust) {
+TEST_F(RecordingQuotaTest, DeletesOnlyAsManyOldestSegmentsAsNeeded) {
   quota_.maximum_bytes = bytesIn(folder_.path());
   EXPECT_EQ(enforceQuota(quota_, latest_, 2).deleted_segments, 0U);
   quota_.maximum_bytes -= 1;
@@ -63,14 +65,14 @@ TEST_F(Quota, DeletesTheOldestSegmentsFirstAndNoMoreThanItMust) {
   EXPECT_EQ(recordedSequences(old_, CameraSide::left).size(), 30U);
 }
 
-TEST_F(Quota, DeletesNoSegmentThatIsBeingWrittenAndLeavesNoEmptyRecording) {
+TEST_F(RecordingQuotaTest, KeepsOpenSegmentsAndDeletesEmptyRecordings) {
   quota_.maximum_bytes = 1;
   enforceQuota(quota_, latest_, 1);
   EXPECT_THAT(segmentNumbers(latest_), testing::ElementsAre(1, 2));
   EXPECT_FALSE(fs::exists(old_));
 }
 
-TEST_F(Quota, LeavesAloneWhatAnotherWriterIsWriting) {
+TEST_F(RecordingQuotaTest, KeepsRecordingOfAnotherWriter) {
   const RecordingWriter other(folder_ / "2025", {}, std::chrono::seconds(60));
   fs::rename(old_ / "000000", folder_ / "2025/000000");
   quota_.maximum_bytes = 1;
@@ -78,7 +80,7 @@ TEST_F(Quota, LeavesAloneWhatAnotherWriterIsWriting) {
   EXPECT_THAT(segmentNumbers(folder_ / "2025"), testing::ElementsAre(0));
 }
 
-TEST_F(Quota, DeletesWhatIsTooOld) {
+TEST_F(RecordingQuotaTest, DeletesSegmentsBeyondMaximumAge) {
   for (const char* file : {"left.mkv", "left.csv", "right.mkv", "right.csv"})
     fs::last_write_time(old_ / "000000" / file, fs::file_time_type::clock::now() - std::chrono::hours(25));
   quota_.maximum_age = std::chrono::hours(24);
@@ -86,14 +88,14 @@ TEST_F(Quota, DeletesWhatIsTooOld) {
   EXPECT_THAT(segmentNumbers(old_), testing::ElementsAre(1, 2));
 }
 
-TEST_F(Quota, MakesRoomOnTheDiskAndSaysWhenItCannot) {
+TEST_F(RecordingQuotaTest, FreesDiskSpaceAndReportsShortage) {
   quota_.keep_free_bytes = std::uint64_t{1} << 60;
   const QuotaOutcome outcome = enforceQuota(quota_, latest_, 2);
   EXPECT_EQ(outcome.deleted_segments, 5U);
-  EXPECT_THAT(outcome.short_of_room, HasSubstr("are kept for others"));
+  EXPECT_THAT(outcome.shortage, HasSubstr("must be kept free"));
 }
 
-TEST_F(Quota, DeletesNothingThatIsNoRecordings) {
+TEST_F(RecordingQuotaTest, KeepsFilesThatBelongToNoSegment) {
   std::ofstream(folder_ / "notes.txt") << "mine";
   std::ofstream(old_ / "000001/notes.txt") << "mine";
   fs::create_directories(folder_ / "other/000000");
@@ -109,7 +111,7 @@ TEST_F(Quota, DeletesNothingThatIsNoRecordings) {
   EXPECT_TRUE(fs::exists(elsewhere / "kept/left.mkv"));
 }
 
-TEST_F(Quota, WithoutAFolderToDeleteInDeletesNothing) {
+TEST_F(RecordingQuotaTest, DeletesNothingWithoutFolder) {
   quota_.recordings.clear();
   quota_.maximum_bytes = 1;
   EXPECT_EQ(enforceQuota(quota_, latest_, 3).deleted_segments, 0U);

@@ -1,4 +1,5 @@
-// What comes through a live connection: over real sockets on loopback, against the simulated camera.
+// Frames of a live connection, over real sockets on loopback, from the simulated camera.
+
 #include "capture/rtsp_camera.hpp"
 
 #include <cmath>
@@ -18,8 +19,8 @@
 #include "capture/stream_recorder.hpp"
 #include "capture/video_decoder.hpp"
 #include "support/temporary_folder.hpp"
+#include "tests/capture/frame_digest.hpp"
 #include "tests/capture/live_camera.hpp"
-#include "tests/capture/seen_frame.hpp"
 
 namespace cartvo {
 namespace {
@@ -29,12 +30,12 @@ using simulate::SimulatedCamera;
 using simulate::SimulatedCameraSettings;
 using std::chrono::milliseconds;
 
-/// Standard deviations: on a busy host the clock model is given late arrivals and says so; how exact it is in
-/// quiet, its own tests tell.
-constexpr double kCovered = 3.0;
+/// Limit of the exposures' error, standard deviations. On a busy host arrivals are late and the stated
+/// deviation is larger; the accuracy of the clock model is tested separately.
+constexpr double kGate = 3.0;
 
-/// A picture's index in the content, by its pixels.
-std::map<std::uint64_t, std::size_t> contentByDigest(const EncodedStream& stream) {
+/// Index of each picture in the content, by the hash of its pixels.
+std::map<std::uint64_t, std::size_t> contentByHash(const EncodedStream& stream) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   std::map<std::uint64_t, std::size_t> content;
   for (std::size_t i = 0; i < stream.units.size(); ++i) {
@@ -49,12 +50,12 @@ std::map<std::uint64_t, std::size_t> contentByDigest(const EncodedStream& stream
   return content;
 }
 
-class LiveTransport : public testing::TestWithParam<RtspTransport> {};
+class RtspCameraTransport : public testing::TestWithParam<RtspTransport> {};
 
-TEST_P(LiveTransport, PicturesArriveWholeInOrderAndWithTheInstantsOfTheirExposure) {
+TEST_P(RtspCameraTransport, DeliversPicturesCompleteInOrderAndWithTheirExposures) {
   const EncodedStream& stream = *test::leftStream();
-  const std::map<std::uint64_t, std::size_t> content = contentByDigest(stream);
-  const auto server = test::switchOn(test::leftStream());
+  const std::map<std::uint64_t, std::size_t> content = contentByHash(stream);
+  const auto server = test::startCamera(test::leftStream());
   RtspCameraSettings settings = test::settingsFor(server->port());
   settings.transport = GetParam();
   RtspCamera camera(settings);
@@ -72,11 +73,11 @@ TEST_P(LiveTransport, PicturesArriveWholeInOrderAndWithTheInstantsOfTheirExposur
     }
     last_sequence = frame.sequence;
     const auto found = content.find(test::digest(frame.image));
-    if (found == content.end() || found->second == 0) return false;  // the lead-in stands still
+    if (found == content.end() || found->second == 0) return false;  // the lead-in is static
     if (frame.instant_source != InstantSource::sender_report) return false;
     const std::int64_t expected = epoch + stream.units[found->second].instant_ns;
-    EXPECT_NEAR(static_cast<double>((frame.exposure_ns - expected) % test::kLiveTurn_ns), 0.0,
-                kCovered * static_cast<double>(frame.exposure_deviation_ns));
+    EXPECT_NEAR(static_cast<double>((frame.exposure_ns - expected) % test::kLiveDuration_ns), 0.0,
+                kGate * static_cast<double>(frame.exposure_stddev_ns));
     EXPECT_GE(frame.decoded_ns, frame.arrival_ns);
     return ++checked == 40;
   });
@@ -90,19 +91,19 @@ std::string transportName(const testing::TestParamInfo<RtspTransport>& transport
   return transport.param == RtspTransport::tcp ? "Tcp" : "Udp";
 }
 
-INSTANTIATE_TEST_SUITE_P(RtspCamera, LiveTransport, testing::Values(RtspTransport::tcp, RtspTransport::udp),
-                         transportName);
+INSTANTIATE_TEST_SUITE_P(RtspCamera, RtspCameraTransport,
+                         testing::Values(RtspTransport::tcp, RtspTransport::udp), transportName);
 
-TEST(RtspCamera, ThePictureComesOutWithItsLastPacketNotWithTheNextPicture) {
+TEST(RtspCamera, DeliversPictureWithItsLastPacket) {
   const EncodedStream& stream = *test::leftStream();
-  const std::map<std::uint64_t, std::size_t> content = contentByDigest(stream);
+  const std::map<std::uint64_t, std::size_t> content = contentByHash(stream);
   SimulatedCameraSettings once;
   once.password = test::kLivePassword;
   SimulatedCamera server(test::leftStream(), once);
   RtspCamera camera(test::settingsFor(server.port()));
   ASSERT_TRUE(test::readFrames(camera, 1));
   server.startContent(test::nowNs());
-  // No picture follows the last one, so only its own packets can have told that it is complete.
+  // No picture follows the last one, so it can only be completed by its own packets.
   EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
     if (outcome != ReadOutcome::frame) return false;
     const auto found = content.find(test::digest(frame.image));
@@ -110,36 +111,36 @@ TEST(RtspCamera, ThePictureComesOutWithItsLastPacketNotWithTheNextPicture) {
   }));
 }
 
-TEST(RtspCamera, ARecordingOfALiveStreamReplaysTheSameFrames) {
+TEST(RtspCamera, RecordingOfLiveStreamReplaysSameFrames) {
   const test::TemporaryFolder folder;
-  const auto server = test::switchOn(test::leftStream());
-  std::vector<test::SeenFrame> live;
+  const auto server = test::startCamera(test::leftStream());
+  std::vector<test::FrameDigest> live;
   {
     RecordingSettings settings;
     settings.folder = folder / "drive";
     StreamRecorder recorder(settings);
     RtspCamera camera(test::settingsFor(server->port()));
-    camera.observe(recorder.left());
+    camera.setObserver(recorder.left());
     server->startContent(test::nowNs());
     ASSERT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
-      if (outcome == ReadOutcome::frame) live.push_back(test::seen(frame));
+      if (outcome == ReadOutcome::frame) live.push_back(test::digestOf(frame));
       return live.size() == 50;
     }));
     EXPECT_EQ(recorder.health().error, "");
   }
-  std::vector<test::SeenFrame> replayed;
+  std::vector<test::FrameDigest> replayed;
   RecordingSource source(folder / "drive", CameraSide::left);
   Frame frame;
   while (source.read(frame, milliseconds(0)) == ReadOutcome::frame)
-    replayed.push_back(test::seen(frame));
+    replayed.push_back(test::digestOf(frame));
   ASSERT_GE(replayed.size(), live.size());  // the last picture may have been received but not read
   replayed.resize(live.size());
   EXPECT_EQ(replayed, live);
 }
 
 TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
-  const auto left = test::switchOn(test::leftStream());
-  const auto right = test::switchOn(test::rightStream());
+  const auto left = test::startCamera(test::leftStream());
+  const auto right = test::startCamera(test::rightStream());
   const std::int64_t epoch = test::nowNs() / 1000 * 1000 + 1'000'000'000;
   left->startContent(epoch);
   right->startContent(epoch);
@@ -165,10 +166,10 @@ TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
   for (const FramePair& pair : pairs) {
     EXPECT_LE(std::abs(pair.offsetNs()), 20'000'000);
     if (pair.left.instant_source != InstantSource::sender_report) continue;
-    const double deviation = std::hypot(static_cast<double>(pair.left.exposure_deviation_ns),
-                                        static_cast<double>(pair.right.exposure_deviation_ns));
+    const double stddev = std::hypot(static_cast<double>(pair.left.exposure_stddev_ns),
+                                     static_cast<double>(pair.right.exposure_stddev_ns));
     EXPECT_NEAR(static_cast<double>(pair.offsetNs()), static_cast<double>(test::kLiveOffset_ns),
-                kCovered * deviation);
+                kGate * stddev);
     ++exact;
   }
   EXPECT_GT(exact, 10);

@@ -1,5 +1,5 @@
-// How a live connection is refused, lost and made again: over real sockets on loopback, against the simulated
-// camera.
+// Failure and recovery of a live connection, over real sockets on loopback, from the simulated camera.
+
 #include <atomic>
 #include <cerrno>
 #include <mutex>
@@ -15,7 +15,7 @@
 #include "capture/ffmpeg_log.hpp"
 #include "capture/rtsp_camera.hpp"
 #include "tests/capture/live_camera.hpp"
-#include "tests/capture/silent_listener.hpp"
+#include "tests/capture/silent_server.hpp"
 #include "tests/capture/tcp_proxy.hpp"
 
 namespace cartvo {
@@ -29,14 +29,14 @@ bool readUntilState(RtspCamera& camera, CameraState state) {
   return test::readUntil(camera, [&](ReadOutcome, const Frame&) { return camera.health().state == state; });
 }
 
-TEST(RtspConnection, AWrongPasswordIsRefusedAndNeverShown) {
+TEST(RtspConnection, ReportsWrongPasswordWithoutShowingIt) {
   std::mutex mutex;
   std::string log;
   setFfmpegLogSink([&](const std::string& message) {
     const std::lock_guard lock(mutex);
     log += message + "\n";
   });
-  const auto server = test::switchOn(test::leftStream());
+  const auto server = test::startCamera(test::leftStream());
   RtspCameraSettings settings = test::settingsFor(server->port());
   settings.credentials.password = "hunter2";
   RtspCamera camera(settings);
@@ -48,23 +48,23 @@ TEST(RtspConnection, AWrongPasswordIsRefusedAndNeverShown) {
   EXPECT_THAT(health.last_error, Not(HasSubstr("hunter2")));
   EXPECT_THAT(log, HasSubstr("401"));
   EXPECT_THAT(log, Not(HasSubstr("hunter2")));
-  // Not asked again in a hurry: the account would be locked.
+  // No quick retry: the camera would lock the account.
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(300)), ReadOutcome::timed_out);
   EXPECT_EQ(camera.health().state, CameraState::refused);
 }
 
-TEST(RtspConnection, AMissingPasswordIsSaidToBeMissing) {
-  const auto server = test::switchOn(test::leftStream());
+TEST(RtspConnection, ReportsMissingPassword) {
+  const auto server = test::startCamera(test::leftStream());
   RtspCameraSettings settings = test::settingsFor(server->port());
   settings.credentials = {};
   RtspCamera camera(settings);
   EXPECT_TRUE(readUntilState(camera, CameraState::refused));
-  EXPECT_THAT(camera.health().last_error, HasSubstr("asks for a user and password, and none are configured"));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("requires a user and password, and none are configured"));
 }
 
-TEST(RtspConnection, ReconnectsToACameraThatWasSwitchedOffAndOn) {
-  auto server = test::switchOn(test::leftStream());
+TEST(RtspConnection, ReconnectsAfterCameraRestart) {
+  auto server = test::startCamera(test::leftStream());
   const std::uint16_t port = server->port();
   RtspCamera camera(test::settingsFor(port));
   Frame frame;
@@ -73,30 +73,30 @@ TEST(RtspConnection, ReconnectsToACameraThatWasSwitchedOffAndOn) {
   ASSERT_TRUE(test::readUntil(
       camera, [&](ReadOutcome, const Frame&) { return camera.health().state != CameraState::streaming; }));
   EXPECT_THAT(camera.health().last_error, HasSubstr("127.0.0.1:" + std::to_string(port)));
-  server = test::switchOn(test::leftStream(), port);
+  server = test::startCamera(test::leftStream(), port);
   EXPECT_TRUE(test::readFrames(camera, 10));
   EXPECT_EQ(camera.health().state, CameraState::streaming);
   EXPECT_EQ(camera.health().reconnections, 1U);
 }
 
-TEST(RtspConnection, NoticesThatTheStreamHasStalledAndConnectsAgain) {
-  const auto server = test::switchOn(test::leftStream());
+TEST(RtspConnection, ReconnectsAfterStall) {
+  const auto server = test::startCamera(test::leftStream());
   test::TcpProxy proxy(server->port());
   RtspCameraSettings settings = test::settingsFor(proxy.port());
   settings.stall_timeout = milliseconds(300);
   RtspCamera camera(settings);
   ASSERT_TRUE(test::readFrames(camera, 10));
-  proxy.freeze();
+  proxy.stall();
   ASSERT_TRUE(readUntilState(camera, CameraState::stalled));
   EXPECT_THAT(camera.health().last_error, HasSubstr("sent no picture for 300 ms"));
   EXPECT_TRUE(test::readFrames(camera, 5));
 }
 
-TEST(RtspConnection, SaysThatNothingListensThere) {
+TEST(RtspConnection, ReportsClosedPort) {
   std::uint16_t closed_port = 0;
   {
-    const test::TcpProxy listener(1);
-    closed_port = listener.port();
+    const test::TcpProxy server(1);
+    closed_port = server.port();
   }
   RtspCamera camera(test::settingsFor(closed_port));
   Frame frame;
@@ -105,9 +105,9 @@ TEST(RtspConnection, SaysThatNothingListensThere) {
   EXPECT_EQ(camera.health().state, CameraState::connecting);
 }
 
-TEST(RtspConnection, SaysThatNothingAnswersThere) {
-  const test::SilentListener listener(1);
-  RtspCameraSettings settings = test::settingsFor(listener.port());
+TEST(RtspConnection, ReportsServerThatDoesNotAnswer) {
+  const test::SilentServer server(1);
+  RtspCameraSettings settings = test::settingsFor(server.port());
   settings.connect_timeout = milliseconds(300);
   RtspCamera camera(settings);
   Frame frame;
@@ -116,15 +116,15 @@ TEST(RtspConnection, SaysThatNothingAnswersThere) {
   EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
 }
 
-TEST(RtspConnection, SaysThatAHostWhoseQueueIsFullDoesNotAnswer) {
-  const test::SilentListener listener(0);
-  const auto* const address = reinterpret_cast<const sockaddr*>(&listener.address());
-  std::vector<int> waiting;  // the kernel answers no further request to connect
+TEST(RtspConnection, ReportsServerThatDoesNotAcceptConnections) {
+  const test::SilentServer server(0);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&server.address());
+  std::vector<int> waiting;  // until the kernel accepts no further connection
   for (int i = 0; i < 4; ++i) {
     waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
-    EXPECT_TRUE(::connect(waiting.back(), address, sizeof listener.address()) == 0 || errno == EINPROGRESS);
+    EXPECT_TRUE(::connect(waiting.back(), address, sizeof server.address()) == 0 || errno == EINPROGRESS);
   }
-  RtspCameraSettings settings = test::settingsFor(listener.port());
+  RtspCameraSettings settings = test::settingsFor(server.port());
   settings.answer_timeout = milliseconds(200);
   RtspCamera camera(settings);
   Frame frame;
@@ -135,12 +135,12 @@ TEST(RtspConnection, SaysThatAHostWhoseQueueIsFullDoesNotAnswer) {
 }
 
 TEST(RtspConnection, InterruptEndsReadingInEachState) {
-  const auto server = test::switchOn(test::leftStream());
+  const auto server = test::startCamera(test::leftStream());
   test::TcpProxy proxy(server->port());
-  // Frozen before it is asked, the proxy accepts the connection and never answers.
+  // A proxy that was stalled before the connection accepts it and never answers.
   for (const bool answers : {true, false}) {
     RtspCamera camera(test::settingsFor(proxy.port()));
-    if (!answers) proxy.freeze();
+    if (!answers) proxy.stall();
     std::atomic<bool> ended = false;
     std::thread reader([&] {
       Frame frame;

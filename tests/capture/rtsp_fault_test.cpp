@@ -1,5 +1,5 @@
-// What cameras and networks do wrong: over real sockets on loopback, against a camera that does as it is
-// told.
+// Faults of cameras and networks, over real sockets on loopback, from a scripted camera.
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -45,43 +45,43 @@ RtspCameraSettings settingsFor(const ScriptedCamera& camera, RtspTransport trans
   return settings;
 }
 
-/// What an undamaged stream looks like, picture by picture.
-std::set<std::uint64_t> digestsOf(const CameraScript& script) {
+/// Hashes of the pictures of an undamaged stream.
+std::set<std::uint64_t> hashesOf(const CameraScript& script) {
   VideoDecoder decoder({script.codec, {}}, 1);
-  std::set<std::uint64_t> digests;
+  std::set<std::uint64_t> hashes;
   for (const EncodedUnit& unit : script.pictures) {
     decoder.send(unit);
     while (const std::optional<Frame> frame = decoder.receive())
-      digests.insert(test::digest(frame->image));
+      hashes.insert(test::digest(frame->image));
   }
-  return digests;
+  return hashes;
 }
 
-/// What came of reading some frames.
-struct Seen {
+/// Counts of the frames read.
+struct FrameCounts {
   int good = 0;
   int damaged = 0;
-  int wrong = 0;  ///< called good, but not as the camera encoded them
+  int wrong = 0;  ///< marked good, but different from the encoded pictures
 };
 
-Seen read(RtspCamera& camera, int frames, const std::set<std::uint64_t>& digests) {
-  Seen seen;
+FrameCounts read(RtspCamera& camera, int frames, const std::set<std::uint64_t>& hashes) {
+  FrameCounts seen;
   test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
     if (outcome != ReadOutcome::frame) return false;
     if (frame.status == FrameStatus::damaged) {
       ++seen.damaged;
     } else {
       ++seen.good;
-      seen.wrong += digests.count(test::digest(frame.image)) == 0 ? 1 : 0;
+      seen.wrong += hashes.count(test::digest(frame.image)) == 0 ? 1 : 0;
     }
     return seen.good + seen.damaged >= frames;
   });
   return seen;
 }
 
-class Loss : public testing::TestWithParam<double> {};
+class RtspPacketLoss : public testing::TestWithParam<double> {};
 
-TEST_P(Loss, DamagesFramesUpToTheNextKeyFrameAndNoneIsCalledGoodThatIsNot) {
+TEST_P(RtspPacketLoss, MarksAllDamagedFrames) {
   CameraScript lossy = script(VideoCodec::h264);
   lossy.frame_rate = 100.0;
   auto random = std::make_shared<std::mt19937>(7);
@@ -90,7 +90,7 @@ TEST_P(Loss, DamagesFramesUpToTheNextKeyFrameAndNoneIsCalledGoodThatIsNot) {
   };
   ScriptedCamera server(lossy);
   RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  const Seen seen = read(camera, 400, digestsOf(lossy));
+  const FrameCounts seen = read(camera, 400, hashesOf(lossy));
   EXPECT_EQ(seen.wrong, 0);
   EXPECT_GT(seen.good, 5);
   if (GetParam() >= 0.01) {
@@ -100,15 +100,15 @@ TEST_P(Loss, DamagesFramesUpToTheNextKeyFrameAndNoneIsCalledGoodThatIsNot) {
   EXPECT_EQ(camera.health().reconnections, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(RtspFault, Loss, testing::Values(0.001, 0.01, 0.05));
+INSTANTIATE_TEST_SUITE_P(RtspFault, RtspPacketLoss, testing::Values(0.001, 0.01, 0.05));
 
-Seen seenOverUdp(const CameraScript& script) {
+FrameCounts seenOverUdp(const CameraScript& script) {
   ScriptedCamera server(script);
   RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  return read(camera, 60, digestsOf(script));
+  return read(camera, 60, hashesOf(script));
 }
 
-TEST(RtspFault, ReorderedPacketsArePutInOrder) {
+TEST(RtspFault, RestoresOrderOfPackets) {
   CameraScript reordering = script(VideoCodec::h264);
   auto held = std::make_shared<CameraScript::Packet>();
   auto count = std::make_shared<int>(0);
@@ -121,32 +121,32 @@ TEST(RtspFault, ReorderedPacketsArePutInOrder) {
     if (!held->empty()) send(*held);
     held->clear();
   };
-  const Seen seen = seenOverUdp(reordering);
+  const FrameCounts seen = seenOverUdp(reordering);
   EXPECT_EQ(seen.damaged, 0);
   EXPECT_EQ(seen.wrong, 0);
 }
 
-TEST(RtspFault, PacketsThatComeTwiceGarbleNothing) {
+TEST(RtspFault, ToleratesDuplicatePackets) {
   CameraScript repeating = script(VideoCodec::h264);
   auto random = std::make_shared<std::mt19937>(7);
   repeating.link = [random](const auto& packet, const auto& send) {
     send(packet);
     if ((*random)() % 8 == 0) send(packet);
   };
-  const Seen seen = seenOverUdp(repeating);
+  const FrameCounts seen = seenOverUdp(repeating);
   EXPECT_EQ(seen.wrong, 0);
   EXPECT_EQ(seen.damaged, 0);
 }
 
-TEST(RtspFault, JitterOfFiftyMillisecondsDelaysPicturesButNotTheirInstants) {
-  CameraScript jittery = script(VideoCodec::h264);
+TEST(RtspFault, KeepsInstantsSteadyUnderJitterOfFiftyMilliseconds) {
+  CameraScript with_jitter = script(VideoCodec::h264);
   auto random = std::make_shared<std::mt19937>(7);
-  jittery.link = [random](const auto& packet, const auto& send) {
+  with_jitter.link = [random](const auto& packet, const auto& send) {
     const bool last_of_picture = (packet[1] & 0x80) != 0;
     if (last_of_picture && (*random)() % 4 == 0) std::this_thread::sleep_for(milliseconds((*random)() % 50));
     send(packet);
   };
-  ScriptedCamera server(jittery);
+  ScriptedCamera server(with_jitter);
   RtspCamera camera(settingsFor(server, RtspTransport::udp));
   std::optional<std::int64_t> last;
   std::int64_t shortest = 1'000'000'000;
@@ -162,11 +162,11 @@ TEST(RtspFault, JitterOfFiftyMillisecondsDelaysPicturesButNotTheirInstants) {
     last = frame.exposure_ns;
     return ++frames == 75;
   }));
-  EXPECT_GE(shortest, 29'000'000);  // 40 ms, slewed by a quarter while the clock settles
+  EXPECT_GE(shortest, 29'000'000);  // 40 ms, slewed by up to a quarter while the clock model settles
   EXPECT_LE(longest, 51'000'000);
 }
 
-TEST(RtspFault, GarbageAmongThePacketsEndsNothing) {
+TEST(RtspFault, SurvivesInvalidPackets) {
   for (const RtspTransport transport : {RtspTransport::tcp, RtspTransport::udp}) {
     CameraScript garbled = script(VideoCodec::h264);
     auto random = std::make_shared<std::mt19937>(7);
@@ -183,12 +183,12 @@ TEST(RtspFault, GarbageAmongThePacketsEndsNothing) {
     };
     ScriptedCamera server(garbled);
     RtspCamera camera(settingsFor(server, transport));
-    const Seen seen = read(camera, 40, {});
+    const FrameCounts seen = read(camera, 40, {});
     EXPECT_GE(seen.good + seen.damaged, 40);
   }
 }
 
-TEST(RtspFault, GarbageInTheSessionDescriptionIsAnErrorOrOverlooked) {
+TEST(RtspFault, ReportsOrIgnoresInvalidSessionDescription) {
   const std::string bad[] = {
       "garbage",
       std::string(3000, '\xff'),
@@ -198,9 +198,9 @@ TEST(RtspFault, GarbageInTheSessionDescriptionIsAnErrorOrOverlooked) {
   };
   int errors = 0;
   for (const std::string& description : bad) {
-    CameraScript babbling = script(VideoCodec::h264);
-    babbling.description = description;
-    ScriptedCamera server(babbling);
+    CameraScript with_description = script(VideoCodec::h264);
+    with_description.description = description;
+    ScriptedCamera server(with_description);
     RtspCameraSettings settings = settingsFor(server, RtspTransport::tcp);
     settings.connect_timeout = milliseconds(2000);
     RtspCamera camera(settings);
@@ -214,21 +214,21 @@ TEST(RtspFault, GarbageInTheSessionDescriptionIsAnErrorOrOverlooked) {
   EXPECT_GE(errors, 3);
 }
 
-TEST(RtspFault, AnotherResolutionIsDecodedAsSuchFromItsFirstKeyFrameOn) {
+TEST(RtspFault, DecodesOtherResolutionFromItsFirstKeyFrame) {
   const CameraScript before = script(VideoCodec::h264);
   ScriptedCamera server(before);
   RtspCamera camera(settingsFor(server, RtspTransport::tcp));
   ASSERT_TRUE(test::readFrames(camera, 30));
   CameraScript after = before;
   after.pictures = test::encodeSequence(VideoCodec::h264, {320, 200}, 40, 10, "ref=3:slices=2:cabac=0");
-  server.change(after.pictures);
-  const std::set<std::uint64_t> digests = digestsOf(after);
+  server.setPictures(after.pictures);
+  const std::set<std::uint64_t> hashes = hashesOf(after);
   int changed = 0;
   EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
     if (outcome != ReadOutcome::frame || frame.image.size() == kSize) return false;
     EXPECT_EQ(frame.image.size(), cv::Size(320, 200));
     if (frame.status == FrameStatus::good) {
-      EXPECT_EQ(digests.count(test::digest(frame.image)), 1U);
+      EXPECT_EQ(hashes.count(test::digest(frame.image)), 1U);
       ++changed;
     }
     return changed == 30;
@@ -236,34 +236,35 @@ TEST(RtspFault, AnotherResolutionIsDecodedAsSuchFromItsFirstKeyFrameOn) {
   EXPECT_EQ(camera.health().reconnections, 0U);
 }
 
-TEST(RtspFault, AFrozenPictureIsNoticedThoughPacketsFlow) {
-  CameraScript hanging = script(VideoCodec::h264);
-  const std::vector<EncodedUnit> moving = hanging.pictures;
-  ScriptedCamera server(hanging);
+TEST(RtspFault, DetectsFrozenPicture) {
+  CameraScript frozen = script(VideoCodec::h264);
+  const std::vector<EncodedUnit> moving = frozen.pictures;
+  ScriptedCamera server(frozen);
   RtspCameraSettings settings = settingsFor(server, RtspTransport::tcp);
   settings.frozen_after = milliseconds(500);
   RtspCamera camera(settings);
   ASSERT_TRUE(test::readFrames(camera, 30));
   EXPECT_EQ(camera.health().state, CameraState::streaming);
-  server.change({moving.front()});
+  server.setPictures({moving.front()});
   EXPECT_TRUE(test::readUntil(
       camera, [&](ReadOutcome, const Frame&) { return camera.health().state == CameraState::frozen; }));
-  EXPECT_THAT(camera.health().last_error, HasSubstr("has sent one and the same picture for more than 0.5 s"));
-  server.change(moving);
+  EXPECT_THAT(camera.health().last_error,
+              HasSubstr("is frozen: it has sent the same picture for more than 0.5 s"));
+  server.setPictures(moving);
   EXPECT_TRUE(test::readUntil(
       camera, [&](ReadOutcome, const Frame&) { return camera.health().state == CameraState::streaming; }));
 }
 
-/// Reads a camera whose time of day errs by `clock_error` (as CameraScript's), until `done` says so of what
-/// is known of it and of the frames that came.
+/// Reads a camera whose wall clock has the error `clock_error` (as CameraScript's) and expects increasing
+/// exposures near the arrivals, until `done` returns true for the clock's status and the number of frames.
 void expectSteadyExposures(const std::function<double(double)>& clock_error,
                            const std::function<bool(const ClockStatus::Camera&, int)>& done) {
-  CameraScript erring = script(VideoCodec::h264);
-  erring.clock_error = clock_error;
-  ScriptedCamera server(erring);
-  PairClock clock(ClockChoice::automatic);
+  CameraScript with_clock_error = script(VideoCodec::h264);
+  with_clock_error.clock_error = clock_error;
+  ScriptedCamera server(with_clock_error);
+  StereoTimestamper clock(ClockChoice::automatic);
   RtspCamera camera(settingsFor(server, RtspTransport::tcp));
-  camera.share(clock, CameraSide::left);
+  camera.setTimestamper(clock, CameraSide::left);
   std::int64_t last = 0;
   int frames = 0;
   EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
@@ -275,23 +276,23 @@ void expectSteadyExposures(const std::function<double(double)>& clock_error,
   }));
 }
 
-TEST(RtspFault, AClockThatIsSetByAnHourMovesNoExposure) {
+TEST(RtspFault, KeepsExposuresSteadyWhenCameraClockIsSetByAnHour) {
   expectSteadyExposures([](double time) { return time < 2.0 ? 0.0 : 3600.0; },
                         [](const ClockStatus::Camera& camera, int) { return camera.steps > 0; });
 }
 
-TEST(RtspFault, AReportThatIsWrongByAnHourMovesNoExposure) {
+TEST(RtspFault, KeepsExposuresSteadyAfterReportWrongByAnHour) {
   expectSteadyExposures([](double time) { return time < 1.0 || time > 1.3 ? 0.0 : 3600.0; },
                         [](const ClockStatus::Camera&, int frames) { return frames == 75; });
 }
 
-/// CARTVO_RECONNECTIONS: as many as a night's work, instead of a test's.
+/// Number of reconnections; CARTVO_RECONNECTIONS sets a larger one for long runs.
 int reconnectionsWanted() {
   const char* wanted = std::getenv("CARTVO_RECONNECTIONS");
   return wanted == nullptr ? 150 : std::atoi(wanted);
 }
 
-TEST(RtspFault, ReconnectsForEverWithoutALeakAndTheOtherCameraGoesOn) {
+TEST(RtspFault, ReconnectsWithoutLeakWhileOtherCameraContinues) {
   CameraScript flapping = script(VideoCodec::h264);
   flapping.frame_rate = 200.0;
   flapping.pictures_per_client = 4;
@@ -317,8 +318,8 @@ TEST(RtspFault, ReconnectsForEverWithoutALeakAndTheOtherCameraGoesOn) {
   const auto read_until = [&](int connections) {
     Frame frame;
     std::int64_t last = 0;
-    const auto patience = std::chrono::seconds(60) + connections * milliseconds(500);
-    const auto end = std::chrono::steady_clock::now() + patience;
+    const auto timeout = std::chrono::seconds(60) + connections * milliseconds(500);
+    const auto end = std::chrono::steady_clock::now() + timeout;
     while (server.connections() < connections && std::chrono::steady_clock::now() < end) {
       if (camera.read(frame, milliseconds(200)) != ReadOutcome::frame) continue;
       EXPECT_GT(frame.exposure_ns, last);
@@ -334,7 +335,7 @@ TEST(RtspFault, ReconnectsForEverWithoutALeakAndTheOtherCameraGoesOn) {
   other.join();
   EXPECT_NEAR(static_cast<double>(after.descriptors), static_cast<double>(before.descriptors), 6.0);
   EXPECT_NEAR(static_cast<double>(after.threads), static_cast<double>(before.threads), 2.0);
-#if !defined(__SANITIZE_ADDRESS__)  // it holds back what is freed, and looks for leaks by itself
+#if !defined(__SANITIZE_ADDRESS__)  // ASan delays freeing, and detects leaks itself
   EXPECT_LT(after.megabytes - before.megabytes, 8.0);
 #endif
   EXPECT_EQ(steady.health().reconnections, 0U);
@@ -343,10 +344,10 @@ TEST(RtspFault, ReconnectsForEverWithoutALeakAndTheOtherCameraGoesOn) {
               after.megabytes - before.megabytes);
 }
 
-using Way = std::tuple<VideoCodec, RtspTransport>;
-class Latency : public testing::TestWithParam<Way> {};
+using CodecAndTransport = std::tuple<VideoCodec, RtspTransport>;
+class RtspLatency : public testing::TestWithParam<CodecAndTransport> {};
 
-TEST_P(Latency, APictureIsDecodedWithItsLastPacketNotWithTheNextPicture) {
+TEST_P(RtspLatency, DecodesPictureWithItsLastPacket) {
   CameraScript slow = script(std::get<0>(GetParam()));
   slow.frame_rate = 10.0;
   ScriptedCamera server(slow);
@@ -366,15 +367,15 @@ TEST_P(Latency, APictureIsDecodedWithItsLastPacketNotWithTheNextPicture) {
   EXPECT_LT(delays[delays.size() / 2], 50.0) << "half a frame period";
 }
 
-std::string nameOf(const testing::TestParamInfo<Way>& way) {
-  return std::string(std::get<0>(way.param) == VideoCodec::h264 ? "H264" : "H265") +
-         (std::get<1>(way.param) == RtspTransport::tcp ? "Tcp" : "Udp");
+std::string parameterName(const testing::TestParamInfo<CodecAndTransport>& parameters) {
+  return std::string(std::get<0>(parameters.param) == VideoCodec::h264 ? "H264" : "H265") +
+         (std::get<1>(parameters.param) == RtspTransport::tcp ? "Tcp" : "Udp");
 }
 
-INSTANTIATE_TEST_SUITE_P(RtspFault, Latency,
+INSTANTIATE_TEST_SUITE_P(RtspFault, RtspLatency,
                          testing::Combine(testing::Values(VideoCodec::h264, VideoCodec::h265),
                                           testing::Values(RtspTransport::tcp, RtspTransport::udp)),
-                         nameOf);
+                         parameterName);
 
 }  // namespace
 }  // namespace cartvo

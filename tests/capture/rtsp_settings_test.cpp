@@ -1,3 +1,5 @@
+// Validation of an RTSP camera's settings.
+
 #include <stdexcept>
 #include <string>
 
@@ -9,7 +11,7 @@
 namespace cartvo {
 namespace {
 
-std::string refusal(const RtspCameraSettings& settings) {
+std::string errorOf(const RtspCameraSettings& settings) {
   try {
     const RtspCamera camera(settings);
   } catch (const std::invalid_argument& error) {
@@ -18,34 +20,34 @@ std::string refusal(const RtspCameraSettings& settings) {
   return "";
 }
 
-std::string refusalOf(const std::string& url) {
+std::string errorOfUrl(const std::string& url) {
   RtspCameraSettings settings;
   settings.url = url;
-  return refusal(settings);
+  return errorOf(settings);
 }
 
-TEST(RtspCameraSettings, TakesAnOrdinaryUrl) {
-  EXPECT_EQ(refusalOf("rtsp://10.0.0.1:554/Streaming/Channels/101"), "");
+TEST(RtspCameraSettings, AcceptsOrdinaryUrl) {
+  EXPECT_EQ(errorOfUrl("rtsp://10.0.0.1:554/Streaming/Channels/101"), "");
 }
 
-TEST(RtspCameraSettings, RefusesCredentialsInTheUrlWithoutRepeatingThem) {
-  const std::string message = refusalOf("rtsp://admin:hunter2@10.0.0.1/101");
-  EXPECT_THAT(message, testing::HasSubstr("must not hold a user or password"));
+TEST(RtspCameraSettings, RejectsCredentialsInUrlWithoutRepeatingThem) {
+  const std::string message = errorOfUrl("rtsp://admin:hunter2@10.0.0.1/101");
+  EXPECT_THAT(message, testing::HasSubstr("must not contain a user or password"));
   EXPECT_THAT(message, testing::HasSubstr("give them as the camera's credentials"));
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("hunter2")));
 }
 
-TEST(RtspCameraSettings, RefusesWhatIsNoRtspUrl) {
-  EXPECT_THAT(refusalOf("http://10.0.0.1/"), testing::HasSubstr("must begin with rtsp://"));
-  EXPECT_THAT(refusalOf("rtsp://10.0.0.1/a b"), testing::HasSubstr("white space"));
-  EXPECT_THAT(refusalOf("rtsp:///101"), testing::HasSubstr("must name its host"));
+TEST(RtspCameraSettings, RejectsInvalidUrl) {
+  EXPECT_THAT(errorOfUrl("http://10.0.0.1/"), testing::HasSubstr("must begin with rtsp://"));
+  EXPECT_THAT(errorOfUrl("rtsp://10.0.0.1/a b"), testing::HasSubstr("white space"));
+  EXPECT_THAT(errorOfUrl("rtsp:///101"), testing::HasSubstr("must contain a host"));
 }
 
-TEST(RtspCameraSettings, RefusesTimesThatMakeNoSense) {
+TEST(RtspCameraSettings, RejectsTimeoutOfZero) {
   RtspCameraSettings settings;
   settings.url = "rtsp://10.0.0.1/101";
   settings.stall_timeout = std::chrono::milliseconds(0);
-  EXPECT_THAT(refusal(settings), testing::HasSubstr("time-outs must be positive"));
+  EXPECT_THAT(errorOf(settings), testing::HasSubstr("time-outs must be positive"));
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// RTSP server of the scripted camera.
+
 #include "tests/capture/scripted_camera.hpp"
 
 #include <algorithm>
@@ -18,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Packet = CameraScript::Packet;
-constexpr std::size_t kLargestPayload = 400;
+constexpr std::size_t kMaxPayload = 400;
 constexpr std::uint32_t kFrom1900To1970 = 2'208'988'800U;  // s, RFC 868
 constexpr std::uint32_t kSource = 0x1234abcd;
 
@@ -39,7 +41,7 @@ void append32(Packet& packet, std::uint32_t value) {
   append16(packet, value & 0xffff);
 }
 
-/// The value of a header line or parameter such as "CSeq: " or "client_port=", up to what ends it.
+/// Value of a header line or parameter such as "CSeq: " or "client_port=", up to its delimiter.
 std::string valueAfter(const std::string& text, const std::string& name) {
   const std::size_t begin = text.find(name);
   if (begin == std::string::npos) return {};
@@ -114,7 +116,7 @@ ScriptedCamera::~ScriptedCamera() {
   ::close(listener_);
 }
 
-void ScriptedCamera::change(std::vector<EncodedUnit> pictures) {
+void ScriptedCamera::setPictures(std::vector<EncodedUnit> pictures) {
   const std::lock_guard lock(mutex_);
   next_pictures_ = std::move(pictures);
 }
@@ -139,19 +141,19 @@ void ScriptedCamera::run() {
     } else if (client.socket >= 0 && polled[1].revents != 0 && !answer(client)) {
       client.gone = true;
     }
-    const bool enough = script_.pictures_per_client > 0 && client.sent >= script_.pictures_per_client;
-    if (client.gone || enough) client.close();
+    const bool is_finished = script_.pictures_per_client > 0 && client.sent >= script_.pictures_per_client;
+    if (client.gone || is_finished) client.close();
   }
   client.close();
 }
 
-/// False when the client has gone.
+/// Reads and answers requests. False when the client has closed the connection.
 bool ScriptedCamera::answer(Client& client) {
   std::array<char, 4096> buffer{};
   const ssize_t size = recv(client.socket, buffer.data(), buffer.size(), 0);
   if (size <= 0) return false;
   client.request.append(buffer.data(), static_cast<std::size_t>(size));
-  while (!client.request.empty() && client.request[0] == '$') {  // its RTCP
+  while (!client.request.empty() && client.request[0] == '$') {  // the client's RTCP
     if (client.request.size() < 4) return true;
     const std::size_t length = 4 + 256U * static_cast<std::uint8_t>(client.request[2]) +
                                static_cast<std::uint8_t>(client.request[3]);
@@ -228,14 +230,14 @@ void ScriptedCamera::sendPicture(Client& client) {
   ++client.sent;
 }
 
-/// One packet, or fragments: RFC 6184, 5.8 (FU-A), and RFC 7798, 4.4.3 (FU).
+/// Sends one packet, or fragments: RFC 6184, 5.8 (FU-A), and RFC 7798, 4.4.3 (FU).
 void ScriptedCamera::sendNal(Client& client, std::span<const std::uint8_t> nal, bool last) {
-  if (nal.size() <= kLargestPayload) return sendRtp(client, nal, last);
+  if (nal.size() <= kMaxPayload) return sendRtp(client, nal, last);
   const bool h264 = script_.codec == VideoCodec::h264;
   const std::size_t header = h264 ? 1 : 2;
   const auto type = static_cast<std::uint8_t>(h264 ? nal[0] & 0x1f : (nal[0] >> 1) & 0x3f);
-  for (std::size_t begin = header; begin < nal.size(); begin += kLargestPayload) {
-    const std::size_t size = std::min(kLargestPayload, nal.size() - begin);
+  for (std::size_t begin = header; begin < nal.size(); begin += kMaxPayload) {
+    const std::size_t size = std::min(kMaxPayload, nal.size() - begin);
     const bool is_last = begin + size == nal.size();
     Packet fragment;
     if (h264) {
@@ -260,7 +262,7 @@ void ScriptedCamera::sendRtp(Client& client, std::span<const std::uint8_t> paylo
   script_.link(packet, [&client](const Packet& passed) { client.deliver(passed, 0); });
 }
 
-/// RFC 3550, 6.4.1, and the name that has to go with it (6.5).
+/// Sends a sender report (RFC 3550, 6.4.1) with the required source description (6.5).
 void ScriptedCamera::sendReport(Client& client) {
   const double time = static_cast<double>(client.sent) / script_.frame_rate;
   const auto now = std::chrono::system_clock::now() +

@@ -15,28 +15,28 @@
 
 namespace cartvo::test {
 
-/// What a ScriptedCamera sends, and what goes wrong with it.
+/// Stream and faults of a ScriptedCamera.
 struct CameraScript {
   using Packet = std::vector<std::uint8_t>;
   using Send = std::function<void(const Packet&)>;
 
   VideoCodec codec = VideoCodec::h264;
-  std::vector<EncodedUnit> pictures;        ///< again and again; the first is a key picture
+  std::vector<EncodedUnit> pictures;        ///< repeated without end; the first is a key picture
   double frame_rate = 25.0;                 ///< Hz
-  std::uint32_t first_rtp = 1'000'000'000;  ///< FFmpeg merges the first pictures where it is 0
+  std::uint32_t first_rtp = 1'000'000'000;  ///< if it is 0, FFmpeg merges the first pictures
   double report_interval = 0.25;            ///< s
-  /// Of the camera's time of day, s, at a time since the first picture, s.
+  /// Error of the camera's wall clock, s, by the time since the first picture, s.
   std::function<double(double)> clock_error = [](double) { return 0.0; };
-  /// What becomes of each RTP packet on its way.
+  /// Network link: forwards, drops, changes or duplicates each RTP packet.
   std::function<void(const Packet&, const Send&)> link = [](const Packet& packet, const Send& send) {
     send(packet);
   };
-  std::string description;      ///< sent instead of the session description, if not empty
-  int pictures_per_client = 0;  ///< then the connection is closed; 0: never
+  std::string description;      ///< replaces the session description if not empty
+  int pictures_per_client = 0;  ///< the connection is closed after as many; 0: never
 };
 
-/// An RTSP camera that does just what a test tells it, badly if need be: a server of its own on loopback, for
-/// one client at a time, without passwords. RTP over TCP or UDP (RFC 2326, 3550, 6184, 7798).
+/// RTSP camera that follows a script, including faults: a server on loopback for one client at a time,
+/// without passwords. RTP over TCP or UDP (RFC 2326, 3550, 6184, 7798).
 class ScriptedCamera {
  public:
   explicit ScriptedCamera(CameraScript script);
@@ -46,8 +46,8 @@ class ScriptedCamera {
 
   std::uint16_t port() const { return port_; }
 
-  /// From the next key picture on the other pictures are sent.
-  void change(std::vector<EncodedUnit> pictures);
+  /// Replaces the pictures from the next key picture on.
+  void setPictures(std::vector<EncodedUnit> pictures);
 
   int connections() const { return connections_; }
 

@@ -5,39 +5,41 @@
 #include <functional>
 #include <random>
 
-#include "capture/stream_clock.hpp"
+#include "capture/camera_clock_model.hpp"
 
 namespace cartvo::test {
 
-/// One camera's clocks, as bad as they come; instants are seconds of true time, which the host's clock shows.
+/// Clock errors and network delays of one camera. Instants are seconds of true time, equal to the host's
+/// clock.
 struct ClockFaults {
-  double frame_rate = 25.0;      ///< by its own crystal, Hz
+  double frame_rate = 25.0;      ///< by the camera's crystal, Hz
   double first_exposure = 0.0;   ///< s
-  double skew = 0.0;             ///< of its crystal
-  double wander = 0.5e-6;        ///< of that skew within an hour
-  std::uint32_t first_rtp = 0;   ///< where the RTP clock stands at 0 s
+  double skew = 0.0;             ///< of the crystal
+  double skew_drift = 0.5e-6;    ///< change of the skew within an hour
+  std::uint32_t first_rtp = 0;   ///< RTP time at 0 s
   double latency = 0.08;         ///< exposure to sending, s
-  double jitter = 1e-3;          ///< mean of the network's delay, s
-  double burst = 0.05;           ///< most that one packet in a hundred is held up, s
+  double jitter = 1e-3;          ///< mean network delay, s
+  double burst = 0.05;           ///< maximum extra delay of one packet in a hundred, s
   double report_interval = 5.0;  ///< s; 0: no sender reports
   double report_noise = 0.02;    ///< standard deviation, s
-  std::function<double(double)> clock_error = [](double) { return 0.0; };  ///< of its time of day, s
+  std::function<double(double)> clock_error = [](double) { return 0.0; };  ///< of the camera's wall clock, s
 };
 
-/// What a receiver gets of such a camera, as FFmpeg 5.1 hands it out, its fault at the wrap included.
+/// Simulates the time stamps received from such a camera, as FFmpeg 5.1 reports them, including FFmpeg's
+/// error after a wrap of RTP time.
 class ClockSimulation {
  public:
   static constexpr std::int64_t kEpoch_ns = 1'700'000'000'000'000'000;
 
   ClockSimulation(const ClockFaults& faults, unsigned seed) : faults_(faults), random_(seed) {}
 
-  /// The true instant of the next picture, s.
+  /// True exposure of the next picture, s.
   double nextExposure() const { return exposureOf(count_); }
 
-  StampedPacket next() {
+  RtpTimestamps next() {
     const double exposure = nextExposure();
     ++count_;
-    StampedPacket packet;
+    RtpTimestamps packet;
     const std::int64_t rtp = rtpAt(exposure);
     packet.pts = static_cast<std::uint32_t>(rtp);
     packet.arrival_ns = atHost(exposure + faults_.latency + delay());
@@ -60,8 +62,8 @@ class ClockSimulation {
 
   std::int64_t rtpAt(double time) const {
     constexpr double kHour = 3600.0 / (2.0 * M_PI);
-    const double wandered = faults_.wander * kHour * std::sin(time / kHour);
-    return faults_.first_rtp + std::llround(90000.0 * (time * (1.0 + faults_.skew) + wandered));
+    const double drifted = faults_.skew_drift * kHour * std::sin(time / kHour);
+    return faults_.first_rtp + std::llround(90000.0 * (time * (1.0 + faults_.skew) + drifted));
   }
 
   double delay() {

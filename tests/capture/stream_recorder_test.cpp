@@ -1,3 +1,5 @@
+// Recording under kills, power cuts, and full and slow disks.
+
 #include "capture/stream_recorder.hpp"
 
 #include <algorithm>
@@ -19,8 +21,8 @@
 
 #include "capture/recording_writer.hpp"
 #include "support/error_message.hpp"
-#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/test_timeout.hpp"
 #include "tests/capture/recorded_units.hpp"
 
 namespace cartvo {
@@ -44,16 +46,16 @@ void recordFortyPictures(StreamRecorder& recorder) {
 }
 
 template <typename Condition>
-bool becomesTrue(const Condition& condition) {
-  const auto end = std::chrono::steady_clock::now() + test::kPatience;
+bool waitUntil(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
   while (!condition() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return condition();
 }
 
-/// Runs the work in a process of its own; its exit code, or minus the signal that ended it.
+/// Runs `work` in a child process. Returns its exit code, or minus the signal that ended it.
 template <typename Work>
-int inAProcess(const Work& work) {
+int runInChildProcess(const Work& work) {
   const pid_t child = fork();
   if (child == 0) _exit(work());
   int status = 0;
@@ -61,22 +63,22 @@ int inAProcess(const Work& work) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
-TEST(StreamRecorder, KilledLosesAtMostTheLastSecond) {
+TEST(StreamRecorder, LosesAtMostOneSecondWhenKilled) {
   const test::TemporaryFolder folder;
-  const int ended = inAProcess([&] {
+  const int exit_code = runInChildProcess([&] {
     StreamRecorder recorder(settingsFor(folder / "drive"));
     recordFortyPictures(recorder);
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     raise(SIGKILL);
     return 0;
   });
-  EXPECT_EQ(ended, -SIGKILL);
+  EXPECT_EQ(exit_code, -SIGKILL);
   EXPECT_EQ(recordedSequences(folder / "drive", CameraSide::left).size(), 40U);
   EXPECT_EQ(recordedSequences(folder / "drive", CameraSide::right).size(), 40U);
-  EXPECT_FALSE(isBeingWritten(folder / "drive")) << "the lock went with its process";
+  EXPECT_FALSE(isBeingWritten(folder / "drive")) << "the kernel releases the lock with the process";
 }
 
-TEST(StreamRecorder, OnAFullDiskStopsWithOneMessage) {
+TEST(StreamRecorder, StopsWithOneMessageOnFullDisk) {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "drive/000000");
   fs::create_symlink("/dev/full", folder / "drive/000000/left.mkv");
@@ -90,9 +92,9 @@ TEST(StreamRecorder, OnAFullDiskStopsWithOneMessage) {
   EXPECT_THAT(error, HasSubstr("left.mkv: No space left on device"));
 }
 
-constexpr int kNotAllowedHere = 77;
+constexpr int kNotPermitted = 77;
 
-/// A mount namespace of this process's own. False if that is not allowed.
+/// Enters a new mount namespace. False if that is not permitted.
 bool enterMountNamespace() {
   const uid_t user = getuid();
   const gid_t group = getgid();
@@ -109,7 +111,7 @@ bool run(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-int recordUntilThePowerIsCut(const test::TemporaryFolder& folder) {
+int recordUntilPowerCut(const test::TemporaryFolder& folder) {
   const std::string image = (folder / "image").string();
   const std::string cut = (folder / "cut").string();
   fs::create_directories(folder / "disk");
@@ -118,13 +120,13 @@ int recordUntilThePowerIsCut(const test::TemporaryFolder& folder) {
   fs::resize_file(image, 32U << 20);
   if (!enterMountNamespace() || !run("/sbin/mkfs.ext4 -q -F " + image) ||
       !run("mount -o loop " + image + " " + (folder / "disk").string())) {
-    return kNotAllowedHere;
+    return kNotPermitted;
   }
   {
     StreamRecorder recorder(settingsFor(folder / "disk/drive"));
     recordFortyPictures(recorder);
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-    fs::copy_file(image, cut);  // what has reached the disk, and nothing of what the kernel holds back
+    fs::copy_file(image, cut);  // data on the disk only, without the kernel's page cache
   }
   if (!run("mount -o loop " + cut + " " + (folder / "after").string())) return 1;
   EXPECT_EQ(recordedSequences(folder / "after/drive", CameraSide::left).size(), 40U);
@@ -132,17 +134,17 @@ int recordUntilThePowerIsCut(const test::TemporaryFolder& folder) {
   return testing::Test::HasFailure() ? 1 : 0;
 }
 
-TEST(StreamRecorder, APowerCutCostsAtMostTheLastSecond) {
+TEST(StreamRecorder, LosesAtMostOneSecondInPowerCut) {
   const test::TemporaryFolder folder;
-  const int ended = inAProcess([&] { return recordUntilThePowerIsCut(folder); });
-  if (ended == kNotAllowedHere) GTEST_SKIP() << "disk images cannot be mounted here";
-  EXPECT_EQ(ended, 0);
+  const int exit_code = runInChildProcess([&] { return recordUntilPowerCut(folder); });
+  if (exit_code == kNotPermitted) GTEST_SKIP() << "disk images cannot be mounted here";
+  EXPECT_EQ(exit_code, 0);
 }
 
-/// On a disk of 300 kB.
-int recordOntoASmallDisk(const fs::path& disk) {
-  if (!enterMountNamespace()) return kNotAllowedHere;
-  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=300k") != 0) return kNotAllowedHere;
+/// Records onto a disk of 300 kB until it is full.
+int recordOntoSmallDisk(const fs::path& disk) {
+  if (!enterMountNamespace()) return kNotPermitted;
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=300k") != 0) return kNotPermitted;
   {
     StreamRecorder recorder(settingsFor(disk / "drive"));
     recorder.left().onStream({VideoCodec::h264, {}});
@@ -154,20 +156,20 @@ int recordOntoASmallDisk(const fs::path& disk) {
                 AllOf(HasSubstr("recording stopped: cannot write"), HasSubstr("No space left on device")));
   }
   const std::vector<std::uint64_t> sequences = recordedSequences(disk / "drive", CameraSide::left);
-  EXPECT_GT(sequences.size(), 15U) << "what was written before is there";
+  EXPECT_GT(sequences.size(), 15U) << "data written earlier must remain";
   for (std::size_t i = 0; i < sequences.size(); ++i)
     EXPECT_EQ(sequences[i], i);
   return testing::Test::HasFailure() ? 1 : 0;
 }
 
-TEST(StreamRecorder, OnADiskThatFillsUpKeepsWhatItWrote) {
+TEST(StreamRecorder, KeepsDataOnDiskThatFillsUp) {
   const test::TemporaryFolder folder;
-  const int ended = inAProcess([&] { return recordOntoASmallDisk(folder.path()); });
-  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(ended, 0);
+  const int exit_code = runInChildProcess([&] { return recordOntoSmallDisk(folder.path()); });
+  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(exit_code, 0);
 }
 
-/// Both cameras' pictures, one after another.
+/// Sends both cameras' pictures, one after another.
 class TwoCameras {
  public:
   explicit TwoCameras(StreamRecorder& recorder) : recorder_(recorder) { connect(); }
@@ -180,7 +182,7 @@ class TwoCameras {
     recorder_.right().onUnit(unitAt(sent_++));
   }
   bool sendUntil(const std::function<bool(const RecorderHealth&)>& condition) {
-    return becomesTrue([&] {
+    return waitUntil([&] {
       send();
       return condition(recorder_.health());
     });
@@ -192,40 +194,40 @@ class TwoCameras {
   int sent_ = 0;
 };
 
-void fillUp(const fs::path& file, std::uintmax_t but) {
+void fillDisk(const fs::path& file, std::uintmax_t but) {
   std::ofstream others(file, std::ios::binary);
   const std::string part(1U << 16, 'x');
   while (others && fs::space(file.parent_path()).available > but)
     others << part << std::flush;
 }
 
-void expectGapWithKeyPictureBehind(const std::vector<std::uint64_t>& sequences, std::uint64_t gap) {
+void expectGapThenKeyPicture(const std::vector<std::uint64_t>& sequences, std::uint64_t gap) {
   EXPECT_GE(sequences.size(), 20U);
   EXPECT_TRUE(std::is_sorted(sequences.begin(), sequences.end()));
-  const auto behind = std::upper_bound(sequences.begin(), sequences.end(), gap);
-  ASSERT_NE(behind, sequences.end()) << "what came after it is there";
-  EXPECT_EQ(*behind % 15, 0U) << "from a key picture on";
+  const auto after_gap = std::upper_bound(sequences.begin(), sequences.end(), gap);
+  ASSERT_NE(after_gap, sequences.end()) << "pictures after the gap must be recorded";
+  EXPECT_EQ(*after_gap % 15, 0U) << "recording must resume with a key picture";
 }
 
-/// On a disk of 20 MB that others fill up, with `keep_free` bytes to be left to them, and clear again.
-int recordOntoADiskThatOthersFill(const fs::path& disk, std::uint64_t keep_free, const std::string& why) {
-  if (!enterMountNamespace()) return kNotAllowedHere;
-  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=20m") != 0) return kNotAllowedHere;
+/// Records onto a disk of 20 MB that another file fills up and frees again; `keep_free`: the quota's free
+/// space, bytes.
+int recordOntoDiskThatFillsUp(const fs::path& disk, std::uint64_t keep_free, const std::string& why) {
+  if (!enterMountNamespace()) return kNotPermitted;
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=20m") != 0) return kNotPermitted;
   RecordingSettings settings = settingsFor(disk / "drive");
   settings.quota.keep_free_bytes = keep_free;
   settings.quota_interval = std::chrono::milliseconds(20);
-  settings.room_to_begin_again = 1'000'000;
+  settings.resume_margin_bytes = 1'000'000;
   StreamRecorder recorder(settings);
   TwoCameras cameras(recorder);
   EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return health.units >= 40; }));
-  // Not wholly, if something is to be left: else whether the disk or the quota speaks first is a matter of
-  // luck.
-  fillUp(disk / "others", keep_free / 2);
+  // Leave half of the quota's space: on a full disk either the disk or the quota could report first.
+  fillDisk(disk / "others", keep_free / 2);
   EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return !health.error.empty(); }));
   EXPECT_THAT(recorder.health().error, AllOf(HasSubstr("recording stopped: "), HasSubstr(why)));
   const std::uint64_t sent_at_stop = cameras.sent();
   cameras.send();
-  cameras.connect();  // as a camera may meanwhile
+  cameras.connect();  // a camera may reconnect meanwhile
   fs::remove(disk / "others");
   EXPECT_TRUE(cameras.sendUntil([](const RecorderHealth& health) { return health.error.empty(); }));
   EXPECT_EQ(recorder.health().resumptions, 1U);
@@ -233,31 +235,31 @@ int recordOntoADiskThatOthersFill(const fs::path& disk, std::uint64_t keep_free,
   EXPECT_EQ(recorder.health().error, "");
   EXPECT_THAT(segmentNumbers(disk / "drive"), testing::ElementsAre(0, 1));
   for (const CameraSide side : {CameraSide::left, CameraSide::right})
-    expectGapWithKeyPictureBehind(recordedSequences(disk / "drive", side), sent_at_stop);
+    expectGapThenKeyPicture(recordedSequences(disk / "drive", side), sent_at_stop);
   return testing::Test::HasFailure() ? 1 : 0;
 }
 
-TEST(StreamRecorder, BeginsAgainInANewSegmentWhenWhatMustBeLeftFreeIsFreeAgain) {
+TEST(StreamRecorder, ResumesInNewSegmentWhenQuotaSpaceIsFreeAgain) {
   const test::TemporaryFolder folder;
-  const int ended = inAProcess(
-      [&] { return recordOntoADiskThatOthersFill(folder.path(), 5'000'000, "are kept for others"); });
-  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(ended, 0);
+  const int exit_code = runInChildProcess(
+      [&] { return recordOntoDiskThatFillsUp(folder.path(), 5'000'000, "must be kept free"); });
+  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(exit_code, 0);
 }
 
-TEST(StreamRecorder, BeginsAgainInANewSegmentOnADiskThatWasFull) {
+TEST(StreamRecorder, ResumesInNewSegmentAfterFullDisk) {
   const test::TemporaryFolder folder;
-  const int ended =
-      inAProcess([&] { return recordOntoADiskThatOthersFill(folder.path(), 0, "No space left on device"); });
-  if (ended == kNotAllowedHere) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(ended, 0);
+  const int exit_code = runInChildProcess(
+      [&] { return recordOntoDiskThatFillsUp(folder.path(), 0, "No space left on device"); });
+  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
+  EXPECT_EQ(exit_code, 0);
 }
 
-TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
+TEST(StreamRecorder, DropsPicturesUpToKeyPictureOnSlowDiskWithoutBlocking) {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "drive/000000");
   const fs::path video = folder / "drive/000000/left.mkv";
-  ASSERT_EQ(mkfifo(video.c_str(), 0600), 0);  // opening it waits for a reader
+  ASSERT_EQ(mkfifo(video.c_str(), 0600), 0);  // opening it blocks until there is a reader
   RecordingSettings settings = settingsFor(folder / "drive");
   for (int i = 0; i < 20; ++i)
     settings.queue_bytes = i == 0 ? unitAt(0).data.size() : settings.queue_bytes + unitAt(i).data.size();
@@ -265,7 +267,8 @@ TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
   recorder.left().onStream({VideoCodec::h264, {}});
   for (int i = 0; i < 40; ++i)
     recorder.left().onUnit(unitAt(i));
-  EXPECT_EQ(recorder.health().left_out, 20U) << "room for twenty, and then for no key picture";
+  EXPECT_EQ(recorder.health().dropped_pictures, 20U)
+      << "the queue has space for twenty pictures, and then for no key picture";
   EXPECT_EQ(recorder.health().error, "");
 
   std::string received;
@@ -273,12 +276,12 @@ TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
     std::ifstream pipe(video, std::ios::binary);
     received.assign(std::istreambuf_iterator<char>(pipe), {});
   });
-  EXPECT_TRUE(becomesTrue([&] { return recorder.health().units == 20; }));
+  EXPECT_TRUE(waitUntil([&] { return recorder.health().units == 20; }));
   for (int i = 40; i < 50; ++i)
     recorder.left().onUnit(unitAt(i));
   recorder.finish();
   disk.join();
-  EXPECT_EQ(recorder.health().left_out, 25U) << "45 is the next key picture";
+  EXPECT_EQ(recorder.health().dropped_pictures, 25U) << "45 is the next key picture";
   EXPECT_EQ(recorder.health().units, 25U);
   fs::remove(video);
   std::ofstream(video, std::ios::binary) << received;
@@ -288,32 +291,32 @@ TEST(StreamRecorder, OnASlowDiskHoldsNobodyUpAndLeavesOutUpToAKeyPicture) {
   EXPECT_EQ(sequences[20], 45U);
 }
 
-TEST(StreamRecorder, RefusesAFolderThatHoldsARecordingOrCannotBeMade) {
+TEST(StreamRecorder, RejectsFolderWithRecordingAndFolderThatCannotBeCreated) {
   const test::TemporaryFolder folder;
   { const StreamRecorder recorder(settingsFor(folder / "drive")); }
   EXPECT_THAT(test::messageOf([&] { StreamRecorder(settingsFor(folder / "drive")); }),
-              HasSubstr("holds a recording already"));
+              HasSubstr("already contains a recording"));
   EXPECT_THAT(test::messageOf([&] { StreamRecorder(settingsFor("/proc/nowhere")); }),
-              HasSubstr("cannot make the folder"));
+              HasSubstr("cannot create the folder"));
 }
 
-TEST(StreamRecorder, BeginsStoppedOnADiskWithLessRoomThanMustBeLeft) {
+TEST(StreamRecorder, BeginsStoppedWithoutQuotaSpace) {
   const test::TemporaryFolder folder;
   RecordingSettings settings = settingsFor(folder / "drive");
   settings.quota.keep_free_bytes = std::uint64_t{1} << 60;
   StreamRecorder recorder(settings);
   EXPECT_THAT(recorder.health().error, AllOf(HasSubstr("recording stopped: only "),
-                                             HasSubstr("GB are free for"), HasSubstr("are kept for others")));
+                                             HasSubstr("GB are free for"), HasSubstr("must be kept free")));
   recordFortyPictures(recorder);
   recorder.finish();
   EXPECT_EQ(recorder.health().units, 0U);
 }
 
-TEST(RecordingWriter, KeepsTheSegmentThatItEndedFromTheQuotaUntilANewOneBegins) {
+TEST(RecordingWriter, ProtectsEndedSegmentFromQuotaUntilNextOneBegins) {
   const test::TemporaryFolder folder;
   {
     RecordingWriter writer(folder / "drive", {}, std::chrono::milliseconds(700));
-    writer.begin(CameraSide::left, {VideoCodec::h264, {}});
+    writer.beginConnection(CameraSide::left, {VideoCodec::h264, {}});
     for (int i = 0; i < 45; ++i)
       writer.write(CameraSide::left, unitAt(i));
     writer.endSegment();

@@ -1,3 +1,5 @@
+// TCP proxy that can stall a connection.
+
 #include "tests/capture/tcp_proxy.hpp"
 
 #include <array>
@@ -27,8 +29,8 @@ void closeBoth(std::array<int, 2>& sockets) {
   }
 }
 
-/// False once either side has closed.
-bool pass(int from, int to) {
+/// Forwards the available data. False once either side has closed.
+bool forward(int from, int to) {
   std::array<char, 65536> buffer{};
   const ssize_t size = recv(from, buffer.data(), buffer.size(), 0);
   if (size <= 0) return false;
@@ -62,10 +64,10 @@ TcpProxy::~TcpProxy() {
 
 void TcpProxy::run(std::uint16_t target_port) {
   std::array<int, 2> sockets = {-1, -1};  // client, camera
-  std::vector<int> frozen;                // kept open, so that the client hears nothing at all
+  std::vector<int> stalled;               // kept open, so that the client receives neither data nor an end
   while (!stopping_) {
-    if (frozen_.exchange(false)) {
-      frozen.insert(frozen.end(), sockets.begin(), sockets.end());
+    if (stalled_.exchange(false)) {
+      stalled.insert(stalled.end(), sockets.begin(), sockets.end());
       sockets = {-1, -1};
     }
     std::array<pollfd, 3> polled{{{listener_, POLLIN, 0}, {sockets[0], POLLIN, 0}, {sockets[1], POLLIN, 0}}};
@@ -79,14 +81,14 @@ void TcpProxy::run(std::uint16_t target_port) {
         closeBoth(sockets);
       continue;
     }
-    if (frozen_) continue;
+    if (stalled_) continue;
     for (std::size_t i = 0; i < sockets.size(); ++i) {
       if (sockets[i] < 0 || polled[i + 1].revents == 0) continue;
-      if (!pass(sockets[i], sockets[1 - i])) closeBoth(sockets);
+      if (!forward(sockets[i], sockets[1 - i])) closeBoth(sockets);
     }
   }
   closeBoth(sockets);
-  for (const int socket : frozen)
+  for (const int socket : stalled)
     close(socket);
 }
 

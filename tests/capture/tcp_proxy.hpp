@@ -6,8 +6,8 @@
 
 namespace cartvo::test {
 
-/// Stands between a camera and its client on loopback, one connection at a time, so that a test can stop the
-/// flow without either side being told: a pulled cable.
+/// TCP proxy between a camera and its client on loopback, for one connection at a time. Simulates an
+/// unplugged cable: it can stop forwarding without closing the connection.
 class TcpProxy {
  public:
   /// Throws std::runtime_error if it cannot listen.
@@ -18,15 +18,15 @@ class TcpProxy {
 
   std::uint16_t port() const { return port_; }
 
-  /// From now on nothing passes on the connection there is; a new connection passes again.
-  void freeze() { frozen_ = true; }
+  /// Stalls the current connection; a new connection is forwarded again.
+  void stall() { stalled_ = true; }
 
  private:
   void run(std::uint16_t target_port);
 
   int listener_ = -1;
   std::uint16_t port_ = 0;
-  std::atomic<bool> frozen_ = false;
+  std::atomic<bool> stalled_ = false;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -1,5 +1,5 @@
-// What V4L2 cameras hand over, and cameras that are not there. Streaming itself is tested with the kernel's
-// own simulated cameras (vivid), in the virtual machine: tests/system/boot_vm.sh.
+// Conversion of V4L2 buffers, and missing V4L2 cameras. Streaming is tested in a virtual machine with the
+// kernel's simulated cameras (vivid): tests/system/boot_vm.sh.
 
 #include "capture/v4l2_camera.hpp"
 
@@ -48,43 +48,43 @@ void expectPicture(const cv::Mat& grey) {
       EXPECT_EQ(grey.at<std::uint8_t>(y, x), greyAt(x, y));
 }
 
-TEST(V4l2Picture, IsTheGreyOfEachFormatWhateverItsRowsArePaddedBy) {
-  expectPicture(greyPicture(PixelFormat::grey, rows(1, 0), kSize, kWidth));
-  expectPicture(greyPicture(PixelFormat::grey, rows(1, 3), kSize, kWidth + 3));
-  expectPicture(greyPicture(PixelFormat::yuyv, rows(2, 4), kSize, 2 * kWidth + 4));
+TEST(V4l2Picture, ConvertsEachFormatWithAnyRowPadding) {
+  expectPicture(toGreyImage(PixelFormat::grey, rows(1, 0), kSize, kWidth));
+  expectPicture(toGreyImage(PixelFormat::grey, rows(1, 3), kSize, kWidth + 3));
+  expectPicture(toGreyImage(PixelFormat::yuyv, rows(2, 4), kSize, 2 * kWidth + 4));
   std::vector<std::uint8_t> with_colours = rows(1, 2);
   with_colours.insert(with_colours.end(), (kWidth + 2) * kHeight / 2, 128);
-  expectPicture(greyPicture(PixelFormat::nv12, with_colours, kSize, kWidth + 2));
+  expectPicture(toGreyImage(PixelFormat::nv12, with_colours, kSize, kWidth + 2));
 }
 
 TEST(V4l2Picture, OwnsItsMemory) {
   std::vector<std::uint8_t> buffer = rows(1, 0);
-  const cv::Mat grey = greyPicture(PixelFormat::grey, buffer, kSize, kWidth);
+  const cv::Mat grey = toGreyImage(PixelFormat::grey, buffer, kSize, kWidth);
   std::fill(buffer.begin(), buffer.end(), 255);
   expectPicture(grey);
 }
 
-TEST(V4l2Picture, OfAJpegIsDecoded) {
+TEST(V4l2Picture, DecodesJpeg) {
   const cv::Mat plain(kSize, CV_8UC1, cv::Scalar(77));
   std::vector<std::uint8_t> jpeg;
   ASSERT_TRUE(cv::imencode(".jpg", plain, jpeg));
-  const cv::Mat grey = greyPicture(PixelFormat::mjpeg, jpeg, kSize, 0);
+  const cv::Mat grey = toGreyImage(PixelFormat::mjpeg, jpeg, kSize, 0);
   ASSERT_EQ(grey.size(), kSize);
   EXPECT_LE(cv::norm(grey, plain, cv::NORM_INF), 2.0);
 }
 
-TEST(V4l2Picture, ThatIsCutShortOrOfAnotherSizeIsNone) {
+TEST(V4l2Picture, RejectsTruncatedBufferOrOtherSize) {
   std::vector<std::uint8_t> buffer = rows(1, 0);
   buffer.pop_back();
-  EXPECT_TRUE(greyPicture(PixelFormat::grey, buffer, kSize, kWidth).empty());
-  EXPECT_TRUE(greyPicture(PixelFormat::yuyv, rows(1, 0), kSize, 2 * kWidth).empty());
-  EXPECT_TRUE(greyPicture(PixelFormat::grey, rows(1, 0), kSize, kWidth - 1).empty()) << "rows that overlap";
-  EXPECT_TRUE(greyPicture(PixelFormat::nv12, {}, kSize, kWidth).empty());
-  EXPECT_TRUE(greyPicture(PixelFormat::mjpeg, {}, kSize, 0).empty());
-  EXPECT_TRUE(greyPicture(PixelFormat::mjpeg, rows(1, 0), kSize, 0).empty()) << "no JPEG";
+  EXPECT_TRUE(toGreyImage(PixelFormat::grey, buffer, kSize, kWidth).empty());
+  EXPECT_TRUE(toGreyImage(PixelFormat::yuyv, rows(1, 0), kSize, 2 * kWidth).empty());
+  EXPECT_TRUE(toGreyImage(PixelFormat::grey, rows(1, 0), kSize, kWidth - 1).empty()) << "rows that overlap";
+  EXPECT_TRUE(toGreyImage(PixelFormat::nv12, {}, kSize, kWidth).empty());
+  EXPECT_TRUE(toGreyImage(PixelFormat::mjpeg, {}, kSize, 0).empty());
+  EXPECT_TRUE(toGreyImage(PixelFormat::mjpeg, rows(1, 0), kSize, 0).empty()) << "no JPEG";
   std::vector<std::uint8_t> jpeg;
   ASSERT_TRUE(cv::imencode(".jpg", cv::Mat(8, 8, CV_8UC1, cv::Scalar(77)), jpeg));
-  EXPECT_TRUE(greyPicture(PixelFormat::mjpeg, jpeg, kSize, 0).empty());
+  EXPECT_TRUE(toGreyImage(PixelFormat::mjpeg, jpeg, kSize, 0).empty());
 }
 
 class AbsentV4l2Camera : public testing::Test {
@@ -99,7 +99,7 @@ class AbsentV4l2Camera : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(AbsentV4l2Camera, IsWaitedForAndNamed) {
+TEST_F(AbsentV4l2Camera, IsReportedAsConnecting) {
   V4l2Camera camera(settings());
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(50)), ReadOutcome::timed_out);
@@ -110,19 +110,19 @@ TEST_F(AbsentV4l2Camera, IsWaitedForAndNamed) {
   EXPECT_THAT(health.last_error, HasSubstr("is it plugged in?"));
 }
 
-TEST_F(AbsentV4l2Camera, ThatIsNoCameraIsRefusedInPlainWords) {
+TEST_F(AbsentV4l2Camera, ReportsFileThatIsNoV4l2Device) {
   V4l2CameraSettings no_camera = settings();
   no_camera.device = "/dev/null";
   V4l2Camera camera(no_camera);
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(50)), ReadOutcome::timed_out);
-  EXPECT_THAT(camera.health().last_error, HasSubstr("/dev/null is none: it does not speak V4L2"));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("/dev/null is not a V4L2 device"));
 }
 
 TEST_F(AbsentV4l2Camera, EndsAtOnceWhenInterrupted) {
-  V4l2CameraSettings patient = settings();
-  patient.retry = std::chrono::hours(1);
-  V4l2Camera camera(patient);
+  V4l2CameraSettings slow_retry = settings();
+  slow_retry.retry = std::chrono::hours(1);
+  V4l2Camera camera(slow_retry);
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(1)), ReadOutcome::timed_out);
   auto reading = std::async(std::launch::async, [&] { return camera.read(frame, std::chrono::hours(1)); });
@@ -132,13 +132,13 @@ TEST_F(AbsentV4l2Camera, EndsAtOnceWhenInterrupted) {
   EXPECT_EQ(camera.read(frame, milliseconds(1)), ReadOutcome::ended);
 }
 
-TEST_F(AbsentV4l2Camera, NeedsSettingsThatMakeSense) {
+TEST_F(AbsentV4l2Camera, RejectsInvalidSettings) {
   V4l2CameraSettings without_size = settings();
   without_size.size = {};
   EXPECT_THROW(V4l2Camera{without_size}, std::invalid_argument);
-  V4l2CameraSettings impatient = settings();
-  impatient.stall_timeout = milliseconds(0);
-  EXPECT_THROW(V4l2Camera{impatient}, std::invalid_argument);
+  V4l2CameraSettings without_timeout = settings();
+  without_timeout.stall_timeout = milliseconds(0);
+  EXPECT_THROW(V4l2Camera{without_timeout}, std::invalid_argument);
 }
 
 }  // namespace

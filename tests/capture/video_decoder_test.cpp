@@ -1,3 +1,5 @@
+// Decoding of intact and of damaged streams.
+
 #include "capture/video_decoder.hpp"
 
 #include <vector>
@@ -12,7 +14,7 @@ namespace {
 
 const cv::Size kSize(320, 200);
 
-TEST(VideoDecoder, EachPictureComesOutWithItsOwnUnit) {
+TEST(VideoDecoder, ReturnsEachPictureWithAttributesOfItsUnit) {
   for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
     VideoDecoder decoder({codec, {}}, 1);
     for (const EncodedUnit& unit : test::encodeSequence(codec, kSize, 30, 10, "")) {
@@ -29,7 +31,7 @@ TEST(VideoDecoder, EachPictureComesOutWithItsOwnUnit) {
   }
 }
 
-TEST(VideoDecoder, TellsKeyFrames) {
+TEST(VideoDecoder, MarksKeyFrames) {
   for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
     VideoDecoder decoder({codec, {}}, 1);
     for (const EncodedUnit& unit : test::encodeSequence(codec, kSize, 25, 10, "")) {
@@ -41,7 +43,7 @@ TEST(VideoDecoder, TellsKeyFrames) {
   }
 }
 
-TEST(VideoDecoder, TheImageIsTheLumaPlaneWithoutACopy) {
+TEST(VideoDecoder, ImageIsLumaPlaneWithoutCopy) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   Frame last;
   for (const EncodedUnit& unit : test::encodeSequence(VideoCodec::h264, kSize, 12, 12, "qp=4")) {
@@ -54,7 +56,7 @@ TEST(VideoDecoder, TheImageIsTheLumaPlaneWithoutACopy) {
   EXPECT_LT(cv::norm(last.image, test::movingPicture(kSize, 11), cv::NORM_L1) / kSize.area(), 2.0);
 }
 
-TEST(VideoDecoder, AFrameOutlivesItsDecoder) {
+TEST(VideoDecoder, FrameOutlivesDecoder) {
   Frame kept;
   std::uint64_t before = 0;
   {
@@ -71,7 +73,7 @@ TEST(VideoDecoder, AFrameOutlivesItsDecoder) {
   EXPECT_EQ(test::digest(kept.image), before);
 }
 
-TEST(VideoDecoder, SliceThreadsGiveTheSamePictures) {
+TEST(VideoDecoder, SliceThreadsGiveSamePictures) {
   const std::vector<EncodedUnit> units = test::encodeSequence(VideoCodec::h264, kSize, 10, 5, "slices=4");
   VideoDecoder one({VideoCodec::h264, {}}, 1);
   VideoDecoder two({VideoCodec::h264, {}}, 2);
@@ -85,7 +87,7 @@ TEST(VideoDecoder, SliceThreadsGiveTheSamePictures) {
   }
 }
 
-TEST(VideoDecoder, ACutPictureDamagesAllUpToTheNextKeyFrame) {
+TEST(VideoDecoder, MarksFramesAfterTruncatedPictureUpToKeyFrame) {
   for (const VideoCodec codec : {VideoCodec::h264}) {
     VideoDecoder decoder({codec, {}}, 1);
     for (EncodedUnit unit :
@@ -100,7 +102,7 @@ TEST(VideoDecoder, ACutPictureDamagesAllUpToTheNextKeyFrame) {
   }
 }
 
-TEST(VideoDecoder, NothingOfACutPictureIsLeftInTheNextKeyPicture) {
+TEST(VideoDecoder, TruncatedPictureLeavesNoTraceInNextKeyPicture) {
   const std::vector<EncodedUnit> units =
       test::encodeSequence(VideoCodec::h264, cv::Size(160, 120), 10, 5, "crf=36");
   const auto fifth_picture = [&](const std::vector<EncodedUnit>& sent) {
@@ -126,7 +128,7 @@ TEST(VideoDecoder, NothingOfACutPictureIsLeftInTheNextKeyPicture) {
   }
 }
 
-TEST(VideoDecoder, ADamagedUnitGivesADamagedFrame) {
+TEST(VideoDecoder, MarksFrameOfDamagedUnit) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   for (EncodedUnit unit : test::encodeSequence(VideoCodec::h264, kSize, 4, 4, "")) {
     if (unit.sequence == 2) unit.status = FrameStatus::damaged;
@@ -137,7 +139,7 @@ TEST(VideoDecoder, ADamagedUnitGivesADamagedFrame) {
   }
 }
 
-TEST(VideoDecoder, GarbageIsCountedNotFatal) {
+TEST(VideoDecoder, CountsInvalidUnitsAsFailures) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   EncodedUnit garbage;
   garbage.data.assign(2000, 0x5a);

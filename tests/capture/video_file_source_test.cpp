@@ -1,3 +1,5 @@
+// Reading of video files in several containers and codecs.
+
 #include "capture/video_file_source.hpp"
 
 #include <cstdlib>
@@ -21,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr std::chrono::milliseconds kAtOnce{0};
 
-/// Two seconds of a moving test picture, made by the tool that people use.
+/// Makes a video of two seconds of a moving test picture with the ffmpeg command.
 fs::path video(const test::TemporaryFolder& folder, const std::string& name, const std::string& encoding) {
   fs::path file = folder / name;
   const std::string command = "ffmpeg -v error -f lavfi -i testsrc2=size=160x96:rate=25:duration=2 " +
@@ -37,7 +39,7 @@ std::vector<Frame> framesOf(VideoFileSource& source) {
   return frames;
 }
 
-TEST(VideoFileSource, ReadsWhatOthersRecorded) {
+TEST(VideoFileSource, ReadsVideosOfOtherRecorders) {
   const test::TemporaryFolder folder;
   for (const auto& [name, encoding] : std::vector<std::pair<std::string, std::string>>{
            {"b_frames.mp4", "-c:v libx264 -pix_fmt yuv420p -bf 2"},
@@ -61,7 +63,7 @@ TEST(VideoFileSource, ReadsWhatOthersRecorded) {
   }
 }
 
-TEST(VideoFileSource, TellsKeyFrames) {
+TEST(VideoFileSource, MarksKeyFrames) {
   const test::TemporaryFolder folder;
   VideoFileSource source(video(folder, "film.mkv", "-c:v libx264 -pix_fmt yuv420p -g 20 -sc_threshold 0"),
                          {});
@@ -69,14 +71,14 @@ TEST(VideoFileSource, TellsKeyFrames) {
     EXPECT_EQ(frame.key_frame, frame.sequence % 20 == 0) << frame.sequence;
 }
 
-TEST(VideoFileSource, PutsItsTimesWhereItIsTold) {
+TEST(VideoFileSource, AppliesClockModel) {
   const test::TemporaryFolder folder;
   const fs::path file = video(folder, "a.mp4", "-c:v libx264 -pix_fmt yuv420p");
   VideoFileTime time;
   time.origin_ns = 1'000'000'000'000;
   time.offset = -0.25;
   time.skew = 100e-6;
-  time.deviation = 2e-3;
+  time.stddev = 2e-3;
   time.from = 0.99;
   time.to = 1.5;
   VideoFileSource source(file, time);
@@ -84,10 +86,10 @@ TEST(VideoFileSource, PutsItsTimesWhereItIsTold) {
   ASSERT_EQ(frames.size(), 13U);
   EXPECT_EQ(frames.front().sequence, 25U);
   EXPECT_NEAR(static_cast<double>(frames.front().exposure_ns), 1e12 + 0.75e9 + 1e5, 100.0);
-  EXPECT_EQ(frames.front().exposure_deviation_ns, 2'000'000);
+  EXPECT_EQ(frames.front().exposure_stddev_ns, 2'000'000);
 }
 
-TEST(VideoFileSource, MarksWhatCannotBeDecodedRightly) {
+TEST(VideoFileSource, MarksPicturesWithDecodingErrors) {
   const test::TemporaryFolder folder;
   const fs::path file = video(folder, "a.mkv", "-c:v libx264 -pix_fmt yuv420p -g 10 -bf 0");
   {
@@ -97,15 +99,15 @@ TEST(VideoFileSource, MarksWhatCannotBeDecodedRightly) {
   }
   VideoFileSource source(file, {});
   const std::vector<Frame> frames = framesOf(source);
-  EXPECT_GT(frames.size(), 30U);
+  ASSERT_GT(frames.size(), 30U);
   EXPECT_EQ(frames.front().status, FrameStatus::good);
-  EXPECT_EQ(frames.back().status, FrameStatus::good) << "behind the next key pictures";
+  EXPECT_EQ(frames.back().status, FrameStatus::good) << "after the next key picture";
 }
 
-TEST(VideoFileSource, RefusesWhatIsNoVideoSayingWhy) {
+TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "no.mp4", {}); }),
-              HasSubstr("is no file; expected a video"));
+              HasSubstr("is not a file; expected a video"));
   std::ofstream(folder / "text.mp4") << "not a video";
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "text.mp4", {}); }),
               HasSubstr("cannot read the video"));

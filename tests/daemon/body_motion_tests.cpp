@@ -1,4 +1,4 @@
-// The camera's motion carried to the body, against closed forms and numeric derivatives.
+// Body motion from the camera's motion, compared with closed forms and numeric derivatives.
 
 #include <cmath>
 #include <random>
@@ -20,8 +20,7 @@ Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) 
   return vector;
 }
 
-/// A camera one metre ahead of the body's origin, two up, half a metre to the left, looking forward and
-/// tilted down.
+/// Mount of a camera 1 m ahead of the body's origin, 0.5 m to the left and 2 m up, tilted down.
 Eigen::Isometry3d tiltedMount() {
   Eigen::Isometry3d mount = forwardLookingMount();
   mount.translation() = Eigen::Vector3d(1.0, 0.5, 2.0);
@@ -29,7 +28,7 @@ Eigen::Isometry3d tiltedMount() {
   return mount;
 }
 
-/// What an odometry sees whose body moved by `T_body` in `time_step` s.
+/// Odometry estimate for a body that moved by `T_body` in `time_step` s.
 OdometryEstimate estimateOf(const Eigen::Isometry3d& T_body, const Eigen::Isometry3d& mount,
                             double time_step) {
   OdometryEstimate estimate;
@@ -40,7 +39,7 @@ OdometryEstimate estimateOf(const Eigen::Isometry3d& T_body, const Eigen::Isomet
   return estimate;
 }
 
-TEST(BodyMotion, DrivingStraightIsVelocityAlongX) {
+TEST(BodyMotion, StraightMotionGivesVelocityAlongX) {
   const Eigen::Isometry3d mount = tiltedMount();
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() = Eigen::Vector3d(0.25, 0.0, 0.0);
@@ -50,7 +49,7 @@ TEST(BodyMotion, DrivingStraightIsVelocityAlongX) {
   EXPECT_TRUE(motion.T_world_body.isApprox(T, 1e-12));
 }
 
-TEST(BodyMotion, TurningInPlaceMovesTheCameraButNotTheBodysOrigin) {
+TEST(BodyMotion, TurningInPlaceMovesCameraButNotBodyOrigin) {
   const Eigen::Isometry3d mount = tiltedMount();
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.rotate(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()));
@@ -61,7 +60,7 @@ TEST(BodyMotion, TurningInPlaceMovesTheCameraButNotTheBodysOrigin) {
   EXPECT_TRUE(motion.angular_velocity.isApprox(Eigen::Vector3d(0.0, 0.0, 1.0), 1e-12));
 }
 
-TEST(BodyMotion, ACircleHasConstantSpeedAndYawRateWhateverTheStep) {
+TEST(BodyMotion, CircleGivesConstantSpeedAndYawRateForAnyTimeStep) {
   // On a circle of 8 m at 4 m/s the yaw rate is 0.5 rad/s to the left; the chord is shorter than the path.
   const Eigen::Isometry3d mount = tiltedMount();
   for (const double time_step : {0.01, 0.0556, 0.5, 2.0}) {
@@ -76,7 +75,7 @@ TEST(BodyMotion, ACircleHasConstantSpeedAndYawRateWhateverTheStep) {
   }
 }
 
-TEST(BodyMotion, AnInvalidEstimateHasNoVelocity) {
+TEST(BodyMotion, InvalidEstimateHasNoVelocity) {
   OdometryEstimate estimate = estimateOf(Eigen::Isometry3d::Identity(), tiltedMount(), 0.05);
   estimate.valid = false;
   const BodyMotion invalid = bodyMotion(estimate, tiltedMount());
@@ -87,7 +86,7 @@ TEST(BodyMotion, AnInvalidEstimateHasNoVelocity) {
   EXPECT_TRUE(std::isnan(bodyMotion(estimate, tiltedMount()).angular_velocity.z()));
 }
 
-TEST(BodyMotion, LogarithmUndoesExponentialUpToNearlyHalfATurn) {
+TEST(BodyMotion, LogarithmInvertsExponentialForAnglesBelowPi) {
   for (const double angle : {0.0, 1e-9, 1e-6, 1e-3, 0.5, 2.0, kPi - 1e-3}) {
     const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
     Vector6d twist;
@@ -96,12 +95,12 @@ TEST(BodyMotion, LogarithmUndoesExponentialUpToNearlyHalfATurn) {
   }
 }
 
-TEST(BodyMotion, PoseCovarianceIsWhatPerturbedPosesShow) {
-  // Cov[log(T_mean^-1 T)] over many perturbed camera poses, against the adjoint.
+TEST(BodyMotion, PoseCovarianceMatchesSampledPoses) {
+  // Cov[log(T_mean^-1 T)] of sampled camera poses, compared with the adjoint's.
   const Eigen::Isometry3d mount = tiltedMount();
   OdometryEstimate estimate = estimateOf(exponential(vector6(0.4, 0.1, 0.0, 0.02, -0.03, 0.2)), mount, 0.1);
-  const Vector6d deviations = vector6(1e-3, 2e-3, 3e-3, 1e-3, 5e-4, 2e-3);
-  estimate.pose_covariance = deviations.cwiseAbs2().asDiagonal();
+  const Vector6d stddevs = vector6(1e-3, 2e-3, 3e-3, 1e-3, 5e-4, 2e-3);
+  estimate.pose_covariance = stddevs.cwiseAbs2().asDiagonal();
   const BodyMotion motion = bodyMotion(estimate, mount);
 
   std::mt19937_64 random(7);
@@ -111,7 +110,7 @@ TEST(BodyMotion, PoseCovarianceIsWhatPerturbedPosesShow) {
   for (int i = 0; i < kSamples; ++i) {
     Vector6d perturbation;
     for (int row = 0; row < 6; ++row)
-      perturbation(row) = deviations(row) * normal(random);
+      perturbation(row) = stddevs(row) * normal(random);
     const Eigen::Isometry3d perturbed =
         mount * estimate.T_world_camera * exponential(perturbation) * mount.inverse();
     const Vector6d difference = logarithm(motion.T_world_body.inverse() * perturbed);
@@ -120,7 +119,7 @@ TEST(BodyMotion, PoseCovarianceIsWhatPerturbedPosesShow) {
   EXPECT_LT((sampled - motion.pose_covariance).norm(), 0.03 * motion.pose_covariance.norm());
 }
 
-TEST(BodyMotion, AWrongScaleOfTheRigMakesAllWaysTooLong) {
+TEST(BodyMotion, ScaleErrorLengthensAllDistances) {
   const Eigen::Isometry3d mount = tiltedMount();
   constexpr double kScale = 1e-4, kTimeStep = 0.1;
   OdometryEstimate estimate =
@@ -132,7 +131,7 @@ TEST(BodyMotion, AWrongScaleOfTheRigMakesAllWaysTooLong) {
   const BodyMotion motion = bodyMotion(estimate, mount, kScale), of_longer = bodyMotion(longer, mount);
 
   const Vector6d pose_error = logarithm(motion.T_world_body.inverse() * of_longer.T_world_body);
-  EXPECT_GT(pose_error.norm(), 2e-3) << "a ten-thousandth of 30 m";
+  EXPECT_GT(pose_error.norm(), 2e-3) << "1e-4 of 30 m";
   EXPECT_TRUE(motion.pose_covariance.isApprox(pose_error * pose_error.transpose(), 1e-6));
   Vector6d twist_error;
   twist_error << of_longer.velocity - motion.velocity, of_longer.angular_velocity - motion.angular_velocity;
@@ -140,7 +139,7 @@ TEST(BodyMotion, AWrongScaleOfTheRigMakesAllWaysTooLong) {
   EXPECT_TRUE(motion.twist_covariance.isApprox(twist_error * twist_error.transpose(), 2e-3));
 }
 
-TEST(BodyMotion, TwistCovarianceFollowsTheNumericJacobian) {
+TEST(BodyMotion, TwistCovarianceMatchesNumericJacobian) {
   const Eigen::Isometry3d mount = tiltedMount();
   const double time_step = 0.0556;
   OdometryEstimate estimate =

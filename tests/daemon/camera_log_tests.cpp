@@ -1,4 +1,4 @@
-// What the journal says of a camera that is looked at once a second.
+// Log lines about a camera that is polled once a second.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,8 +26,8 @@ CameraHealth health(CameraState state, const std::string& last_error, std::uint6
 
 class CameraLogTest : public testing::Test {
  protected:
-  /// A second after the look before.
-  std::vector<Line> look(CameraState state, const std::string& last_error, std::uint64_t reconnections) {
+  /// Polls one second after the previous poll.
+  std::vector<Line> poll(CameraState state, const std::string& last_error, std::uint64_t reconnections) {
     now_ += seconds(1);
     return log_.due(health(state, last_error, reconnections), now_);
   }
@@ -36,46 +36,46 @@ class CameraLogTest : public testing::Test {
   CameraLog::Clock::time_point now_;
 };
 
-TEST_F(CameraLogTest, TellsEachChangeOfStateOnceAndALastingFaultEachMinute) {
-  EXPECT_THAT(look(CameraState::connecting, "", 0), ElementsAre(Line{kInfo, "left camera: connecting"}));
-  EXPECT_THAT(look(CameraState::streaming, "", 0), ElementsAre(Line{kInfo, "left camera: streaming"}));
-  EXPECT_THAT(look(CameraState::streaming, "", 0), IsEmpty());
-  EXPECT_THAT(look(CameraState::stalled, "no picture", 1),
+TEST_F(CameraLogTest, LogsEachStateChangeOnceAndLastingFaultEachMinute) {
+  EXPECT_THAT(poll(CameraState::connecting, "", 0), ElementsAre(Line{kInfo, "left camera: connecting"}));
+  EXPECT_THAT(poll(CameraState::streaming, "", 0), ElementsAre(Line{kInfo, "left camera: streaming"}));
+  EXPECT_THAT(poll(CameraState::streaming, "", 0), IsEmpty());
+  EXPECT_THAT(poll(CameraState::stalled, "no picture", 1),
               ElementsAre(Line{kWarning, "left camera: stalled: no picture"}));
   for (int i = 1; i < 60; ++i)
-    EXPECT_THAT(look(CameraState::stalled, "no picture", 1), IsEmpty());
+    EXPECT_THAT(poll(CameraState::stalled, "no picture", 1), IsEmpty());
   EXPECT_THAT(
-      look(CameraState::stalled, "no picture", 1),
+      poll(CameraState::stalled, "no picture", 1),
       ElementsAre(Line{kWarning, "left camera: stalled: no picture (60 times since this was last logged)"}));
-  EXPECT_THAT(look(CameraState::streaming, "no picture", 1),
+  EXPECT_THAT(poll(CameraState::streaming, "no picture", 1),
               ElementsAre(Line{kInfo, "left camera: streaming"}));
-  EXPECT_THAT(look(CameraState::stalled, "no picture", 2),
+  EXPECT_THAT(poll(CameraState::stalled, "no picture", 2),
               ElementsAre(Line{kWarning, "left camera: stalled: no picture"}))
-      << "a fault that comes back is news";
+      << "a recurring fault is logged again";
 }
 
-TEST_F(CameraLogTest, TellsOfAFaultThatWasOverBeforeAnybodyLooked) {
-  look(CameraState::streaming, "", 0);
-  EXPECT_THAT(look(CameraState::streaming, "the driver failed", 1),
+TEST_F(CameraLogTest, LogsFaultThatEndedBetweenTwoPolls) {
+  poll(CameraState::streaming, "", 0);
+  EXPECT_THAT(poll(CameraState::streaming, "the driver failed", 1),
               ElementsAre(Line{kWarning, "left camera: streaming again after a fault: the driver failed"}));
-  EXPECT_THAT(look(CameraState::streaming, "the driver failed", 1), IsEmpty());
+  EXPECT_THAT(poll(CameraState::streaming, "the driver failed", 1), IsEmpty());
   EXPECT_THAT(
-      look(CameraState::streaming, "no picture", 4),
+      poll(CameraState::streaming, "no picture", 4),
       ElementsAre(Line{kWarning, "left camera: streaming again after 3 faults, the last: no picture"}));
 }
 
-TEST_F(CameraLogTest, TellsOfAFaultBetweenTheStateThatWasSeenAndTheNext) {
-  look(CameraState::streaming, "", 0);
-  look(CameraState::connecting, "the cable", 1);
-  EXPECT_THAT(look(CameraState::streaming, "no picture", 2),
+TEST_F(CameraLogTest, LogsFaultThatEndedBeforeStreamingResumed) {
+  poll(CameraState::streaming, "", 0);
+  poll(CameraState::connecting, "the cable", 1);
+  EXPECT_THAT(poll(CameraState::streaming, "no picture", 2),
               ElementsAre(Line{kWarning, "left camera: streaming again after a fault: no picture"}));
 }
 
-TEST_F(CameraLogTest, OfACameraThatFailsAgainAndAgainIsShortAndLeavesNoFaultOut) {
-  look(CameraState::streaming, "", 0);
+TEST_F(CameraLogTest, LimitsLinesOfRepeatedFaultsAndCountsThemAll) {
+  poll(CameraState::streaming, "", 0);
   std::vector<std::string> texts;
   for (std::uint64_t i = 1; i <= 60; ++i) {
-    for (const Line& line : look(CameraState::streaming, "no picture", i))
+    for (const Line& line : poll(CameraState::streaming, "no picture", i))
       texts.push_back(line.text);
   }
   const auto again = [](const std::string& faults) {

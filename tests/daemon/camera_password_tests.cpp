@@ -1,4 +1,4 @@
-// Camera passwords come from files that nobody else may read.
+// Camera passwords: read from files that other users cannot read, and from systemd credentials.
 
 #include <cstdlib>
 #include <fstream>
@@ -39,18 +39,18 @@ class CameraPassword : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CameraPassword, IsTheFilesFirstLine) {
+TEST_F(CameraPassword, IsFirstLineOfFile) {
   EXPECT_EQ(readPassword(camera("correct horse\n", kOwner)), "correct horse");
   EXPECT_EQ(readPassword(camera("windows\r\n", kOwner)), "windows");
   EXPECT_EQ(readPassword(camera("no newline", kOwner | fs::perms::group_read)), "no newline");
 }
 
-TEST_F(CameraPassword, IsRefusedWhereOthersMayReadThem) {
+TEST_F(CameraPassword, IsRefusedIfOtherUsersMayReadFile) {
   EXPECT_THAT(errorOf(camera("secret\n", kOwner | fs::perms::others_read)),
               testing::AllOf(HasSubstr("chmod o="), testing::Not(HasSubstr("secret"))));
 }
 
-TEST_F(CameraPassword, IsRefusedWhenMissingEmptyOrNotAPassword) {
+TEST_F(CameraPassword, IsRefusedIfFileIsMissingEmptyOrTooLong) {
   CameraConfiguration missing = camera("x", kOwner);
   missing.password_file = folder_ / "none";
   EXPECT_THAT(errorOf(missing), HasSubstr("none: cannot be read"));
@@ -59,7 +59,7 @@ TEST_F(CameraPassword, IsRefusedWhenMissingEmptyOrNotAPassword) {
   EXPECT_THAT(errorOf(camera(std::string(2000, 'x'), kOwner)), HasSubstr("one line"));
 }
 
-TEST_F(CameraPassword, ComesFromSystemd) {
+TEST_F(CameraPassword, IsReadFromSystemdCredential) {
   const CameraConfiguration file = camera("from systemd\n", kOwner);
   CameraConfiguration credential;
   credential.username = "admin";
@@ -71,7 +71,7 @@ TEST_F(CameraPassword, ComesFromSystemd) {
   unsetenv("CREDENTIALS_DIRECTORY");
 }
 
-TEST_F(CameraPassword, IsNotAskedForWithoutAUser) {
+TEST_F(CameraPassword, IsEmptyWithoutUserName) {
   EXPECT_EQ(readPassword(CameraConfiguration{}), "");
 }
 

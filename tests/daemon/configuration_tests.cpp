@@ -1,4 +1,4 @@
-// The configuration file: what is accepted, and what each mistake is told.
+// Configuration file: accepted contents, and the error for each mistake.
 
 #include <fstream>
 #include <map>
@@ -52,7 +52,7 @@ class ConfigurationFile : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(ConfigurationFile, NeedsNoMoreThanTwoUrlsAndARig) {
+TEST_F(ConfigurationFile, RequiresOnlyTwoUrlsAndRig) {
   const Configuration configuration = read(kMinimal);
   EXPECT_EQ(configuration.left.url, "rtsp://10.0.0.1/left");
   EXPECT_EQ(configuration.right.url, "rtsp://10.0.0.2/right");
@@ -61,34 +61,34 @@ TEST_F(ConfigurationFile, NeedsNoMoreThanTwoUrlsAndARig) {
   EXPECT_TRUE(configuration.recording_directory.empty());
 }
 
-TEST_F(ConfigurationFile, TakesRelativePathsFromItsOwnFolder) {
+TEST_F(ConfigurationFile, ResolvesRelativePathsFromItsFolder) {
   const Configuration configuration =
       read(std::string(kMinimal) + "tables: cache/tables.bin\nrecording: {directory: /var/lib/x}\n");
   EXPECT_EQ(configuration.tables, folder_ / "cache/tables.bin");
   EXPECT_EQ(configuration.recording_directory, "/var/lib/x");
-  EXPECT_TRUE(configuration.recording_quota.recordings.empty()) << "left to cartvod";
+  EXPECT_TRUE(configuration.recording_quota.recordings.empty()) << "set by cartvod";
 }
 
-TEST_F(ConfigurationFile, NamesAnUnknownKeyWithFileAndLine) {
+TEST_F(ConfigurationFile, NamesUnknownKeyWithFileAndLine) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry:\n  feature: 1000\n"),
               AllOf(HasSubstr("cartvod.yaml:8: odometry.feature"),
                     HasSubstr("estimator, features, seed, threads, online_rig_refinement")));
   EXPECT_THAT(errorOf(std::string(kMinimal) + "camera: 1\n"), HasSubstr("cartvod.yaml:7: camera"));
 }
 
-TEST_F(ConfigurationFile, NamesAKeyGivenTwice) {
+TEST_F(ConfigurationFile, NamesDuplicateKey) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "rig: other.yaml\n"),
               AllOf(HasSubstr("cartvod.yaml:7: rig"), HasSubstr("each key once")));
 }
 
-TEST_F(ConfigurationFile, NamesAMissingKey) {
+TEST_F(ConfigurationFile, NamesMissingKey) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n"),
               AllOf(HasSubstr("cartvod.yaml"), HasSubstr("rig"), HasSubstr("missing")));
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\nrig: rig.yaml\n"),
               AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("cameras.right"), HasSubstr("missing")));
 }
 
-TEST_F(ConfigurationFile, NamesAWrongTypeAndAValueOutOfRange) {
+TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {features: many}\n"),
               AllOf(HasSubstr("cartvod.yaml:7: odometry.features"), HasSubstr("an integer from 50 to 20000"),
                     HasSubstr("'many'")));
@@ -106,18 +106,18 @@ TEST_F(ConfigurationFile, NamesAWrongTypeAndAValueOutOfRange) {
       AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
 }
 
-TEST_F(ConfigurationFile, SaysThatMonitoringTheRigWasRemoved) {
+TEST_F(ConfigurationFile, ErrorExplainsThatMonitorWasRemoved) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {online_rig_refinement: monitor}\n"),
               AllOf(HasSubstr("cartvod.yaml:7: odometry.online_rig_refinement"),
                     HasSubstr("'monitor' was removed: use 'correct'"), HasSubstr("or 'off'")));
 }
 
-TEST_F(ConfigurationFile, NamesALineThatIsNotYaml) {
+TEST_F(ConfigurationFile, NamesLineThatIsNotYaml) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: [}\n"),
               AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("not YAML")));
 }
 
-TEST_F(ConfigurationFile, NamesAFileThatIsNotThere) {
+TEST_F(ConfigurationFile, NamesMissingFile) {
   try {
     readConfiguration(folder_ / "none.yaml");
     FAIL();
@@ -126,14 +126,14 @@ TEST_F(ConfigurationFile, NamesAFileThatIsNotThere) {
   }
 }
 
-TEST_F(ConfigurationFile, RefusesAPasswordInAUrlWithoutRepeatingIt) {
+TEST_F(ConfigurationFile, RejectsPasswordInUrlWithoutQuotingIt) {
   const std::string error = errorOf(
       "cameras:\n  left:\n    url: rtsp://admin:geheim@10.0.0.1/left\n  right: {url: rtsp://b/2}\nrig: r\n");
   EXPECT_THAT(error, AllOf(HasSubstr("cartvod.yaml:3: cameras.left.url"), HasSubstr("password_file"),
                            Not(HasSubstr("geheim"))));
 }
 
-TEST_F(ConfigurationFile, RefusesCredentialsThatDoNotFitTogether) {
+TEST_F(ConfigurationFile, RejectsInconsistentCredentials) {
   const auto with = [](const std::string& left) {
     return "cameras:\n  left: {url: rtsp://a/1, " + left + "}\n  right: {url: rtsp://a/2}\nrig: rig.yaml\n";
   };
@@ -144,13 +144,13 @@ TEST_F(ConfigurationFile, RefusesCredentialsThatDoNotFitTogether) {
   EXPECT_THAT(errorOf(with("username: u, password_credential: ../c")), HasSubstr("without '/'"));
 }
 
-TEST_F(ConfigurationFile, RefusesAUrlThatTheCameraWouldRefuseLater) {
+TEST_F(ConfigurationFile, RejectsUnsupportedUrlScheme) {
   EXPECT_THAT(
       errorOf("cameras:\n  left: {url: rtsps://a/1}\n  right: {url: rtsp://a/2}\nrig: rig.yaml\n"),
       AllOf(HasSubstr(":2: cameras.left.url"), HasSubstr("rtsp://192.168.1.64"), HasSubstr("rtsps://a/1")));
 }
 
-TEST_F(ConfigurationFile, RefusesTextThatCannotBeShownOrWrittenBack) {
+TEST_F(ConfigurationFile, RejectsUnprintableText) {
   const auto with = [](const std::string& rig) {
     return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\nrig: \"" + rig + "\"\n";
   };
@@ -180,7 +180,7 @@ TEST_F(ConfigurationFile, RefusesTextThatCannotBeShownOrWrittenBack) {
   }
 }
 
-TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
+TEST_F(ConfigurationFile, ReadsClockChoice) {
   const auto with = [](const std::string& clock) {
     return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  clock: " + clock +
            "\nrig: rig.yaml\n";
@@ -193,7 +193,7 @@ TEST_F(ConfigurationFile, SaysWhoseClockStampsThePictures) {
   EXPECT_THAT(errorOf(with("gps")), HasSubstr("one of auto, ntp, arrival, visual"));
 }
 
-TEST_F(ConfigurationFile, SaysHowLongCamerasAreWaitedFor) {
+TEST_F(ConfigurationFile, ReadsCameraTimeouts) {
   const auto with = [](const std::string& cameras) {
     return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n" + cameras + "rig: rig.yaml\n";
   };
@@ -212,12 +212,12 @@ TEST_F(ConfigurationFile, SaysHowLongCamerasAreWaitedFor) {
   }
 }
 
-TEST_F(ConfigurationFile, RefusesTheSameCameraTwice) {
+TEST_F(ConfigurationFile, RejectsSameUrlForBothCameras) {
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/1}\nrig: rig.yaml\n"),
               AllOf(HasSubstr(":3: cameras.right.url"), HasSubstr("same URL")));
 }
 
-TEST_F(ConfigurationFile, TakesCamerasOfThisComputer) {
+TEST_F(ConfigurationFile, ReadsV4l2Cameras) {
   const auto with = [](const std::string& left) {
     return "cameras:\n  left: {url: \"v4l2:/dev/video0\"" + left +
            "}\n  right: {url: \"v4l2:/dev/video2\"}\nrig: rig.yaml\n";
@@ -243,7 +243,7 @@ TEST_F(ConfigurationFile, TakesCamerasOfThisComputer) {
               HasSubstr("v4l2:/dev/video0"));
 }
 
-TEST_F(ConfigurationFile, IsWrittenOutSoThatItReadsBackTheSame) {
+TEST_F(ConfigurationFile, IsWrittenAndReadBackUnchanged) {
   const Configuration configuration =
       read(std::string(kMinimal) +
            "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1}\n"
@@ -257,8 +257,8 @@ TEST_F(ConfigurationFile, IsWrittenOutSoThatItReadsBackTheSame) {
   EXPECT_EQ(configuration.recording_quota.keep_free_bytes, 500'000'000U);
 }
 
-TEST_F(ConfigurationFile, AsksForEachKeyItKnows) {
-  // A map in the place of each key's value is an error that names the key: so each is really read.
+TEST_F(ConfigurationFile, ReadsEachListedKey) {
+  // A map as the value of a key is an error that names the key, which shows that the key is read.
   for (const std::string& key : configurationKeys()) {
     YAML::Node document = YAML::LoadFile(kShipped.string());
     YAML::Node node;
@@ -276,7 +276,7 @@ TEST_F(ConfigurationFile, AsksForEachKeyItKnows) {
   }
 }
 
-/// The shipped file's keys, active or commented out, with the comment above each.
+/// Keys of the shipped file, active or commented out, with the comment above each.
 std::map<std::string, std::string> documentedKeys() {
   static const std::regex kKey("^( *)(# )?([a-z_]+):( .*)?$");
   std::map<std::string, std::string> documented;
@@ -313,7 +313,7 @@ TEST_F(ConfigurationFile, DemoFileLoads) {
   EXPECT_EQ(configuration.left.url, "rtsp://127.0.0.1:8554/Streaming/Channels/101");
 }
 
-TEST_F(ConfigurationFile, ShippedFileDocumentsEachKeyAndNoOther) {
+TEST_F(ConfigurationFile, ShippedFileDocumentsExactlyTheReadKeys) {
   const std::map<std::string, std::string> documented = documentedKeys();
   const std::vector<std::string> known = configurationKeys();
   for (const std::string& key : known)
@@ -322,7 +322,7 @@ TEST_F(ConfigurationFile, ShippedFileDocumentsEachKeyAndNoOther) {
     EXPECT_THAT(known, testing::Contains(key));
 }
 
-TEST_F(ConfigurationFile, ShippedFileStatesTheDefaultsThatTheCodeHas) {
+TEST_F(ConfigurationFile, ShippedFileStatesDefaultsOfTheCode) {
   static const std::regex kDefault("default (udpm:[^ ]+|[^ :]+)");
   const YAML::Node effective = YAML::Load(effectiveConfiguration(read(kMinimal)));
   static const std::set<std::string> kSections = {"cameras", "cameras.left", "cameras.right", "odometry",

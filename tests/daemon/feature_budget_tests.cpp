@@ -1,4 +1,4 @@
-// What is shed when the computer is too slow, and how it comes back.
+// Feature budget: reduction on a slow computer, and recovery.
 
 #include <gtest/gtest.h>
 
@@ -16,42 +16,42 @@ double secondsFor(int features, double slowness) {
 
 int settle(FeatureBudget& budget, int features, double slowness, int pairs = 200) {
   for (int pair = 0; pair < pairs; ++pair)
-    features = budget.next(secondsFor(features, slowness));
+    features = budget.update(secondsFor(features, slowness));
   return features;
 }
 
-TEST(FeatureBudget, AComputerThatKeepsUpHasThemAll) {
+TEST(FeatureBudget, KeepsAllFeaturesOnFastComputer) {
   FeatureBudget budget(1000, kPeriod);
   for (int pair = 0; pair < 100; ++pair)
-    ASSERT_EQ(budget.next(secondsFor(1000, 1.0)), 1000);
+    ASSERT_EQ(budget.update(secondsFor(1000, 1.0)), 1000);
 }
 
-TEST(FeatureBudget, ASlowComputerIsGivenWhatItDoesInTime) {
+TEST(FeatureBudget, ReducesFeaturesToFitThePeriodOnSlowComputer) {
   FeatureBudget budget(1000, kPeriod);
   const int features = settle(budget, 1000, 3.0);
   EXPECT_LT(secondsFor(features, 3.0), kPeriod);
-  EXPECT_GT(secondsFor(features, 3.0), 0.5 * kPeriod) << "no more is shed than need be";
+  EXPECT_GT(secondsFor(features, 3.0), 0.5 * kPeriod) << "no larger reduction than necessary";
 }
 
-TEST(FeatureBudget, ItIsInTimeAfterAFewPairs) {
+TEST(FeatureBudget, FitsThePeriodAfterSixPairs) {
   FeatureBudget budget(1000, kPeriod);
   const int features = settle(budget, 1000, 4.0, 6);
   EXPECT_LT(secondsFor(features, 4.0), kPeriod);
 }
 
-TEST(FeatureBudget, ASinglePairThatTakesLongChangesNothing) {
+TEST(FeatureBudget, IgnoresASingleSlowPair) {
   FeatureBudget budget(1000, kPeriod);
-  budget.next(secondsFor(1000, 1.0));
-  EXPECT_EQ(budget.next(1.0), 1000);
-  EXPECT_EQ(budget.next(secondsFor(1000, 1.0)), 1000);
+  budget.update(secondsFor(1000, 1.0));
+  EXPECT_EQ(budget.update(1.0), 1000);
+  EXPECT_EQ(budget.update(secondsFor(1000, 1.0)), 1000);
 }
 
-TEST(FeatureBudget, TheFeaturesComeBackSmoothly) {
+TEST(FeatureBudget, RestoresFeaturesGradually) {
   FeatureBudget budget(1000, kPeriod);
   int features = settle(budget, 1000, 4.0);
   ASSERT_LT(features, 500);
   for (int pair = 0; pair < 300; ++pair) {
-    const int next = budget.next(secondsFor(features, 1.0));
+    const int next = budget.update(secondsFor(features, 1.0));
     EXPECT_GE(next, features);
     EXPECT_LE(next, features * 1.03 + 1.0);
     features = next;
@@ -59,7 +59,7 @@ TEST(FeatureBudget, TheFeaturesComeBackSmoothly) {
   EXPECT_EQ(features, 1000);
 }
 
-TEST(FeatureBudget, SomeAreLeftHoweverSlowItIs) {
+TEST(FeatureBudget, KeepsMinimumNumberOfFeatures) {
   FeatureBudget budget(1000, kPeriod);
   EXPECT_EQ(settle(budget, 1000, 1000.0), 150);
   FeatureBudget modest(60, kPeriod);

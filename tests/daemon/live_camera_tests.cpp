@@ -1,4 +1,4 @@
-// Cameras of either kind, as the configuration names them.
+// RTSP and V4L2 cameras built from the configuration.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-Configuration twoKinds() {
+Configuration rtspAndV4l2() {
   Configuration configuration;
   configuration.left.url = "rtsp://127.0.0.1:1/left";
   configuration.right.url = "v4l2:/dev/nonexistent/video7";
@@ -19,36 +19,36 @@ Configuration twoKinds() {
   return configuration;
 }
 
-class Nobody : public StreamObserver {
+class NullObserver : public StreamObserver {
  public:
   void onStream(const StreamFormat& /*format*/) noexcept override {}
   void onUnit(const EncodedUnit& /*unit*/) noexcept override {}
 };
 
-TEST(LiveCamera, IsAnIpCameraOrOneOfThisComputer) {
-  PairClock clock(ClockChoice::automatic);
-  LiveCamera left(twoKinds(), CameraSide::left, {680, 420}, clock);
-  LiveCamera right(twoKinds(), CameraSide::right, {680, 420}, clock);
-  Nobody nobody;
-  EXPECT_TRUE(left.observe(nobody));
-  EXPECT_FALSE(right.observe(nobody)) << "nothing encoded";
+TEST(LiveCamera, IsRtspOrV4l2CameraByUrl) {
+  StereoTimestamper clock(ClockChoice::automatic);
+  LiveCamera left(rtspAndV4l2(), CameraSide::left, {680, 420}, clock);
+  LiveCamera right(rtspAndV4l2(), CameraSide::right, {680, 420}, clock);
+  NullObserver observer;
+  EXPECT_TRUE(left.observe(observer));
+  EXPECT_FALSE(right.observe(observer)) << "V4L2 cameras have no encoded stream";
   EXPECT_EQ(left.source().health().instant_source, InstantSource::arrival);
   EXPECT_EQ(right.source().health().instant_source, InstantSource::kernel);
 }
 
-TEST(LiveCamera, ReadersMayTakeTwiceAsLongAsItsTimeOuts) {
-  Configuration configuration = twoKinds();
-  PairClock clock(ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 12.0)
-      << "twice the time to be answered and to connect";
+TEST(LiveCamera, ReaderTimeoutIsTwiceTheCameraTimeouts) {
+  Configuration configuration = rtspAndV4l2();
+  StereoTimestamper clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 12.0)
+      << "twice the answer and connection time-outs";
   configuration.stall_timeout = std::chrono::seconds(60);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 120.0)
-      << "a silent camera may be waited for so long";
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).longestTurn(), 120.0);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 120.0)
+      << "twice the stall time-out, which is longer";
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).readerTimeout(), 120.0);
 }
 
-TEST(LiveCamera, IsWaitedForAsLongAsTheConfigurationSays) {
-  Configuration configuration = twoKinds();
+TEST(LiveCamera, UsesConfiguredTimeouts) {
+  Configuration configuration = rtspAndV4l2();
   configuration.answer_timeout = std::chrono::milliseconds(300);
   configuration.connect_timeout = std::chrono::milliseconds(700);
   configuration.stall_timeout = std::chrono::milliseconds(400);
@@ -56,13 +56,13 @@ TEST(LiveCamera, IsWaitedForAsLongAsTheConfigurationSays) {
   EXPECT_EQ(settings.answer_timeout, configuration.answer_timeout);
   EXPECT_EQ(settings.connect_timeout, configuration.connect_timeout);
   EXPECT_EQ(settings.stall_timeout, configuration.stall_timeout);
-  PairClock clock(ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).longestTurn(), 2.0)
-      << "which the watchdog allows";
+  StereoTimestamper clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 2.0)
+      << "twice the answer and connection time-outs";
 }
 
-TEST(LiveCamera, OfThisComputerTakesItsSizeFromTheRigUnlessItHasOne) {
-  Configuration configuration = twoKinds();
+TEST(LiveCamera, V4l2CameraUsesRigSizeUnlessConfigured) {
+  Configuration configuration = rtspAndV4l2();
   EXPECT_EQ(v4l2Settings(configuration, configuration.right, {680, 420}).size, cv::Size(680, 420));
   EXPECT_THAT(test::messageOf([&] { v4l2Settings(configuration, configuration.right, {}); }),
               HasSubstr("cameras.right.size is missing"));

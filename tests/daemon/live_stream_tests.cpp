@@ -1,5 +1,4 @@
-// The whole path live, on loopback in a network namespace of its own: simulated RTSP cameras -> daemon ->
-// LCM.
+// The live daemon on loopback in its own network namespace: simulated RTSP cameras -> daemon -> LCM.
 
 #include <cmath>
 #include <fstream>
@@ -18,8 +17,8 @@
 #include "calib/rig_file.hpp"
 #include "daemon/daemon.hpp"
 #include "daemon/lcm_connection.hpp"
-#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/test_timeout.hpp"
 #include "synthetic_cameras.hpp"
 #include "tools/simulate/encode_content.hpp"
 #include "tools/simulate/simulated_camera.hpp"
@@ -34,7 +33,7 @@ using testing::HasSubstr;
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr double kFrameRate = 18.0;
 
-/// The two walls, passing at 18 Hz.
+/// The two walls of test::wall, moving past at 18 Hz.
 class PassingWalls : public simulate::Content {
  public:
   Rig rig() const override { return test::smallRig(); }
@@ -50,7 +49,7 @@ class PassingWalls : public simulate::Content {
   std::string cacheKey() const override { return "passing walls"; }
 };
 
-/// What a controller and a person would hear.
+/// Receives the odometry and health messages.
 class Subscriber {
  public:
   Subscriber() : lcm_(kUrl) {
@@ -58,9 +57,9 @@ class Subscriber {
     lcm_.subscribe(kHealthChannel, &Subscriber::onHealth, this);
   }
 
-  /// Listens until the condition holds; false if that takes longer than kPatience.
-  bool listen(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + test::kPatience;
+  /// Receives messages until the condition holds; false after the test time-out.
+  bool receiveUntil(const std::function<bool()>& condition) {
+    const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
     while (!condition() && std::chrono::steady_clock::now() < end)
       lcm_.handleTimeout(50);
     return condition();
@@ -78,6 +77,18 @@ class Subscriber {
   }
 
   lcm::LCM lcm_;
+};
+
+/// Stops the daemon at the end of the test, so that a failed assertion does not block its thread's future.
+class StopAtExit {
+ public:
+  explicit StopAtExit(Daemon& daemon) : daemon_(daemon) {}
+  ~StopAtExit() { daemon_.stop(); }
+  StopAtExit(const StopAtExit&) = delete;
+  StopAtExit& operator=(const StopAtExit&) = delete;
+
+ private:
+  Daemon& daemon_;
 };
 
 class LiveStream : public testing::Test {
@@ -120,15 +131,16 @@ bool hasNoPair(const odometry_t& message) {
   return (message.reasons & odometry_t::REASON_NO_PAIR) != 0;
 }
 
-TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
+TEST_F(LiveStream, IsPublishedAsOdometryAndAsInvalidAfterCameraLoss) {
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
   configuration.recording_directory = folder_ / "recording";
   Subscriber subscriber;
   Daemon daemon(configuration);
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  const StopAtExit stop(daemon);
 
-  // Blind at first, and says so at the full rate.
-  EXPECT_TRUE(subscriber.listen([&] { return subscriber.odometry.size() > 3; }));
+  // INVALID messages at the frame rate before the first pair.
+  ASSERT_TRUE(subscriber.receiveUntil([&] { return subscriber.odometry.size() > 3; }));
   EXPECT_TRUE(hasNoPair(subscriber.odometry.front()));
 
   startContent();
@@ -136,7 +148,7 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
     return std::count_if(subscriber.odometry.begin(), subscriber.odometry.end(),
                          [](const odometry_t& m) { return isValid(m) && m.velocity_body[1] < -0.3; });
   };
-  ASSERT_TRUE(subscriber.listen([&] { return valid() >= 20; })) << valid() << " valid messages";
+  ASSERT_TRUE(subscriber.receiveUntil([&] { return valid() >= 20; })) << valid() << " valid messages";
   const odometry_t moving = *std::find_if(subscriber.odometry.rbegin(), subscriber.odometry.rend(), isValid);
   EXPECT_NEAR(moving.velocity_body[1], -2.0 * 4.0 / 240.0 * kFrameRate, 0.1);
   EXPECT_GT(moving.arrival_utime, 0);
@@ -149,57 +161,60 @@ TEST_F(LiveStream, BecomesOdometryOnLcmAndInvalidWhenACameraDies) {
   EXPECT_EQ(subscriber.health.back().left.state, +camera_health_t::STREAMING);
 
   right_.reset();
-  const auto blind = [&] {
+  const auto without_pair = [&] {
     return std::count_if(subscriber.odometry.rbegin(), subscriber.odometry.rend(), hasNoPair);
   };
-  const auto before = blind();
-  EXPECT_TRUE(subscriber.listen([&] { return blind() - before > 30; })) << "a message per period";
+  const auto before = without_pair();
+  EXPECT_TRUE(subscriber.receiveUntil([&] { return without_pair() - before > 30; }))
+      << "a message per period";
   EXPECT_TRUE(std::isnan(subscriber.odometry.back().velocity_body[0]));
-  EXPECT_EQ(subscriber.odometry.back().position_world_body[1] < 0.0, true) << "the pose stays";
+  EXPECT_EQ(subscriber.odometry.back().position_world_body[1] < 0.0, true) << "the pose is kept";
 
   daemon.stop();
   run.wait();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "recording/000000/left.mkv"));
 }
 
-TEST_F(LiveStream, OfAnotherSizeThanTheRigsIsRefusedInHealthAndKeepsTheDaemonRunning) {
+TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
   Rig rig = test::smallRig();
   rig.left.size = rig.right.size = {640, 480};
   writeRig(folder_ / "rig.yaml", rig);
   Subscriber subscriber;
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  const StopAtExit stop(daemon);
   startContent();
-  EXPECT_TRUE(subscriber.listen([&] {
+  EXPECT_TRUE(subscriber.receiveUntil([&] {
     return !subscriber.health.empty() && subscriber.health.back().refused_size > 0 &&
            !subscriber.odometry.empty() &&
            (subscriber.odometry.back().reasons & odometry_t::REASON_WRONG_SIZE) != 0;
-  })) << "both say so";
+  })) << "in both messages";
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_THAT(subscriber.health.back().problem, HasSubstr("320x240, but the rig is for 640x480"));
   daemon.stop();
   run.wait();
 }
 
-TEST_F(LiveStream, IsProcessedWhenItsRecordingCannotStartAndHealthSaysWhy) {
+TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
   configuration.recording_directory = folder_ / "rig.yaml" / "recording";  // root may write anywhere else
   Subscriber subscriber;
   Daemon daemon(configuration);
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  const StopAtExit stop(daemon);
   startContent();
-  EXPECT_TRUE(subscriber.listen([&] {
+  EXPECT_TRUE(subscriber.receiveUntil([&] {
     return !subscriber.health.empty() && !subscriber.health.back().problem.empty() &&
            std::any_of(subscriber.odometry.begin(), subscriber.odometry.end(), isValid);
   }));
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_THAT(subscriber.health.back().problem,
-              AllOf(HasSubstr("not recording: cannot make the folder"), HasSubstr("rig.yaml/recording")));
+              AllOf(HasSubstr("not recording: cannot create the folder"), HasSubstr("rig.yaml/recording")));
   daemon.stop();
   run.wait();
 }
 
-/// What is logged while it lives.
+/// Captures the log during its lifetime.
 class LogText {
  public:
   LogText() : before_(spdlog::default_logger()) {
@@ -210,7 +225,7 @@ class LogText {
   LogText(const LogText&) = delete;
   LogText& operator=(const LogText&) = delete;
 
-  /// Lines that hold the text; only when nothing logs any more.
+  /// Number of lines that contain `part`. Call it only after all logging has ended.
   int linesWith(const std::string& part) const {
     std::istringstream lines(text_.str());
     int count = 0;
@@ -224,17 +239,18 @@ class LogText {
   std::shared_ptr<spdlog::logger> before_;
 };
 
-TEST_F(LiveStream, OfACameraThatIsNotThereIsLoggedOnceNotEachSecond) {
+TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
   const LogText log;
   right_.reset();
   Subscriber subscriber;
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const auto said = [&] {
+  const StopAtExit stop(daemon);
+  const auto reports = [&] {
     return std::count_if(subscriber.health.begin(), subscriber.health.end(),
                          [](const health_t& health) { return !health.right.last_error.empty(); });
   };
-  EXPECT_TRUE(subscriber.listen([&] { return said() >= 3; }));
+  EXPECT_TRUE(subscriber.receiveUntil([&] { return reports() >= 3; }));
   daemon.stop();
   run.wait();
   ASSERT_FALSE(subscriber.health.empty());
@@ -242,14 +258,14 @@ TEST_F(LiveStream, OfACameraThatIsNotThereIsLoggedOnceNotEachSecond) {
   EXPECT_EQ(log.linesWith("right camera: connecting: "), 1);
 }
 
-TEST(LcmConnection, NamesTheInterfaceOfItsRoute) {
+TEST(LcmConnection, FindsInterfaceOfRoute) {
   const MulticastRoute route = findMulticastRoute(kUrl);
   EXPECT_EQ(route.interface, "lo");
   EXPECT_TRUE(route.loopback);
   EXPECT_EQ(multicastWarning(route), "");
 }
 
-TEST(LcmConnection, SaysHowToAddAMissingRoute) {
+TEST(LcmConnection, ErrorExplainsHowToAddMissingRoute) {
   try {
     connectLcm("udpm://239.255.1.1:7667?ttl=0");
     FAIL();
@@ -259,14 +275,14 @@ TEST(LcmConnection, SaysHowToAddAMissingRoute) {
   }
 }
 
-TEST(LcmConnection, WarnsOfARouteThatGoesElsewhereThanOneExpects) {
+TEST(LcmConnection, WarnsIfRouteDoesNotMatchTimeToLive) {
   EXPECT_THAT(multicastWarning({"239.255.76.67", "eth0", false, 0}),
               HasSubstr("stop when that link goes down"));
-  EXPECT_THAT(multicastWarning({"239.255.76.67", "lo", true, 1}), HasSubstr("no other host hears"));
+  EXPECT_THAT(multicastWarning({"239.255.76.67", "lo", true, 1}), HasSubstr("no other host receives"));
   EXPECT_EQ(multicastWarning({"239.255.76.67", "eth1", false, 1}), "");
 }
 
-TEST(LcmConnection, RefusesWhatIsNoMulticastUrl) {
+TEST(LcmConnection, RejectsNonMulticastUrl) {
   EXPECT_THROW(findMulticastRoute("udpm://10.0.0.1:7667?ttl=0"), std::invalid_argument);
   EXPECT_THROW(findMulticastRoute("tcpq://127.0.0.1:7700"), std::invalid_argument);
 }

@@ -1,4 +1,4 @@
-// A fault that repeats with each frame is logged once, then counted.
+// Rate limit of repeated warnings.
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace cartvo {
 namespace {
 
-TEST(RepeatedWarnings, LogTheFirstAtOnceThenOnceAMinuteWithTheirCount) {
+TEST(RepeatedWarnings, LogsFirstAtOnceThenOncePerMinuteWithCount) {
   RepeatedWarnings warnings;
   const RepeatedWarnings::Clock::time_point start;
   EXPECT_EQ(warnings.due("no partner", start), "no partner");
@@ -18,7 +18,7 @@ TEST(RepeatedWarnings, LogTheFirstAtOnceThenOnceAMinuteWithTheirCount) {
   EXPECT_EQ(warnings.due("no partner", start + std::chrono::minutes(1)), "");
 }
 
-TEST(RepeatedWarnings, LogAFaultAtOnceThatComesBackAfterItWasOver) {
+TEST(RepeatedWarnings, LogsRecurringFaultAtOnceAfterForget) {
   RepeatedWarnings warnings;
   const RepeatedWarnings::Clock::time_point start;
   warnings.due("no answer", start);
@@ -26,7 +26,7 @@ TEST(RepeatedWarnings, LogAFaultAtOnceThatComesBackAfterItWasOver) {
   EXPECT_EQ(warnings.due("no answer", start + std::chrono::seconds(1)), "no answer");
 }
 
-TEST(RepeatedWarnings, TellTextsApartAndRememberABoundedNumber) {
+TEST(RepeatedWarnings, DistinguishesTextsAndStoresLimitedNumber) {
   RepeatedWarnings warnings;
   const RepeatedWarnings::Clock::time_point now;
   for (int i = 0; i < 1000; ++i)

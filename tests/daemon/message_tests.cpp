@@ -1,5 +1,4 @@
-// What controllers receive: the fields of valid and invalid messages, and that each fits into one Ethernet
-// frame.
+// Odometry and health messages: fields of valid and invalid ones, and their size.
 
 #include <algorithm>
 #include <array>
@@ -26,7 +25,7 @@
 namespace cartvo {
 namespace {
 
-constexpr int kEthernetFrame = 1400;  // bytes that LCM sends without fragments, its own header left room for
+constexpr int kEthernetFrame = 1400;  // bytes that LCM sends unfragmented, without its header
 
 constexpr std::int32_t bits(std::int32_t first, std::int32_t second) {
   return first | second;
@@ -50,7 +49,7 @@ PairResult validResult() {
   return result;
 }
 
-TEST(OdometryMessage, HoldsTheEstimateInMicrosecondsAndBodyAxes) {
+TEST(OdometryMessage, HoldsEstimateInMicrosecondsAndBodyAxes) {
   const odometry_t message = odometryMessage(validResult());
   EXPECT_EQ(message.utime, 1'000'000'500);
   EXPECT_EQ(message.arrival_utime, 1'000'021'000) << "the later of the two last packets";
@@ -66,11 +65,11 @@ TEST(OdometryMessage, HoldsTheEstimateInMicrosecondsAndBodyAxes) {
   EXPECT_NEAR(message.orientation_world_body[3], std::sin(0.25), 1e-12);
   EXPECT_DOUBLE_EQ(message.velocity_body[0], 4.0);
   EXPECT_DOUBLE_EQ(message.angular_velocity_body[2], 0.3);
-  EXPECT_DOUBLE_EQ(message.pose_covariance_body[1], 1.0) << "row by row";
+  EXPECT_DOUBLE_EQ(message.pose_covariance_body[1], 1.0) << "row-major";
   EXPECT_DOUBLE_EQ(message.pose_covariance_body[6], 6.0);
 }
 
-TEST(OdometryMessage, InvalidHoldsThePoseButNoMeasurement) {
+TEST(OdometryMessage, InvalidHoldsPoseButNoMeasurement) {
   PairResult result = validResult();
   result.estimate.valid = false;
   result.estimate.reasons = OdometryReason::too_few_matches;
@@ -89,7 +88,7 @@ TEST(OdometryMessage, InvalidHoldsThePoseButNoMeasurement) {
     EXPECT_TRUE(std::isnan(value));
 }
 
-TEST(OdometryMessage, IsNeverValidWithoutAVelocity) {
+TEST(OdometryMessage, IsInvalidWithoutVelocity) {
   PairResult result = validResult();
   result.motion.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
   const odometry_t message = odometryMessage(result);
@@ -97,7 +96,7 @@ TEST(OdometryMessage, IsNeverValidWithoutAVelocity) {
   EXPECT_EQ(message.reasons, odometry_t::REASON_TIME_STEP);
 }
 
-TEST(OdometryMessage, ForAMissingPairSaysWhyAndKeepsThePose) {
+TEST(OdometryMessage, OfMissedPairHoldsReasonAndLastPose) {
   const odometry_t last = odometryMessage(validResult());
   const odometry_t message = odometryMessage(NoPair{5'000'000'000, NoPairCause::wrong_size}, last);
   EXPECT_EQ(message.utime, 5'000'000);
@@ -114,13 +113,13 @@ TEST(OdometryMessage, FitsIntoOneEthernetFrame) {
   EXPECT_LE(odometry_t{}.getEncodedSize(), kEthernetFrame);
 }
 
-TEST(OdometryMessage, NamesItsReasons) {
+TEST(OdometryMessage, JoinsNamesOfReasons) {
   EXPECT_EQ(reasonNames(bits(odometry_t::REASON_NO_PAIR, odometry_t::REASON_DAMAGED_FRAME)),
             "no pair, damaged frame");
   EXPECT_EQ(reasonNames(0), "");
 }
 
-/// What odometry_t.lcm declares as REASON_..., so that a constant added there is seen here.
+/// The REASON_... constants that odometry_t.lcm declares.
 std::map<std::string, std::int32_t> declaredReasons() {
   static const std::regex kReason("REASON_([A-Z_]+) = ([0-9]+)");
   std::ifstream stream(test::sourceFolder() / "daemon/messages/odometry_t.lcm");
@@ -132,7 +131,7 @@ std::map<std::string, std::int32_t> declaredReasons() {
   return reasons;
 }
 
-TEST(OdometryMessage, NamesEachOfItsReasons) {
+TEST(OdometryMessage, HasNameForEachDeclaredReason) {
   const std::map<std::string, std::int32_t> reasons = declaredReasons();
   ASSERT_EQ(reasons.size(), 14U);
   for (const auto& [name, bit] : reasons) {
@@ -140,12 +139,12 @@ TEST(OdometryMessage, NamesEachOfItsReasons) {
     std::transform(words.begin(), words.end(), words.begin(), [](char c) {
       return c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     });
-    const std::string spoken = name == "WRONG_SIZE" ? "wrong picture size" : words;
-    EXPECT_EQ(reasonNames(bit), spoken);
+    const std::string expected = name == "WRONG_SIZE" ? "wrong picture size" : words;
+    EXPECT_EQ(reasonNames(bit), expected);
   }
 }
 
-TEST(OdometryMessage, HasABitForEachReasonOfTheOdometry) {
+TEST(OdometryMessage, HasBitForEachOdometryReason) {
   constexpr std::array<std::pair<OdometryReason, std::int32_t>, kOdometryReasonCount> kBits{{
       {OdometryReason::none, 0},
       {OdometryReason::first_pair, 1},
@@ -184,7 +183,7 @@ HealthSnapshot snapshot(std::uint64_t frames) {
   return snapshot;
 }
 
-TEST(HealthMessage, SumsUpTheTimeSinceTheLastOne) {
+TEST(HealthMessage, SummarisesTimeSincePreviousMessage) {
   const HealthMonitor::Clock::time_point start;
   HealthMonitor monitor(start);
   PairResult result = validResult();
@@ -192,9 +191,9 @@ TEST(HealthMessage, SumsUpTheTimeSinceTheLastOne) {
   odometry_t message = odometryMessage(result);
   for (int i = 0; i < 100; ++i) {
     message.publication_utime = message.arrival_utime + 1000 * (i + 1);
-    monitor.add(result, message);
+    monitor.addPair(result, message);
   }
-  monitor.addNoPair();
+  monitor.addMissedPair();
   const health_t health = monitor.summarise(start + std::chrono::seconds(2), snapshot(36));
   EXPECT_FLOAT_EQ(health.latency_p50_ms, 50.0F);
   EXPECT_FLOAT_EQ(health.latency_p99_ms, 99.0F);
@@ -217,7 +216,7 @@ TEST(HealthMessage, SumsUpTheTimeSinceTheLastOne) {
   EXPECT_TRUE(std::isnan(next.latency_p50_ms));
 }
 
-TEST(HealthMessage, NamesTheFirstThingToMend) {
+TEST(HealthMessage, NamesMostImportantProblem) {
   HealthMonitor monitor{{}};
   HealthSnapshot bad = snapshot(0);
   bad.right.state = CameraState::refused;
@@ -227,13 +226,13 @@ TEST(HealthMessage, NamesTheFirstThingToMend) {
   EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
 }
 
-TEST(HealthMessage, SaysWhatIsKnownOfTheClocks) {
+TEST(HealthMessage, HoldsClockStatus) {
   HealthMonitor monitor{{}};
   HealthSnapshot clocks = snapshot(1);
   clocks.left.instant_source = clocks.right.instant_source = InstantSource::pictures;
   clocks.clock.cameras[1] = {80e6, 25e-6, 2};
   clocks.clock.offset = {0.5e6, 0.7e6};
-  clocks.clock.visual = ClockWitness{3e6, 1e6};
+  clocks.clock.visual = OffsetEstimate{3e6, 1e6};
   clocks.clock.problem = "the cameras' clocks disagree";
   const health_t health = monitor.summarise({}, clocks);
   EXPECT_EQ(health.left.instant_source, +camera_health_t::PICTURES);
@@ -247,14 +246,14 @@ TEST(HealthMessage, SaysWhatIsKnownOfTheClocks) {
   EXPECT_EQ(health.problem, "the cameras' clocks disagree");
 }
 
-TEST(HealthMessage, SaysThatFeaturesAreShed) {
+TEST(HealthMessage, ReportsReducedFeatures) {
   HealthMonitor monitor{{}};
   HealthSnapshot slow = snapshot(0);
   slow.features = 1000;
   PairResult result = validResult();
   for (const int features : {1000, 430, 450}) {
     result.features = features;
-    monitor.add(result, odometryMessage(result));
+    monitor.addPair(result, odometryMessage(result));
   }
   const health_t health = monitor.summarise({}, slow);
   EXPECT_EQ(health.features_configured, 1000);
@@ -265,12 +264,12 @@ TEST(HealthMessage, SaysThatFeaturesAreShed) {
   EXPECT_EQ(without_pairs.problem, "");
 }
 
-TEST(HealthMessage, SaysWhatDrivingHasShownOfTheCameras) {
+TEST(HealthMessage, HoldsSelfCheckResult) {
   HealthMonitor monitor{{}};
-  EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).right_late_ms)) << "not known yet";
+  EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).right_late_ms)) << "not estimated yet";
   PairResult result = validResult();
-  result.estimate.rig = RigCheck{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
-  monitor.add(result, odometryMessage(result));
+  result.estimate.rig = RigCalibrationError{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
+  monitor.addPair(result, odometryMessage(result));
   const health_t health = monitor.summarise({}, snapshot(1));
   EXPECT_FLOAT_EQ(health.right_late_ms, 3.0F);
   EXPECT_FLOAT_EQ(health.right_late_deviation_ms, 0.1F);
@@ -279,16 +278,16 @@ TEST(HealthMessage, SaysWhatDrivingHasShownOfTheCameras) {
   EXPECT_THAT(health.self_check, testing::HasSubstr("3.0 ± 0.1 ms later"));
 }
 
-TEST(HealthMessage, FitsIntoOneEthernetFrameWithTheLongestTexts) {
+TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {
   HealthMonitor monitor{{}};
   HealthSnapshot long_texts = snapshot(1);
   long_texts.left.last_error = long_texts.right.last_error = long_texts.problem =
       std::string(199, 'x') + "\u00e4\u00f6";
   PairResult all_wrong = validResult();
-  all_wrong.estimate.rig = RigCheck{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
-  monitor.add(all_wrong, odometryMessage(all_wrong));
+  all_wrong.estimate.rig = RigCalibrationError{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
+  monitor.addPair(all_wrong, odometryMessage(all_wrong));
   const health_t health = monitor.summarise({}, long_texts);
-  EXPECT_EQ(health.problem, std::string(199, 'x')) << "no half of a character";
+  EXPECT_EQ(health.problem, std::string(199, 'x')) << "cut before the two-byte character";
   EXPECT_GE(health.self_check.size(), 199U);
   EXPECT_LE(health.getEncodedSize(), kEthernetFrame);
 }

@@ -1,4 +1,4 @@
-// Live: the newest pair wins, nothing ages in a queue, and a camera's silence is said at the full rate.
+// Live pipeline: processes only the newest pair and reports missing pairs at the frame rate.
 
 #include <algorithm>
 #include <functional>
@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline.hpp"
-#include "daemon/progress_watch.hpp"
-#include "support/patience.hpp"
+#include "daemon/stalled_reader.hpp"
+#include "support/test_timeout.hpp"
 #include "synthetic_cameras.hpp"
 
 namespace cartvo {
@@ -25,7 +25,7 @@ Frame leftWall(int index, std::int64_t exposure_ns) {
 Frame rightWall(int index, std::int64_t exposure_ns) {
   return test::wallFrame(index, 12, exposure_ns);
 }
-Frame silence(int /*index*/, std::int64_t /*exposure_ns*/) {
+Frame noFrame(int /*index*/, std::int64_t /*exposure_ns*/) {
   return {};
 }
 
@@ -36,10 +36,10 @@ struct LiveRun {
   std::string problem;
 };
 
-using Enough = std::function<bool(const LiveRun&)>;
+using Condition = std::function<bool(const LiveRun&)>;
 
-/// Runs until `enough` says so, or for kPatience; `on_pair` may be slow, as a stage would be.
-LiveRun runUntil(const Enough& enough, TickingCamera::Deliver left_delivers,
+/// Runs until the condition holds, or until the test time-out; `on_pair` may be slow.
+LiveRun runUntil(const Condition& condition, TickingCamera::Deliver left_delivers,
                  TickingCamera::Deliver right_delivers, const std::function<void()>& on_pair) {
   const Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
@@ -47,32 +47,32 @@ LiveRun runUntil(const Enough& enough, TickingCamera::Deliver left_delivers,
   TickingCamera right(std::move(right_delivers));
   Pipeline pipeline(left, right, processor, {rig.left.size, test::kPeriod_ns});
   LiveRun run;
-  std::promise<void> has_enough;
+  std::promise<void> condition_holds;
   bool ended = false;
   const auto end = [&] {
-    if (!std::exchange(ended, true)) has_enough.set_value();
+    if (!std::exchange(ended, true)) condition_holds.set_value();
   };
-  const auto end_if_enough = [&] {
+  const auto end_if_condition = [&] {
     run.counts = pipeline.counts();
     run.problem = pipeline.problem();
-    if (enough(run)) end();
+    if (condition(run)) end();
   };
   const auto timer = std::async(std::launch::async, [&] {
-    has_enough.get_future().wait_for(test::kPatience);
+    condition_holds.get_future().wait_for(test::kTestTimeout);
     pipeline.stop();
   });
   try {
-    // What comes between the end and the stop is not part of the run.
+    // Results between the end and the stop are ignored.
     pipeline.runLive({[&](const PairResult& result) {
                         if (ended) return;
                         run.pairs.push_back(result);
                         on_pair();
-                        end_if_enough();
+                        end_if_condition();
                       },
                       [&](const NoPair& no_pair) {
                         if (ended) return;
                         run.no_pairs.push_back(no_pair);
-                        end_if_enough();
+                        end_if_condition();
                       }});
   } catch (...) {
     end();
@@ -85,14 +85,14 @@ LiveRun runUntil(const Enough& enough, TickingCamera::Deliver left_delivers,
 
 void quick() {}
 
-/// Each pair is processed or skipped, but for the one that may wait when the run is stopped.
+/// True if each pair was processed or skipped, except one that may be waiting when the run is stopped.
 bool accountsForEveryPair(const PipelineCounts& counts) {
   const std::uint64_t accounted = counts.processed + counts.skipped;
   return accounted == counts.pairs || accounted + 1 == counts.pairs;
 }
 
-TEST(PipelineLive, ProcessesPairsAsTheyComeAndStopsWhenTold) {
-  // On a busy machine so many pairs may be skipped in between that one or the other cannot be measured.
+TEST(PipelineLive, ProcessesPairsOnArrivalAndStops) {
+  // On a busy machine so many pairs may be skipped that the motion between some cannot be estimated.
   const LiveRun run = runUntil(
       [](const LiveRun& so_far) { return so_far.pairs.size() > 5 && so_far.pairs.back().estimate.valid; },
       leftWall, rightWall, quick);
@@ -103,24 +103,24 @@ TEST(PipelineLive, ProcessesPairsAsTheyComeAndStopsWhenTold) {
   EXPECT_EQ(run.problem, "");
 }
 
-TEST(PipelineLive, ASlowStageSkipsPairsInsteadOfQueueingThem) {
-  // The stage takes five periods. Through a queue the n-th result would be of the n-th pair, ever older.
+TEST(PipelineLive, SlowProcessingSkipsPairsInsteadOfQueueingThem) {
+  // Processing takes five periods. With a queue the n-th result would belong to the n-th pair.
   const LiveRun run = runUntil([](const LiveRun& so_far) { return so_far.pairs.size() > 5; }, leftWall,
                                rightWall, [] { std::this_thread::sleep_for(milliseconds(100)); });
   ASSERT_GT(run.pairs.size(), 5u);
-  EXPECT_GT(run.counts.skipped, run.counts.processed) << "four of five are left out";
+  EXPECT_GT(run.counts.skipped, run.counts.processed) << "four of five pairs are skipped";
   for (std::size_t i = 1; i < run.pairs.size(); ++i) {
     EXPECT_GT(run.pairs[i].left.sequence, run.pairs[i - 1].left.sequence) << "in order";
   }
-  EXPECT_GT(run.pairs.back().left.sequence, 2 * run.pairs.size()) << "of the newest pair, not of the oldest";
+  EXPECT_GT(run.pairs.back().left.sequence, 2 * run.pairs.size()) << "the newest pair, not the oldest";
 }
 
-TEST(PipelineLive, AComputerThatIsTooSlowShedsFeatures) {
+TEST(PipelineLive, ReducesFeaturesOnSlowComputer) {
   const Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   const int configured = processor.features();
   TickingCamera left(leftWall), right(rightWall);
-  // No computer does a pair in the microsecond that is said to lie between two.
+  // No computer processes a pair within this frame period of 1 us.
   Pipeline pipeline(left, right, processor, {rig.left.size, 1000});
   std::vector<int> features;
   pipeline.runLive({[&](const PairResult& result) {
@@ -128,12 +128,13 @@ TEST(PipelineLive, AComputerThatIsTooSlowShedsFeatures) {
                       if (features.size() == 5) pipeline.stop();
                     },
                     {}});
+  ASSERT_FALSE(features.empty());
   EXPECT_EQ(features.front(), configured);
   EXPECT_LT(features.back(), configured);
 }
 
-TEST(PipelineLive, ABurstIsReducedToItsNewestPair) {
-  // Both cameras deliver ten frames at once, twice a second, as a bad link does.
+TEST(PipelineLive, ProcessesOnlyNewestPairOfBurst) {
+  // Both cameras deliver ten frames at once, about every 200 ms, as over a bad link.
   const auto bursty = [](int disparity) {
     return [disparity](int index, std::int64_t exposure_ns) {
       if (index % 10 == 0) std::this_thread::sleep_for(milliseconds(180));
@@ -146,19 +147,19 @@ TEST(PipelineLive, ABurstIsReducedToItsNewestPair) {
   EXPECT_TRUE(accountsForEveryPair(run.counts));
 }
 
-TEST(PipelineLive, ASilentCameraIsSaidOncePerPeriod) {
+TEST(PipelineLive, ReportsSilentCameraOncePerPeriod) {
   const auto start = std::chrono::steady_clock::now();
   const LiveRun run =
-      runUntil([](const LiveRun& so_far) { return so_far.no_pairs.size() >= 25; }, leftWall, silence, quick);
+      runUntil([](const LiveRun& so_far) { return so_far.no_pairs.size() >= 25; }, leftWall, noFrame, quick);
   const auto periods =
       (std::chrono::steady_clock::now() - start) / std::chrono::nanoseconds(test::kPeriod_ns);
   EXPECT_TRUE(run.pairs.empty());
-  EXPECT_GE(run.no_pairs.size(), 25u);
-  EXPECT_LE(run.no_pairs.size(), static_cast<std::size_t>(periods)) << "one a period, never more";
+  ASSERT_GE(run.no_pairs.size(), 25u);
+  EXPECT_LE(run.no_pairs.size(), static_cast<std::size_t>(periods)) << "at most one per period";
   EXPECT_EQ(run.no_pairs.front().cause, NoPairCause::no_frames);
 }
 
-TEST(PipelineLive, ACameraThatGoesSilentIsSaidFromThenOn) {
+TEST(PipelineLive, ReportsCameraThatBecomesSilent) {
   const auto dies = [](int index, std::int64_t exposure_ns) {
     return index < 10 ? rightWall(index, exposure_ns) : Frame{};
   };
@@ -170,7 +171,7 @@ TEST(PipelineLive, ACameraThatGoesSilentIsSaidFromThenOn) {
   EXPECT_GE(run.no_pairs.size(), 15u);
 }
 
-TEST(PipelineLive, DamagedFramesAreTheReasonThatNoPairComes) {
+TEST(PipelineLive, ReportsDamagedFramesAsCauseOfMissingPair) {
   const auto damaged = [](int index, std::int64_t exposure_ns) {
     Frame frame = leftWall(index, exposure_ns);
     frame.status = FrameStatus::damaged;
@@ -178,7 +179,8 @@ TEST(PipelineLive, DamagedFramesAreTheReasonThatNoPairComes) {
   };
   const LiveRun run = runUntil(
       [](const LiveRun& so_far) {
-        return so_far.counts.dropped_damaged > 5 && so_far.no_pairs.back().cause == NoPairCause::damaged;
+        return so_far.counts.dropped_damaged > 5 && !so_far.no_pairs.empty() &&
+               so_far.no_pairs.back().cause == NoPairCause::damaged;
       },
       damaged, rightWall, quick);
   EXPECT_TRUE(run.pairs.empty());
@@ -186,7 +188,7 @@ TEST(PipelineLive, DamagedFramesAreTheReasonThatNoPairComes) {
   EXPECT_EQ(run.no_pairs.back().cause, NoPairCause::damaged);
 }
 
-TEST(PipelineLive, AStreamOfAnotherSizeIsRefusedAndNamed) {
+TEST(PipelineLive, RejectsStreamOfWrongSizeAndNamesIt) {
   const auto large = [](int /*index*/, std::int64_t exposure_ns) {
     Frame frame;
     frame.image = cv::Mat::zeros(576, 704, CV_8UC1);
@@ -195,7 +197,8 @@ TEST(PipelineLive, AStreamOfAnotherSizeIsRefusedAndNamed) {
   };
   const LiveRun run = runUntil(
       [](const LiveRun& so_far) {
-        return so_far.counts.refused_size > 5 && so_far.no_pairs.back().cause == NoPairCause::wrong_size;
+        return so_far.counts.refused_size > 5 && !so_far.no_pairs.empty() &&
+               so_far.no_pairs.back().cause == NoPairCause::wrong_size;
       },
       leftWall, large, quick);
   EXPECT_TRUE(run.pairs.empty());
@@ -205,7 +208,7 @@ TEST(PipelineLive, AStreamOfAnotherSizeIsRefusedAndNamed) {
             std::string::npos);
 }
 
-TEST(PipelineLive, AFailureInASourceEndsTheRunWithItsMessage) {
+TEST(PipelineLive, SourceFailureEndsRunWithItsMessage) {
   const auto broken = [](int index, std::int64_t exposure_ns) -> Frame {
     if (index == 3) throw std::runtime_error("the decoder is broken");
     return rightWall(index, exposure_ns);
@@ -218,36 +221,36 @@ TEST(PipelineLive, AFailureInASourceEndsTheRunWithItsMessage) {
   }
 }
 
-TEST(PipelineLive, AbsentCamerasAreProgressAHangingReaderIsNot) {
+TEST(PipelineLive, ReaderOfAbsentCameraMakesProgressStalledReaderDoesNot) {
   const Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   std::promise<void> released;
   const std::shared_future<void> release = released.get_future().share();
-  TickingCamera left(silence);
+  TickingCamera left(noFrame);
   TickingCamera right([release](int index, std::int64_t) {
     if (index == 5) release.wait();
     return Frame{};
   });
   Pipeline pipeline(left, right, processor, {rig.left.size, test::kPeriod_ns});
   const auto run = std::async(std::launch::async, [&] { pipeline.runLive({[](const PairResult&) {}, {}}); });
-  const auto told_apart = [&] {
+  const auto only_right_stalled = [&] {
     const PipelineProgress progress = pipeline.progress();
     return progress.right_reader > 0.5 && progress.left_reader < 0.25;
   };
-  const auto end = std::chrono::steady_clock::now() + test::kPatience;
-  bool apart = false;
-  while (!(apart = told_apart()) && std::chrono::steady_clock::now() < end)
+  const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
+  bool stalled = false;
+  while (!(stalled = only_right_stalled()) && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(milliseconds(20));
-  EXPECT_TRUE(apart) << "the left one goes round although nothing comes, the right one hangs in a read";
+  EXPECT_TRUE(stalled) << "the left reader loops without frames, the right one is blocked in a read";
   released.set_value();
   pipeline.stop();
   run.wait();
 }
 
-TEST(ProgressWatch, NamesTheReaderThatHangs) {
-  EXPECT_EQ(stuckReader({0.2, 4.0}, 10.0), "");
-  EXPECT_EQ(stuckReader({60.0, 0.1}, 10.0), "left camera's reader");
-  EXPECT_EQ(stuckReader({0.1, 60.0}, 10.0), "right camera's reader");
+TEST(StalledReader, NamesStalledReader) {
+  EXPECT_EQ(stalledReader({0.2, 4.0}, 10.0), "");
+  EXPECT_EQ(stalledReader({60.0, 0.1}, 10.0), "left camera's reader");
+  EXPECT_EQ(stalledReader({0.1, 60.0}, 10.0), "right camera's reader");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Replay: every pair is processed, in order, with the same result each time.
+// Pipeline in replay: processes every pair in order and is reproducible.
 
 #include <cmath>
 #include <cstring>
@@ -32,9 +32,9 @@ struct Replay {
 };
 
 Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, std::int64_t period_ns,
-              double scale_deviation = 0.0) {
+              double scale_stddev = 0.0) {
   Rig rig = test::smallRig();
-  rig.scale_deviation = scale_deviation;
+  rig.scale_stddev = scale_stddev;
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(std::move(left_frames));
   test::ListedCamera right(std::move(right_frames));
@@ -45,7 +45,7 @@ Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, s
   return replay;
 }
 
-TEST(PipelineReplay, ProcessesEveryPairInOrderAndDropsNone) {
+TEST(PipelineReplay, ProcessesEveryPairInOrder) {
   const Replay run = replay(frames(0, 0), frames(12, 3'000'000), test::kPeriod_ns);
   ASSERT_EQ(run.results.size(), kFrames);
   EXPECT_EQ(run.counts.processed, kFrames);
@@ -58,9 +58,10 @@ TEST(PipelineReplay, ProcessesEveryPairInOrderAndDropsNone) {
   }
 }
 
-TEST(PipelineReplay, MeasuresTheMotionOfTheBody) {
-  // The wall passes to the left: the cart, looking at it, goes to the right (-y) by 33.3 mm a frame of 20 ms.
+TEST(PipelineReplay, ComputesBodyMotion) {
+  // The wall moves to the left in the images: the cart moves to the right (-y) by 33.3 mm per frame of 20 ms.
   const Replay run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  ASSERT_FALSE(run.results.empty());
   const PairResult& last = run.results.back();
   ASSERT_TRUE(last.estimate.valid) << "matched " << last.estimate.counts.matched << " of "
                                    << last.estimate.counts.detected << " inliers "
@@ -68,26 +69,30 @@ TEST(PipelineReplay, MeasuresTheMotionOfTheBody) {
   EXPECT_NEAR(last.motion.velocity.y(), -2.0 * 4.0 / 240.0 / 0.02, 0.05);
   EXPECT_NEAR(last.motion.velocity.x(), 0.0, 0.1);
   EXPECT_GT(last.times.total, 0.0);
-  EXPECT_GE(last.times.total, last.times.of(Stage::rectify));
+  EXPECT_GE(last.times.total, last.times.stage(Stage::rectify));
 }
 
-TEST(PipelineReplay, OwnsUpToTheRigsScale) {
-  constexpr double kScale = 0.05;
-  const BodyMotion exact = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns).results.back().motion;
-  const BodyMotion vague =
-      replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, kScale).results.back().motion;
-  EXPECT_EQ(vague.velocity, exact.velocity) << "it is no noise";
-  const auto added = [&](double vague_variance, double exact_variance) {
-    return std::sqrt(vague_variance - exact_variance);
+TEST(PipelineReplay, CovarianceIncludesRigScaleUncertainty) {
+  constexpr double kScaleStddev = 0.05;
+  const Replay exact_run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  const Replay uncertain_run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, kScaleStddev);
+  ASSERT_FALSE(exact_run.results.empty());
+  ASSERT_FALSE(uncertain_run.results.empty());
+  const BodyMotion& exact = exact_run.results.back().motion;
+  const BodyMotion& uncertain = uncertain_run.results.back().motion;
+  EXPECT_EQ(uncertain.velocity, exact.velocity) << "only the covariance changes";
+  const auto added_stddev = [&](double uncertain_variance, double exact_variance) {
+    return std::sqrt(uncertain_variance - exact_variance);
   };
-  EXPECT_NEAR(added(vague.twist_covariance(1, 1), exact.twist_covariance(1, 1)),
-              kScale * std::abs(exact.velocity.y()), 0.05 * kScale * std::abs(exact.velocity.y()));
-  const double way = std::abs(exact.T_world_body.translation().y());
-  EXPECT_NEAR(added(vague.pose_covariance(1, 1), exact.pose_covariance(1, 1)), kScale * way,
-              0.05 * kScale * way);
+  EXPECT_NEAR(added_stddev(uncertain.twist_covariance(1, 1), exact.twist_covariance(1, 1)),
+              kScaleStddev * std::abs(exact.velocity.y()),
+              0.05 * kScaleStddev * std::abs(exact.velocity.y()));
+  const double distance = std::abs(exact.T_world_body.translation().y());
+  EXPECT_NEAR(added_stddev(uncertain.pose_covariance(1, 1), exact.pose_covariance(1, 1)),
+              kScaleStddev * distance, 0.05 * kScaleStddev * distance);
 }
 
-TEST(PipelineReplay, GivesTheSameBitsTwice) {
+TEST(PipelineReplay, IsBitwiseReproducible) {
   const Replay first = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
   const Replay second = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
   ASSERT_EQ(first.results.size(), second.results.size());
@@ -98,7 +103,7 @@ TEST(PipelineReplay, GivesTheSameBitsTwice) {
   }
 }
 
-TEST(PipelineReplay, LeavesOutDamagedFramesAndThoseWithoutAPartner) {
+TEST(PipelineReplay, DropsDamagedFramesAndFramesWithoutPartner) {
   std::vector<Frame> left = frames(0, 0);
   std::vector<Frame> right = frames(12, 0);
   left[10].status = FrameStatus::damaged;
@@ -111,7 +116,7 @@ TEST(PipelineReplay, LeavesOutDamagedFramesAndThoseWithoutAPartner) {
     EXPECT_EQ(result.left.sequence, result.right.sequence);
 }
 
-TEST(PipelineReplay, RefusesAnotherSizeThanTheRigs) {
+TEST(PipelineReplay, RejectsFrameOfWrongSize) {
   std::vector<Frame> left = frames(0, 0);
   left[5].image = cv::Mat::zeros(576, 704, CV_8UC1);
   try {
@@ -123,7 +128,7 @@ TEST(PipelineReplay, RefusesAnotherSizeThanTheRigs) {
   }
 }
 
-TEST(PipelineReplay, EndsWhenItIsStopped) {
+TEST(PipelineReplay, EndsOnStop) {
   const Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(frames(0, 0));

@@ -21,7 +21,7 @@ namespace cartvo::test {
 
 constexpr std::int64_t kPeriod_ns = 20'000'000;  // 50 Hz: quick tests
 
-/// A rectified rig of small pictures.
+/// Synthetic cameras for tests of the pipeline: a rectified rig with 320x240 px images.
 inline Rig smallRig() {
   Rig rig;
   rig.name = "test";
@@ -41,9 +41,9 @@ inline PairProcessor smallProcessor(const Rig& rig) {
   return {rig, Rectifier(rig, settings, buildTables(rig, settings)), odometry};
 }
 
-/// A wall of random texture above, 4 m ahead (disparity 12 px), and a nearer one below, 2 m ahead, both
-/// passing to the left as the cart moves to its right by 33 mm a frame: by 2 px above and 4 px below. For the
-/// right camera `disparity` is that of the upper wall, for the left one 0.
+/// Image of two walls of random texture: in the upper half 4 m ahead (disparity 12 px), in the lower half 2 m
+/// ahead. The cart moves to its right by 33 mm a frame, so the walls move to the left by 2 px and 4 px.
+/// `disparity`: 12 for the right camera, 0 for the left one.
 inline cv::Mat wall(int index, int disparity) {
   static const cv::Mat kTexture = [] {
     cv::Mat texture(240, 4000, CV_8UC1);
@@ -88,8 +88,8 @@ class ListedCamera : public CameraSource {
   std::atomic<bool> interrupted_ = false;
 };
 
-/// A live camera: at each multiple of the period `deliver(index)` says what comes; an empty picture is
-/// silence. The exposure is the multiple itself, counted from `start`.
+/// Live camera: at each multiple of the period it delivers the frame that `deliver(index, exposure_ns)`
+/// returns, or nothing if the image is empty. The exposure is that multiple, counted from the construction.
 class TickingCamera : public CameraSource {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,4 @@
-// Changes of validity are told at once, but a flapping one cannot fill the journal.
+// Log lines about changes of validity and their rate limit.
 
 #include <string>
 #include <vector>
@@ -28,18 +28,18 @@ odometry_t invalid() {
   return message;
 }
 
-TEST(ValidityLog, TellsAChangeAtOnceAndOnce) {
+TEST(ValidityLog, LogsChangeAtOnceAndOnce) {
   ValidityLog log;
   const ValidityLog::Clock::time_point start;
   EXPECT_EQ(log.due(invalid(), start), "odometry is not valid: no pair");
   EXPECT_EQ(log.due(invalid(), start + milliseconds(50)), "");
   EXPECT_EQ(log.due(valid(), start + milliseconds(100)), "odometry is valid");
-  EXPECT_TRUE(log.valid());
+  EXPECT_TRUE(log.isValid());
   for (int i = 3; i < 1000; ++i)
     EXPECT_EQ(log.due(valid(), start + i * milliseconds(50)), "");
 }
 
-TEST(ValidityLog, TellsTheNumberOfChangesThatComeTooFast) {
+TEST(ValidityLog, LogsNumberOfFrequentChanges) {
   ValidityLog log;
   const ValidityLog::Clock::time_point start;
   std::vector<std::string> lines;
@@ -51,22 +51,22 @@ TEST(ValidityLog, TellsTheNumberOfChangesThatComeTooFast) {
   EXPECT_THAT(lines, ElementsAre("odometry is not valid: no pair", "odometry is valid",
                                  "odometry is not valid: no pair", "odometry is valid",
                                  "odometry is not valid: no pair",
-                                 "odometry is not valid: no pair; that changed 96 times in 9 s",
-                                 "odometry is not valid: no pair; that changed 100 times in 10 s",
-                                 "odometry is not valid: no pair; that changed 100 times in 10 s",
-                                 "odometry is not valid: no pair; that changed 100 times in 10 s",
-                                 "odometry is not valid: no pair; that changed 100 times in 10 s"));
+                                 "odometry is not valid: no pair; its validity changed 96 times in 9 s",
+                                 "odometry is not valid: no pair; its validity changed 100 times in 10 s",
+                                 "odometry is not valid: no pair; its validity changed 100 times in 10 s",
+                                 "odometry is not valid: no pair; its validity changed 100 times in 10 s",
+                                 "odometry is not valid: no pair; its validity changed 100 times in 10 s"));
 
   lines.clear();
   at(seconds(60), valid());
   at(seconds(70), valid());
-  EXPECT_THAT(lines, ElementsAre("odometry is valid; that changed 99 times in 10 s"))
-      << "what it is in the end is told, if late";
+  EXPECT_THAT(lines, ElementsAre("odometry is valid; its validity changed 99 times in 10 s"))
+      << "the final state is logged late";
 
   lines.clear();
   for (int i = 0; i < 10; ++i)
     at(seconds(300 + i), i % 2 == 0 ? invalid() : valid());
-  EXPECT_EQ(lines.size(), 5U) << "after calm, changes are told one by one again";
+  EXPECT_EQ(lines.size(), 5U) << "after a quiet time each change is logged again";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// What cameras send: NAL units, parameter sets, slice headers, and pictures cut into packets.
+// Fuzz target for camera streams: NAL units, parameter sets, slice headers, and pictures cut into packets.
 //
-// The input: codec, how often all of it is sent, then packets, each with flags, a length and its bytes.
+// Input: codec, number of repetitions, then packets, each with flags, a length and its bytes.
 
 #include "capture/access_unit_assembler.hpp"
 #include "capture/loss_detector.hpp"
@@ -11,7 +11,7 @@ using namespace cartvo;
 
 namespace {
 
-constexpr int kMostRounds = 40;  // more than AccessUnitAssembler needs to prove its rule
+constexpr int kMaxRounds = 40;  // more than AccessUnitAssembler needs to confirm its rule
 
 struct Packet {
   std::vector<std::uint8_t> data;
@@ -19,15 +19,15 @@ struct Packet {
   bool data_lost = false;
 };
 
-std::vector<Packet> packetsOf(fuzz::Bytes& bytes) {
+std::vector<Packet> parsePackets(fuzz::Bytes& bytes) {
   std::vector<Packet> packets;
   while (!bytes.empty()) {
-    const std::uint8_t flags = bytes.byte();
+    const std::uint8_t flags = bytes.readByte();
     Packet packet;
     packet.begins_picture = (flags & 1) != 0;
     packet.data_lost = (flags & 2) != 0;
     if ((flags & 4) != 0) packet.data = {0, 0, 0, 1};
-    const auto piece = bytes.piece(bytes.byte());
+    const auto piece = bytes.readSpan(bytes.readByte());
     packet.data.insert(packet.data.end(), piece.begin(), piece.end());
     packets.push_back(std::move(packet));
   }
@@ -48,7 +48,7 @@ void checkNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
   fuzz::require(parameterSets(codec, extracted) == extracted, "parameter sets are nothing else");
 }
 
-/// Sends the packets round by round and looks at the pictures as they come out.
+/// Sends the packets round by round and checks the pictures.
 void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
   AccessUnitAssembler assembler(codec);
   const StreamFormat format{codec, packets.empty() ? std::vector<std::uint8_t>() : packets.front().data};
@@ -60,7 +60,7 @@ void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
       if (packet.begins_picture) pts += 3600;
       assembler.add({packet.data, pts, ++now_ns, std::nullopt, packet.data_lost});
       sent += packet.data.size();
-      while (const std::optional<AssembledUnit> unit = assembler.take()) {
+      while (const std::optional<AssembledUnit> unit = assembler.popUnit()) {
         received += unit->data.size();
         fuzz::require(unit->first_arrival_ns <= unit->arrival_ns, "a picture begins before it ends");
         detector.inspect(unit->data, unit->data_lost, 0);
@@ -75,9 +75,9 @@ void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Bytes bytes(data, size);
-  const VideoCodec codec = bytes.byte() % 2 == 0 ? VideoCodec::h264 : VideoCodec::h265;
-  const int rounds = 1 + bytes.byte() % kMostRounds;
+  const VideoCodec codec = bytes.readByte() % 2 == 0 ? VideoCodec::h264 : VideoCodec::h265;
+  const int rounds = 1 + bytes.readByte() % kMaxRounds;
   checkNalUnits(codec, {data, size});
-  receive(codec, packetsOf(bytes), rounds);
+  receive(codec, parsePackets(bytes), rounds);
   return 0;
 }

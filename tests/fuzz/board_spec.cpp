@@ -1,4 +1,4 @@
-// Calibration boards as people name them on the command line.
+// Fuzz target for the specification of a calibration board, as given on the command line.
 
 #include "calib/board_spec.hpp"
 
@@ -7,9 +7,9 @@
 using namespace cartvo;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string text = fuzz::textOf(data, size);
-  if (text.find('\0') != std::string::npos) return 0;  // no argument of a program holds one
-  const auto board = fuzz::accepted([&] { return parseBoardSpec(text); }, text);
+  const std::string text = fuzz::toText(data, size);
+  if (text.find('\0') != std::string::npos) return 0;  // a program argument cannot contain a null character
+  const auto board = fuzz::parseOrReject([&] { return parseBoardSpec(text); }, text);
   if (!board) return 0;
   fuzz::require(parseBoardSpec(boardSpecText(*board)) == *board, "a board is read back to the last bit");
   fuzz::require(boardExtent(*board).allFinite() && !boardCorners(*board).empty(), "a board has corners");

@@ -1,44 +1,44 @@
-// What cameras and networks feed to the clocks: RTP times, sender reports and arrivals in any order and of
-// any size. They must never overflow, lose count or let time run backwards.
+// Fuzz target for StereoTimestamper: RTP times, sender reports and arrivals in any order and of any size.
+// Nothing may overflow, and time must not run backwards.
 //
-// The input is lines, so that findings can be read:
+// Input: lines of text, so that findings are readable:
 //   choice N                     0 to 3, as ClockChoice; only as the first line
 //   left TICKS NS [US]           a picture: RTP time since the camera's last one, host's time since the last
-//   right TICKS NS [US]          line, and what the camera's reports say, against the host's clock
+//   right TICKS NS [US]          line, and the camera's wall clock by its reports minus the host's clock
 //   connect left|right
-//   visual [NS NS]               what the pictures say of the offset, and its deviation
-//   again LINES TIMES            the lines before, again
+//   visual [NS NS]               offset by the image content, and its standard deviation
+//   again LINES TIMES            repeats the previous LINES lines TIMES times
 
 #include <array>
 #include <cmath>
 #include <sstream>
 
-#include "capture/pair_clock.hpp"
+#include "capture/stereo_timestamper.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;
 
 namespace {
 
-constexpr int kMostLines = 300;  // followed, again or not: enough to fill the clocks' windows
+constexpr int kMaxLines = 300;  // including repeated ones; enough to fill the windows of the clock models
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // the year 2116
 
-/// The sum within what a host's clock can show; the cameras' may be anything.
+/// Host's clock after a step, kept in its valid range.
 std::int64_t hostTime(std::int64_t now_ns, std::int64_t step_ns) {
   std::int64_t sum = 0;
   const bool overflows = __builtin_add_overflow(now_ns, step_ns, &sum);
   return overflows || sum < 0 || sum > kLatest_ns ? now_ns : sum;
 }
 
-bool isFinite(const ClockWitness& witness) {
-  return std::isfinite(witness.value_ns) && std::isfinite(witness.deviation_ns) &&
-         witness.deviation_ns >= 0.0;
+bool isFinite(const OffsetEstimate& estimate) {
+  return std::isfinite(estimate.value_ns) && std::isfinite(estimate.stddev_ns) && estimate.stddev_ns >= 0.0;
 }
 
 void check(const ClockStatus& status) {
   for (const ClockStatus::Camera& camera : status.cameras) {
-    fuzz::require(std::isfinite(camera.skew) && std::abs(camera.skew) < 0.001, "a crystal's skew is small");
+    fuzz::require(std::isfinite(camera.skew) && std::abs(camera.skew) < 0.001,
+                  "the skew of a crystal is small");
     fuzz::require(std::isfinite(camera.latency_ns.value_or(0.0)), "a latency is finite");
   }
   fuzz::require(isFinite(status.offset), "the offset is finite");
@@ -48,10 +48,10 @@ void check(const ClockStatus& status) {
 
 class Cameras {
  public:
-  explicit Cameras(ClockChoice choice) : clock_(choice) {}
+  explicit Cameras(ClockChoice choice) : timestamper_(choice) {}
 
-  void follow(const std::vector<std::string>& lines, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && lines_++ < kMostLines; ++i) {
+  void runLines(const std::vector<std::string>& lines, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && lines_++ < kMaxLines; ++i) {
       std::istringstream words(lines[i]);
       std::string verb;
       words >> verb;
@@ -59,20 +59,20 @@ class Cameras {
         picture(verb == "left" ? CameraSide::left : CameraSide::right, words);
       } else if (verb == "connect") {
         words >> verb;
-        clock_.connect(verb == "left" ? CameraSide::left : CameraSide::right);
+        timestamper_.connect(verb == "left" ? CameraSide::left : CameraSide::right);
       } else if (verb == "visual") {
-        look(words);
+        setVisual(words);
       } else if (verb == "again") {
         std::size_t count = 0, times = 0;
         words >> count >> times;
-        // Lines before this one, so that it ends.
-        for (; times > 0 && lines_++ < kMostLines; --times)
-          follow(lines, i - std::min(count, i - begin), i);
+        // Only earlier lines, so that it terminates.
+        for (; times > 0 && lines_++ < kMaxLines; --times)
+          runLines(lines, i - std::min(count, i - begin), i);
       }
     }
   }
 
-  void check() const { ::check(clock_.status()); }
+  void check() const { ::check(timestamper_.status()); }
 
  private:
   struct Camera {
@@ -89,33 +89,34 @@ class Cameras {
     const auto last_ticks = static_cast<std::uint32_t>(camera.pts);
     if (__builtin_add_overflow(camera.pts, ticks, &camera.pts)) camera.pts = ticks;
     const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - last_ticks);
-    StampedPacket packet{camera.pts, std::nullopt, now_ns_};
+    RtpTimestamps timestamps{camera.pts, std::nullopt, now_ns_};
     if (words >> report_us && !__builtin_add_overflow(now_ns_ / 1000, report_us, &report_us))
-      packet.reference_us = report_us;
-    const StampedInstant instant = clock_.stamp(side, packet);
-    fuzz::require(instant.deviation_ns >= 0, "a deviation is a number");
-    const bool went_on = now_ns_ >= camera.arrival_ns && step > 0;
-    fuzz::require(!camera.exposure_ns || !went_on || instant.exposure_ns > *camera.exposure_ns,
+      timestamps.reference_us = report_us;
+    const ExposureTimestamp instant = timestamper_.stamp(side, timestamps);
+    fuzz::require(instant.stddev_ns >= 0, "a standard deviation is not negative");
+    const bool is_later = now_ns_ >= camera.arrival_ns && step > 0;
+    fuzz::require(!camera.exposure_ns || !is_later || instant.exposure_ns > *camera.exposure_ns,
                   "time does not run backwards unless a clock is set back");
     camera.arrival_ns = now_ns_;
     camera.exposure_ns = instant.exposure_ns;
   }
 
-  void look(std::istringstream& words) {
-    constexpr std::int64_t kMost_ns = 1'000'000'000;  // what VisualClock can say
-    std::int64_t value_ns = 0, deviation_ns = 0;
-    if (!(words >> value_ns >> deviation_ns)) return clock_.setVisual(std::nullopt);
-    clock_.setVisual(ClockWitness{static_cast<double>(std::clamp(value_ns, -kMost_ns, kMost_ns)),
-                                  static_cast<double>(std::clamp(deviation_ns, std::int64_t{1}, kMost_ns))});
+  void setVisual(std::istringstream& words) {
+    constexpr std::int64_t kMaxOffset_ns = 1'000'000'000;  // largest offset that the visual estimator returns
+    std::int64_t value_ns = 0, stddev_ns = 0;
+    if (!(words >> value_ns >> stddev_ns)) return timestamper_.setVisual(std::nullopt);
+    timestamper_.setVisual(
+        OffsetEstimate{static_cast<double>(std::clamp(value_ns, -kMaxOffset_ns, kMaxOffset_ns)),
+                       static_cast<double>(std::clamp(stddev_ns, std::int64_t{1}, kMaxOffset_ns))});
   }
 
-  PairClock clock_;
+  StereoTimestamper timestamper_;
   std::array<Camera, 2> cameras_;
   std::int64_t now_ns_ = kStart_ns;
   int lines_ = 0;
 };
 
-ClockChoice choiceOf(const std::vector<std::string>& lines) {
+ClockChoice parseChoice(const std::vector<std::string>& lines) {
   constexpr int kChoices = 4;
   int number = 0;
   if (!lines.empty() && lines.front().starts_with("choice "))
@@ -126,10 +127,10 @@ ClockChoice choiceOf(const std::vector<std::string>& lines) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::vector<std::string> lines = fuzz::linesOf(fuzz::textOf(data, size));
-  Cameras cameras(choiceOf(lines));
+  const std::vector<std::string> lines = fuzz::splitLines(fuzz::toText(data, size));
+  Cameras cameras(parseChoice(lines));
   cameras.check();
-  cameras.follow(lines, 0, lines.size());
+  cameras.runLines(lines, 0, lines.size());
   cameras.check();
   return 0;
 }

@@ -1,4 +1,4 @@
-// cartvod's configuration, as it is read from disk and out of recordings.
+// Fuzz target for cartvod's configuration, as read from disk and from recordings.
 
 #include "daemon/configuration.hpp"
 
@@ -9,10 +9,10 @@ using namespace cartvo;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr const char* kName = "/etc/cartvo/cartvod.yaml";
   const auto configuration =
-      fuzz::accepted([&] { return parseConfiguration(fuzz::textOf(data, size), kName); }, kName);
+      fuzz::parseOrReject([&] { return parseConfiguration(fuzz::toText(data, size), kName); }, kName);
   if (!configuration) return 0;
   const std::string text = effectiveConfiguration(*configuration);
-  const auto again = fuzz::accepted([&] { return parseConfiguration(text, kName); }, kName);
+  const auto again = fuzz::parseOrReject([&] { return parseConfiguration(text, kName); }, kName);
   fuzz::require(again.has_value(), "the configuration in effect can be read:\n" + text);
   fuzz::require(effectiveConfiguration(*again) == text, "the configuration in effect is read back:\n" + text);
   return 0;

@@ -1,8 +1,8 @@
 #pragma once
 
-// What the fuzz targets share. A target hands its input to a parser of ours and holds the parser to what its
-// header promises: an error that names the file, or a value that may be relied upon. Anything else, a crash,
-// a sanitizer's report, a hang, another exception or a broken promise, is a finding.
+// Helpers of the fuzz targets. A target passes its input to one of our parsers and checks the contract of its
+// header: an error that names the file, or a valid value. Anything else (a crash, a sanitizer's report, a
+// time-out, another exception, a violated contract) is a finding.
 
 #include <algorithm>
 #include <cstdint>
@@ -21,20 +21,20 @@
 
 namespace cartvo::fuzz {
 
-/// A broken promise: ends the process, so that libFuzzer keeps the input.
-[[noreturn]] inline void fail(const std::string& promise) {
-  std::fprintf(stderr, "FINDING: %s\n", promise.c_str());
+/// Reports a violated contract and aborts, so that libFuzzer keeps the input.
+[[noreturn]] inline void fail(const std::string& contract) {
+  std::fprintf(stderr, "FINDING: %s\n", contract.c_str());
   std::abort();
 }
 
-inline void require(bool holds, const std::string& promise) {
-  if (!holds) fail(promise);
+inline void require(bool holds, const std::string& contract) {
+  if (!holds) fail(contract);
 }
 
-/// What `read` returns; nothing if it refuses the input as readers do: by std::runtime_error or
-/// std::invalid_argument with a message that holds `name`.
+/// Result of `read`; nothing if it rejects the input by std::runtime_error or std::invalid_argument. Requires
+/// that the message contains `name`.
 template <typename Read>
-auto accepted(const Read& read, std::string_view name) -> std::optional<decltype(read())> {
+auto parseOrReject(const Read& read, std::string_view name) -> std::optional<decltype(read())> {
   std::string message;
   try {
     return read();
@@ -48,13 +48,13 @@ auto accepted(const Read& read, std::string_view name) -> std::optional<decltype
   return std::nullopt;
 }
 
-/// A folder of this process alone, under $TMPDIR.
+/// Temporary folder of this process, under $TMPDIR.
 inline const std::filesystem::path& scratchFolder() {
   static const test::TemporaryFolder folder;
   return folder.path();
 }
 
-/// Writes a file, and the folders it lies in, within the scratch folder; returns its whole path.
+/// Writes a file and its parent folders in the scratch folder; returns the full path.
 inline std::filesystem::path writeScratch(const std::filesystem::path& name, std::string_view content) {
   std::filesystem::path file = scratchFolder() / name;
   std::filesystem::create_directories(file.parent_path());
@@ -64,12 +64,12 @@ inline std::filesystem::path writeScratch(const std::filesystem::path& name, std
   return file;
 }
 
-inline std::string textOf(const std::uint8_t* data, std::size_t size) {
+inline std::string toText(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// The lines of a text, without their ends.
-inline std::vector<std::string> linesOf(const std::string& text) {
+/// The lines of a text, without end of line.
+inline std::vector<std::string> splitLines(const std::string& text) {
   std::vector<std::string> lines;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -79,10 +79,10 @@ inline std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// Where an input stands for several files: what lies between lines that are "=====".
-inline std::vector<std::string> partsOf(const std::string& text) {
+/// Splits an input that represents several files, at lines "=====".
+inline std::vector<std::string> splitParts(const std::string& text) {
   std::vector<std::string> parts(1);
-  for (const std::string& line : linesOf(text)) {
+  for (const std::string& line : splitLines(text)) {
     if (line == "=====") {
       parts.emplace_back();
     } else {
@@ -92,22 +92,22 @@ inline std::vector<std::string> partsOf(const std::string& text) {
   return parts;
 }
 
-/// Takes numbers and pieces off the front of an input; zeros and empty pieces once it is used up.
+/// Reads numbers and spans from an input; zeros and empty spans at its end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
 
   bool empty() const { return rest_.empty(); }
 
-  std::uint8_t byte() {
-    const std::span<const std::uint8_t> taken = piece(1);
-    return taken.empty() ? std::uint8_t{0} : taken.front();
+  std::uint8_t readByte() {
+    const std::span<const std::uint8_t> bytes = readSpan(1);
+    return bytes.empty() ? std::uint8_t{0} : bytes.front();
   }
 
-  std::span<const std::uint8_t> piece(std::size_t most) {
-    const std::span<const std::uint8_t> taken = rest_.first(std::min(most, rest_.size()));
-    rest_ = rest_.subspan(taken.size());
-    return taken;
+  std::span<const std::uint8_t> readSpan(std::size_t max_size) {
+    const std::span<const std::uint8_t> bytes = rest_.first(std::min(max_size, rest_.size()));
+    rest_ = rest_.subspan(bytes.size());
+    return bytes;
   }
 
  private:

@@ -1,7 +1,7 @@
-// Folders of images in KITTI's and EuRoC's layouts: their lists, instants and calibration. The images are
-// empty files: what they hold is the image library's.
+// Fuzz target for image folders in KITTI's and EuRoC's layouts: lists, instants and calibration. The images
+// are empty files, because the image library decodes them.
 //
-// The input is several files: "kitti", the images' names, the right images' names, times.txt, calib.txt; or
+// Input: several files: "kitti", the images' names, the right images' names, times.txt, calib.txt; or
 // "euroc", the images' names, both cameras' data.csv.
 
 #include "capture/image_folder.hpp"
@@ -17,15 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty files of these names, as far as they can be.
+/// Makes empty files with those names that are valid.
 void makeImages(const fs::path& folder, const std::string& names) {
-  constexpr std::size_t kMostImages = 32, kLongestName = 64;
+  constexpr std::size_t kMaxImages = 32, kMaxNameLength = 64;
   fs::create_directories(fuzz::scratchFolder() / folder);
-  std::vector<std::string> lines = fuzz::linesOf(names);
-  lines.resize(std::min(lines.size(), kMostImages));
+  std::vector<std::string> lines = fuzz::splitLines(names);
+  lines.resize(std::min(lines.size(), kMaxImages));
   for (const std::string& name : lines) {
-    const bool is_name = !name.empty() && name.size() <= kLongestName && fs::path(name).filename() == name &&
-                         name != "." && name != ".." && name.find('\0') == std::string::npos;
+    const bool is_name = !name.empty() && name.size() <= kMaxNameLength &&
+                         fs::path(name).filename() == name && name != "." && name != ".." &&
+                         name.find('\0') == std::string::npos;
     if (is_name) fuzz::writeScratch(folder / name, "");
   }
 }
@@ -57,11 +58,11 @@ void check(const ImageSequence& sequence) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::vector<std::string> parts = fuzz::partsOf(fuzz::textOf(data, size));
+  const std::vector<std::string> parts = fuzz::splitParts(fuzz::toText(data, size));
   const fs::path folder = fuzz::scratchFolder() / "sequence";
   fs::remove_all(folder);
   parts.front() == "euroc\n" ? makeEuroc(parts) : makeKitti(parts);
-  const auto images = fuzz::accepted([&] { return readImageFolder(folder); }, folder.string());
+  const auto images = fuzz::parseOrReject([&] { return readImageFolder(folder); }, folder.string());
   if (!images) return 0;
   check(images->left);
   check(images->right);

@@ -1,4 +1,4 @@
-// The beginning of a recorded stream's file, which tells whether it was ended.
+// Fuzz target for the header of a recorded video file, which shows whether it was finalised.
 
 #include "capture/matroska_file.hpp"
 
@@ -7,9 +7,9 @@
 using namespace cartvo;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::filesystem::path file = fuzz::writeScratch("left.mkv", fuzz::textOf(data, size));
-  const bool was_ended = wasEnded(file);
-  // EBML's and the segment's identifiers and sizes are ten bytes at least.
-  fuzz::require(!was_ended || size >= 10, "only a whole header tells that a file was ended");
+  const std::filesystem::path file = fuzz::writeScratch("left.mkv", fuzz::toText(data, size));
+  const bool is_finalised = isMatroskaFinalised(file);
+  // The identifiers and sizes of EBML and of the segment are at least ten bytes.
+  fuzz::require(!is_finalised || size >= 10, "only a complete header shows that a file was finalised");
   return 0;
 }

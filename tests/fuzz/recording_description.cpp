@@ -1,4 +1,4 @@
-// recording.json, which says what a recording is.
+// Fuzz target for recording.json.
 
 #include "capture/recording_folder.hpp"
 #include "tests/fuzz/fuzzing.hpp"
@@ -8,8 +8,8 @@ using namespace cartvo;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr const char* kName = "recording.json";
   const auto info =
-      fuzz::accepted([&] { return parseRecordingInfo(fuzz::textOf(data, size), kName); }, kName);
+      fuzz::parseOrReject([&] { return parseRecordingInfo(fuzz::toText(data, size), kName); }, kName);
   if (!info) return 0;
-  fuzz::require(info->format_version == kRecordingFormatVersion, "other formats are refused");
+  fuzz::require(info->format_version == kRecordingFormatVersion, "other formats are rejected");
   return 0;
 }

@@ -1,15 +1,15 @@
-// A recording's index, alone and as its readers use it: beside a stream, for a summary and for the clocks.
-// The checksums of its lines are made to match, for fuzzing does not find them.
+// Fuzz target for a recording's index, alone and with its readers: with a stream, for a summary and for time
+// stamps. The lines get valid checksums, because fuzzing does not find them.
 
 #include "capture/recording_index.hpp"
 
 #include <sstream>
 
-#include "capture/pair_clock.hpp"
-#include "capture/recording_clock.hpp"
 #include "capture/recording_reader.hpp"
 #include "capture/recording_summary.hpp"
+#include "capture/recording_timestamper.hpp"
 #include "capture/recording_writer.hpp"
+#include "capture/stereo_timestamper.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;
@@ -30,7 +30,7 @@ const std::vector<std::uint8_t> kKeySlice = {0,    0,    0,    1,    0x65, 0x88,
                                              0x5d, 0x75, 0xd7, 0x5d, 0x75, 0xd7, 0x5e};
 const std::vector<std::uint8_t> kSlice = {0, 0, 0, 1, 0x41, 0x9a, 0x20, 0x3a, 0x82, 0x30};
 
-/// A key picture and those after it, all grey.
+/// A key picture if `number` is 0, else a predicted one; all grey.
 std::vector<std::uint8_t> picture(int number) {
   if (number > 0) return kSlice;
   std::vector<std::uint8_t> data = kParameterSets;
@@ -38,13 +38,13 @@ std::vector<std::uint8_t> picture(int number) {
   return data;
 }
 
-/// A recording of both cameras, by our own writer.
+/// Makes a recording of both cameras by RecordingWriter.
 fs::path makeRecording() {
   fs::path folder = fuzz::scratchFolder() / "recording";
   RecordingWriter writer(folder, {kRecordingFormatVersion, "0", 0, "", ""}, std::chrono::minutes(1));
   const StreamFormat format{VideoCodec::h264, kParameterSets};
   for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
-    writer.begin(side, format);
+    writer.beginConnection(side, format);
     for (int i = 0; i < kPictures; ++i) {
       EncodedUnit unit;
       unit.data = picture(i);
@@ -52,7 +52,7 @@ fs::path makeRecording() {
       unit.sequence = static_cast<std::uint64_t>(i);
       unit.pts = 3600 * i;
       unit.exposure_ns = 1'700'000'000'000'000'000 + 40'000'000 * i;
-      unit.first_arrival_ns = unit.arrival_ns = unit.undelayed_arrival_ns = unit.exposure_ns + 80'000'000;
+      unit.first_arrival_ns = unit.arrival_ns = unit.min_delay_arrival_ns = unit.exposure_ns + 80'000'000;
       unit.reference_us = unit.exposure_ns / 1000;
       writer.write(side, unit);
     }
@@ -60,10 +60,10 @@ fs::path makeRecording() {
   return folder;
 }
 
-/// The text with its lines' checksums, but for lines that end in "!".
-std::string sealed(const std::string& text) {
+/// The text with valid checksums, except in lines that end in "!".
+std::string withChecksums(const std::string& text) {
   std::string result = indexHeader() + "\n";
-  for (const std::string& line : fuzz::linesOf(text)) {
+  for (const std::string& line : fuzz::splitLines(text)) {
     if (line.starts_with("number,")) continue;
     result += line.ends_with("!") || line.find(',') == std::string::npos ? line : withLineChecksum(line);
     result += "\n";
@@ -71,20 +71,20 @@ std::string sealed(const std::string& text) {
   return result;
 }
 
-/// Whether it holds a row.
+/// Checks the index. Returns whether it contains a row.
 bool checkIndex(const std::string& text) {
-  const auto index = fuzz::accepted(
+  const auto index = fuzz::parseOrReject(
       [&] {
         std::istringstream stream(text);
-        return readIndex(stream, "left.csv");
+        return readRecordingIndex(stream, "left.csv");
       },
       "left.csv");
   if (!index) return false;
-  fuzz::require((index->damaged_lines == 0) == index->damage.empty(), "damage is told");
+  fuzz::require((index->damaged_lines == 0) == index->damage.empty(), "damage is reported");
   for (std::size_t i = 0; i < index->rows.size(); ++i) {
-    const std::string line = toText(index->rows[i]);
+    const std::string line = formatIndexRow(index->rows[i]);
     const std::optional<IndexRow> again = parseIndexRow(line);
-    fuzz::require(again && toText(*again) == line, "a row is read back: " + line);
+    fuzz::require(again && formatIndexRow(*again) == line, "a row is read back: " + line);
     fuzz::require(i == 0 || (index->rows[i].number > index->rows[i - 1].number &&
                              index->rows[i].time_ms > index->rows[i - 1].time_ms),
                   "rows are in order");
@@ -94,26 +94,27 @@ bool checkIndex(const std::string& text) {
 
 void readPictures(const fs::path& recording) {
   std::uint64_t pictures = 0;
-  fuzz::accepted(
+  fuzz::parseOrReject(
       [&] {
         RecordingReader reader(recording, CameraSide::left);
         RecordedUnit recorded;
         for (; reader.next(recorded); ++pictures)
-          fuzz::require(!recorded.unit.data.empty(), "a picture that is read has data");
-        fuzz::require(reader.damage().places.size() <= kMostDamagePlaces, "damage is told briefly");
+          fuzz::require(!recorded.unit.data.empty(), "a picture has data");
+        fuzz::require(reader.damage().places.size() <= kMaxDamagePlaces,
+                      "the damage report has a limited length");
         return pictures;
       },
       recording.string());
   fuzz::require(pictures <= kPictures, "no picture is read twice");
 }
 
-void replayClocks(const fs::path& recording) {
+void recomputeTimestamps(const fs::path& recording) {
   for (const ClockChoice choice : {ClockChoice::automatic, ClockChoice::ntp}) {
-    RecordingClock clock(recording, choice);
+    RecordingTimestamper clock(recording, choice);
     for (std::uint64_t order = 0; order < 2 * kPictures; ++order) {
       for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
-        const std::optional<StampedInstant> instant = clock.stamp(side, order);
-        fuzz::require(!instant || instant->deviation_ns >= 0, "a deviation is a number");
+        const std::optional<ExposureTimestamp> instant = clock.stamp(side, order);
+        fuzz::require(!instant || instant->stddev_ns >= 0, "a standard deviation is not negative");
       }
     }
   }
@@ -123,14 +124,14 @@ void replayClocks(const fs::path& recording) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fs::path recording = makeRecording();
-  const std::string text = fuzz::textOf(data, size);
+  const std::string text = fuzz::toText(data, size);
   checkIndex(text);
-  const std::string index = sealed(text);
-  if (!checkIndex(index)) return 0;  // its readers have nothing to do, and opening the stream takes long
+  const std::string index = withChecksums(text);
+  if (!checkIndex(index)) return 0;  // nothing to read, and opening the stream is slow
   fuzz::writeScratch(recordingSegment(recording, 0).index(CameraSide::left), index);
   readPictures(recording);
   fuzz::require(summariseRecording(recording).cameras[1].pictures == kPictures,
-                "the other camera is not touched");
-  replayClocks(recording);
+                "the other camera is unchanged");
+  recomputeTimestamps(recording);
   return 0;
 }

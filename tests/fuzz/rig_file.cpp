@@ -1,4 +1,4 @@
-// cartvo's own rig files, as they are read from disk and out of recordings.
+// Fuzz target for cartvo's rig files, as read from disk and from recordings.
 
 #include "calib/rig_file.hpp"
 
@@ -8,7 +8,7 @@ using namespace cartvo;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr const char* kName = "rig.yaml";
-  const auto rig = fuzz::accepted([&] { return parseRig(fuzz::textOf(data, size), kName); }, kName);
+  const auto rig = fuzz::parseOrReject([&] { return parseRig(fuzz::toText(data, size), kName); }, kName);
   if (!rig) return 0;
   validateRig(*rig);
   const std::string text = rigText(*rig);

@@ -1,4 +1,5 @@
-// Rig files of other tools: Kalibr, OpenCV, ROS, MATLAB, EuRoC, KITTI; one file, or one for each camera.
+// Fuzz target for rig files of other tools: Kalibr, OpenCV, ROS, MATLAB, EuRoC, KITTI; one file, or one per
+// camera.
 
 #include "calib/rig_formats.hpp"
 
@@ -13,25 +14,25 @@ std::optional<Rig> read(const std::vector<std::string>& texts) {
   std::vector<std::filesystem::path> files;
   for (const std::string& text : texts)
     files.push_back(fuzz::writeScratch("rig" + std::to_string(files.size()) + ".yaml", text));
-  return fuzz::accepted([&] { return readRigFiles(files, cv::Size(1241, 376)); }, "rig");
+  return fuzz::parseOrReject([&] { return readRigFiles(files, cv::Size(1241, 376)); }, "rig");
 }
 
-/// The rig in another format, if that can hold it.
-std::optional<std::vector<RigFile>> filesOf(const Rig& rig, RigFormat format) {
-  return fuzz::accepted([&] { return rigFilesOf(rig, format); }, "");
+/// The rig in another format, if that can represent it.
+std::optional<std::vector<RigFile>> toFiles(const Rig& rig, RigFormat format) {
+  return fuzz::parseOrReject([&] { return rigFilesOf(rig, format); }, "");
 }
 
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::optional<Rig> rig = read(fuzz::partsOf(fuzz::textOf(data, size)));
+  const std::optional<Rig> rig = read(fuzz::splitParts(fuzz::toText(data, size)));
   if (!rig) return 0;
   validateRig(*rig);
   const std::string text = rigText(*rig);
   fuzz::require(rigText(parseRig(text, "rig.yaml")) == text, "a rig is read back to the last bit");
-  // What cartvo writes for another tool it can read again. ROS' files would take a rectification each.
+  // Files that cartvo writes for other tools can be read again. ROS' files would need a rectification each.
   for (const RigFormat format : {RigFormat::opencv, RigFormat::kalibr, RigFormat::matlab, RigFormat::euroc}) {
-    const auto files = filesOf(*rig, format);
+    const auto files = toFiles(*rig, format);
     if (!files) continue;
     std::vector<std::string> texts;
     for (const RigFile& file : *files)

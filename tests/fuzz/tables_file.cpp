@@ -1,4 +1,5 @@
-// The file that keeps rectification tables. Its checksum is made to match, for fuzzing does not find one.
+// Fuzz target for the file of rectification tables. It gets a valid checksum, because fuzzing does not find
+// one.
 
 #include <cstring>
 
@@ -27,7 +28,8 @@ void check(const PixelSources& sources) {
 
 void read(const std::string& bytes) {
   const std::filesystem::path file = fuzz::writeScratch("tables", bytes);
-  const auto tables = fuzz::accepted([&] { return readTables(file, kSize, kFingerprint); }, file.string());
+  const auto tables =
+      fuzz::parseOrReject([&] { return readTables(file, kSize, kFingerprint); }, file.string());
   if (!tables) return;
   check(tables->left);
   check(tables->right);
@@ -38,7 +40,7 @@ void read(const std::string& bytes) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::string bytes = fuzz::textOf(data, size);
+  std::string bytes = fuzz::toText(data, size);
   read(bytes);
   constexpr std::size_t kChecksum = 8;
   if (bytes.size() < kChecksum) return 0;

@@ -1,13 +1,13 @@
 #!/bin/sh
-# check_service.sh BUILD-FOLDER: installs into an empty root and holds the service to what systemd says of it: the units
-# verify without a word, and the sandbox stays at or below exposure 2.0.
+# check_service.sh BUILD-FOLDER: installs into an empty root folder and checks the service: systemd-analyze verify accepts
+# the units without a message, and the sandbox's exposure is at most 2.0.
 set -eu
 build=$1
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 fail() { echo "check_service: $*" >&2; exit 1; }
 
-# /usr as on a cart, whatever prefix this build was configured with.
+# Prefix /usr as on a cart, independent of the prefix of this build.
 DESTDIR=$root cmake --install "$build" --prefix /usr >"$root/install.log" 2>&1 || { cat "$root/install.log"; exit 1; }
 
 units=$root/usr/lib/systemd/system
@@ -16,21 +16,22 @@ for file in usr/bin/cartvod usr/bin/cartvo etc/cartvo/cartvod.yaml usr/lib/sysus
   [ -e "$root/$file" ] || fail "$file is not installed"
 done
 
-# An administrator's configuration survives the next installation.
+# A second installation must not overwrite the configuration.
 echo '# mine' >>"$root/etc/cartvo/cartvod.yaml"
 DESTDIR=$root cmake --install "$build" --prefix /usr >/dev/null
 grep -q '^# mine' "$root/etc/cartvo/cartvod.yaml" || fail "cartvod.yaml was overwritten"
 
-# The program must lie where the unit says; verify looks for it on this machine, so it is told this one's place.
+# The unit must name the installed program. verify looks for it on this machine, so the copy for verify names the
+# temporary root.
 grep -q '^ExecStart=/usr/bin/cartvod --config /etc/cartvo/cartvod.yaml$' "$units/cartvod.service" ||
   fail "cartvod.service does not start /usr/bin/cartvod: $(grep ^ExecStart "$units/cartvod.service")"
 verify=$root/verify
 mkdir "$verify"
 sed "s|/usr/bin/cartvod|$root/usr/bin/cartvod|" "$units/cartvod.service" >"$verify/cartvod.service"
 cp "$units/cartvo-multicast.service" "$verify"
-said=$(SYSTEMD_UNIT_PATH=$verify: MANPATH=$root/usr/share/man systemd-analyze verify --man=no "$verify"/*.service 2>&1) ||
-  fail "systemd-analyze verify: $said"
-[ -z "$said" ] || fail "systemd-analyze verify: $said"
+messages=$(SYSTEMD_UNIT_PATH=$verify: MANPATH=$root/usr/share/man systemd-analyze verify --man=no "$verify"/*.service 2>&1) ||
+  fail "systemd-analyze verify: $messages"
+[ -z "$messages" ] || fail "systemd-analyze verify: $messages"
 
 for unit in "$verify"/*.service; do
   systemd-analyze security --offline=yes --threshold=20 "$unit" >"$root/security.log" 2>&1 ||

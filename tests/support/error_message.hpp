@@ -5,7 +5,7 @@
 
 namespace cartvo::test {
 
-/// The message of what a call throws; empty if it throws nothing.
+/// The message of the exception that a call throws; empty if it throws none.
 template <typename Call>
 std::string messageOf(Call call) {
   try {

@@ -1,7 +1,7 @@
 #!/bin/sh
-# in_network_namespace.sh COMMAND [ARG ...]: runs a test where the network is nothing but loopback, so that it neither
-# depends on this host's routes nor sends anything through them. Where namespaces are not permitted the test is skipped
-# (exit 77) with what is missing; with CARTVO_REQUIRE_DATA=1 (CI) that is a failure.
+# in_network_namespace.sh COMMAND [ARG ...]: runs a test in a network namespace with only the loopback device, so that it
+# neither depends on the routes of this computer nor sends anything through them. If namespaces are not permitted, it
+# prints the requirement and skips the test (exit 77); with CARTVO_REQUIRE_DATA=1 (CI) it fails.
 set -u
 tool=$(dirname "$0")/../../tools/in_network_namespace
 if ! reason=$("$tool" true 2>&1); then

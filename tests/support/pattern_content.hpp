@@ -10,7 +10,7 @@
 
 namespace cartvo::test {
 
-/// How a PatternContent looks and moves.
+/// Image size, rate, geometry and motion of a PatternContent.
 struct PatternSettings {
   cv::Size size{320, 240};
   double frame_rate = 20.0;  ///< Hz
@@ -22,9 +22,9 @@ struct PatternSettings {
   double speed = 0.4;           ///< of the cameras along the wall, to their right, m/s
 };
 
-/// Small content with exactly known motion, for tests: two distortion-free cameras face a wall at a constant
-/// depth and move along it to their right (the body's -y) at a constant speed, each seeing it at its own
-/// instant. The wall is a smooth sum of waves, evaluated exactly for each pixel.
+/// Small test content with exactly known motion: two distortion-free cameras face a wall at a constant depth
+/// and move along it to their right (-y of the body) at a constant speed, each with its own exposure
+/// instants. The texture of the wall is a smooth sum of waves, evaluated exactly for each pixel.
 class PatternContent : public simulate::Content {
  public:
   explicit PatternContent(const PatternSettings& settings) : settings_(settings) {}
@@ -93,8 +93,8 @@ class PatternContent : public simulate::Content {
     return image;
   }
 
-  // Within [-1, 1]. Wavelengths from 8 cm up, in directions and at ratios that do not repeat within a
-  // picture.
+  // Texture of the wall at (x, y) in m, in [-1, 1]. Wavelengths are at least 8 cm; their directions and
+  // ratios do not repeat within an image.
   static double wall(double x, double y) {
     return 0.22 * std::sin(31.0 * x + 11.0 * y) + 0.22 * std::sin(-17.3 * x + 29.7 * y + 1.0) +
            0.20 * std::sin(47.1 * x - 23.9 * y + 2.0) + 0.18 * std::sin(9.7 * x + 61.3 * y + 3.0) +

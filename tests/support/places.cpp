@@ -1,4 +1,5 @@
-// The only source that knows where the checkout is, so that ccache serves all others to each checkout.
+// The paths of the checkout and of the built program. Only this source depends on them, so that ccache shares
+// all others between checkouts.
 #include "support/places.hpp"
 
 namespace cartvo::test {

@@ -4,10 +4,10 @@
 
 namespace cartvo::test {
 
-/// The root of the checkout that the tests were built from.
+/// The root folder of the checkout that the tests were built from.
 std::filesystem::path sourceFolder();
 
-/// The program `cartvo` of the same build.
+/// The path of the program `cartvo` of the same build.
 std::filesystem::path cartvoProgram();
 
 }  // namespace cartvo::test

@@ -9,13 +9,14 @@
 
 namespace cartvo::test {
 
-/// What a leak of this process would show in.
+/// The resources of this process that a leak increases.
 struct Resources {
   std::ptrdiff_t descriptors = 0;
   std::ptrdiff_t threads = 0;
-  double megabytes = 0.0;  ///< resident
+  double megabytes = 0.0;  ///< resident memory
 };
 
+/// Reads the current resources from /proc.
 inline Resources resourcesInUse() {
   using std::filesystem::directory_iterator;
   Resources now;

@@ -7,12 +7,13 @@
 
 namespace cartvo::test {
 
-/// A folder of its own that is gone when the test ends.
+/// A new temporary folder, deleted by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "cartvo-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
+    if (mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error("cannot create the temporary folder " + name);
     path_ = name;
   }
   ~TemporaryFolder() {

@@ -10,13 +10,13 @@
 
 namespace cartvo::test {
 
-/// Where the real sequences lie: $CARTVO_DATA, or ../shared/data beside the checkout.
+/// The folder of the real sequences: $CARTVO_DATA, or ../shared/data beside the checkout.
 inline std::filesystem::path dataFolder() {
   const char* configured = std::getenv("CARTVO_DATA");
   return configured != nullptr ? std::filesystem::path(configured) : sourceFolder() / "../shared/data";
 }
 
-/// Whether a missing file is a failure (CI) or a reason to skip (a user's machine).
+/// Whether missing data fails a test (CI) instead of skipping it.
 inline bool dataRequired() {
   const char* required = std::getenv("CARTVO_REQUIRE_DATA");
   return required != nullptr && std::string(required) == "1";
@@ -24,7 +24,8 @@ inline bool dataRequired() {
 
 }  // namespace cartvo::test
 
-/// Sets `variable` to the path of a data set, or skips the test (fails it where CARTVO_REQUIRE_DATA=1).
+/// Defines `variable` as the path of a data set. If it is missing, skips the test, or fails it with
+/// CARTVO_REQUIRE_DATA=1.
 #define CARTVO_NEEDS_DATA(variable, name)                                     \
   const std::filesystem::path variable = cartvo::test::dataFolder() / (name); \
   if (!std::filesystem::exists(variable)) {                                   \

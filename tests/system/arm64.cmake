@@ -1,4 +1,4 @@
-# What tests/system/arm64.sh, which sets these variables, builds with: Debian's cross compiler, and Debian's packages in
+# Toolchain for tests/system/arm64.sh, which sets these variables: Debian's cross compiler and the Debian packages in
 # $CARTVO_ARM64_ROOT.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# tests/system/arm64.sh [FOLDER]: proves that the odometry runs on 64-bit ARM, where its vectors become NEON, and tells
-# there what it tells here. Builds vo_core and its tests with Debian's cross compiler against Debian's arm64 packages, which it
-# fetches into FOLDER (default: /var/tmp/cartvo-arm64) without installing them, and runs them in QEMU. Run by hand.
+# tests/system/arm64.sh [FOLDER]: checks that the odometry runs on 64-bit ARM, where its vectors become NEON, with the same
+# results as on this machine. Builds vo_core and its tests with Debian's cross compiler against Debian's arm64 packages, which
+# it downloads into FOLDER (default: /var/tmp/cartvo-arm64) without installing them, and runs them in QEMU. Run by hand.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 folder=$(realpath -m "${1:-/var/tmp/cartvo-arm64}")
@@ -9,7 +9,7 @@ apt=$folder/apt
 build=$folder/build
 digest=build/release/tests/vo_core/odometry_digest
 export CARTVO_ARM64_ROOT=$folder/root
-# Libraries that an installation would have made links to.
+# Libraries that an installation would have linked to by update-alternatives.
 export CARTVO_ARM64_CHOSEN=/usr/lib/aarch64-linux-gnu/blas:/usr/lib/aarch64-linux-gnu/lapack
 run=(qemu-aarch64 -L "$CARTVO_ARM64_ROOT" -E "LD_LIBRARY_PATH=$CARTVO_ARM64_CHOSEN")
 CARTVO_ARM64_RUN=$(IFS=';' && echo "${run[*]}")
@@ -23,7 +23,7 @@ for program in aarch64-linux-gnu-g++-12 qemu-aarch64; do
 done
 
 [ -x $digest ] || {
-  echo "arm64.sh: needs the release build of this machine to compare with (tools/build)" >&2
+  echo "arm64.sh: needs the release build of this machine for the comparison (run tools/build)" >&2
   exit 1
 }
 

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# tests/system/boot_vm.sh [WORK-FOLDER]: the installed service under a real systemd. Makes a Debian 12 disk image with
-# the release build installed, boots it in QEMU (no KVM needed) and lets tests/system/in_vm.sh check there. Prints its
-# PASS and FAIL lines, and exits with 0 only if all of them passed. CARTVO_VM_CHECKS=v4l2, netem or "v4l2 netem": only
-# those of V4L2 cameras, or of bad links, in a third of the time each. See tests/system/README.md.
+# tests/system/boot_vm.sh [WORK-FOLDER]: checks the installed service under a real systemd. Creates a Debian 12 disk image
+# with the release build installed, boots it in QEMU (no KVM needed) and runs tests/system/in_vm.sh in it. Prints its PASS
+# and FAIL lines, and exits with 0 only if all checks passed. CARTVO_VM_CHECKS=v4l2, netem or "v4l2 netem" runs only the
+# checks of V4L2 cameras or of bad links, in a third of the time each. See tests/system/README.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 work=${1:-/var/tmp/cartvo-vm}
 root=$work/root
-longest=3600 # s, for all the checks; they take about twenty minutes
-# What the cameras see: little, because an emulated processor is slow.
-# Few packets a picture, so that some come through whole where one in twenty is lost.
+max_seconds=3600 # for all checks; they take about twenty minutes
+# Small pictures at a low rate, because the emulated processor is slow. Few packets per picture, so that some pictures
+# arrive undamaged when one packet in twenty is lost.
 content=(--world stop_and_go --seconds 12 --size 240x148 --frame-rate 3 --bitrate-kbps 200)
 mkdir -p "$work"
 
@@ -19,7 +19,7 @@ for program in debootstrap qemu-system-x86_64 mke2fs; do
     exit 2
   }
 done
-[ "$(id -u)" -eq 0 ] || { echo "boot_vm.sh: making a disk image of Debian needs root" >&2; exit 2; }
+[ "$(id -u)" -eq 0 ] || { echo "boot_vm.sh: creating a disk image of Debian needs root" >&2; exit 2; }
 
 build_programs() {
   tools/setup
@@ -31,7 +31,7 @@ packages_of() { # the Debian packages that own the shared libraries of the progr
   ldd "$@" | awk '/=> \//{print $3}' | xargs -n1 realpath | sort -u | xargs dpkg-query -S 2>/dev/null | cut -d: -f1 | sort -u
 }
 
-make_debian() { # once: what a cart has, and what the simulated cameras need
+make_debian() { # once: the packages of a cart, and those of the simulated cameras
   [ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" >"$work/debootstrap.log"
   [ ! -e "$root/made-for-cartvo" ] || return 0
   cp /etc/resolv.conf "$root/etc/resolv.conf"
@@ -44,7 +44,7 @@ make_debian() { # once: what a cart has, and what the simulated cameras need
   touch "$root/made-for-cartvo"
 }
 
-install_cartvo() { # as the README says; nothing is left of an earlier run
+install_cartvo() { # as in the README; removes the previous installation
   rm -rf "$root/etc/cartvo" "$root"/usr/lib/systemd/system/cartvo*
   DESTDIR=$root cmake --install build/release --prefix /usr >"$work/install.log"
 }
@@ -54,9 +54,9 @@ install_check() {
   install -m 755 build/release/tests/capture/cartvo_capture_link_tests "$root/usr/local/bin/cartvo_capture_link_tests"
   install -m 644 tests/system/in-vm.service "$root/etc/systemd/system/in-vm.service"
   ln -sf ../in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"
-  # A getty would hang up the serial line under the console.
+  # A getty would disconnect the serial line of the console.
   ln -sf /dev/null "$root/etc/systemd/system/serial-getty@ttyS0.service"
-  # Rendering under emulation takes long: the cameras' streams are made here, and found in the machine's cache.
+  # Rendering is slow under emulation: render the cameras' streams here, into the machine's cache.
   build/release/tools/cartvo/cartvo simulate "${content[@]}" --prepare-only --cache-dir "$work/streams"
   rm -rf "$root/var/lib/simulation"
   install -d "$root/var/lib/simulation"
@@ -68,12 +68,12 @@ install_check() {
   echo "${CARTVO_VM_CHECKS:-all}" >"$root/var/lib/simulation/checks"
 }
 
-boot() { # the first serial line is the console, the second what the check prints, the third the service's journal
-  timeout --foreground "$longest" qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 2048 -net none -display none \
+boot() { # serial lines: console, output of the checks, the service's journal
+  timeout --foreground "$max_seconds" qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 2048 -net none -display none \
     -monitor none -serial "file:$work/console.log" -serial stdio -serial "file:$work/journal.log" \
     -kernel "$(echo "$root"/boot/vmlinuz-*)" -initrd "$(echo "$root"/boot/initrd.img-*)" \
     -append "root=/dev/vda rw console=ttyS0 quiet" -drive "file=$work/disk.img,if=virtio,format=raw" </dev/null |
-    sed -u 's/\r$//' | tee "$work/report.log" # a serial line ends its lines as terminals do
+    sed -u 's/\r$//' | tee "$work/report.log" # serial lines end with \r\n
 }
 
 build_programs
@@ -82,8 +82,8 @@ install_cartvo
 install_check
 rm -f "$work/disk.img"
 mke2fs -q -t ext4 -d "$root" "$work/disk.img" 4G >/dev/null
-echo "boot_vm.sh: Debian $(cat "$root/etc/debian_version") boots; $work/console.log is its console, $work/journal.log the service's journal"
+echo "boot_vm.sh: Debian $(cat "$root/etc/debian_version") boots; console: $work/console.log, the service's journal: $work/journal.log"
 boot || echo "boot_vm.sh: QEMU ended with $?" >&2
 
-# No closing line: the machine hung, or did not come as far as the check.
+# Without the closing line the machine stalled, or did not reach the checks.
 grep -q '^in_vm: [1-9][0-9]* passed, 0 failed$' "$work/report.log"

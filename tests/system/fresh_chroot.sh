@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# tests/system/fresh_chroot.sh [FOLDER [SECONDS]]: proves that no installation step is missing. Makes a fresh Debian 12 in FOLDER
-# (default: a temporary one), clones HEAD into it and runs the two commands of the README there, the demo with a drive of
-# SECONDS (default: the demo's). Root; run by hand.
-# The real sequences are bind-mounted read-only if $CARTVO_DATA or ../shared/data is there.
+# tests/system/fresh_chroot.sh [FOLDER [SECONDS]]: checks that no installation step is missing. Installs a fresh Debian 12 in
+# FOLDER (default: a temporary one), clones HEAD into it and runs the two commands of the README there, the demo with a drive
+# of SECONDS (default: the demo's). Run by hand, as root.
+# The real sequences are bind-mounted read-only if $CARTVO_DATA or ../shared/data exists.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 repository=$PWD

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Runs inside the machine that tests/system/boot_vm.sh boots, and checks the installed service as an administrator would
-# see it: sets it up by the steps of cartvod(8), breaks what can break on a cart, and looks at what systemd, the journal and
-# LCM say. A PASS or FAIL line for each check, and a closing line with their numbers. After the first half the machine is
-# booted again, because a cart is switched on with nobody at it.
+# Runs inside the machine that tests/system/boot_vm.sh boots, and checks the installed service as an administrator sees it:
+# sets it up by the steps of cartvod(8), causes the faults that occur on a cart, and checks systemd, the journal and LCM.
+# Prints a PASS or FAIL line for each check, and a closing line with their numbers. After the first half the machine reboots,
+# because a cart is switched on without an operator.
 set -uo pipefail
 
 readonly state=/var/lib/in_vm           # survives the second boot
@@ -35,7 +35,7 @@ await() { # await SECONDS COMMAND...
     sleep 0.5
   done
 }
-holds_for() { # holds_for SECONDS COMMAND...: it is so all the time
+holds_for() { # holds_for SECONDS COMMAND...: COMMAND succeeds all the time
   local end=$((SECONDS + $1))
   shift
   while [ $SECONDS -lt $end ]; do
@@ -44,7 +44,7 @@ holds_for() { # holds_for SECONDS COMMAND...: it is so all the time
   done
 }
 
-# --- what systemd and the journal say
+# --- state of systemd and the journal
 
 show() { systemctl show --value -p "$1" cartvod; }
 is() { [ "$(show "$1")" = "$2" ]; }
@@ -54,13 +54,13 @@ mark() { # with -n 0 there is sometimes no cursor
   until journal_mark=$(journalctl -n 1 -o cat --show-cursor | sed -n 's/^-- cursor: //p') && [ -n "$journal_mark" ]; do sleep 1; done
 }
 journal() { journalctl -u cartvod --after-cursor="$journal_mark" --no-pager "$@"; }
-said() { journal -o cat | grep -E "$1" >/dev/null; } # since the mark; not grep -q, which would break journalctl's pipe
+logged() { journal -o cat | grep -E "$1" >/dev/null; } # since the mark; not grep -q, which would break journalctl's pipe
 is_ready_again() { [ "$(pid)" != "$1" ] && [ "$(show NRestarts)" -gt "$2" ] && is_active; } # PID NRESTARTS: before
 is_same_process() { is MainPID "$1" && is NRestarts "$2" && is_active; }
 
-# --- what a controller hears: nobody in particular, through LCM
+# --- what a controller receives over LCM, as the unprivileged user nobody
 
-heard() { # heard SECONDS COMPARISON...: such as 'valid -gt 10', of the summary of `cartvo watch`
+received() { # received SECONDS COMPARISON...: such as 'valid -gt 10', on the summary of `cartvo watch`
   local file value
   file=$(mktemp -d)
   chmod 777 "$file"
@@ -76,7 +76,7 @@ heard() { # heard SECONDS COMPARISON...: such as 'valid -gt 10', of the summary 
   done
 }
 
-# --- the two simulated cameras, each at an address of its own
+# --- the two simulated cameras, each at its own address
 
 mapfile -t content <$simulation/content # what boot_vm.sh rendered
 readonly left_address=127.0.0.1 right_address=127.0.0.2
@@ -89,14 +89,14 @@ cameras_on() {
 }
 are_serving() { journalctl -u cameras --after-cursor="$1" --no-pager -o cat | grep '^ready: ' >/dev/null; }
 cameras_off() { systemctl stop cameras; }
-pull_cable() { ip route add blackhole "$1/32" table local; } # packets vanish, connections stay open
+pull_cable() { ip route add blackhole "$1/32" table local; } # packets are dropped, connections stay open
 plug_cable() { ip route delete blackhole "$1/32" table local; }
 
-# --- two cameras of this computer: the kernel's simulated ones
+# --- V4L2: the kernel's two simulated cameras
 
 plug_v4l2() { modprobe vivid n_devs=2 node_types=0x1,0x1 multiplanar=1,1 && udevadm settle; }
 readonly vivid=/sys/bus/platform/drivers/vivid
-unplug_v4l2() { echo vivid.0 >$vivid/unbind; } # the devices vanish under who uses them
+unplug_v4l2() { echo vivid.0 >$vivid/unbind; } # removes the devices while they are in use
 replug_v4l2() { echo vivid.0 >$vivid/bind && udevadm settle; }
 use_v4l2() {
   mkdir -p /etc/systemd/system/cartvod.service.d
@@ -105,7 +105,7 @@ use_v4l2() {
   systemctl daemon-reload
   cp $configuration "$state/with-ip-cameras.yaml"
   cp $simulation/v4l2-rig.yaml /etc/cartvo/v4l2-rig.yaml
-  # The first url is the left camera's; user and password are an IP camera's.
+  # The first url is the left camera's; a V4L2 camera has no user name and password.
   sed -i -e '0,/url: rtsp.*/s||url: v4l2:/dev/video0|' -e 's|url: rtsp.*|url: v4l2:/dev/video1|' -e '/^ *username:/d' \
     -e '/^ *password_credential:/d' -e 's|^  frame_rate: .*|  frame_rate: 5|' -e 's|^rig: .*|rig: v4l2-rig.yaml|' $configuration
 }
@@ -114,87 +114,87 @@ use_ip_cameras() {
   systemctl daemon-reload
   cp "$state/with-ip-cameras.yaml" $configuration
 }
-readonly patience=90 # s: emulated, on a host that may be busy, a second of work takes many; what counts is that it comes
-both_stream() { said 'left camera: streaming' && said 'right camera: streaming'; }
+readonly v4l2_timeout=90 # s; long, because emulation on a busy host is slow
+both_stream() { logged 'left camera: streaming' && logged 'right camera: streaming'; }
 v4l2_checks() {
   use_v4l2
   mark
   systemctl start --no-block cartvod
-  check "V4L2: absent cameras are named" await 150 said 'left camera: connecting: the camera /dev/video0 .* is it plugged in'
+  check "V4L2: absent cameras are named" await 150 logged 'left camera: connecting: the camera /dev/video0 .* is it plugged in'
   mark
   check "V4L2: the kernel simulates two cameras" plug_v4l2
-  check "V4L2: both stream to the confined service" await $patience both_stream
-  check "V4L2: their frames are paired" heard 20 no_pair -le 10
+  check "V4L2: both stream to the confined service" await $v4l2_timeout both_stream
+  check "V4L2: their frames are paired" received 20 no_pair -le 10
   local process
   process=$(pid)
   mark
-  check "V4L2: the driver of one can be made to fail" v4l2-ctl -d /dev/video0 -c inject_fatal_streaming_error=1
-  # It is open again after half a second, often before the daemon looks.
-  check "V4L2: a driver that fails is named" await $patience said 'left camera: (connecting|streaming again after .*): the camera /dev/video0'
-  check "V4L2: and opened again" await $patience said 'left camera: streaming'
+  check "V4L2: one driver can be made to fail" v4l2-ctl -d /dev/video0 -c inject_fatal_streaming_error=1
+  # The camera is reopened after half a second, often before the daemon polls its state.
+  check "V4L2: a failing driver is named" await $v4l2_timeout logged 'left camera: (connecting|streaming again after .*): the camera /dev/video0'
+  check "V4L2: and the camera is reopened" await $v4l2_timeout logged 'left camera: streaming'
   mark
-  check "V4L2: the driver of the other can be made silent" v4l2-ctl -d /dev/video1 -c percentage_of_dropped_buffers=100
-  check "V4L2: a driver that falls silent is noticed" await $patience said 'right camera: stalled: .*sent no picture'
+  check "V4L2: the other driver can be made to stop sending" v4l2-ctl -d /dev/video1 -c percentage_of_dropped_buffers=100
+  check "V4L2: a driver that stops sending is reported" await $v4l2_timeout logged 'right camera: stalled: .*sent no picture'
   v4l2-ctl -d /dev/video1 -c percentage_of_dropped_buffers=0
-  check "V4L2: and opened again" await $patience said 'right camera: streaming'
+  check "V4L2: and the camera is reopened" await $v4l2_timeout logged 'right camera: streaming'
   mark
-  check "V4L2: unplugged under the service" unplug_v4l2
-  check "V4L2: it says so" await $patience said 'left camera: connecting: the camera /dev/video0'
+  check "V4L2: unplugged while in use" unplug_v4l2
+  check "V4L2: the unplugged camera is reported" await $v4l2_timeout logged 'left camera: connecting: the camera /dev/video0'
   mark
   check "V4L2: plugged in again" replug_v4l2
-  check "V4L2: and both stream" await $patience both_stream
-  check "V4L2: all that by the same process" is MainPID "$process"
+  check "V4L2: and both stream" await $v4l2_timeout both_stream
+  check "V4L2: the process was not restarted" is MainPID "$process"
   sed -i 's|^    url: v4l2:/dev/video0|&\n    exposure: 0.004|' $configuration
   mark
   systemctl restart --no-block cartvod
-  check "V4L2: a control that the camera has not is named" await $patience said "left camera: connecting: .*has no control for its exposure"
+  check "V4L2: a control that the camera lacks is named" await $v4l2_timeout logged "left camera: connecting: .*has no control for its exposure"
   systemctl stop cartvod
   modprobe -r vivid
   use_ip_cameras
 }
 
-# --- links that lose, reorder and delay: the kernel's netem
+# --- links that lose, reorder and delay packets: the kernel's netem
 
-bad_link() { # bad_link NETEM...: of loopback, but for LCM's messages
+bad_link() { # bad_link NETEM...: on loopback, except for LCM's messages
   good_link
   tc qdisc add dev lo root handle 1: prio bands 2 priomap 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 &&
     tc filter add dev lo parent 1: protocol ip prio 1 u32 match ip dst 239.255.76.67/32 flowid 1:1 &&
     tc qdisc add dev lo parent 1:2 handle 20: netem "$@"
 }
 good_link() { tc qdisc delete dev lo root 2>/dev/null; }
-capture_bears_bad_links() { # not one of its tests may be skipped
+capture_tolerates_bad_links() { # none of its tests may be skipped
   unshare --net sh -c 'ip link set lo up && exec cartvo_capture_link_tests' >"$state/links" 2>&1
   local status=$?
   grep -E '^(loss|delay|duplicate)|Failure|^\[ .*(FAILED|SKIPPED|PASSED)' "$state/links" | sed 's/^/     | /'
   [ $status -eq 0 ] && ! grep SKIPPED "$state/links" >/dev/null
 }
 netem_checks() { # with the cameras on
-  check "netem: pairs go on over UDP, none with a damaged picture" capture_bears_bad_links
+  check "netem: pairs continue over UDP, none with a damaged picture" capture_tolerates_bad_links
   sed -i 's|^  transport: tcp$|  transport: udp|' $configuration
   mark
   systemctl restart --no-block cartvod
-  check "netem: odometry over UDP" await 150 said '^odometry is valid'
+  check "netem: odometry over UDP" await 150 logged '^odometry is valid'
   local process link
   process=$(pid)
   for link in 'loss 0.1%' 'loss 1%' 'loss 5%' 'delay 10ms reorder 25% 50%' 'delay 50ms 50ms'; do
-    # shellcheck disable=SC2086  # its words
+    # shellcheck disable=SC2086  # split into words
     check "netem: a link with $link" bad_link $link
-    check "netem: valid odometry goes on" heard 60 valid -ge 3
+    check "netem: valid odometry continues" received 60 valid -ge 3
   done
   good_link
-  check "netem: all that by the same process" is MainPID "$process"
+  check "netem: the process was not restarted" is MainPID "$process"
   systemctl stop cartvod
   sed -i 's|^  transport: udp$|  transport: tcp|' $configuration
 }
 
-# --- where a password could have got to
+# --- places where a password could leak
 
-places_of() { # places_of FILE: names the places where the password in it can be read
+leaks_of() { # leaks_of FILE: names the places where the password in FILE can be read
   journalctl --no-pager -a -o export | grep -aFf "$1" >/dev/null && echo journal
   systemctl show cartvod cartvo-multicast | grep -aFf "$1" >/dev/null && echo "properties of the units"
   grep -alFf "$1" /proc/[0-9]*/cmdline /proc/[0-9]*/environ 2>/dev/null
 }
-finds_decoys() { # the search itself: it must find what lies open
+finds_decoys() { # checks the search itself with decoys in plain sight
   local decoy=decoy-$RANDOM$RANDOM found
   echo "$decoy" >"$state/decoy"
   DECOY=$decoy sleep 600 &
@@ -203,26 +203,26 @@ finds_decoys() { # the search itself: it must find what lies open
   local with_argument=$!
   logger "$decoy"
   await 10 sh -c "journalctl -n 50 -o cat | grep -qF '$decoy'"
-  found=$(places_of "$state/decoy")
+  found=$(leaks_of "$state/decoy")
   kill $with_environment $with_argument
   [[ $found == *journal* && $found == */proc/$with_environment/environ* && $found == */proc/$with_argument/cmdline* ]]
 }
-is_nowhere() {
+is_not_leaked() {
   [ -s "$1" ] && [ "$(wc -c <"$1")" -ge 6 ] || return 1
   local found
-  found=$(places_of "$1")
+  found=$(leaks_of "$1")
   [ -z "$found" ] || { echo "     | password in: ${found//$'\n'/, }"; return 1; }
 }
 
 # --- the checks
 
-made_its_user() {
+created_its_user() {
   systemd-sysusers
   local id
   id=$(id -u cartvo) && [ "$id" -gt 0 ] && [ "$id" -lt 1000 ] && grep -q '^cartvo:.*:/usr/sbin/nologin$' /etc/passwd
 }
 set_up() { # the steps of cartvod(8)
-  cameras_on || return 1 # their first start makes a rig file and a password
+  cameras_on || return 1 # the first start creates a rig file and a password
   cameras_off
   tr -d '\n' <"$simulation/password" >"$state/password"
   install -D -m 600 "$state/password" $credentials/left-camera-password
@@ -235,7 +235,7 @@ set_up() { # the steps of cartvod(8)
   systemctl enable --quiet --now --no-block cartvod
 }
 waits_for_cameras() { await 60 is SubState start && holds_for 75 is SubState start; }
-became_ready_at_validity() { # READY and the journal's 'odometry is valid' belong together, and nothing was ready before
+became_ready_at_validity() { # READY within 2 s of the journal's 'odometry is valid'
   local ready valid
   ready=$(show ActiveEnterTimestampMonotonic)
   valid=$(journal -o short-monotonic | sed -n 's/^\[ *\([0-9]*\)\.\([0-9]*\)\].*odometry is valid$/\1\2/p' | head -n 1)
@@ -247,16 +247,16 @@ runs_confined() {
   [ "$(stat -c %U "/proc/$(pid)")" = cartvo ] && grep -q '^CapEff:\s*0*$' <<<"$status" &&
     grep -q '^CapBnd:\s*0*$' <<<"$status" && grep -q '^NoNewPrivs:\s*1$' <<<"$status" && grep -q '^Seccomp:\s*2$' <<<"$status"
 }
-is_exposed_little() {
+has_low_exposure() {
   systemd-analyze security --no-pager "$1" | tail -n 1 | sed 's/^/     | /'
   systemd-analyze security --no-pager --threshold=20 "$1" >/dev/null
 }
 stopped_cleanly() {
   systemctl stop cartvod && is ActiveState inactive && is Result success && is ExecMainCode 1 && is ExecMainStatus 0 &&
-    said 'stopped after [0-9]+ pairs'
+    logged 'stopped after [0-9]+ pairs'
 }
 logins_are_open() { systemctl -q is-active systemd-user-sessions && systemctl -q is-active getty@tty1; }
-mended_by_its_own_words() { # runs the commands between the quotes of the message
+fixed_by_its_commands() { # runs the commands quoted in the message
   local commands
   commands=$(journal -o cat | sed -n "s/.*To keep LCM on this host: '\([^']*\)'.*/\1/p" | head -n 1)
   echo "     | $commands"
@@ -265,58 +265,58 @@ mended_by_its_own_words() { # runs the commands between the quotes of the messag
 
 first_boot() {
   mark
-  check "systemd-sysusers makes the service's own user" made_its_user
+  check "systemd-sysusers creates the service's user" created_its_user
   check "the steps of cartvod(8) set it up" set_up
-  check "waits for absent cameras longer than TimeoutStartSec, not failed" waits_for_cameras
-  check "says which camera it waits for" said 'left camera: connecting: .*127\.0\.0\.1'
-  check "publishes INVALID meanwhile" heard 5 no_pair -gt 8 valid -eq 0
+  check "waits for absent cameras longer than TimeoutStartSec without failing" waits_for_cameras
+  check "names the camera it waits for" logged 'left camera: connecting: .*127\.0\.0\.1'
+  check "publishes INVALID meanwhile" received 5 no_pair -gt 8 valid -eq 0
 
   cameras_on
-  check "becomes ready once the cameras are there" await 120 is_active
+  check "becomes ready once the cameras are on" await 120 is_active
   check "ready at the first valid odometry, not before" became_ready_at_validity
-  check "was not restarted on the way" is NRestarts 0
+  check "was not restarted meanwhile" is NRestarts 0
   check "runs as its own user, without capabilities, with a system-call filter" runs_confined
-  check "odometry arrives over LCM at another user" heard 45 valid -ge 10 lost -eq 0
-  check "exposure of cartvod.service at most 2.0" is_exposed_little cartvod.service
-  check "exposure of cartvo-multicast.service at most 2.0" is_exposed_little cartvo-multicast.service
+  check "another user receives odometry over LCM" received 45 valid -ge 10 lost -eq 0
+  check "exposure of cartvod.service at most 2.0" has_low_exposure cartvod.service
+  check "exposure of cartvo-multicast.service at most 2.0" has_low_exposure cartvo-multicast.service
 
   local process restarts
   process=$(pid) restarts=$(show NRestarts)
   cameras_off
-  check "cameras off: INVALID goes on" heard 20 no_pair -gt 30 valid -le 6
+  check "cameras off: INVALID continues" received 20 no_pair -gt 30 valid -le 6
   check "cameras off: the same process, no restart" is_same_process "$process" "$restarts"
   mark
   cameras_on
-  check "cameras on again: valid" await 60 said '^odometry is valid'
+  check "cameras on again: valid" await 60 logged '^odometry is valid'
   mark
   pull_cable $right_address
-check "one camera's cable pulled: INVALID, no pair" heard 15 no_pair -gt 20 valid -le 6
-  check "names the camera" await 30 said 'right camera: (stalled|connecting)'
+  check "one camera's cable pulled: INVALID, no pair" received 15 no_pair -gt 20 valid -le 6
+  check "names the camera" await 30 logged 'right camera: (stalled|connecting)'
   mark
   plug_cable $right_address
-  check "cable plugged again: valid" await 90 said '^odometry is valid'
-  check "all that by the same process" is_same_process "$process" "$restarts"
+  check "cable plugged again: valid" await 90 logged '^odometry is valid'
+  check "the process was not restarted" is_same_process "$process" "$restarts"
 
   kill -9 "$process"
   check "kill -9: restarted and ready again" await 120 is_ready_again "$process" "$restarts"
   process=$(pid) restarts=$(show NRestarts)
   mark
   kill -STOP "$process"
-  check "stuck process: the watchdog restarts it, ready again" await 150 is_ready_again "$process" "$restarts"
-  check "stuck process: the journal says so" said 'Watchdog timeout'
+  check "stalled process: the watchdog restarts it, ready again" await 150 is_ready_again "$process" "$restarts"
+  check "stalled process: the journal reports it" logged 'Watchdog timeout'
 
   check "the search for passwords finds decoys" finds_decoys
-  check "the password is in no journal, command line, environment or property" is_nowhere "$state/password"
+  check "the password is in no journal, command line, environment or property" is_not_leaked "$state/password"
   echo "wrong-$RANDOM$RANDOM$RANDOM" >"$state/wrong"
   install -m 600 "$state/wrong" $credentials/left-camera-password
   sed -i 's|^  level: info$|  level: debug|' $configuration
   mark
   systemctl restart --no-block cartvod
-  check "wrong password: a message that names camera and user" await 60 said "left camera: refused: .*127\.0\.0\.1.* refused the user or password \(user 'admin'"
-  check "wrong password: waits before it asks again" said 'trying again in [0-9]+'
+  check "wrong password: a message that names camera and user" await 60 logged "left camera: refused: .*127\.0\.0\.1.* refused the user or password \(user 'admin'"
+  check "wrong password: waits before it tries again" logged 'trying again in [0-9]+'
   check "wrong password: waiting, not failed" is ActiveState activating
-  check "wrong password: it is nowhere, even with logging.level debug" is_nowhere "$state/wrong"
-  check "nor is the right one" is_nowhere "$state/password"
+  check "wrong password: not leaked, even with logging.level debug" is_not_leaked "$state/wrong"
+  check "the right password is not leaked either" is_not_leaked "$state/password"
   install -m 600 "$state/password" $credentials/left-camera-password
   sed -i 's|^  level: debug$|  level: info|' $configuration
   systemctl stop cartvod
@@ -327,9 +327,9 @@ check "one camera's cable pulled: INVALID, no pair" heard 15 no_pair -gt 20 vali
   ip route delete 239.255.76.67/32 dev lo
   mark
   systemctl start --no-block cartvod
-  check "no multicast route: a message that says so" await 60 said 'LCM: this host has no route for the multicast group 239\.255\.76\.67'
-  check "no multicast route: the message's own commands mend it" mended_by_its_own_words
-  check "and the service comes by itself" await 120 is_active
+  check "no multicast route: a message reports it" await 60 logged 'LCM: this host has no route for the multicast group 239\.255\.76\.67'
+  check "no multicast route: the commands in the message fix it" fixed_by_its_commands
+  check "and the service starts by itself" await 120 is_active
 
   mark
   check "a clean stop: exit 0, inactive" stopped_cleanly
@@ -340,12 +340,12 @@ second_boot() {
   journal_mark=''
   check "booted without cameras: the service starts by itself" await 90 is SubState start
   check "booted without cameras: logins do not wait for it" await 60 logins_are_open
-  check "booted without cameras: but the service waits" holds_for 5 is SubState start
+  check "booted without cameras: the service keeps waiting" holds_for 5 is SubState start
   cameras_on
-  check "ready once they are there, nobody did anything" await 180 is_active
+  check "ready once the cameras are on, without an operator" await 180 is_active
   check "at the first start" is NRestarts 0
-  check "the route is there again" sh -c 'ip route show 239.255.76.67 | grep -q "dev lo"'
-  check "odometry arrives over LCM" heard 45 valid -ge 10
+  check "the multicast route exists again" sh -c 'ip route show 239.255.76.67 | grep -q "dev lo"'
+  check "odometry is received over LCM" received 45 valid -ge 10
   mark
   check "a clean stop: exit 0, inactive" stopped_cleanly
 }
@@ -359,7 +359,7 @@ if [ ! -e "$state/second" ]; then
   say "first boot, systemd $(systemctl --version | sed -n 's/^systemd \([0-9]*\).*/\1/p'), Linux $(uname -r)"
   checks=$(cat $simulation/checks)
   if [ "$checks" != all ]; then
-    check "systemd-sysusers makes the service's own user" made_its_user
+    check "systemd-sysusers creates the service's user" created_its_user
     mark
     if [[ $checks == *netem* ]]; then
       check "the steps of cartvod(8) set it up" set_up

@@ -1,3 +1,5 @@
+// Evaluation of trajectories: association, error measures, alignment, report, plot.
+
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -30,7 +32,7 @@ StampedPose poseAt(int index, const Eigen::Vector3d& position, double yaw) {
   return stamped;
 }
 
-/// Straight along x, `step` metres from pose to pose.
+/// Straight path along x, `step` metres between poses.
 Trajectory straight(int poses, double step) {
   Trajectory trajectory;
   for (int i = 0; i < poses; ++i)
@@ -38,7 +40,7 @@ Trajectory straight(int poses, double step) {
   return trajectory;
 }
 
-/// On a circle at constant speed, looking along it.
+/// Circular path at constant speed, heading along it.
 Trajectory circle(int poses, double radius, double step) {
   Trajectory trajectory;
   for (int i = 0; i < poses; ++i) {
@@ -54,7 +56,7 @@ Trajectory scaled(Trajectory trajectory, double scale) {
   return trajectory;
 }
 
-TEST(Evaluation, OfThePerfectEstimateIsZero) {
+TEST(Evaluation, PerfectEstimateHasNoError) {
   const Trajectory truth = circle(1200, 30.0, 1.0);
   const Evaluation evaluation = evaluate(associateByRows(truth, truth));
   EXPECT_NEAR(evaluation.final_drift, 0.0, 1e-9);
@@ -66,7 +68,7 @@ TEST(Evaluation, OfThePerfectEstimateIsZero) {
   EXPECT_EQ(evaluation.long_segments.each.size(), 8u);
 }
 
-TEST(Evaluation, OfAScaleErrorOfTwoPercentIsTwoPercentOfEachSegment) {
+TEST(Evaluation, ScaleErrorOfTwoPercentGivesTwoPercentOfEachSegment) {
   // Steps of 0.4999 m: a segment ends at the first pose beyond its length, up to a step later, as in the
   // devkit.
   const Trajectory truth = straight(2001, 0.4999);
@@ -84,7 +86,7 @@ TEST(Evaluation, OfAScaleErrorOfTwoPercentIsTwoPercentOfEachSegment) {
   EXPECT_NEAR(evaluation.long_segments.all.translation, 0.02, 2e-4);
 }
 
-TEST(Evaluation, OfAConstantYawDriftIsItsAngleForEachMetre) {
+TEST(Evaluation, ConstantYawDriftGivesItsAnglePerMetre) {
   // The estimate turns by 0.01 deg/m although the path is straight.
   const double step = 0.4999, drift = 0.01 * kDegree;
   Trajectory estimate;
@@ -107,7 +109,7 @@ TEST(Evaluation, OfAConstantYawDriftIsItsAngleForEachMetre) {
   }
 }
 
-TEST(Evaluation, StartsShortSegmentsAtEachPoseAndLongOnesAtEachTenth) {
+TEST(Evaluation, StartsShortSegmentsAtEachPoseAndLongOnesAtEachTenthPose) {
   const Trajectory truth = straight(301, 1.0001);
   const Evaluation evaluation = evaluate(associateByRows(truth, truth));
   // The length of 40 m is first exceeded 40 poses on; that of 100 m, 100 poses on.
@@ -116,7 +118,7 @@ TEST(Evaluation, StartsShortSegmentsAtEachPoseAndLongOnesAtEachTenth) {
   EXPECT_EQ(evaluation.long_segments.each.size(), 3u);
 }
 
-TEST(Evaluation, AlignsRigidlyButWithoutScale) {
+TEST(Evaluation, AlignsRigidlyWithoutScale) {
   const Trajectory truth = circle(200, 10.0, 0.4);
   Trajectory moved = truth;
   Eigen::Isometry3d move(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 1, 0).normalized()));
@@ -126,7 +128,7 @@ TEST(Evaluation, AlignsRigidlyButWithoutScale) {
   EXPECT_NEAR(evaluate(associateByRows(moved, truth)).absolute_aligned, 0.0, 1e-9);
   EXPECT_NEAR(evaluate(associateByRows(moved, truth)).absolute_origin, 0.0, 1e-9);
 
-  // A straight line that is 2 % too long, its middle laid on the middle: the RMS of the rest is 0.02 L /
+  // A straight line that is 2 % too long, aligned at the middle: the RMS of the residuals is 0.02 L /
   // sqrt(12).
   const Trajectory line = straight(2001, 0.05);
   const Evaluation evaluation = evaluate(associateByRows(scaled(line, 1.02), line));
@@ -134,7 +136,7 @@ TEST(Evaluation, AlignsRigidlyButWithoutScale) {
   EXPECT_NEAR(evaluation.absolute_origin, 0.02 * 100.0 / std::sqrt(3.0), 1e-3);
 }
 
-TEST(Evaluation, OfAVehicleThatStandsHasNoPercentage) {
+TEST(Evaluation, StandstillHasNoDriftPercentage) {
   const Trajectory truth = straight(10, 0.0);
   const Evaluation evaluation = evaluate(associateByRows(straight(10, 0.001), truth));
   EXPECT_FALSE(evaluation.final_drift_fraction);
@@ -143,10 +145,10 @@ TEST(Evaluation, OfAVehicleThatStandsHasNoPercentage) {
   EXPECT_THAT(evaluationTable(evaluation), HasSubstr("the path is too short"));
 }
 
-TEST(AxesAlignment, FindsHowTheTruthsAxesAreTurned) {
+TEST(AxesAlignment, FindsRotationOfTruthAxes) {
   const Trajectory truth = circle(400, 30.0, 0.5);
   const Eigen::Vector3d turned(0.004, -0.003, 0.005);
-  const Evaluation evaluation = evaluate(associateByRows(inTurnedAxes(truth, -turned), truth));
+  const Evaluation evaluation = evaluate(associateByRows(rotateAxes(truth, -turned), truth));
   EXPECT_NEAR(evaluation.short_segments.all.translation, std::hypot(0.003, 0.005), 0.0015);
   ASSERT_TRUE(evaluation.aligned_axes);
   EXPECT_LT((evaluation.aligned_axes->rotation - turned).norm(), 1e-9);
@@ -154,16 +156,16 @@ TEST(AxesAlignment, FindsHowTheTruthsAxesAreTurned) {
   EXPECT_NEAR(evaluation.aligned_axes->short_segments.all.rotation, 0.0, 1e-9);
 }
 
-TEST(AxesAlignment, OfAStraightPathLeavesTheRotationAboutItAlone) {
+TEST(AxesAlignment, LeavesUnobservableRotationAboutStraightPathAtZero) {
   const Trajectory truth = straight(200, 0.5);
-  const Trajectory estimate = inTurnedAxes(truth, {0.05, -0.003, 0.005});
+  const Trajectory estimate = rotateAxes(truth, {0.05, -0.003, 0.005});
   const Eigen::Vector3d found = axesRotation(associateByRows(estimate, truth)).value();
   EXPECT_NEAR(found.x(), 0.0, 1e-4);
   EXPECT_NEAR(found.y(), 0.003, 2e-4);
   EXPECT_NEAR(found.z(), -0.005, 2e-4);
 }
 
-TEST(AxesAlignment, LeavesAnErrorOfScaleAsItIs) {
+TEST(AxesAlignment, DoesNotChangeScaleError) {
   const Trajectory truth = circle(400, 30.0, 0.5);
   const Trajectory longer = scaled(truth, 1.02);
   const AlignedAxes aligned = evaluate(associateByRows(longer, truth)).aligned_axes.value();
@@ -171,7 +173,7 @@ TEST(AxesAlignment, LeavesAnErrorOfScaleAsItIs) {
   EXPECT_NEAR(aligned.short_segments.all.translation, 0.02, 0.002);
 }
 
-TEST(AxesAlignment, OfAnEstimateThatStandsOrAPathThatIsTooShortIsNone) {
+TEST(AxesAlignment, IsZeroAtStandstillAndEmptyForShortPath) {
   const Trajectory truth = straight(200, 0.5);
   EXPECT_EQ(axesRotation(associateByRows(straight(200, 0.0), truth)).value(), Eigen::Vector3d::Zero());
   const Evaluation evaluation = evaluate(associateByRows(straight(5, 0.1), straight(5, 0.1)));
@@ -179,7 +181,7 @@ TEST(AxesAlignment, OfAnEstimateThatStandsOrAPathThatIsTooShortIsNone) {
   EXPECT_TRUE(evaluationJson(evaluation)["axes_aligned"].is_null());
 }
 
-TEST(Association, ByTimeInterpolatesTheTruth) {
+TEST(Association, ByTimeInterpolatesTruth) {
   const Trajectory truth = circle(100, 10.0, 0.05);
   Trajectory estimate;
   for (std::size_t i = 0; i + 1 < truth.size(); ++i) {
@@ -196,7 +198,7 @@ TEST(Association, ByTimeInterpolatesTheTruth) {
   }
 }
 
-TEST(Association, ByTimeLeavesOutWhatHasNoTruth) {
+TEST(Association, ByTimeOmitsPosesWithoutTruth) {
   Trajectory truth = straight(50, 1.0);
   truth.erase(truth.begin() + 20, truth.begin() + 30);  // a second without truth
   const AssociatedTrajectories associated = associateByTime(straight(60, 1.0), truth);
@@ -204,7 +206,7 @@ TEST(Association, ByTimeLeavesOutWhatHasNoTruth) {
   EXPECT_EQ(associated.unmatched, 20u);
 }
 
-TEST(Association, ByTimeBearsTheRoundingOfInstantsAtTheTruthsEnds) {
+TEST(Association, ByTimeToleratesRoundedTimesAtEndsOfTruth) {
   const Trajectory truth = straight(50, 1.0);
   Trajectory estimate = truth;
   estimate.front().time_ns -= 16'000;
@@ -214,7 +216,7 @@ TEST(Association, ByTimeBearsTheRoundingOfInstantsAtTheTruthsEnds) {
   EXPECT_EQ(associateByTime(estimate, truth).unmatched, 1u);
 }
 
-TEST(Association, ByTimeOfDifferentClocksIsRefused) {
+TEST(Association, ByTimeRejectsDifferentClocks) {
   Trajectory truth = straight(50, 1.0);
   for (StampedPose& stamped : truth)
     stamped.time_ns += 1'000'000'000'000;
@@ -222,14 +224,14 @@ TEST(Association, ByTimeOfDifferentClocksIsRefused) {
               HasSubstr("the estimate is of 0.000 s to 4.900 s, the truth of 1000.000 s to 1004.900 s"));
 }
 
-TEST(Association, ByRowsNeedsAsManyRows) {
+TEST(Association, ByRowsRequiresEqualNumberOfRows) {
   EXPECT_THAT(test::messageOf([] { associateByRows(straight(50, 1.0), straight(51, 1.0)); }),
               HasSubstr("the estimate has 50 poses, the truth 51"));
   EXPECT_THAT(test::messageOf([] { associateByRows(straight(1, 1.0), straight(1, 1.0)); }),
-              HasSubstr("no trajectory"));
+              HasSubstr("at least two are needed"));
 }
 
-TEST(Association, OfFilesIsByTimeForTumAndByRowForKitti) {
+TEST(Association, OfFilesIsByTimeForTumAndByRowsForKitti) {
   const test::TemporaryFolder folder;
   writeTum(folder / "truth.tum", straight(50, 1.0));
   writeTum(folder / "estimate.tum", straight(40, 1.0));
@@ -242,7 +244,7 @@ TEST(Association, OfFilesIsByTimeForTumAndByRowForKitti) {
               HasSubstr((folder / "truth.tum").string()));
 }
 
-TEST(Report, HoldsTheSameNumbersAsTableAndJson) {
+TEST(Report, HasSameNumbersInTableAndJson) {
   const Trajectory truth = straight(301, 1.0001);
   const Evaluation evaluation = evaluate(associateByRows(scaled(truth, 1.02), truth));
   const nlohmann::ordered_json json = evaluationJson(evaluation);
@@ -272,7 +274,7 @@ TEST(Plot, ShowsBothPathsInTheirColours) {
   EXPECT_GT(pixels_near({120, 110, 100}), 1000);  // the truth
 }
 
-TEST(Plot, OfAVehicleThatStandsIsDrawnToo) {
+TEST(Plot, DrawsStandstill) {
   EXPECT_NO_THROW(
       plotTrajectories(associateByRows(straight(5, 0.0), straight(5, 0.0)), TopView::camera_axes));
 }

@@ -1,5 +1,4 @@
-// What the example subscribers take for usable: the newest message, if it is valid and fresh.
-
+// Tests of LatestOdometry: the newest message, its validity and age, lost messages.
 #include "tools/subscribers/latest_odometry.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +32,7 @@ TEST_F(LatestOdometryTest, IsNotUsableBeforeTheFirstMessage) {
   EXPECT_FALSE(odometry_.isUsable(0));
 }
 
-TEST_F(LatestOdometryTest, IsNotUpdatedByAnotherChannel) {
+TEST_F(LatestOdometryTest, IgnoresOtherChannels) {
   subscribeToOther();
   const odometry_t other{};
   lcm_.publish("OTHER", &other);
@@ -41,7 +40,7 @@ TEST_F(LatestOdometryTest, IsNotUpdatedByAnotherChannel) {
   lcm_.publish("OTHER", &other);
   publish(1, kNow, odometry_t::VALID);
   lcm_.publish("OTHER", &other);
-  EXPECT_TRUE(odometry_.update(100)) << "behind the other's message";
+  EXPECT_TRUE(odometry_.update(100)) << "queued after a message of another channel";
 }
 
 TEST_F(LatestOdometryTest, IsUsableWhileValidAndFresh) {
@@ -49,13 +48,13 @@ TEST_F(LatestOdometryTest, IsUsableWhileValidAndFresh) {
   ASSERT_TRUE(odometry_.update(100));
   EXPECT_TRUE(odometry_.isUsable(kNow + 250'000));
   EXPECT_FALSE(odometry_.isUsable(kNow + 250'001)) << "stale";
-  EXPECT_FALSE(odometry_.isUsable(kNow - 250'001)) << "the clock was set back: it must not last";
+  EXPECT_FALSE(odometry_.isUsable(kNow - 250'001)) << "in the future: the clock was set back";
   publish(2, kNow, odometry_t::INVALID);
   ASSERT_TRUE(odometry_.update(100));
   EXPECT_FALSE(odometry_.isUsable(kNow));
 }
 
-TEST_F(LatestOdometryTest, IsTheNewestOfAllThatWait) {
+TEST_F(LatestOdometryTest, KeepsTheNewestQueuedMessage) {
   for (int i = 0; i < 10; ++i)
     publish(i, kNow + i, odometry_t::VALID);
   ASSERT_TRUE(odometry_.update(100));
@@ -63,11 +62,11 @@ TEST_F(LatestOdometryTest, IsTheNewestOfAllThatWait) {
   EXPECT_EQ(odometry_.lost(), 0);
 }
 
-TEST_F(LatestOdometryTest, CountsGapsUntilTheDaemonIsStartedAgain) {
+TEST_F(LatestOdometryTest, CountsLostMessagesUntilTheDaemonRestarts) {
   publish(100, kNow, odometry_t::VALID);
   publish(104, kNow, odometry_t::VALID);
   odometry_.update(100);
-  EXPECT_EQ(odometry_.lost(), 3) << "101 to 103; what came before the first is not missed";
+  EXPECT_EQ(odometry_.lost(), 3) << "101 to 103; messages before the first are not counted";
   publish(0, kNow, odometry_t::VALID);
   odometry_.update(100);
   EXPECT_EQ(odometry_.lost(), 0);

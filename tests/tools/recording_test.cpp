@@ -1,3 +1,4 @@
+// Tests of `cartvo recording`: info, verify and trim on a small recording.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -16,8 +17,8 @@
 
 #include "capture/recording_source.hpp"
 #include "capture/stream_recorder.hpp"
-#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/test_timeout.hpp"
 #include "tests/tools/run_cartvo.hpp"
 #include "tools/simulate/stream_encoder.hpp"
 
@@ -37,8 +38,8 @@ cv::Mat picture(int index) {
   return image;
 }
 
-/// 2 s of two cameras at 20 Hz, a key picture each second of the left one; the right one lost picture 12 on
-/// the way, and connected anew with picture 20.
+/// A recording of 2 s of two cameras at 20 Hz with a key picture each second; picture 12 of the right camera
+/// is lost and the right camera reconnects at picture 20.
 class RecordingCommand : public testing::Test {
  protected:
   void SetUp() override {
@@ -77,25 +78,25 @@ class RecordingCommand : public testing::Test {
     }
   }
 
-  test::Finished run(const std::string& action, const std::string& options) const {
+  test::CommandResult run(const std::string& action, const std::string& options) const {
     return test::runCartvo("recording " + action + " " + (folder_ / "drive").string() + " " + options);
   }
 
-  nlohmann::json told(const std::string& action) const {
+  nlohmann::json jsonOf(const std::string& action) const {
     return nlohmann::json::parse(
-        test::pipeCartvo("recording " + action + " " + (folder_ / "drive").string() + " --json").said);
+        test::pipeCartvo("recording " + action + " " + (folder_ / "drive").string() + " --json").output);
   }
 
   test::TemporaryFolder folder_;
 };
 
-TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
-  const test::Finished text = run("info", "");
+TEST_F(RecordingCommand, InfoShowsContents) {
+  const test::CommandResult text = run("info", "");
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_THAT(text.said,
+  EXPECT_THAT(text.output,
               AllOf(HasSubstr("format 2, by cartvo " CARTVO_VERSION), HasSubstr("2.0 s in 1 segments"),
                     HasSubstr("160x96"), HasSubstr("H.264"), HasSubstr("arrival 100 %")));
-  const nlohmann::json json = told("info");
+  const nlohmann::json json = jsonOf("info");
   EXPECT_EQ(json["left"]["pictures"], 40);
   EXPECT_EQ(json["left"]["missed"], 0);
   EXPECT_EQ(json["right"]["pictures"], 39);
@@ -106,30 +107,30 @@ TEST_F(RecordingCommand, InfoSaysWhatItHolds) {
   EXPECT_EQ(json["being_written"], false);
 }
 
-TEST_F(RecordingCommand, InfoSaysThatARecordingWasCutOffAndWhatThatCostAtMost) {
-  EXPECT_THAT(run("info", "").said, Not(HasSubstr("NOT ENDED")));
-  EXPECT_TRUE(told("info")["unended"].empty());
+TEST_F(RecordingCommand, InfoReportsInterruptedRecordingAndMaximumLoss) {
+  EXPECT_THAT(run("info", "").output, Not(HasSubstr("NOT ENDED")));
+  EXPECT_TRUE(jsonOf("info")["unended"].empty());
 
   const std::string cut = (folder_ / "cut").string();
   const pid_t child = fork();
   if (child == 0) {
     StreamRecorder recorder({.folder = cut, .configuration = "", .rig = ""});
     feed(recorder);
-    const auto end = std::chrono::steady_clock::now() + test::kPatience;
+    const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
     while (lines(cut + "/000000/left.csv") + lines(cut + "/000000/right.csv") < 81 &&
            std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     raise(SIGKILL);
   }
   waitpid(child, nullptr, 0);
-  const test::Finished text = test::runCartvo("recording info " + cut);
+  const test::CommandResult text = test::runCartvo("recording info " + cut);
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_THAT(text.said, AllOf(HasSubstr("2.0 s in 1 segments"),
-                               HasSubstr("NOT ENDED: 000000/left.mkv has no trailer, as after a power cut"),
-                               HasSubstr("NOT ENDED: 000000/right.mkv"),
-                               HasSubstr("its last picture is of 2023-11-14 22:13:21 UTC, and at most 1.0 s "
-                                         "before the cut is lost")));
-  const auto json = nlohmann::json::parse(test::runCartvo("recording info --json " + cut).said);
+  EXPECT_THAT(text.output, AllOf(HasSubstr("2.0 s in 1 segments"),
+                                 HasSubstr("NOT ENDED: 000000/left.mkv has no trailer, as after a power cut"),
+                                 HasSubstr("NOT ENDED: 000000/right.mkv"),
+                                 HasSubstr("its last picture is from 2023-11-14 22:13:21 UTC; at most 1.0 s "
+                                           "before the interruption are lost")));
+  const auto json = nlohmann::json::parse(test::runCartvo("recording info --json " + cut).output);
   ASSERT_EQ(json["unended"].size(), 2U);
   EXPECT_EQ(json["unended"][1]["camera"], "right");
   EXPECT_EQ(json["unended"][1]["segment"], 0);
@@ -137,27 +138,28 @@ TEST_F(RecordingCommand, InfoSaysThatARecordingWasCutOffAndWhatThatCostAtMost) {
   EXPECT_EQ(json["unended"][1]["most_lost_s"], 1.0);
 }
 
-TEST_F(RecordingCommand, VerifyTellsAWholeRecordingFromADamagedOne) {
-  const test::Finished whole = run("verify", "");
+TEST_F(RecordingCommand, VerifyDetectsDamage) {
+  const test::CommandResult whole = run("verify", "");
   EXPECT_EQ(whole.exit_code, 0);
-  EXPECT_THAT(whole.said, AllOf(HasSubstr("left: 40 pictures decoded, 0 of them damaged; 0 lost, 0 altered"),
-                                HasSubstr("whole")));
+  EXPECT_THAT(whole.output,
+              AllOf(HasSubstr("left: 40 pictures decoded, 0 of them damaged; 0 lost, 0 altered"),
+                    HasSubstr("whole")));
   const std::filesystem::path video = folder_ / "drive/000000/right.mkv";
   std::filesystem::resize_file(video, std::filesystem::file_size(video) / 2);
-  const test::Finished damaged = run("verify", "");
+  const test::CommandResult damaged = run("verify", "");
   EXPECT_EQ(damaged.exit_code, 1);
-  EXPECT_THAT(damaged.said,
-              AllOf(HasSubstr("000000/right.mkv is damaged or cut short"), HasSubstr("DAMAGED")));
-  const nlohmann::json json = told("verify");
+  EXPECT_THAT(damaged.output,
+              AllOf(HasSubstr("000000/right.mkv is damaged or truncated"), HasSubstr("DAMAGED")));
+  const nlohmann::json json = jsonOf("verify");
   EXPECT_EQ(json["whole"], false);
   EXPECT_EQ(json["left"]["lost"], 0);
   EXPECT_GT(json["right"]["lost"], 0);
 }
 
-TEST_F(RecordingCommand, TrimKeepsAPartAsItWas) {
+TEST_F(RecordingCommand, TrimCopiesPartUnchanged) {
   const std::string output = (folder_ / "part").string();
-  const test::Finished trimmed = run("trim", "--from 1.2 --to 1.6 --output " + output);
-  EXPECT_EQ(trimmed.exit_code, 0) << trimmed.said;
+  const test::CommandResult trimmed = run("trim", "--from 1.2 --to 1.6 --output " + output);
+  EXPECT_EQ(trimmed.exit_code, 0) << trimmed.output;
   std::vector<std::uint64_t> sequences;
   RecordingSource source(output, CameraSide::left);
   Frame frame;
@@ -167,19 +169,19 @@ TEST_F(RecordingCommand, TrimKeepsAPartAsItWas) {
     EXPECT_EQ(frame.status, FrameStatus::good);
   }
   ASSERT_FALSE(sequences.empty());
-  EXPECT_LE(sequences.front(), 24U) << "from a key picture on";
+  EXPECT_LE(sequences.front(), 24U) << "starts at a key picture";
   EXPECT_EQ(sequences.back(), 32U);
   EXPECT_EQ(source.health().last_error, "");
   EXPECT_EQ(test::runCartvo("recording verify " + output).exit_code, 0);
-  EXPECT_THAT(run("trim", "--output " + output).said, HasSubstr("holds a recording already"));
+  EXPECT_THAT(run("trim", "--output " + output).output, HasSubstr("already contains a recording"));
 }
 
-TEST_F(RecordingCommand, RefusesWhatMakesNoSense) {
+TEST_F(RecordingCommand, RejectsInvalidArguments) {
   EXPECT_EQ(test::runCartvo("recording").exit_code, 2);
   EXPECT_EQ(test::runCartvo("recording trim x").exit_code, 2);
   EXPECT_EQ(run("trim", "--from 2 --to 1 --output x").exit_code, 2);
   EXPECT_EQ(test::runCartvo("recording info /nowhere").exit_code, 1);
-  const test::Finished late = run("trim", "--from 100 --output " + (folder_ / "late").string());
+  const test::CommandResult late = run("trim", "--from 100 --output " + (folder_ / "late").string());
   EXPECT_EQ(late.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "late"));
 }

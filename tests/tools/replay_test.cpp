@@ -1,3 +1,5 @@
+// Replay of KITTI, EuRoC and recordings: accuracy, reproducibility, output files, errors.
+
 #include "tools/replay/replay.hpp"
 
 #include <cmath>
@@ -56,7 +58,7 @@ std::vector<std::string> fieldsOf(const std::string& line) {
   return fields;
 }
 
-/// The first pairs of a KITTI sequence as a folder of links.
+/// Links the first pairs of a KITTI sequence into a new folder.
 void linkFirstPairs(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs) {
   for (const char* camera : {"image_0", "image_1"}) {
     std::filesystem::create_directories(folder / camera);
@@ -83,8 +85,7 @@ Replay replayed(const std::filesystem::path& source) {
   return replaySource(settings, [](const PairResult&, std::size_t) {});
 }
 
-/// The first pairs of kitti_06, each test in a folder of its own; most of them look at one and the same
-/// replay.
+/// The first pairs of kitti_06 in a separate folder for each test; most tests share one replay.
 class ReplayOfKitti : public ::testing::Test {
  protected:
   static constexpr int kPairs = 6;
@@ -102,7 +103,7 @@ class ReplayOfKitti : public ::testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(ReplayOfKitti, FollowsTheTruthPairByPair) {
+TEST_F(ReplayOfKitti, MatchesTruthPairByPair) {
   const Replay& replay = replayOfAll();
   ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kPairs));
   EXPECT_FALSE(replay.pairs.front().valid);
@@ -113,7 +114,7 @@ TEST_F(ReplayOfKitti, FollowsTheTruthPairByPair) {
   EXPECT_LT(*evaluation.final_drift_fraction, 0.05);
 }
 
-TEST_F(ReplayOfKitti, GivesTheSameBytesTwiceAndWithAnyNumberOfThreads) {
+TEST_F(ReplayOfKitti, IsBitwiseReproducibleWithAnyNumberOfThreads) {
   const int threads = cv::getNumThreads();
   std::vector<std::string> poses;
   for (const int count : {1, 2}) {
@@ -131,7 +132,7 @@ TEST_F(ReplayOfKitti, GivesTheSameBytesTwiceAndWithAnyNumberOfThreads) {
   EXPECT_EQ(poses[1], poses[2]);
 }
 
-TEST_F(ReplayOfKitti, TellsMotionAndErrorsInTheBodysAxes) {
+TEST_F(ReplayOfKitti, WritesMotionAndErrorsInBodyAxes) {
   const Replay& replay = replayOfAll();
   const Truth truth = readTruth(folder_ / "poses.txt", replay);
   const std::vector<std::string> rows = linesOf(motionCsv(replay, &truth));
@@ -154,7 +155,7 @@ TEST_F(ReplayOfKitti, TellsMotionAndErrorsInTheBodysAxes) {
   EXPECT_GT(std::stod(column(fieldsOf(rows.back()), "x")), 5.0);
 }
 
-TEST_F(ReplayOfKitti, TakesATruthOfTheBodyByTimeAsWell) {
+TEST_F(ReplayOfKitti, ReadsBodyTruthByTime) {
   const Replay& replay = replayOfAll();
   writeTum(folder_ / "truth.tum", bodyTrajectory(replay));
   const Truth truth = readTruth(folder_ / "truth.tum", replay);
@@ -163,7 +164,7 @@ TEST_F(ReplayOfKitti, TakesATruthOfTheBodyByTimeAsWell) {
   EXPECT_NEAR(std::stod(last.back()), 0.0, 1e-6);  // error_position
 }
 
-TEST_F(ReplayOfKitti, TimesEachStageOfEachPair) {
+TEST_F(ReplayOfKitti, WritesTimesOfEachStageAndPair) {
   const std::vector<std::string> rows = linesOf(timingCsv(replayOfAll()));
   ASSERT_EQ(rows.size(), kPairs + 1u);
   EXPECT_THAT(rows.front(), ::testing::StartsWith("pair,rectify_ms,pyramid_ms,"));
@@ -178,7 +179,7 @@ TEST_F(ReplayOfKitti, TimesEachStageOfEachPair) {
   }
 }
 
-TEST_F(ReplayOfKitti, IsSummedUp) {
+TEST_F(ReplayOfKitti, HasSummary) {
   ReplaySettings settings;
   settings.source = folder_.path();
   settings.odometry.features = 500;
@@ -197,7 +198,7 @@ TEST_F(ReplayOfKitti, IsSummedUp) {
   EXPECT_GT(summary["time_ms"]["total"]["median"], 0.0);
 }
 
-TEST_F(ReplayOfKitti, TakesItsRigFromTheFolderBeforeCalibTxtAndTheGivenOneBeforeBoth) {
+TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
   const auto found = [&](const std::filesystem::path& given) {
     return findRig(openSource(folder_.path()), folder_.path(), given);
   };
@@ -213,25 +214,25 @@ TEST_F(ReplayOfKitti, TakesItsRigFromTheFolderBeforeCalibTxtAndTheGivenOneBefore
   EXPECT_EQ(found(folder_ / "other.yaml").origin, (folder_ / "other.yaml").string());
 }
 
-TEST_F(ReplayOfKitti, RefusesARigOfAnotherSize) {
+TEST_F(ReplayOfKitti, RejectsRigOfWrongImageSize) {
   writeRig(folder_ / "rig.yaml", readKittiRig(folder_ / "calib.txt", {1241, 376}));
   EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
 }
 
-TEST_F(ReplayOfKitti, WithoutARigIsRefusedSayingWhatWouldDo) {
+TEST_F(ReplayOfKitti, WithoutRigIsRejectedWithInstructions) {
   std::filesystem::remove(folder_ / "calib.txt");
   EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }),
               HasSubstr("Give --rig FILE, or put a rig.yaml"));
 }
 
-TEST_F(ReplayOfKitti, RefusesATruthOfOtherPairs) {
+TEST_F(ReplayOfKitti, RejectsTruthWithWrongNumberOfPoses) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const Replay& replay = replayOfAll();
   EXPECT_THAT(test::messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
               HasSubstr("has 51 poses for 6 pairs"));
 }
 
-/// Records pairs of a KITTI sequence as two cameras would send them.
+/// Records pairs of a KITTI sequence as encoded streams of two cameras.
 void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs,
             double key_frame_interval) {
   const Rig rig = readKittiRig(sequence / "calib.txt", {1226, 370});
@@ -265,7 +266,7 @@ void record(const std::filesystem::path& sequence, const std::filesystem::path& 
   }
 }
 
-TEST(ReplayOfARecording, FollowsTheTruthWithTheRecordingsOwnRigAndInstants) {
+TEST(ReplayOfRecording, MatchesTruthWithRigAndTimesOfRecording) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const test::TemporaryFolder folder;
   constexpr int kRecorded = 6;
@@ -283,10 +284,10 @@ TEST(ReplayOfARecording, FollowsTheTruthWithTheRecordingsOwnRigAndInstants) {
   EXPECT_LT(*evaluation.final_drift_fraction, 0.08);
 }
 
-TEST(ReplayOfARecording, KnowsMotionsToAndFromKeyFramesLessWell) {
+TEST(ReplayOfRecording, HasLargerCovarianceAcrossKeyFrames) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const test::TemporaryFolder folder;
-  record(sequence, folder / "drive", 11, 0.8);  // s: pairs 0 and 8, when the first motions are over
+  record(sequence, folder / "drive", 11, 0.8);  // s: key frames at pairs 0 and 8, after the start-up
   const Replay replay = replayed(folder / "drive");
   ASSERT_EQ(replay.pairs.size(), 11U);
   const auto forwards = [&](std::size_t pair) { return replay.pairs[pair].motion_covariance(2, 2); };
@@ -295,7 +296,7 @@ TEST(ReplayOfARecording, KnowsMotionsToAndFromKeyFramesLessWell) {
       EXPECT_GT(forwards(across), 2.0 * forwards(ordinary)) << across << " " << ordinary;
 }
 
-TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {
+TEST(ReplayOfEuroc, OfRawImagesAtStandstillDoesNotMove) {
   CARTVO_NEEDS_DATA(folder, "euroc_still");
   const Replay replay = replayed(folder);
   ASSERT_EQ(replay.pairs.size(), 40u);
@@ -307,20 +308,20 @@ TEST(ReplayOfEuroc, ThroughRawImagesAndRectificationStandsStill) {
   EXPECT_LT(Eigen::AngleAxisd(end.linear()).angle(), 0.5 * std::numbers::pi / 180.0);
 }
 
-TEST(Replay, OfWhatIsNoSourceIsRefused) {
+TEST(Replay, RejectsFolderThatIsNoSource) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));
   EXPECT_THAT(test::messageOf([] { replayed("/no/such/folder"); }), HasSubstr("/no/such/folder"));
 }
 
-TEST(Replay, ThatFailsLeavesNoFolderBehind) {
+TEST(Replay, RemovesEmptyOutputFolderAfterFailure) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directory(folder / "mine");
   { const OutputFolder output(folder / "mine/new/deep/"); }
   EXPECT_TRUE(std::filesystem::is_directory(folder / "mine"));
   EXPECT_FALSE(std::filesystem::exists(folder / "mine/new"));
   { const OutputFolder output(folder / "mine"); }
-  EXPECT_TRUE(std::filesystem::is_directory(folder / "mine")) << "it was there before";
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "mine")) << "existed before";
   {
     const OutputFolder output(folder / "mine/new/deep");
     std::ofstream(output / "poses.txt") << "1";
@@ -328,13 +329,13 @@ TEST(Replay, ThatFailsLeavesNoFolderBehind) {
   EXPECT_EQ(contents(folder / "mine/new/deep/poses.txt"), "1");
 }
 
-TEST(Replay, IntoAFileIsRefused) {
+TEST(Replay, RejectsFileAsOutputFolder) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "out", "a file");
   EXPECT_THAT(test::messageOf([&] { OutputFolder output(folder / "out"); }),
               HasSubstr("is not a folder; --output-dir"));
   EXPECT_THAT(test::messageOf([&] { OutputFolder output(folder / "out/inside"); }),
-              HasSubstr("cannot be made"));
+              HasSubstr("cannot be created"));
 }
 
 }  // namespace

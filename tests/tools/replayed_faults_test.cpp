@@ -1,4 +1,4 @@
-// A drive on which everything goes wrong that does, replayed over and over: what the field does in a day.
+// Repeated replays of a recording with all known capture faults: same results, no growth of resources.
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -23,8 +23,8 @@ constexpr int kSeconds = 40;
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-/// One camera of the drive: what of it arrives, and how. The faults are seconds of the drive; a key picture
-/// comes each second.
+/// Sends the pictures of one camera to the recorder, with faults at given seconds of the drive. A key picture
+/// is sent each second.
 class FaultyCamera {
  public:
   FaultyCamera(StreamObserver& recorder, bool is_right)
@@ -36,14 +36,14 @@ class FaultyCamera {
     const double second = static_cast<double>(index) / kFrameRate;
     const auto during = [&](double from, double to) { return second >= from && second < to; };
     const simulate::EncodedPicture picture = encoder_.encode(image);
-    if (is_right_ && during(10.0, 13.0)) {  // rebooted: its RTP clock begins anew
+    if (is_right_ && during(10.0, 13.0)) {  // reboot: the RTP clock restarts
       is_connected_ = false;
       first_ = index + 1;
       return;
     }
     EncodedUnit unit;
     unit.sequence = static_cast<std::uint64_t>(index);
-    if (!is_right_ && (index == 3 * kFrameRate + 1 || index == 22 * kFrameRate + 2)) {  // lost on the way
+    if (!is_right_ && (index == 3 * kFrameRate + 1 || index == 22 * kFrameRate + 2)) {  // lost packet
       is_damaged_ = true;
       return;
     }
@@ -51,7 +51,7 @@ class FaultyCamera {
     is_connected_ = true;
     unit.data = picture.data;
     unit.key = picture.key_frame;
-    if (index == 17 * kFrameRate + 2) {  // garbage among its packets
+    if (index == 17 * kFrameRate + 2) {  // corrupt packets
       for (std::size_t i = unit.data.size() / 3; i < unit.data.size() / 2; ++i)
         unit.data[i] = static_cast<std::uint8_t>(37 * i);
       unit.data_lost = is_damaged_ = true;
@@ -63,7 +63,7 @@ class FaultyCamera {
   }
 
  private:
-  /// `is_jittery`: packets are held up, in bursts of up to 200 ms.
+  /// `is_jittery`: packets are delayed by up to 200 ms.
   void stamp(int index, double second, bool is_jittery, EncodedUnit& unit) const {
     const std::int64_t exposure_ns = kStart_ns + index * (kSecond_ns / kFrameRate);
     unit.pts = (index - first_) * (90'000 / kFrameRate);
@@ -74,18 +74,18 @@ class FaultyCamera {
       unit.reference_us = exposure_ns / 1000 + hour_us;
     }
     unit.exposure_ns = exposure_ns;
-    unit.undelayed_arrival_ns = exposure_ns + 30'000'000;
+    unit.min_delay_arrival_ns = exposure_ns + 30'000'000;
   }
 
   StreamObserver& recorder_;
   bool is_right_;
   simulate::StreamEncoder encoder_;
-  int first_ = 0;  ///< picture of the connection
+  int first_ = 0;  ///< index of the connection's first picture
   bool is_connected_ = true;
   bool is_damaged_ = false;
 };
 
-/// Records the drive, and damages a video and an index afterwards, as a failing disk does.
+/// Records the drive, then truncates a video and an index, as a failing disk does.
 void recordFaultyDrive(const std::filesystem::path& folder) {
   test::PatternSettings pattern;
   pattern.size = {160, 120};
@@ -113,7 +113,7 @@ void recordFaultyDrive(const std::filesystem::path& folder) {
   std::filesystem::resize_file(index, std::filesystem::file_size(index) - 40);
 }
 
-Replay replayOf(const std::filesystem::path& folder) {
+Replay replayRecording(const std::filesystem::path& folder) {
   ReplaySettings settings;
   settings.source = folder;
   settings.odometry.features = 150;
@@ -121,16 +121,16 @@ Replay replayOf(const std::filesystem::path& folder) {
   return replaySource(settings, [](const PairResult&, std::size_t) {});
 }
 
-/// CARTVO_REPLAYED_HOURS: as long as a day, instead of a test's two minutes.
-int replaysWanted() {
+/// Number of replays: CARTVO_REPLAYED_HOURS sets the total duration of the replayed drives; by default 3.
+int replayCount() {
   const char* const hours = std::getenv("CARTVO_REPLAYED_HOURS");
   return hours == nullptr ? 3 : static_cast<int>(3600.0 * std::atof(hours) / kSeconds);
 }
 
-TEST(ReplayedFaults, EndTheSameEachTimeWithoutGrowth) {
+TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   const test::TemporaryFolder folder;
   recordFaultyDrive(folder / "drive");
-  const Replay first = replayOf(folder / "drive");
+  const Replay first = replayRecording(folder / "drive");
   const std::string motions = motionCsv(first, nullptr);
 
   EXPECT_FALSE(first.problems.empty()) << "the files are damaged";
@@ -142,28 +142,28 @@ TEST(ReplayedFaults, EndTheSameEachTimeWithoutGrowth) {
     }
     return valid;
   };
-  // Between the faults it drives on: five pairs a second, but for the first after each loss.
+  // Between the faults the odometry is valid: five pairs a second, except the first after each loss.
   EXPECT_GE(valid_pairs(1.0, 3.0), 8);
   EXPECT_GE(valid_pairs(5.0, 9.0), 16);
   EXPECT_EQ(valid_pairs(10.2, 12.8), 0) << "the right camera was off";
   EXPECT_GE(valid_pairs(15.0, 16.5), 5);
   EXPECT_GE(valid_pairs(31.0, 34.0), 12) << "a camera's clock was set";
-  // And as it should: 0.4 m/s to the right.
+  // The true velocity is 0.4 m/s to the right.
   for (const ReplayedPair& pair : first.pairs) {
     if (!pair.valid || pair.reasons != OdometryReason::none) continue;
     EXPECT_LT(pair.velocity.norm(), 0.8) << pair.exposure_ns;
   }
 
-  const int replays = replaysWanted();
+  const int replays = replayCount();
   test::Resources settled = test::resourcesInUse();
   for (int i = 1; i < replays; ++i) {
-    ASSERT_EQ(motionCsv(replayOf(folder / "drive"), nullptr), motions) << "replay " << i;
+    ASSERT_EQ(motionCsv(replayRecording(folder / "drive"), nullptr), motions) << "replay " << i;
     if (i == 5) settled = test::resourcesInUse();
   }
   const test::Resources after = test::resourcesInUse();
   EXPECT_EQ(after.descriptors, settled.descriptors);
   EXPECT_EQ(after.threads, settled.threads);
-#if !defined(__SANITIZE_ADDRESS__)  // it holds back what is freed, and looks for leaks by itself
+#if !defined(__SANITIZE_ADDRESS__)  // AddressSanitizer delays deallocation and detects leaks itself
   EXPECT_LT(after.megabytes - settled.megabytes, 16.0);
 #endif
   std::printf("%d replays of %d s, %zu pairs each: %+td descriptors, %+td threads, %+.1f MB\n", replays,

@@ -12,20 +12,22 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "support/patience.hpp"
 #include "support/places.hpp"
+#include "support/test_timeout.hpp"
 
 namespace cartvo::test {
 
-/// The built `cartvo`, run through the shell while the test goes on; killed if it still runs at the end.
+/// The built `cartvo`, running in the background while the test continues. The destructor kills it if it
+/// still runs.
 class RunningCartvo {
  public:
-  /// `output`: the file that takes what it says on both outputs.
-  RunningCartvo(const std::string& arguments, std::filesystem::path output) : output_(std::move(output)) {
+  /// `output_file` receives its standard and error output.
+  RunningCartvo(const std::string& arguments, std::filesystem::path output_file)
+      : output_file_(std::move(output_file)) {
     const std::string command = std::string("exec ") + cartvoProgram().string() + " " + arguments + " > " +
-                                output_.string() + " 2>&1";
+                                output_file_.string() + " 2>&1";
     pid_ = fork();
-    if (pid_ < 0) throw std::runtime_error("cannot fork");
+    if (pid_ < 0) throw std::runtime_error("cannot fork a process for cartvo");
     if (pid_ == 0) {
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       _exit(127);
@@ -39,16 +41,18 @@ class RunningCartvo {
   RunningCartvo(const RunningCartvo&) = delete;
   RunningCartvo& operator=(const RunningCartvo&) = delete;
 
-  std::string said() const {
-    std::ifstream file(output_);
+  /// The output so far.
+  std::string output() const {
+    std::ifstream file(output_file_);
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
+  /// Sends SIGINT.
   void interrupt() const { kill(pid_, SIGINT); }
 
-  /// The exit code; -1 if it does not end within kPatience.
+  /// Waits for the end and returns the exit code; -1 if it does not end within kTestTimeout.
   int wait() {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTestTimeout;
     while (std::chrono::steady_clock::now() < end) {
       int status = 0;
       if (waitpid(pid_, &status, WNOHANG) == pid_) {
@@ -61,7 +65,7 @@ class RunningCartvo {
   }
 
  private:
-  std::filesystem::path output_;
+  std::filesystem::path output_file_;
   pid_t pid_ = -1;
   bool is_over_ = false;
 };

@@ -1,3 +1,5 @@
+// Trajectories in TUM and KITTI format: reading, writing, errors.
+
 #include "tools/trajectory/trajectory.hpp"
 
 #include <fstream>
@@ -35,7 +37,7 @@ Trajectory helix() {
   return trajectory;
 }
 
-TEST(Trajectory, InTumFormatKeepsPosesAndInstantsToTheNanosecond) {
+TEST(Trajectory, TumFormatKeepsPosesAndTimesToTheNanosecond) {
   const test::TemporaryFolder folder;
   writeTum(folder / "a.tum", helix());
   const Trajectory read = readTrajectory(folder / "a.tum");
@@ -47,7 +49,7 @@ TEST(Trajectory, InTumFormatKeepsPosesAndInstantsToTheNanosecond) {
   EXPECT_FALSE(isKittiTrajectory(folder / "a.tum"));
 }
 
-TEST(Trajectory, InKittiFormatKeepsPosesAndCountsRows) {
+TEST(Trajectory, KittiFormatKeepsPosesAndUsesRowIndexAsTime) {
   const test::TemporaryFolder folder;
   writeKitti(folder / "a.txt", helix());
   const Trajectory read = readTrajectory(folder / "a.txt");
@@ -59,7 +61,7 @@ TEST(Trajectory, InKittiFormatKeepsPosesAndCountsRows) {
   EXPECT_TRUE(isKittiTrajectory(folder / "a.txt"));
 }
 
-TEST(Trajectory, TakesCommentsEmptyLinesAndInstantsInAnyNotation) {
+TEST(Trajectory, ReadsCommentsEmptyLinesAndAnyTimeNotation) {
   const test::TemporaryFolder folder;
   write(folder / "a.tum",
         "# seconds x y z qx qy qz qw\n\n-0.5 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1 # here\r\n.25 0 0 0 0 0 0 1\n"
@@ -71,10 +73,12 @@ TEST(Trajectory, TakesCommentsEmptyLinesAndInstantsInAnyNotation) {
   EXPECT_THAT(instants, ::testing::ElementsAre(-500'000'000, 0, 250'000'000, 1'500'000'000, 2'123'456'789));
 }
 
-TEST(Trajectory, WrittenWithInstantsBeforeZeroIsReadBack) {
+TEST(Trajectory, ReadsBackNegativeTimes) {
   const test::TemporaryFolder folder;
   writeTum(folder / "a.tum", {{-1'250'000'001, Eigen::Isometry3d::Identity()}});
-  EXPECT_EQ(readTrajectory(folder / "a.tum").front().time_ns, -1'250'000'001);
+  const Trajectory read = readTrajectory(folder / "a.tum");
+  ASSERT_FALSE(read.empty());
+  EXPECT_EQ(read.front().time_ns, -1'250'000'001);
 }
 
 struct BadTrajectory {
@@ -86,7 +90,7 @@ void PrintTo(const BadTrajectory& bad, std::ostream* stream) {
 
 class BadTrajectoryFile : public ::testing::TestWithParam<BadTrajectory> {};
 
-TEST_P(BadTrajectoryFile, IsRefusedNamingTheLine) {
+TEST_P(BadTrajectoryFile, IsRejectedWithLineNumber) {
   const test::TemporaryFolder folder;
   write(folder / "a.txt", GetParam().text);
   EXPECT_THAT(messageOfReading(folder / "a.txt"),
@@ -105,14 +109,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadTrajectory{"NotFinite", "0 0 nan 0 0 0 0 1\n", ":1: expected a number in column 3, found 'nan'"},
         BadTrajectory{"NoQuaternion", "0 0 0 0 1 1 1 1\n", ":1: expected a unit quaternion"},
         BadTrajectory{"NoRotation", "1 0 0 0 0 1 0 0 0 0 2 0\n", ":1: expected the rows of a 3x4 pose"},
-        BadTrajectory{"TimeStandsStill", "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
+        BadTrajectory{"TimeNotIncreasing", "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
                       ":2: expected instants that increase"},
         BadTrajectory{"InstantTooLarge", "1e300 0 0 0 0 0 0 1\n", ":1: expected an instant in seconds"},
         BadTrajectory{"TooFar", "0 0 -7e150 0 0 0 0 1\n", ":1: expected metres in column 3, at most 1e9"},
-        BadTrajectory{"Empty", "# nothing\n", ": holds no poses"}),
+        BadTrajectory{"Empty", "# nothing\n", ": contains no poses"}),
     [](const auto& test_case) { return test_case.param.name; });
 
-TEST(Trajectory, MissingIsSaid) {
+TEST(Trajectory, ErrorNamesMissingFile) {
   EXPECT_THAT(messageOfReading("/no/such/poses.txt"), HasSubstr("/no/such/poses.txt: cannot be read"));
 }
 

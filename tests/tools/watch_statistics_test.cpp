@@ -1,5 +1,4 @@
-// What `cartvo watch` counts: losses, restarts, latency, the path within an epoch.
-
+// Tests of the statistics and texts of `cartvo watch`: lost messages, restarts, latency, path length.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,10 +25,10 @@ odometry_t message(std::int64_t sequence, double x) {
 }
 
 void add(OdometryStatistics& statistics, const odometry_t& odometry) {
-  statistics.add(odometry, (odometry.publication_utime + 1'000) * 1'000);
+  statistics.addMessage(odometry, (odometry.publication_utime + 1'000) * 1'000);
 }
 
-TEST(WatchStatistics, SumUpRateLatencyAndPath) {
+TEST(WatchStatistics, ComputesRateLatencyAndPathLength) {
   OdometryStatistics statistics;
   for (int i = 0; i < 21; ++i)
     add(statistics, message(i, 0.1 * i));
@@ -46,7 +45,7 @@ TEST(WatchStatistics, SumUpRateLatencyAndPath) {
   EXPECT_EQ(statistics.trajectory().back().time_ns, 20 * kPeriod_us * 1'000);
 }
 
-TEST(WatchStatistics, TellTheFirstSecondsLatencyFromThatOfTheRest) {
+TEST(WatchStatistics, SeparatesStartupLatency) {
   OdometryStatistics statistics;
   for (int i = 0; i < 60; ++i) {
     odometry_t late = message(i, 0.1 * i);
@@ -62,7 +61,7 @@ TEST(WatchStatistics, TellTheFirstSecondsLatencyFromThatOfTheRest) {
   EXPECT_NE(summaryText(summary).find("p99 8.0 ms from the third second on"), std::string::npos);
 }
 
-TEST(WatchStatistics, GiveNoLatencyOfARecordingThatIsReplayed) {
+TEST(WatchStatistics, HasNoLatencyForReplayedRecording) {
   OdometryStatistics statistics;
   odometry_t replayed = message(1, 0.0);
   replayed.publication_utime += 3'600'000'000;
@@ -73,22 +72,22 @@ TEST(WatchStatistics, GiveNoLatencyOfARecordingThatIsReplayed) {
   EXPECT_NE(liveLine(message(1, 0.0), 20.0).find("latency   8.0 ms"), std::string::npos);
 }
 
-TEST(WatchStatistics, TellLossesFromRestartsAndResets) {
+TEST(WatchStatistics, DistinguishesLossesRestartsAndResets) {
   OdometryStatistics statistics;
   add(statistics, message(5, 0.0));
-  add(statistics, message(9, 0.1));  // 6, 7, 8 never came
+  add(statistics, message(9, 0.1));  // 6, 7, 8 are lost
   odometry_t after_loss = message(10, 0.0);
   after_loss.reset_counter = 1;
   add(statistics, after_loss);
-  add(statistics, message(0, 0.0));  // the daemon began anew
+  add(statistics, message(0, 0.0));  // the daemon was restarted
   const OdometrySummary summary = statistics.summarise();
   EXPECT_EQ(summary.lost, 3);
   EXPECT_EQ(summary.resets, 1);
   EXPECT_EQ(summary.restarts, 1);
-  EXPECT_NEAR(summary.path_length, 0.1, 1e-9) << "no path across epochs";
+  EXPECT_NEAR(summary.path_length, 0.1, 1e-9) << "no path across a reset or restart";
 }
 
-TEST(WatchStatistics, LeaveOutInvalidMessages) {
+TEST(WatchStatistics, CountsMessagesWithoutPairSeparately) {
   OdometryStatistics statistics;
   odometry_t blind = message(0, 0.0);
   blind.status = odometry_t::INVALID;
@@ -100,7 +99,7 @@ TEST(WatchStatistics, LeaveOutInvalidMessages) {
   EXPECT_NE(summaryText(statistics.summarise()).find("no pair of frames came"), std::string::npos);
 }
 
-TEST(Watch, SaysWhatToMend) {
+TEST(Watch, PrintsProblemAndSelfCheck) {
   health_t health{};
   EXPECT_EQ(adviceText(health), "");
   health.self_check = "calibrate anew";
@@ -109,7 +108,7 @@ TEST(Watch, SaysWhatToMend) {
   EXPECT_EQ(adviceText(health), "problem: left camera: refused\nself-check: calibrate anew");
 }
 
-TEST(Watch, SaysWhatRelatesTheCamerasClocks) {
+TEST(Watch, PrintsSourceOfTheTimeOffset) {
   health_t health{};
   health.right.instant_source = camera_health_t::PICTURES;
   health.clock_deviation_ms = 0.72F;

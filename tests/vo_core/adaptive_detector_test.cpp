@@ -1,4 +1,4 @@
-// The thresholds that adapt, and the distance between features.
+// Tests of the adaptive FAST thresholds and of the minimum distance between features.
 #include "vo_core/adaptive_detector.hpp"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ TEST(AdaptiveDetector, TooFewCornersLowerTheThresholdToItsMinimum) {
   EXPECT_EQ(detector.threshold(0), settings.minimum_threshold);
 }
 
-TEST(AdaptiveDetector, FillsUpToTheAimedNumberAndKeepsTheDistance) {
+TEST(AdaptiveDetector, FillsUpToTheTargetAndKeepsTheDistance) {
   const cv::Mat image = test::draw(640, 320, test::WaveTexture(2));
   DetectionSettings settings;
   settings.initial_threshold = 8;
@@ -79,7 +79,7 @@ TEST(AdaptiveDetector, FillsUpToTheAimedNumberAndKeepsTheDistance) {
       ASSERT_GE((alive[i] - alive[j]).norm(), 8.0);
 }
 
-TEST(SpacingGrid, KeepsTheDistanceAndRefusesNothingElse) {
+TEST(SpacingGrid, RejectsOnlyPointsThatAreTooClose) {
   test::Noise noise(4);
   SpacingGrid spacing(50, 40, 20.0);
   for (const double distance : {8.0, 5.3}) {
@@ -97,7 +97,7 @@ TEST(SpacingGrid, KeepsTheDistanceAndRefusesNothingElse) {
   }
 }
 
-TEST(SpacingGrid, RefusesPointsOutsideTheImage) {
+TEST(SpacingGrid, RejectsPointsOutsideTheImage) {
   SpacingGrid spacing(100, 50, 7.0);
   EXPECT_FALSE(spacing.insert({-1.0, 10.0}));
   EXPECT_FALSE(spacing.insert({10.0, 200.0}));

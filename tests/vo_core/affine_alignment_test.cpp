@@ -1,4 +1,4 @@
-// The alignment on textures that are warped exactly, so that each error is its own.
+// Tests of the affine alignment on exactly warped textures, so that every error is the alignment's own.
 #include "vo_core/affine_alignment.hpp"
 
 #include <Eigen/Geometry>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kWidth = 240, kHeight = 180;
 
-/// What happens to the picture: x after = centre + warp (x before - centre) + shift.
+/// Change of the image: x after = centre + warp (x before - centre) + shift.
 struct Change {
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -36,10 +36,10 @@ struct Change {
 
 struct AlignmentErrors {
   test::Statistics x, y, warp;
-  int asked = 0, aligned = 0;
+  int attempted = 0, aligned = 0;
 };
 
-/// Aligns a grid of points, beginning a little off and with no idea of the warp.
+/// Aligns a grid of points, from a start that is a little off and has no warp.
 AlignmentErrors alignGrid(const Change& change, WarpModel model) {
   const test::WaveTexture texture(23);
   const auto changed = [&](double x, double y) {
@@ -57,7 +57,7 @@ AlignmentErrors alignGrid(const Change& change, WarpModel model) {
       start.position = change.after(from) + Eigen::Vector2d(0.6, model == WarpModel::affine ? -0.5 : 0.0);
       const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, model,
                                        settings.iterations, settings.convergence);
-      ++errors.asked;
+      ++errors.attempted;
       if (!aligned || aligned->correlation < settings.minimum_correlation) continue;
       ++errors.aligned;
       const Eigen::Vector2d error = aligned->position - change.after(from);
@@ -71,32 +71,32 @@ AlignmentErrors alignGrid(const Change& change, WarpModel model) {
 
 void expectAligned(const Change& change, WarpModel model) {
   const AlignmentErrors errors = alignGrid(change, model);
-  EXPECT_GT(errors.aligned, 0.95 * errors.asked);
+  EXPECT_GT(errors.aligned, 0.95 * errors.attempted);
   EXPECT_LT(std::abs(errors.x.mean()), 0.015);
   EXPECT_LT(std::abs(errors.y.mean()), 0.015);
-  EXPECT_LT(errors.x.deviation(), 0.05);
-  EXPECT_LT(errors.y.deviation(), 0.05);
+  EXPECT_LT(errors.x.stddev(), 0.05);
+  EXPECT_LT(errors.y.stddev(), 0.05);
   EXPECT_LT(errors.warp.mean(), 0.03);
 }
 
-TEST(AffineAlignment, FindsAShift) {
+TEST(AffineAlignment, RecoversAShift) {
   expectAligned({.shift = {4.3, -2.8}}, WarpModel::affine);
 }
 
-TEST(AffineAlignment, FindsAPatchThatGrowsAndTurns) {
+TEST(AffineAlignment, RecoversScaleAndRotation) {
   Eigen::Matrix2d warp;
   warp << 1.15, -0.08, 0.06, 1.1;
   expectAligned({.warp = warp, .shift = {1.4, 2.7}}, WarpModel::affine);
 }
 
-TEST(AffineAlignment, IsBlindToGainAndBrightness) {
+TEST(AffineAlignment, IsInvariantToGainAndBrightness) {
   for (const WarpModel model : {WarpModel::affine, WarpModel::stereo}) {
     expectAligned({.shift = {4.3, 0.0}, .gain = 0.4, .brightness = 90.0}, model);
     expectAligned({.shift = {4.3, 0.0}, .gain = 1.4, .brightness = -60.0}, model);
   }
 }
 
-/// The right view of a surface whose disparity changes by so much from row to row, and column to column.
+/// The right view of a surface whose disparity changes by so much per row and per column.
 Change slope(double per_row, double per_column) {
   Change change;
   change.warp << 1.0 - per_column, -per_row, 0.0, 1.0;
@@ -104,14 +104,14 @@ Change slope(double per_row, double per_column) {
   return change;
 }
 
-TEST(AffineAlignment, InStereoFindsTheSlopeOfTheDisparity) {
+TEST(AffineAlignment, StereoModelRecoversTheSlopeOfTheDisparity) {
   expectAligned(slope(0.3, 0.0), WarpModel::stereo);
   expectAligned(slope(-0.3, 0.0), WarpModel::stereo);
   expectAligned(slope(0.0, 0.15), WarpModel::stereo);
   expectAligned(slope(0.2, -0.1), WarpModel::stereo);
 }
 
-TEST(AffineAlignment, InStereoRowsStayStraight) {
+TEST(AffineAlignment, StereoModelKeepsRowsFixed) {
   const test::WaveTexture texture(23);
   const Change turned = {.warp = Eigen::Rotation2Dd(0.05).toRotationMatrix()};
   const auto changed = [&](double x, double y) {
@@ -130,8 +130,9 @@ TEST(AffineAlignment, InStereoRowsStayStraight) {
   EXPECT_LT(aligned->warp(0, 1), -0.02);
 }
 
-/// Mean return_miss of patches astride a vertical edge on whose right the texture moves by another `step` px.
-double missAtAnEdge(double step) {
+/// Mean forward-backward error of patches across a vertical edge right of which the texture moves by another
+/// `step` px.
+double forwardBackwardErrorAtAnEdge(double step) {
   const test::WaveTexture texture(23);
   const auto changed = [&](double x, double y) { return texture(x > 0.5 * kWidth ? x - step : x, y); };
   const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
@@ -143,17 +144,17 @@ double missAtAnEdge(double step) {
     start.position = {0.5 * kWidth, y};
     const auto aligned = alignAffine(before.grey.front(), after.grey.front(), start.position, start,
                                      WarpModel::affine, settings.iterations, settings.convergence);
-    if (aligned) miss.add(aligned->return_miss);
+    if (aligned) miss.add(aligned->forward_backward_error);
   }
   return miss.mean();
 }
 
-TEST(AffineAlignment, DoesNotReturnFromWhatTwoSurfacesMake) {
-  EXPECT_LT(missAtAnEdge(0.0), 0.02);
-  EXPECT_GT(missAtAnEdge(4.0), 0.05);
+TEST(AffineAlignment, HasALargeForwardBackwardErrorAcrossTwoSurfaces) {
+  EXPECT_LT(forwardBackwardErrorAtAnEdge(0.0), 0.02);
+  EXPECT_GT(forwardBackwardErrorAtAnEdge(4.0), 0.05);
 }
 
-TEST(AffineAlignment, IsTheSameTogetherAsAlone) {
+TEST(AffineAlignment, GivesTheSameResultsTogetherAsAlone) {
   Eigen::Matrix2d warp;
   warp << 1.15, -0.08, 0.06, 1.1;
   const Change change = {.warp = warp, .shift = {1.4, 2.7}, .gain = 0.8};
@@ -164,7 +165,7 @@ TEST(AffineAlignment, IsTheSameTogetherAsAlone) {
   };
   const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
   const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
-  // From where steps lead in few and in many iterations, away, or are not tried at all.
+  // Starts that converge in few or many iterations, that diverge, and that lie outside the image.
   std::vector<AlignmentTask> tasks;
   for (int i = 0; i < 23; ++i) {
     AlignmentTask task = {&before.grey.front(), &after.grey.front(), {40.3 + 7.0 * i, 60.6 + i}, {}};
@@ -187,15 +188,16 @@ TEST(AffineAlignment, IsTheSameTogetherAsAlone) {
         EXPECT_EQ(together[i]->variance, alone->variance);
         EXPECT_EQ(together[i]->warp, alone->warp);
         EXPECT_EQ(together[i]->correlation, alone->correlation);
-        EXPECT_EQ(together[i]->return_miss, alone->return_miss);
+        EXPECT_EQ(together[i]->forward_backward_error, alone->forward_backward_error);
       }
     }
   }
   EXPECT_GT(aligned, 20);
 }
 
-TEST(AffineAlignment, ForetellsHowFarNoiseMovesIt) {
-  // Steep along columns, gentle along rows: the column of a patch is better known than its row.
+TEST(AffineAlignment, VarianceAgreesWithTheScatterUnderNoise) {
+  // Strong gradients along columns, weak ones along rows: the column of a patch is better determined than its
+  // row.
   constexpr double kNoise = 4.0;  // grey values
   test::Noise noise(7);
   const auto noisy = [&](double x, double y) {
@@ -218,16 +220,17 @@ TEST(AffineAlignment, ForetellsHowFarNoiseMovesIt) {
     }
   }
   ASSERT_GT(column.count(), 800);
-  EXPECT_LT(3.0 * column.deviation(), row.deviation());
-  // Gradients are noisy, too, so that it is somewhat more, most where they are gentle.
-  for (const double foretold : {std::sqrt(column_variance.mean()) / column.deviation(),
-                                std::sqrt(row_variance.mean()) / row.deviation()}) {
-    EXPECT_GT(foretold, 0.5);
-    EXPECT_LT(foretold, 1.1);
+  EXPECT_LT(3.0 * column.stddev(), row.stddev());
+  // Noise in the gradients, which the variance leaves out, adds to the scatter, most where gradients are
+  // weak.
+  for (const double ratio :
+       {std::sqrt(column_variance.mean()) / column.stddev(), std::sqrt(row_variance.mean()) / row.stddev()}) {
+    EXPECT_GT(ratio, 0.5);
+    EXPECT_LT(ratio, 1.1);
   }
 }
 
-TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {
+TEST(AffineAlignment, RejectsPatchesWithoutTextureOrThatDiverge) {
   const ImagePyramid grey = buildPyramid(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(128)), 1);
   const ImagePyramid stripes = buildPyramid(
       test::draw(kWidth, kHeight, [](double x, double) { return 128.0 + 60.0 * std::sin(0.5 * x); }), 1);
@@ -238,7 +241,7 @@ TEST(AffineAlignment, RefusesWhatHasNoTextureOrRunsAway) {
                              WarpModel::affine, 30, 0.01));
 
   const AlignmentErrors other = alignGrid({.warp = 2.5 * Eigen::Matrix2d::Identity()}, WarpModel::affine);
-  EXPECT_LT(other.aligned, 0.1 * other.asked);
+  EXPECT_LT(other.aligned, 0.1 * other.attempted);
 }
 
 }  // namespace

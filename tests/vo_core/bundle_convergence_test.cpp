@@ -1,4 +1,4 @@
-// When the bundle adjustment has done enough.
+// Tests of the convergence criterion of the bundle adjustment.
 #include <Eigen/LU>
 #include <cmath>
 
@@ -10,9 +10,9 @@
 namespace cartvo {
 namespace {
 
-TEST(BundleConvergence, EndsWithinAFifthOfADeviationOfTheMinimum) {
+TEST(BundleConvergence, EndsWithinAFifthOfAStddevOfTheMinimum) {
   for (int seed = 1; seed <= 5; ++seed) {
-    BundleProblem problem = test::seenBy({.offset = 0.02, .noise = 1.0}, seed);
+    BundleProblem problem = test::simulateProblem({.offset = 0.02, .noise = 1.0}, seed);
     test::disturb(problem);
     BundleProblem minimum = problem;
     const BundleResult result = test::adjustBundle(problem, BundleSettings{});

@@ -10,8 +10,8 @@
 
 namespace cartvo::test {
 
-/// A textured corridor seen through exact rays: walls left and right, floor, and an end. The texture's waves
-/// that are shorter than a few pixels at their distance are left out, so that nothing aliases.
+/// Renders a textured corridor (walls left and right, floor, end wall) with exact rays. Texture waves shorter
+/// than a few pixels at their distance are left out to avoid aliasing.
 class CorridorWorld {
  public:
   explicit CorridorWorld(std::uint64_t seed) {
@@ -29,7 +29,7 @@ class CorridorWorld {
     return {view(camera, T_world_camera), rightView(camera, T_world_camera), time_ns, time_ns};
   }
 
-  /// What a camera there sees; what the right one of a rig sees whose left camera is there.
+  /// Image of a camera with this pose; image of the right camera of a rig whose left camera has this pose.
   cv::Mat view(const StereoCamera& camera, const Eigen::Isometry3d& T) const {
     return draw(camera.width, camera.height, [&](int x, int y) {
       const Eigen::Vector3d ray = T.linear() * Eigen::Vector3d((x - camera.cx) / camera.focal_length,
@@ -48,7 +48,7 @@ class CorridorWorld {
   static constexpr int kPlanes = 4;
 
   double shade(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double focal_length) const {
-    // Axis and offset of each plane: left and right wall, floor, end.
+    // Normal axis and offset (m) of each plane: left and right wall, floor, end wall.
     static constexpr std::array<int, kPlanes> kAxis{0, 0, 1, 2};
     static constexpr std::array<double, kPlanes> kOffset{-2.5, 3.0, 1.3, 30.0};
     int hit = 3;

@@ -1,4 +1,4 @@
-// FAST, its score and its suppression.
+// Tests of FAST-9, of its score and of its non-maximum suppression.
 #include "vo_core/fast_corners.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ cv::Mat noiseImage(int width, int height, std::uint64_t seed) {
   return test::draw(width, height, [&](int, int) { return 255.0 * noise.uniform(); });
 }
 
-/// By the definition, pixel by pixel.
+/// Reference: local maxima by their definition, pixel by pixel.
 std::vector<Corner> expectedMaxima(const cv::Mat& image, const cv::Range& rows,
                                    const WindowThresholds& thresholds) {
   const auto score = [&](int x, int y) {
@@ -67,7 +67,7 @@ void expectEqual(const std::vector<Corner>& found, const std::vector<Corner>& ex
   }
 }
 
-TEST(FastCorners, AreThoseOfOpenCV) {
+TEST(FastCorners, AgreeWithOpenCV) {
   for (const int threshold : {0, 1, 6, 30, 80, 200}) {
     const cv::Mat image = noiseImage(90, 60, 5);
     std::vector<cv::KeyPoint> expected;
@@ -98,7 +98,7 @@ TEST(CornerFinder, FindsTheMaximaOfImagesOfAllWidths) {
   }
 }
 
-TEST(CornerFinder, EachWindowHasItsThresholdAndNeighboursAcrossItsEdge) {
+TEST(CornerFinder, UsesEachWindowsThresholdAndSuppressesAcrossWindowEdges) {
   const cv::Mat parent = noiseImage(250, 100, 9);
   const cv::Mat image = parent(cv::Rect(11, 7, 230, 89));  // rows lie apart in memory
   constexpr int kRows = 4, kColumns = 5;
@@ -121,7 +121,7 @@ TEST(CornerFinder, EachWindowHasItsThresholdAndNeighboursAcrossItsEdge) {
   EXPECT_GT(corners, 100);
 }
 
-TEST(CornerFinder, OfEqualNeighboursTheFirstStays) {
+TEST(CornerFinder, KeepsTheFirstOfEqualNeighbours) {
   cv::Mat image(40, 100, CV_8UC1, cv::Scalar(50));
   image(cv::Rect(60, 20, 2, 2)).setTo(200);  // four corners of the same score
   WindowThresholds thresholds(image.size(), 1);

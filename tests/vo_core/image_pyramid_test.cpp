@@ -1,5 +1,4 @@
-// Pyramids are what OpenCV makes of an image. They keep their pixels for as long as somebody has them, and no
-// memory beyond that.
+// Compares pyramids with those of OpenCV and tests the reuse of their memory.
 #include "vo_core/image_pyramid.hpp"
 
 #include <algorithm>
@@ -26,7 +25,7 @@ void expectEqual(const PyramidLevel& a, const PyramidLevel& b) {
       ASSERT_EQ(*a.at(x, y), *b.at(x, y)) << x << ", " << y;
 }
 
-/// With a border as cv::copyMakeBorder makes it.
+/// Compares a level and its border with cv::copyMakeBorder.
 void expectEqual(const PyramidLevel& level, const cv::Mat& expected) {
   constexpr int kBorder = PyramidLevel::kBorder;
   ASSERT_EQ(level.width(), expected.cols);
@@ -45,13 +44,13 @@ cv::Mat differenceOfGaussians(const cv::Mat& grey) {
   return difference;
 }
 
-TEST(ImagePyramid, IsThatOfOpenCV) {
+TEST(ImagePyramid, EqualsOpenCV) {
   test::Noise noise(6);
   for (const cv::Size& size :
        {cv::Size(1, 1), cv::Size(7, 30), cv::Size(8, 8), cv::Size(9, 25), cv::Size(26, 11), cv::Size(63, 40),
         cv::Size(130, 65), cv::Size(257, 98), cv::Size(340, 211)}) {
     SCOPED_TRACE(testing::Message() << size);
-    // Black and white, grey noise; part of a larger image, which must not be looked at.
+    // Black, white and grey noise; a part of a larger image whose other pixels must not be read.
     const cv::Mat parent = test::draw(size.width + 9, size.height + 5, [&](int x, int) {
       return x % 2 == 0 ? 255.0 * noise.uniform() : noise.uniform() < 0.5 ? 0.0 : 255.0;
     });
@@ -74,7 +73,7 @@ TEST(ImagePyramid, IsThatOfOpenCV) {
   }
 }
 
-TEST(ImagePyramid, APoolsPyramidsAreAsFreshOnes) {
+TEST(ImagePyramid, PoolBuildsTheSamePyramids) {
   PyramidPool pool(4);
   for (const unsigned seed : {1U, 2U, 3U}) {
     const SharedPyramid shared = pool.build(image(seed));
@@ -89,7 +88,7 @@ TEST(ImagePyramid, APoolsPyramidsAreAsFreshOnes) {
   }
 }
 
-TEST(ImagePyramid, APoolOverwritesOnlyWhatNobodyHas) {
+TEST(ImagePyramid, PoolOverwritesOnlyReleasedPyramids) {
   PyramidPool pool(2);
   const SharedPyramid kept = pool.build(image(1));
   const std::uint8_t* const second = pool.build(image(2))->grey[0].at(0, 0);
@@ -98,21 +97,21 @@ TEST(ImagePyramid, APoolOverwritesOnlyWhatNobodyHas) {
   expectEqual(kept->grey[1], buildPyramid(image(1), 2).grey[1]);
 }
 
-TEST(ImagePyramid, WhatIsWrittenInItsPlaceIsNotCopied) {
+TEST(ImagePyramid, PoolDoesNotCopyImagesInItsBuffer) {
   PyramidPool pool(3);
   const SharedPyramid kept = pool.build(image(1));
-  const cv::Mat placed = pool.place({kWidth, kHeight});
-  image(2).copyTo(placed);
-  const SharedPyramid built = pool.build(placed);
-  EXPECT_EQ(built->grey[0].at(0, 0), placed.data);
+  const cv::Mat buffer = pool.acquireBuffer({kWidth, kHeight});
+  image(2).copyTo(buffer);
+  const SharedPyramid built = pool.build(buffer);
+  EXPECT_EQ(built->grey[0].at(0, 0), buffer.data);
   const ImagePyramid fresh = buildPyramid(image(2), 3);
   for (std::size_t i = 0; i < fresh.grey.size(); ++i)
     expectEqual(built->grey[i], fresh.grey[i]);
   expectEqual(kept->grey[0], buildPyramid(image(1), 3).grey[0]);
-  EXPECT_NE(pool.place({kWidth, kHeight}).data, placed.data);  // somebody has it
+  EXPECT_NE(pool.acquireBuffer({kWidth, kHeight}).data, buffer.data);  // `built` still owns it
 }
 
-TEST(ImagePyramid, TheBorderMirrorsTheImage) {
+TEST(ImagePyramid, BorderMirrorsTheImage) {
   const ImagePyramid pyramid = buildPyramid(image(1), 1);
   const PyramidLevel& level = pyramid.grey.front();
   EXPECT_EQ(*level.at(-5, 10), *level.at(5, 10));

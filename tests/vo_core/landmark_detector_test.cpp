@@ -1,4 +1,4 @@
-// Where new landmarks come from, as it follows what became of those before.
+// Tests of the distribution of new landmarks by the tracking success of earlier ones.
 #include "vo_core/landmark_detector.hpp"
 
 #include <gtest/gtest.h>
@@ -23,15 +23,15 @@ class LandmarkDetectorTest : public testing::Test {
     return detector_.detect(pyramid_, alive, spacing_);
   }
 
-  /// Each new corner of some pairs lasts or not, as `lasts` says of it; counts those of the last pair.
+  /// Reports for each new corner of 40 pairs whether it `lasts`; counts the corners of the last pair.
   template <typename Lasts>
-  Counts afterTrying(const Lasts& lasts) {
+  Counts afterTrials(const Lasts& lasts) {
     Counts counts;
     for (int pair = 0; pair < 40; ++pair) {
       counts = {};
       for (const LandmarkCorner& corner : detect()) {
         ++(corner.level > 0 ? counts.coarse : counts.fine);
-        detector_.learn(landmarkAt(corner), lasts(corner));
+        detector_.recordOutcome(landmarkAt(corner), lasts(corner));
       }
     }
     return counts;
@@ -40,7 +40,7 @@ class LandmarkDetectorTest : public testing::Test {
   static Landmark landmarkAt(const LandmarkCorner& corner) {
     Landmark landmark;
     landmark.level = corner.level;
-    landmark.sightings.push_back({0, false, corner.pixel});
+    landmark.observations.push_back({0, false, corner.pixel});
     return landmark;
   }
 
@@ -55,37 +55,37 @@ class LandmarkDetectorTest : public testing::Test {
   LandmarkDetector detector_{settings_, kFeatures, cv::Size(kWidth, kHeight)};
 };
 
-TEST_F(LandmarkDetectorTest, CornersAreFineOnesAsLongAsThoseLast) {
-  const Counts counts = afterTrying([](const LandmarkCorner&) { return true; });
+TEST_F(LandmarkDetectorTest, UsesFineCornersAsLongAsTheyLast) {
+  const Counts counts = afterTrials([](const LandmarkCorner&) { return true; });
   EXPECT_GT(counts.fine, 0.95 * kFeatures);
   EXPECT_LT(counts.coarse, 0.02 * kFeatures);
 }
 
-TEST_F(LandmarkDetectorTest, CornersAreCoarseOnesWhereOnlyThoseLast) {
+TEST_F(LandmarkDetectorTest, UsesCoarseCornersWhereOnlyTheyLast) {
   const auto dark = [](const LandmarkCorner& corner) { return corner.pixel.x() < 0.5 * kWidth; };
   const Counts counts =
-      afterTrying([&](const LandmarkCorner& corner) { return corner.level > 0 || !dark(corner); });
-  EXPECT_GT(counts.coarse, 0.15 * kFeatures);  // less than half: they are worth less
+      afterTrials([&](const LandmarkCorner& corner) { return corner.level > 0 || !dark(corner); });
+  EXPECT_GT(counts.coarse, 0.15 * kFeatures);  // less than half: a coarse corner has less utility
   for (const LandmarkCorner& corner : detect()) {
     if (corner.level == 0) continue;
     EXPECT_LT(corner.pixel.x(), 0.5 * kWidth + 40);
   }
 }
 
-TEST_F(LandmarkDetectorTest, FineOnesComeBackWithTheLight) {
-  afterTrying([](const LandmarkCorner& corner) { return corner.level > 0; });
+TEST_F(LandmarkDetectorTest, ReturnsToFineCornersWhenTheyLastAgain) {
+  afterTrials([](const LandmarkCorner& corner) { return corner.level > 0; });
   for (int times = 0; times < 10; ++times)
-    afterTrying([](const LandmarkCorner&) { return true; });
-  const Counts counts = afterTrying([](const LandmarkCorner&) { return true; });
+    afterTrials([](const LandmarkCorner&) { return true; });
+  const Counts counts = afterTrials([](const LandmarkCorner&) { return true; });
   EXPECT_GT(counts.fine, 0.9 * kFeatures);
 }
 
-TEST_F(LandmarkDetectorTest, FillsUpToTheAimedNumberAndKeepsTheDistance) {
+TEST_F(LandmarkDetectorTest, FillsUpToTheTargetAndKeepsTheDistance) {
   std::vector<Landmark> alive;
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(100, 100), Eigen::Vector2d(300, 200)})
     alive.push_back(landmarkAt({pixel, 0}));
-  afterTrying(
-      [](const LandmarkCorner& corner) { return corner.level > 0; });  // so that both levels take part
+  afterTrials(
+      [](const LandmarkCorner& corner) { return corner.level > 0; });  // so that both levels contribute
   const auto corners = detect(alive);
   EXPECT_EQ(corners.size(), kFeatures - alive.size());
   std::vector<Eigen::Vector2d> places{alive[0].last().left, alive[1].last().left};
@@ -96,9 +96,9 @@ TEST_F(LandmarkDetectorTest, FillsUpToTheAimedNumberAndKeepsTheDistance) {
       ASSERT_GE((places[i] - places[j]).norm(), 8.0);
 }
 
-TEST_F(LandmarkDetectorTest, AnImageThatCannotBeHalvedHasFineOnesOnly) {
+TEST_F(LandmarkDetectorTest, UsesFineCornersInAnImageTooSmallToBeHalved) {
   pyramid_.grey.resize(1);
-  const Counts counts = afterTrying([](const LandmarkCorner&) { return false; });
+  const Counts counts = afterTrials([](const LandmarkCorner&) { return false; });
   EXPECT_EQ(counts.coarse, 0);
   EXPECT_GT(counts.fine, 0);
 }

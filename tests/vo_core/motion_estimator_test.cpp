@@ -1,4 +1,5 @@
-// Horn's method, the median pose, the weights (4.16), and all of them on points with noise and outliers.
+// Tests of Horn's method, the median pose, the weights (4.16), and all of them on points with noise and
+// outliers.
 #include "vo_core/motion_estimator.hpp"
 
 #include <gtest/gtest.h>
@@ -34,14 +35,14 @@ TEST(AbsoluteOrientation, RecoversExactMotions) {
   }
 }
 
-TEST(AbsoluteOrientation, PairsOfNoWeightDoNotCount) {
+TEST(AbsoluteOrientation, IgnoresPairsOfZeroWeight) {
   auto pairs = exactPairs(test::forwardMotion());
   pairs[3].to += Eigen::Vector3d(5, 5, 5);
   pairs[3].weight = 0.0;
   EXPECT_LT(difference(*absoluteOrientation(pairs), test::forwardMotion()), 1e-9);
 }
 
-TEST(AbsoluteOrientation, ReturnsARotationWhereTheCloudsAreMirrored) {
+TEST(AbsoluteOrientation, ReturnsARotationForMirroredClouds) {
   auto pairs = exactPairs(Eigen::Isometry3d::Identity());
   for (PointPair& pair : pairs)
     pair.to.x() = -pair.to.x();
@@ -51,7 +52,7 @@ TEST(AbsoluteOrientation, ReturnsARotationWhereTheCloudsAreMirrored) {
   }
 }
 
-TEST(AbsoluteOrientation, LeavesPointsOnALineOpen) {
+TEST(AbsoluteOrientation, RejectsPointsOnALineAndTooFewPoints) {
   std::vector<PointPair> pairs;
   for (int i = 0; i < 10; ++i)
     pairs.push_back({Eigen::Vector3d(i, 2 * i, 5), Eigen::Vector3d(i, 2 * i, 5), 1.0});
@@ -80,7 +81,7 @@ TEST(ErrorWeight, FallsAsOneOverTheErrorAndEndsAtTheRadius) {
 std::vector<PointMatch> noisyMatches(int count, double outliers, std::uint64_t seed) {
   test::Noise noise(seed);
   const Eigen::Isometry3d T_current_reference = test::forwardMotion().inverse();
-  // The outliers move together, as a bus does: the hardest kind.
+  // The outliers move together, as on a bus: the hardest kind.
   const Eigen::Isometry3d T_bus = motionFromVector((Vector6d() << 0.5, 0.0, 0.3, 0, 0, 0).finished());
   std::vector<PointMatch> matches;
   for (const Eigen::Vector3d& point : test::scatter(count, noise)) {
@@ -103,7 +104,7 @@ TEST(MotionEstimator, FindsTheMotionOfNoisyPoints) {
   EXPECT_GT(motion->inliers, 360);
 }
 
-TEST(MotionEstimator, StandsFortyPercentThatMoveTogether) {
+TEST(MotionEstimator, ToleratesFortyPercentThatMoveTogether) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SubsetRandom random(seed);
     const auto motion = estimateMotion(noisyMatches(400, 0.4, seed), MotionSettings{}, random);
@@ -114,7 +115,7 @@ TEST(MotionEstimator, StandsFortyPercentThatMoveTogether) {
   }
 }
 
-TEST(MotionEstimator, IsTheSameForTheSameSeed) {
+TEST(MotionEstimator, GivesTheSameMotionForTheSameSeed) {
   SubsetRandom first(3);
   SubsetRandom second(3);
   const auto matches = noisyMatches(200, 0.2, 7);
@@ -122,7 +123,7 @@ TEST(MotionEstimator, IsTheSameForTheSameSeed) {
             estimateMotion(matches, MotionSettings{}, second)->T_reference_current.matrix());
 }
 
-TEST(MotionEstimator, SaysNothingOfTooFewOrDegeneratePoints) {
+TEST(MotionEstimator, RejectsTooFewOrDegeneratePoints) {
   SubsetRandom random(1);
   EXPECT_FALSE(estimateMotion({}, MotionSettings{}, random).has_value());
   const PointMatch same{

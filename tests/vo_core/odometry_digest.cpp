@@ -1,7 +1,7 @@
-// Says what the odometry makes of a short drive, to the last bit:
+// Prints the estimates of a short drive to the last bit:
 //   odometry_digest draw FILE     draws the drive's images
 //   odometry_digest drive FILE    prints each estimate of both methods
-// Two programs in one, so that the images, which are drawn with sines, are the same on each processor.
+// Drawing is a step of its own, because it uses sines: the images are then the same on each processor.
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPairs = 5;
 constexpr StereoCamera kCamera{230.0, 159.5, 119.5, 0.15, 320, 240};
-constexpr std::int64_t kStep = 50'000'000, kLate = 10'000'000;  // ns
+constexpr std::int64_t kStep = 50'000'000, kTimeOffset = 10'000'000;  // ns
 
 Eigen::Isometry3d poseAt(double step) {
   Eigen::Isometry3d pose(Eigen::AngleAxisd(0.01 * step, Eigen::Vector3d::UnitY()));
@@ -34,7 +34,7 @@ void draw(const std::string& file) {
   };
   for (int i = 0; i < kPairs; ++i) {
     write(world.view(kCamera, poseAt(i)));
-    write(world.rightView(kCamera, poseAt(i + static_cast<double>(kLate) / kStep)));
+    write(world.rightView(kCamera, poseAt(i + static_cast<double>(kTimeOffset) / kStep)));
   }
   if (!out.flush()) throw std::runtime_error("cannot write " + file);
 }
@@ -49,7 +49,8 @@ void drive(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   const std::size_t size = static_cast<std::size_t>(kCamera.width) * kCamera.height;
-  if (bytes.size() != 2 * kPairs * size) throw std::runtime_error(file + " does not hold the drive's images");
+  if (bytes.size() != 2 * kPairs * size)
+    throw std::runtime_error(file + ": wrong size, expected a file written by 'odometry_digest draw'");
   const auto image = [&](int index) {
     return cv::Mat(kCamera.height, kCamera.width, CV_8UC1, bytes.data() + index * size);
   };
@@ -60,7 +61,7 @@ void drive(const std::string& file) {
     StereoOdometry odometry(kCamera, settings);
     NullStageObserver observer;
     for (int i = 0; i < kPairs; ++i) {
-      const StereoImages pair{image(2 * i), image(2 * i + 1), i * kStep, i * kStep + kLate};
+      const StereoImages pair{image(2 * i), image(2 * i + 1), i * kStep, i * kStep + kTimeOffset};
       const OdometryEstimate estimate = odometry.process(pair, observer);
       std::printf("%d %d", estimate.valid ? 1 : 0, estimate.counts.inliers);
       print(estimate.T_world_camera.matrix());

@@ -1,4 +1,4 @@
-// Settings that make no sense are refused by name.
+// Tests of the validation of settings.
 #include "vo_core/odometry_settings.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace cartvo {
 namespace {
 
-std::string refusal(const std::function<void(OdometrySettings&)>& change) {
+std::string errorOf(const std::function<void(OdometrySettings&)>& change) {
   OdometrySettings settings;
   change(settings);
   try {
@@ -22,25 +22,25 @@ std::string refusal(const std::function<void(OdometrySettings&)>& change) {
   return "accepted";
 }
 
-TEST(OdometrySettings, DefaultsAreAccepted) {
+TEST(OdometrySettings, AcceptsDefaults) {
   EXPECT_NO_THROW(validate(OdometrySettings{}));
 }
 
-TEST(OdometrySettings, EachRefusalNamesTheValueAndWhatIsExpected) {
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.features = 3; }), "features is 3: expected 50 to 20000");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.tracking.levels = 0; }),
+TEST(OdometrySettings, ErrorNamesTheValueAndItsRange) {
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.features = 3; }), "features is 3: expected 50 to 20000");
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.tracking.levels = 0; }),
             "tracking.levels is 0: expected 1 to 8");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.detection.maximum_threshold = 2; }),
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.detection.maximum_threshold = 2; }),
             "detection.maximum_threshold is 2: expected 6 to 254");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.stereo.rows = 4; }), "stereo.rows is 4: expected 0 to 3");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.motion.subset_size = 2; }),
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.stereo.rows = 4; }), "stereo.rows is 4: expected 0 to 3");
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.motion.subset_size = 2; }),
             "motion.subset_size is 2: expected 3 to 100");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.bundle.frames = 8; }), "bundle.frames is 8: expected 2 to 7");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.bundle.convergence = 2.0; }),
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.bundle.frames = 8; }), "bundle.frames is 8: expected 2 to 7");
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.bundle.convergence = 2.0; }),
             "bundle.convergence is 2: expected 0 to 1");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.refinement.frames = 9; }),
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.refinement.frames = 9; }),
             "refinement.frames is 9: expected 1 to 8");
-  EXPECT_EQ(refusal([](OdometrySettings& s) { s.validity.maximum_speed = std::nan(""); }),
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.validity.maximum_speed = std::nan(""); }),
             "validity.maximum_speed is nan: expected 0.1 to 1000");
 }
 

@@ -1,4 +1,4 @@
-// What the odometry makes of a right camera that is exposed at another instant.
+// Tests of the odometry with a time offset between the left and the right exposure.
 #include <cmath>
 #include <map>
 
@@ -14,7 +14,7 @@ const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr std::int64_t kPeriod = 50'000'000;  // ns
 constexpr int kPairs = 12;
 
-/// Goes on steadily, swinging a little from side to side; `frame` may lie between two.
+/// Pose at a frame number, which may be fractional: constant speed with a small oscillation of the heading.
 Eigen::Isometry3d drive(double frame) {
   Vector6d vector;
   vector << 0.01 * frame, 0.004 * frame, 0.15 * frame, 0.001 * frame, 0.05 * std::sin(frame / 8.0),
@@ -22,7 +22,7 @@ Eigen::Isometry3d drive(double frame) {
   return motionFromVector(vector);
 }
 
-/// Each image is rendered once.
+/// Renders an image, or returns it from a cache.
 cv::Mat image(double frame, bool is_right) {
   static const test::CorridorWorld world(1);
   static std::map<std::pair<double, bool>, cv::Mat> images;
@@ -32,17 +32,19 @@ cv::Mat image(double frame, bool is_right) {
   return kept;
 }
 
-/// How far the last pose is off, in percent of the way. `told_periods`: the offset that the odometry is told.
-double finalError(double offset_periods, double told_periods) {
+/// Error of the last position in percent of the distance. Both offsets are in frame periods; `assumed` is the
+/// one in the timestamps.
+double finalError(double actual, double assumed) {
   OdometrySettings settings;
   settings.features = 400;
-  settings.rig_refinement = RigRefinement::off;  // would take a part of the error for a turned camera
+  settings.rig_refinement =
+      RigRefinement::off;  // it would attribute a part of the error to a yaw of the camera
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
   OdometryEstimate estimate;
   for (int i = 0; i < kPairs; ++i) {
-    const StereoImages pair{image(i, false), image(i + offset_periods, true), i * kPeriod,
-                            i * kPeriod + std::llround(told_periods * kPeriod)};
+    const StereoImages pair{image(i, false), image(i + actual, true), i * kPeriod,
+                            i * kPeriod + std::llround(assumed * kPeriod)};
     estimate = odometry.process(pair, observer);
     EXPECT_TRUE(i == 0 || estimate.valid) << i;
   }
@@ -51,7 +53,7 @@ double finalError(double offset_periods, double told_periods) {
          truth.translation().norm();
 }
 
-TEST(TwoInstants, AreAsGoodAsOne) {
+TEST(TimeOffset, IsCompensated) {
   for (const double offset : {0.0, 0.4, -0.4}) {
     const double error = finalError(offset, offset);
     RecordProperty("percent_at_" + std::to_string(offset), std::to_string(error));
@@ -59,7 +61,7 @@ TEST(TwoInstants, AreAsGoodAsOne) {
   }
 }
 
-TEST(TwoInstants, TakenAsOneAreWrong) {
+TEST(TimeOffset, CausesErrorsIfIgnored) {
   for (const double offset : {0.4, -0.4})
     EXPECT_GT(finalError(offset, 0.0), 3.0) << offset;
 }

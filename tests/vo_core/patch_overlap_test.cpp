@@ -1,4 +1,4 @@
-// How much patches overlap, against the same sum taken pair by pair.
+// Compares the mean patch overlap with a sum over all pairs of patches.
 #include "vo_core/patch_overlap.hpp"
 
 #include <gtest/gtest.h>
@@ -24,10 +24,10 @@ void addLandmark(BundleProblem& problem, const Eigen::Vector2d& pixel, int level
   landmark.level = level;
   landmark.weight = weight;
   for (int pose = 0; pose < 2; ++pose)
-    landmark.sightings.push_back({pose, false, pixel, pixel});
+    landmark.observations.push_back({pose, false, pixel, pixel});
 }
 
-double byPairs(const BundleProblem& problem) {
+double overlapByPairs(const BundleProblem& problem) {
   double sum = 0.0, information = 0.0;
   for (const BundleLandmark& one : problem.landmarks) {
     const double side = kPatchSide * levelScale(one.level);
@@ -35,54 +35,55 @@ double byPairs(const BundleProblem& problem) {
     information += weight;
     for (const BundleLandmark& other : problem.landmarks) {
       if (other.level != one.level) continue;
-      const Eigen::Vector2d apart = (one.sightings.back().left - other.sightings.back().left).cwiseAbs();
+      const Eigen::Vector2d apart =
+          (one.observations.back().left - other.observations.back().left).cwiseAbs();
       sum += weight * std::max(1.0 - apart.x() / side, 0.0) * std::max(1.0 - apart.y() / side, 0.0);
     }
   }
   return sum / information;
 }
 
-TEST(PatchOverlap, IsOneWithoutAnyAndTheirNumberWhereAllAreOne) {
+TEST(PatchOverlap, IsOneWithoutOverlapAndTheCountForIdenticalPatches) {
   BundleProblem problem = problemOfTwoPoses();
   PatchOverlap overlap;
-  EXPECT_EQ(overlap.of(problem), 1.0);  // nobody there
+  EXPECT_EQ(overlap.compute(problem), 1.0);  // no landmarks
   for (int i = 0; i < 5; ++i)
     addLandmark(problem, {20.0 + 40.0 * i, 50.0});
-  EXPECT_NEAR(overlap.of(problem), 1.0, 1e-12);
+  EXPECT_NEAR(overlap.compute(problem), 1.0, 1e-12);
   problem.landmarks.clear();
   for (int i = 0; i < 5; ++i)
     addLandmark(problem, {20.0, 50.0});
-  EXPECT_NEAR(overlap.of(problem), 5.0, 1e-12);
+  EXPECT_NEAR(overlap.compute(problem), 5.0, 1e-12);
 }
 
-TEST(PatchOverlap, IsWhatAllPairsAddUpTo) {
+TEST(PatchOverlap, AgreesWithTheSumOverAllPairs) {
   test::Noise noise(2);
   PatchOverlap overlap;
   for (const int count : {3, 40, 240}) {
     BundleProblem problem = problemOfTwoPoses();
     problem.noise[1].pixel = 0.3;
-    for (int i = 0; i < count; ++i)  // some at the very edge, and a little beyond
+    for (int i = 0; i < count; ++i)  // some at the image edge and slightly beyond
       addLandmark(problem, {(kWidth + 2.0) * noise.uniform() - 1.0, (kHeight + 2.0) * noise.uniform() - 1.0},
                   i % 3 == 0 ? 1 : 0, noise.uniform());
-    EXPECT_NEAR(overlap.of(problem), byPairs(problem), 1e-9 * count);
+    EXPECT_NEAR(overlap.compute(problem), overlapByPairs(problem), 1e-9 * count);
   }
 }
 
-TEST(PatchOverlap, OfVeryManyItIsAMean) {
+TEST(PatchOverlap, IsApproximatedBySamplingForManyPatches) {
   test::Noise noise(3);
   BundleProblem problem = problemOfTwoPoses();
   for (int i = 0; i < 4000; ++i)
     addLandmark(problem, {kWidth * noise.uniform(), kHeight * noise.uniform()});
-  const double all = byPairs(problem);
-  EXPECT_NEAR(PatchOverlap().of(problem), all, 0.03 * all);
+  const double all = overlapByPairs(problem);
+  EXPECT_NEAR(PatchOverlap().compute(problem), all, 0.03 * all);
 }
 
-TEST(PatchOverlap, OnlyThoseThatTheNewestPairSawCount) {
+TEST(PatchOverlap, CountsOnlyLandmarksOfTheNewestPair) {
   BundleProblem problem = problemOfTwoPoses();
   addLandmark(problem, {50.0, 50.0});
   addLandmark(problem, {50.0, 50.0});
-  problem.landmarks.back().sightings.back().pose = 0;
-  EXPECT_NEAR(PatchOverlap().of(problem), 1.0, 1e-12);
+  problem.landmarks.back().observations.back().pose = 0;
+  EXPECT_NEAR(PatchOverlap().compute(problem), 1.0, 1e-12);
 }
 
 }  // namespace

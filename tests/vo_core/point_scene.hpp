@@ -12,11 +12,12 @@ namespace cartvo::test {
 inline const StereoCamera kSceneCamera{480.0, 340.0, 210.0, 0.3, 680, 420};
 constexpr double kPixelNoise = 0.2, kDisparityNoise = 0.3;
 
-/// A point of the world as the camera measures it: with noise of pixel and disparity.
+/// Point as the camera measures it: with noise of pixel and disparity.
 inline Eigen::Vector3d measured(const Eigen::Vector3d& point, Noise& noise) {
   const Eigen::Vector2d pixel = project(kSceneCamera, point);
   const double disparity = kSceneCamera.focal_length * kSceneCamera.baseline / point.z();
-  const double right = kPixelNoise * noise.gaussian();  // one by one: compilers order arguments as they like
+  const double right =
+      kPixelNoise * noise.gaussian();  // one by one: the evaluation order of arguments is unspecified
   const Eigen::Vector2d offset(right, kPixelNoise * noise.gaussian());
   return triangulate(kSceneCamera, {pixel + offset, disparity + kDisparityNoise * noise.gaussian()});
 }

@@ -1,4 +1,4 @@
-// The pose that landmarks agree on, also where something large drives past.
+// Tests of the pose search among outliers and next to a large moving vehicle.
 #include "vo_core/pose_search.hpp"
 
 #include <algorithm>
@@ -16,39 +16,39 @@ using test::vector6;
 
 const Eigen::Isometry3d kBefore = test::steadyDrive(0.0);
 const Eigen::Isometry3d kNow = test::steadyDrive(2 * test::kFramePeriod);
-/// What a bus does meanwhile: a point of it goes where the world would if the camera went this way.
+/// Apparent camera motion of a bus: its points move like static ones if the camera moved this way.
 const Eigen::Isometry3d kBusMotion = motionFromVector(vector6(-0.35, 0.0, 0.1, 0.0, 0.0, 0.0));
 constexpr int kSeeds = 20;
 
 struct Street {
   int points = 200;
-  double bus = 0.0;          ///< share of the points that are on it
-  double scattered = 0.0;    ///< share that is anywhere
+  double bus = 0.0;          ///< fraction of points on a bus
+  double scattered = 0.0;    ///< fraction of points with random positions
   double noise = 0.15;       ///< px
-  double depth_noise = 1.0;  ///< in units of what the problem assumes
+  double depth_noise = 1.0;  ///< in units of the assumed noise
 };
 
-/// The first points are the bus's, the next are scattered.
-PoseProblem look(const Street& street, std::uint64_t seed) {
+/// Simulates a problem. The first points are on the bus, the next ones are scattered.
+PoseProblem simulateStreet(const Street& street, std::uint64_t seed) {
   test::Noise random(seed);
   PoseProblem problem;
   problem.camera = kRigCamera;
-  problem.hosts = {kBefore, test::steadyDrive(test::kFramePeriod)};
+  problem.anchors = {kBefore, test::steadyDrive(test::kFramePeriod)};
   problem.start = kNow * motionFromVector(vector6(0.02, -0.01, -0.03, 0.003, 0.004, -0.002));
   for (int i = 0; i < street.points; ++i) {
     PosePoint point;
-    point.host = i % 2;
+    point.anchor = i % 2;
     point.bearing =
         bearingOf(kRigCamera, {kRigCamera.width * random.uniform(), kRigCamera.height * random.uniform()});
     point.inverse_depth = 1.0 / 30.0 + 0.2 * random.uniform();
-    point.inverse_depth_deviation = 0.003;
-    const double believed =
-        point.inverse_depth + street.depth_noise * point.inverse_depth_deviation * random.gaussian();
+    point.inverse_depth_stddev = 0.003;
+    const double assumed_inverse_depth =
+        point.inverse_depth + street.depth_noise * point.inverse_depth_stddev * random.gaussian();
     const bool on_bus = i < street.bus * street.points;
     const Eigen::Isometry3d T_world_camera = on_bus ? Eigen::Isometry3d(kNow * kBusMotion) : kNow;
-    const Eigen::Isometry3d T_camera_host = T_world_camera.inverse() * problem.hosts[point.host];
-    point.left = projectLandmark(kRigCamera, T_camera_host, point.bearing, point.inverse_depth).pixel;
-    point.inverse_depth = believed;
+    const Eigen::Isometry3d T_camera_anchor = T_world_camera.inverse() * problem.anchors[point.anchor];
+    point.left = projectLandmark(kRigCamera, T_camera_anchor, point.bearing, point.inverse_depth).pixel;
+    point.inverse_depth = assumed_inverse_depth;
     for (int axis = 0; axis < 2; ++axis)
       point.left[axis] += street.noise * random.gaussian();
     if (!on_bus && i < (street.bus + street.scattered) * street.points)
@@ -58,7 +58,7 @@ PoseProblem look(const Street& street, std::uint64_t seed) {
   return problem;
 }
 
-void allowLittleChange(PoseProblem& problem) {
+void setMotionGate(PoseProblem& problem) {
   problem.admissible_change = vector6(0.1, 0.1, 0.1, 0.03, 0.03, 0.03);
 }
 
@@ -80,8 +80,8 @@ int inliersAmong(const PoseProblem& searched, int begin, int end) {
                                         [](const PosePoint& point) { return point.inlier; }));
 }
 
-TEST(PoseSearch, FindsThePoseExactlyWithoutNoise) {
-  PoseProblem problem = look({.noise = 0.0, .depth_noise = 0.0}, 1);
+TEST(PoseSearch, RecoversThePoseWithoutNoise) {
+  PoseProblem problem = simulateStreet({.noise = 0.0, .depth_noise = 0.0}, 1);
   const auto found = search(problem);
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(vectorFromMotion(kNow.inverse() * found->T_world_camera).norm(), 1e-6);
@@ -90,72 +90,72 @@ TEST(PoseSearch, FindsThePoseExactlyWithoutNoise) {
 
 TEST(PoseSearch, FindsThePoseAmongScatteredMatches) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    PoseProblem problem = look({.scattered = 0.45}, seed);
+    PoseProblem problem = simulateStreet({.scattered = 0.45}, seed);
     expectPose(search(problem), kNow, seed);
     EXPECT_LE(inliersAmong(problem, 0, 90), 5);
     EXPECT_GE(inliersAmong(problem, 90, 200), 105);
   }
 }
 
-TEST(PoseSearch, IsNotTakenAlongByABus) {
+TEST(PoseSearch, IgnoresABus) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    PoseProblem problem = look({.bus = 0.45}, seed);
-    allowLittleChange(problem);
+    PoseProblem problem = simulateStreet({.bus = 0.45}, seed);
+    setMotionGate(problem);
     const auto found = search(problem);
     expectPose(found, kNow, seed);
-    EXPECT_LE(inliersAmong(problem, 0, 90), 15) << seed;  // what is far away hardly moves
+    EXPECT_LE(inliersAmong(problem, 0, 90), 15) << seed;  // distant bus points hardly move
     EXPECT_GE(inliersAmong(problem, 90, 200), 105) << seed;
-    EXPECT_NEAR(found->share, found->inliers / 200.0, 1e-9);
+    EXPECT_NEAR(found->inlier_ratio, found->inliers / 200.0, 1e-9);
   }
 }
 
-TEST(PoseSearch, IsNotTakenAlongByABusThatFillsMostOfTheView) {
+TEST(PoseSearch, IgnoresABusThatFillsMostOfTheView) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    PoseProblem problem = look({.bus = 0.6}, seed);
-    allowLittleChange(problem);
+    PoseProblem problem = simulateStreet({.bus = 0.6}, seed);
+    setMotionGate(problem);
     expectPose(search(problem), kNow, seed);
   }
 }
 
-TEST(PoseSearch, WithoutAPredictionTheMajorityWins) {
+TEST(PoseSearch, FindsTheMajorityWithoutAMotionGate) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    PoseProblem few = look({.bus = 0.4}, seed), most = look({.bus = 0.6}, seed);
+    PoseProblem few = simulateStreet({.bus = 0.4}, seed), most = simulateStreet({.bus = 0.6}, seed);
     expectPose(search(few), kNow, seed);
     expectPose(search(most), kNow * kBusMotion, seed);
   }
 }
 
-TEST(PoseSearch, TheMajorityIsOneOfTrust) {
-  PoseProblem problem = look({.bus = 0.6}, 1);
+TEST(PoseSearch, WeightsPointsByTrust) {
+  PoseProblem problem = simulateStreet({.bus = 0.6}, 1);
   for (int i = 0; i < 120; ++i)
     problem.points[i].weight = 0.3;
   const auto found = search(problem);
   expectPose(found, kNow, 1);
-  EXPECT_GT(found->share, 0.6);  // 80 points of a weight of 1, 120 of 0.3
+  EXPECT_GT(found->inlier_ratio, 0.6);  // 80 points with weight 1, 120 with 0.3
 }
 
-TEST(PoseSearch, NeverLeavesWhatIsAdmissible) {
+TEST(PoseSearch, StaysWithinTheMotionGate) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    PoseProblem problem = look({.bus = 1.0}, seed);  // nothing else to be seen
-    allowLittleChange(problem);
+    PoseProblem problem = simulateStreet({.bus = 1.0}, seed);  // no static points
+    setMotionGate(problem);
     const auto found = search(problem);
     ASSERT_TRUE(found.has_value());
     const Vector6d change = vectorFromMotion(problem.start.inverse() * found->T_world_camera);
     EXPECT_TRUE((change.cwiseAbs().array() <= problem.admissible_change->array()).all()) << seed;
-    EXPECT_LT(found->share, 0.5) << seed;
+    EXPECT_LT(found->inlier_ratio, 0.5) << seed;
   }
 }
 
-TEST(PoseSearch, TooFewPointsGiveNothing) {
-  PoseProblem problem = look({}, 1);
+TEST(PoseSearch, FailsWithTooFewPoints) {
+  PoseProblem problem = simulateStreet({}, 1);
   problem.points.resize(4);
   EXPECT_FALSE(search(problem).has_value());
   problem.points.clear();
   EXPECT_FALSE(search(problem).has_value());
 }
 
-TEST(PoseSearch, TheSameSeedGivesTheSameBits) {
-  PoseProblem problem = look({.bus = 0.3, .scattered = 0.2}, 1);
+TEST(PoseSearch, IsDeterministicForASeed) {
+  PoseProblem problem = simulateStreet({.bus = 0.3, .scattered = 0.2}, 1);
   PoseProblem same = problem;
   const auto one = search(problem, 7);
   const auto two = search(same, 7);
@@ -165,18 +165,18 @@ TEST(PoseSearch, TheSameSeedGivesTheSameBits) {
     EXPECT_EQ(problem.points[i].inlier, same.points[i].inlier);
 }
 
-TEST(PoseSearch, ErrorsAreInStandardDeviationsTheDepthsIncluded) {
+TEST(PoseSearch, NormalisesErrorsByPixelAndDepthNoise) {
   // The mean square of two coordinates is chi-squared with two degrees of freedom, over two.
   for (const double gate : {1.0, 1.5, 2.0}) {
-    PoseProblem problem = look({.points = 1000}, 1);
+    PoseProblem problem = simulateStreet({.points = 1000}, 1);
     const auto found = search(problem, 1, {.gate = gate});
     ASSERT_TRUE(found.has_value()) << gate;
     EXPECT_NEAR(found->inliers / 1000.0, 1.0 - std::exp(-gate * gate), 0.04) << gate;
   }
 }
 
-TEST(PoseSearch, APointBehindTheCameraIsNotExplained) {
-  PoseProblem problem = look({}, 1);
+TEST(PoseSearch, RejectsPointBehindTheCamera) {
+  PoseProblem problem = simulateStreet({}, 1);
   problem.points.front().bearing = {0.0, 0.0, -1.0};
   const auto found = search(problem);
   ASSERT_TRUE(found.has_value());

@@ -1,4 +1,4 @@
-// Projections of four landmarks at once, held against those of one.
+// Tests of the SIMD projections against those of single landmarks.
 #include "vo_core/reprojection_lanes.hpp"
 
 #include <cmath>
@@ -16,14 +16,14 @@ using test::vector6;
 
 constexpr double kClose = 1e-9;  // of some 500 px, and px per rad or m
 
-const Eigen::Isometry3d T_camera_host = motionFromVector(vector6(0.4, -0.2, -0.9, 0.08, -0.2, 0.05));
+const Eigen::Isometry3d T_camera_anchor = motionFromVector(vector6(0.4, -0.2, -0.9, 0.08, -0.2, 0.05));
 
 struct Place {
   Eigen::Vector3d bearing;
   double inverse_depth;
 };
 
-/// Near and far, one at infinity, one behind the camera.
+/// Near and far places, one at infinity, one behind the camera.
 std::vector<Place> places() {
   std::vector<Place> all;
   for (int i = 0; i < kDoubleLanes; ++i)
@@ -47,42 +47,42 @@ void expectDerivative(const PoseLanes& lanes, int lane, const Eigen::Matrix<doub
     EXPECT_NEAR(kRigCamera.focal_length * lanes.value[i][lane], expected[i], kClose) << lane << ", " << i;
 }
 
-TEST(ReprojectionLanes, ViewsAreProjections) {
+TEST(ReprojectionLanes, ViewsAgreeWithProjections) {
   const std::vector<Place> known = places();
   const PlaceLanes lanes = lanesOf(known);
-  const RayLanes ray = rayOf(T_camera_host, lanes);
+  const RayLanes ray = rayOf(T_camera_anchor, lanes);
   const ViewLanes view = viewOf(ray);
   for (int lane = 0; lane + 1 < kDoubleLanes; ++lane) {
     const auto& [bearing, inverse_depth] = known[lane];
-    const Projection seen = projectLandmark(kRigCamera, T_camera_host, bearing, inverse_depth);
+    const Projection seen = projectLandmark(kRigCamera, T_camera_anchor, bearing, inverse_depth);
     ASSERT_TRUE(seen.valid);
     EXPECT_NEAR(kRigCamera.cx + kRigCamera.focal_length * view.x[lane], seen.pixel.x(), kClose);
     EXPECT_NEAR(kRigCamera.cy + kRigCamera.focal_length * view.y[lane], seen.pixel.y(), kClose);
     EXPECT_NEAR(ray.z[lane], seen.ray.z(), kClose);
   }
   const Place& behind = known.back();
-  EXPECT_FALSE(projectLandmark(kRigCamera, T_camera_host, behind.bearing, behind.inverse_depth).valid);
+  EXPECT_FALSE(projectLandmark(kRigCamera, T_camera_anchor, behind.bearing, behind.inverse_depth).valid);
   EXPECT_LT(ray.z[kDoubleLanes - 1], kNearestRay);
   EXPECT_TRUE(std::isfinite(view.x[kDoubleLanes - 1]) && std::isfinite(view.y[kDoubleLanes - 1]));
 }
 
-TEST(ReprojectionLanes, DerivativesAreThoseOfProjections) {
+TEST(ReprojectionLanes, DerivativesAgreeWithProjections) {
   const std::vector<Place> known = places();
   const PlaceLanes lanes = lanesOf(known);
-  const ViewLanes view = viewOf(rayOf(T_camera_host, lanes));
+  const ViewLanes view = viewOf(rayOf(T_camera_anchor, lanes));
   const PoseLanes column_by_camera = columnByCamera(view, lanes), row_by_camera = rowByCamera(view, lanes);
-  const PoseLanes column_by_host = columnByHost(T_camera_host, view, lanes);
-  const PoseLanes row_by_host = rowByHost(T_camera_host, view, lanes);
-  const PixelLanes by_depth = viewByInverseDepth(T_camera_host, view);
+  const PoseLanes column_by_anchor = columnByAnchor(T_camera_anchor, view, lanes);
+  const PoseLanes row_by_anchor = rowByAnchor(T_camera_anchor, view, lanes);
+  const PixelLanes by_depth = viewByInverseDepth(T_camera_anchor, view);
   for (int lane = 0; lane + 1 < kDoubleLanes; ++lane) {
     const auto& [bearing, inverse_depth] = known[lane];
-    const Projection seen = projectLandmark(kRigCamera, T_camera_host, bearing, inverse_depth);
+    const Projection seen = projectLandmark(kRigCamera, T_camera_anchor, bearing, inverse_depth);
     const ProjectionJacobians by =
-        projectionJacobians(kRigCamera, T_camera_host, bearing, inverse_depth, seen);
+        projectionJacobians(kRigCamera, T_camera_anchor, bearing, inverse_depth, seen);
     expectDerivative(column_by_camera, lane, by.by_camera.row(0));
     expectDerivative(row_by_camera, lane, by.by_camera.row(1));
-    expectDerivative(column_by_host, lane, by.by_host.row(0));
-    expectDerivative(row_by_host, lane, by.by_host.row(1));
+    expectDerivative(column_by_anchor, lane, by.by_anchor.row(0));
+    expectDerivative(row_by_anchor, lane, by.by_anchor.row(1));
     EXPECT_NEAR(kRigCamera.focal_length * by_depth.x[lane], by.by_inverse_depth.x(), kClose);
     EXPECT_NEAR(kRigCamera.focal_length * by_depth.y[lane], by.by_inverse_depth.y(), kClose);
   }

@@ -1,4 +1,5 @@
-// Projections and the right camera's own instant; derivatives are held against central differences.
+// Tests of projections and of the interpolated right camera; derivatives are compared with central
+// differences.
 #include "vo_core/reprojection.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ using test::vector6;
 
 constexpr double kStep = 1e-6;
 
-/// Derivative of `value(x)`, x of so many elements, at zero.
+/// Derivative of `value(x)` at zero; x has kInputs elements.
 template <int kInputs, typename Value>
 auto centralDifference(const Value& value) {
   using Input = Eigen::Matrix<double, kInputs, 1>;
@@ -28,19 +29,19 @@ auto centralDifference(const Value& value) {
 }
 
 struct View {
-  Eigen::Isometry3d T_world_host = motionFromVector(vector6(0.3, -0.1, 0.2, 0.05, -0.1, 0.02));
+  Eigen::Isometry3d T_world_anchor = motionFromVector(vector6(0.3, -0.1, 0.2, 0.05, -0.1, 0.02));
   Eigen::Isometry3d T_world_camera = motionFromVector(vector6(0.5, 0.1, 1.1, -0.03, 0.12, 0.04));
   Eigen::Vector3d bearing{0.2, -0.15, 1.0};
   double inverse_depth = 0.2;
 
-  Eigen::Isometry3d fromHost() const { return T_world_camera.inverse() * T_world_host; }
-  Projection projection() const { return projectLandmark(kRigCamera, fromHost(), bearing, inverse_depth); }
+  Eigen::Isometry3d fromAnchor() const { return T_world_camera.inverse() * T_world_anchor; }
+  Projection projection() const { return projectLandmark(kRigCamera, fromAnchor(), bearing, inverse_depth); }
 };
 
-void expectTrueJacobians(const View& view) {
+void expectExactJacobians(const View& view) {
   ASSERT_TRUE(view.projection().valid);
   const ProjectionJacobians by =
-      projectionJacobians(kRigCamera, view.fromHost(), view.bearing, view.inverse_depth, view.projection());
+      projectionJacobians(kRigCamera, view.fromAnchor(), view.bearing, view.inverse_depth, view.projection());
   const auto pixel = [&](const auto& change, const auto& delta) {
     View changed = view;
     change(changed, delta);
@@ -50,9 +51,9 @@ void expectTrueJacobians(const View& view) {
     return pixel(
         [](View& to, const Vector6d& d) { to.T_world_camera = to.T_world_camera * motionFromVector(d); }, v);
   });
-  const auto by_host = centralDifference<6>([&](const Vector6d& v) -> Eigen::Vector2d {
-    return pixel([](View& to, const Vector6d& d) { to.T_world_host = to.T_world_host * motionFromVector(d); },
-                 v);
+  const auto by_anchor = centralDifference<6>([&](const Vector6d& v) -> Eigen::Vector2d {
+    return pixel(
+        [](View& to, const Vector6d& d) { to.T_world_anchor = to.T_world_anchor * motionFromVector(d); }, v);
   });
   const auto by_bearing = centralDifference<3>([&](const Eigen::Vector3d& v) -> Eigen::Vector2d {
     return pixel([](View& to, const Eigen::Vector3d& d) { to.bearing += d; }, v);
@@ -61,35 +62,35 @@ void expectTrueJacobians(const View& view) {
     return pixel([](View& to, const auto& d) { to.inverse_depth += d[0]; }, v);
   });
   EXPECT_LT((by.by_camera - by_camera).norm(), 1e-4);  // of some 500 px per rad
-  EXPECT_LT((by.by_host - by_host).norm(), 1e-4);
+  EXPECT_LT((by.by_anchor - by_anchor).norm(), 1e-4);
   EXPECT_LT((by.by_bearing - by_bearing).norm(), 1e-4);
   EXPECT_LT((by.by_inverse_depth - by_depth).norm(), 1e-4);
 }
 
 TEST(Reprojection, JacobiansAgreeWithDifferences) {
-  expectTrueJacobians(View{});
+  expectExactJacobians(View{});
 }
 
 TEST(Reprojection, JacobiansAgreeWithDifferencesNearTheCameraAndAtTheImagesEdge) {
   View view;
   view.bearing = {-0.7, 0.42, 1.0};
   view.inverse_depth = 0.6;
-  expectTrueJacobians(view);
+  expectExactJacobians(view);
 }
 
 TEST(Reprojection, JacobiansAgreeWithDifferencesAtInfinity) {
   View view;
   view.inverse_depth = 0.0;
-  expectTrueJacobians(view);
+  expectExactJacobians(view);
 }
 
-TEST(Reprojection, IsTheProjectionOfThePoint) {
+TEST(Reprojection, AgreesWithTheProjectionOfThePoint) {
   const View view;
-  const Eigen::Vector3d point = view.fromHost() * (view.bearing / view.inverse_depth);
+  const Eigen::Vector3d point = view.fromAnchor() * (view.bearing / view.inverse_depth);
   EXPECT_LT((view.projection().pixel - project(kRigCamera, point)).norm(), 1e-9);
 }
 
-TEST(Reprojection, APointAtInfinityStaysWhereverTheCameraGoes) {
+TEST(Reprojection, PointAtInfinityIsIndependentOfTranslation) {
   View view;
   view.inverse_depth = 0.0;
   const Eigen::Vector2d before = view.projection().pixel;
@@ -98,7 +99,7 @@ TEST(Reprojection, APointAtInfinityStaysWhereverTheCameraGoes) {
   EXPECT_LT((view.projection().pixel - before).norm(), 1e-9);
 }
 
-TEST(Reprojection, WhatIsBehindTheCameraIsNotSeen) {
+TEST(Reprojection, RejectsPointsBehindTheCamera) {
   View view;
   view.T_world_camera.translation().z() += 20.0;
   EXPECT_FALSE(view.projection().valid);
@@ -125,7 +126,7 @@ TEST(Reprojection, RightJacobianOfRotationAgreesWithDifferences) {
   }
 }
 
-/// Three pairs, unevenly spaced in time and turning all the time, all with that offset.
+/// Three pairs, unevenly spaced in time, with turns in each step; all have the same offset.
 std::vector<TimedPose> unsteadyPoses(double offset) {
   const Eigen::Isometry3d first = motionFromVector(vector6(3.0, -1.0, 2.0, 0.4, 0.3, -0.2));
   const Eigen::Isometry3d second = first * motionFromVector(vector6(0.03, -0.02, 0.15, 0.02, -0.09, 0.03));
@@ -150,7 +151,7 @@ TEST(RightCamera, DerivativesAgreeWithDifferences) {
     int neighbour;
     int third;
   };
-  // Later with a later neighbour, earlier with an earlier one, and both carried on where there is none.
+  // Interpolation with a later and an earlier neighbour, extrapolation at both ends, and no offset.
   for (const Case& c : {Case{0.02, 1, 2, 0}, Case{-0.02, 1, 0, 2}, Case{0.02, 2, 1, 0}, Case{-0.02, 0, 1, 2},
                         Case{0.0, 1, -1, -1}}) {
     const std::vector<TimedPose> poses = unsteadyPoses(c.offset);
@@ -184,12 +185,12 @@ TEST(RightCamera, DerivativeByTheOffsetAgreesWithDifferences) {
   }
 }
 
-TEST(RightCamera, OfAStandingCartDoesNotDependOnTheOffset) {
+TEST(RightCamera, IsIndependentOfTheOffsetAtStandstill) {
   const std::vector<TimedPose> poses = {{0.0, 0.02, steadyDrive(1.0)}, {0.05, 0.02, steadyDrive(1.0)}};
   EXPECT_LT(rightCameraOf(poses, 1, kRigCamera.baseline).by_offset.norm(), 1e-12);
 }
 
-TEST(RightCamera, LiesOnASteadyDriveAtItsOwnInstant) {
+TEST(RightCamera, IsExactOnASteadyDrive) {
   for (const double offset : {-0.027, -0.01, 0.004, 0.027}) {
     const std::vector<TimedPose> poses = {{0.0, offset, steadyDrive(0.0)},
                                           {0.055, offset, steadyDrive(0.055)},
@@ -203,7 +204,7 @@ TEST(RightCamera, LiesOnASteadyDriveAtItsOwnInstant) {
   }
 }
 
-TEST(RightCamera, LiesOnADriveThatGathersSpeedInABend) {
+TEST(RightCamera, IsExactOnAnAcceleratedCurve) {
   const auto drive = [](double t) {
     return motionFromVector(vector6(2.0 * t * t, 0.0, 5.0 * t + t * t, 0.0, 0.4 * t + 0.3 * t * t, 0.0));
   };
@@ -219,13 +220,13 @@ TEST(RightCamera, LiesOnADriveThatGathersSpeedInABend) {
   }
 }
 
-TEST(RightCamera, OfTheSameInstantStandsBesideTheLeftOne) {
+TEST(RightCamera, IsOneBaselineFromTheLeftOneAtZeroOffset) {
   const std::vector<TimedPose> poses = unsteadyPoses(0.0);
   const RightCamera right = rightCameraOf(poses, 1, kRigCamera.baseline);
   EXPECT_LT((right.T_world_camera.matrix() - test::rightOf(poses[1].T_world_camera).matrix()).norm(), 1e-12);
 }
 
-TEST(RightCamera, OfALonePairStandsBesideTheLeftOne) {
+TEST(RightCamera, IsOneBaselineFromTheLeftOneForASinglePair) {
   const std::vector<TimedPose> poses = {{0.0, 0.02, steadyDrive(1.0)}};
   const RightCamera right = rightCameraOf(poses, 0, kRigCamera.baseline);
   EXPECT_EQ(right.neighbour, -1);

@@ -1,4 +1,4 @@
-// The small calculus, and the odometry's camera geometry.
+// Tests of rigid motions, of the stereo camera's geometry and of feature history.
 #include "vo_core/rigid_motion.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ Eigen::Isometry3d someMotion() {
   return motionFromVector(vector);
 }
 
-TEST(RigidMotion, VectorsGoThereAndBack) {
+TEST(RigidMotion, ConvertsToAVectorAndBack) {
   Vector6d vector;
   vector << 1, -2, 3, 0.1, 0.2, -0.3;
   EXPECT_LT((vectorFromMotion(motionFromVector(vector)) - vector).norm(), 1e-12);
@@ -57,7 +57,7 @@ TEST(RigidMotion, CovarianceOfAChainAgreesWithSimulation) {
   EXPECT_LT((sum / kTrials - expected).norm(), 0.04 * expected.norm());
 }
 
-TEST(RigidMotion, InvertingInTurnStaysOrthonormal) {
+TEST(RigidMotion, StaysOrthonormalUnderRepeatedInversion) {
   const Eigen::Isometry3d step = someMotion();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 200; ++i)
@@ -89,7 +89,7 @@ TEST(StereoCamera, CovarianceOfAPointAgreesWithSimulation) {
   EXPECT_LT((sum / kTrials - expected).norm(), 0.05 * expected.norm());
 }
 
-TEST(StereoCamera, RefusesWhatMakesNoSenseByName) {
+TEST(StereoCamera, RejectsInvalidValuesByName) {
   StereoCamera camera = kCamera;
   camera.baseline = -0.1;
   try {
@@ -100,7 +100,7 @@ TEST(StereoCamera, RefusesWhatMakesNoSenseByName) {
   }
 }
 
-TEST(FeatureHistory, AMovingObjectLosesItsWeightAndIsRemoved) {
+TEST(FeatureHistory, MovingFeatureLosesItsWeightWithinFivePairs) {
   const HistorySettings settings;
   const Eigen::Matrix3d covariance = 0.01 * Eigen::Matrix3d::Identity();
   const WorldStep walking{Eigen::Vector3d(0.8, 0.0, 0.0), covariance};  // 8 standard deviations a pair
@@ -111,7 +111,7 @@ TEST(FeatureHistory, AMovingObjectLosesItsWeightAndIsRemoved) {
   EXPECT_LE(pairs, 5);
 }
 
-TEST(FeatureHistory, TheStaticWorldKeepsItsWeight) {
+TEST(FeatureHistory, StaticFeatureKeepsItsWeight) {
   const HistorySettings settings;
   test::Noise noise(9);
   const auto step = [&] {

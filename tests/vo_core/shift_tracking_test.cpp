@@ -1,4 +1,4 @@
-// Shifts by themselves; that they lead to the right place is tested with what follows them (klt_test).
+// Tests of shift tracking by itself; its accuracy together with the alignment is tested in klt_test.cpp.
 #include "vo_core/shift_tracking.hpp"
 
 #include <cstddef>
@@ -15,10 +15,10 @@ constexpr int kWidth = 320, kHeight = 240, kLevels = 4;
 const Eigen::Vector2d kMove(6.4, -3.7);  // px
 constexpr double kLeastCorrelation = 0.5;
 
-struct Pictures {
+struct TestImages {
   ImagePyramid before, after;
 
-  Pictures() {
+  TestImages() {
     const test::WaveTexture texture(5);
     before = buildPyramid(test::draw(kWidth, kHeight, texture), kLevels);
     after =
@@ -31,13 +31,13 @@ struct Pictures {
   }
 };
 
-TEST(ShiftTracking, IsCloserTheFinerItsLastLevel) {
-  const Pictures pictures;
+TEST(ShiftTracking, IsMoreAccurateTheFinerItsLastLevel) {
+  const TestImages images;
   for (const int finest : {0, 1, 2}) {
     test::Statistics error;
     for (int x = 50; x < kWidth - 50; x += 9) {
       const Eigen::Vector2d from(x + 0.3, 118.6);
-      const auto shifted = trackShift(pictures.task(from, {finest, kLevels - 1}), kLeastCorrelation);
+      const auto shifted = trackShift(images.task(from, {finest, kLevels - 1}), kLeastCorrelation);
       if (shifted) error.add((*shifted - from - kMove).norm());
     }
     EXPECT_GT(error.count(), 15) << finest;
@@ -45,13 +45,13 @@ TEST(ShiftTracking, IsCloserTheFinerItsLastLevel) {
   }
 }
 
-TEST(ShiftTracking, IsTheSameTogetherAsAlone) {
-  const Pictures pictures;
+TEST(ShiftTracking, GivesTheSameResultsTogetherAsAlone) {
+  const TestImages images;
   const PyramidLevels several[] = {{0, 3}, {1, 1}, {2, 3}, {1, 3}, {0, 9}, {5, 6}};
   std::vector<ShiftTask> tasks;
   for (int i = 0; i < 27; ++i) {
-    const Eigen::Vector2d from(3.3 + 12.7 * i, 20.6 + 7.0 * i);  // the last ones outside
-    tasks.push_back(pictures.task(from, several[i % 6]));
+    const Eigen::Vector2d from(3.3 + 12.7 * i, 20.6 + 7.0 * i);  // the last ones lie outside
+    tasks.push_back(images.task(from, several[i % 6]));
     tasks.back().guess += Eigen::Vector2d(i % 4, 2.0 - i % 3);
   }
   int found = 0;

@@ -1,4 +1,5 @@
-// A program of its own, as it counts what the whole program allocates.
+// Test that the odometry does not allocate in steady state. A program of its own, because it counts the
+// allocations of the whole program.
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -19,8 +20,8 @@ std::atomic<long> allocations{0};
 
 }  // namespace
 
-// In place of the C library's, which operator new, Eigen and OpenCV's images all call. Those that allocate
-// are replaced; what they give is freed by the library's own.
+// Replacements of the C library's allocation functions, which operator new, Eigen and OpenCV's images all
+// call. Only those that allocate are replaced; the library's own free() frees their memory.
 extern "C" {
 // NOLINTBEGIN(readability-identifier-naming): as glibc names them
 void* __libc_malloc(std::size_t size);
@@ -58,35 +59,35 @@ namespace cartvo {
 namespace {
 
 constexpr StereoCamera kCamera{230.0, 159.5, 119.5, 0.15, 320, 240};
-constexpr int kSettled = 10;            // the window is full by then
-constexpr int kBrake = 14, kStop = 24;  // from the one on the cart slows down, from the other on it stands
+constexpr int kWarmUpPairs = 10;        // pairs until the window is full
+constexpr int kBrake = 14, kStop = 24;  // the cart slows down from the first on and stands from the second on
 constexpr int kPairs = 40;
-constexpr int kKeyFrames = 6;  // pairs from one to the next
+constexpr int kKeyFrames = 6;  // pairs between key frames
 constexpr std::int64_t kStep = 50'000'000;
 
-/// A cart that drives, turns, slows down and stops.
+/// Images of a cart that drives, turns, slows down and stops.
 const std::vector<StereoImages>& drive() {
   static const std::vector<StereoImages> pairs = [] {
     const test::CorridorWorld world(5);
-    std::vector<StereoImages> rendered;
-    double way = 0.0;  // in full steps
+    std::vector<StereoImages> images;
+    double distance = 0.0;  // distance in full steps
     for (int i = 0; i <= kStop; ++i) {
-      Eigen::Isometry3d pose(Eigen::AngleAxisd(0.01 * way, Eigen::Vector3d::UnitY()));
-      pose.translation().z() = 0.2 * way;
-      rendered.push_back(world.render(kCamera, pose, i * kStep));
-      way += std::min(1.0, static_cast<double>(kStop - i) / (kStop - kBrake));
+      Eigen::Isometry3d pose(Eigen::AngleAxisd(0.01 * distance, Eigen::Vector3d::UnitY()));
+      pose.translation().z() = 0.2 * distance;
+      images.push_back(world.render(kCamera, pose, i * kStep));
+      distance += std::min(1.0, static_cast<double>(kStop - i) / (kStop - kBrake));
     }
-    rendered.resize(kPairs, rendered.back());
+    images.resize(kPairs, images.back());
     for (int i = kStop; i < kPairs; ++i)
-      rendered[i].left_exposure_ns = rendered[i].right_exposure_ns = i * kStep;
+      images[i].left_exposure_ns = images[i].right_exposure_ns = i * kStep;
     for (int i = 0; i < kPairs; i += kKeyFrames)
-      rendered[i].key_frames = {true, true};
-    return rendered;
+      images[i].key_frames = {true, true};
+    return images;
   }();
   return pairs;
 }
 
-TEST(Allocations, AreCountedWhoeverAsksForThem) {
+TEST(Allocations, AreCountedForOpenCvEigenAndVectors) {
   const long before = allocations;
   const cv::Mat image(100, 100, CV_8UC1);
   EXPECT_GT(allocations, before);
@@ -111,8 +112,8 @@ class SteadyState : public testing::TestWithParam<Run> {
   void TearDown() override { cv::setNumThreads(-1); }
 };
 
-// Whether the cart drives, turns, brakes or stands. But for the library of parallel loops: each thread of its
-// own gets memory once, whenever it first finds something to do.
+// In all phases: driving, turning, braking, standstill. The library of parallel loops is exempt: each of its
+// threads allocates once, when it first finds something to do.
 TEST_P(SteadyState, AllocatesNothing) {
   OdometrySettings settings;
   settings.features = GetParam().features;
@@ -122,7 +123,7 @@ TEST_P(SteadyState, AllocatesNothing) {
   for (int i = 0; i < kPairs; ++i) {
     const long before = allocations;
     const OdometryEstimate estimate = odometry.process(drive()[i], observer);
-    if (i >= kSettled && allocations != before) ++allocating;
+    if (i >= kWarmUpPairs && allocations != before) ++allocating;
     EXPECT_EQ(estimate.valid, i > 0) << i;
     EXPECT_GT(estimate.counts.detected, settings.features / 2) << i;
     EXPECT_TRUE(i < kPairs - 1 || estimate.reasons == OdometryReason::zero_velocity);

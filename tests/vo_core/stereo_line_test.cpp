@@ -61,11 +61,11 @@ void expectFoundOnlyAlongTheLine(const View& view) {
   const LineErrors errors = matchGrid(view, view.line);
   EXPECT_GT(errors.found, 0.8 * errors.asked);
   EXPECT_LT(std::abs(errors.x.mean()), 0.03);
-  EXPECT_LT(errors.x.deviation(), 0.1);
+  EXPECT_LT(errors.x.stddev(), 0.1);
   EXPECT_LT(std::abs(errors.y.mean()), 0.2);  // rows are whole ones: the alignment comes after
-  EXPECT_LT(errors.y.deviation(), 0.2);
+  EXPECT_LT(errors.y.stddev(), 0.2);
   EXPECT_LT(std::abs(errors.disparity.mean()), 0.05);
-  EXPECT_LT(errors.disparity.deviation(), 0.15);
+  EXPECT_LT(errors.disparity.stddev(), 0.15);
   const int by_rows = matchGrid(view, EpipolarLine{}).found;
   EXPECT_LT(by_rows, 0.05 * errors.asked);
 }
@@ -94,8 +94,8 @@ TEST(StereoLine, WithoutALineTheRightPixelLiesOnTheRow) {
   const LineErrors errors = matchGrid(view, EpipolarLine{});
   EXPECT_GT(errors.found, 0.9 * errors.asked);
   EXPECT_LT(std::abs(errors.x.mean()), 0.02);
-  EXPECT_LT(errors.x.deviation(), 0.06);
-  EXPECT_EQ(errors.y.deviation(), 0.0);
+  EXPECT_LT(errors.x.stddev(), 0.06);
+  EXPECT_EQ(errors.y.stddev(), 0.0);
   EXPECT_LT(std::abs(errors.x.mean() + errors.disparity.mean()), 1e-9);  // one is the other
 }
 

@@ -1,4 +1,4 @@
-// The stereo match on textures shifted exactly by known disparities.
+// Tests of the stereo match on textures shifted exactly by known disparities.
 #include "vo_core/stereo_matcher.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ cv::Mat rightView(const test::WaveTexture& texture, double disparity) {
 
 struct DisparityErrors {
   test::Statistics error;
-  int asked = 0;
+  int attempted = 0;
 };
 
 DisparityErrors matchGrid(double disparity, int level) {
@@ -31,7 +31,7 @@ DisparityErrors matchGrid(double disparity, int level) {
   DisparityErrors errors;
   for (int y = 20; y < kHeight - 20; y += 5) {
     for (int x = 110; x < kWidth - 20; x += 5) {
-      ++errors.asked;
+      ++errors.attempted;
       const auto match = matchStereo(left, right, {x + 0.3, y + 0.6}, StereoSettings{}, {}, level);
       if (match) errors.error.add(match->disparity - disparity);
     }
@@ -42,22 +42,22 @@ DisparityErrors matchGrid(double disparity, int level) {
 TEST(StereoMatcher, FindsDisparitiesNearAndFarWithoutBias) {
   for (const double disparity : {0.6, 1.0, 1.25, 2.5, 5.1, 7.75, 12.3, 25.5, 40.9, 61.35, 80.0}) {
     const DisparityErrors errors = matchGrid(disparity, 0);
-    EXPECT_GT(errors.error.count(), 0.8 * errors.asked) << disparity;
+    EXPECT_GT(errors.error.count(), 0.8 * errors.attempted) << disparity;
     EXPECT_LT(std::abs(errors.error.mean()), 0.02) << disparity;
-    EXPECT_LT(errors.error.deviation(), 0.06) << disparity;
+    EXPECT_LT(errors.error.stddev(), 0.06) << disparity;
   }
 }
 
-TEST(StereoMatcher, FindsTheSameInHalfTheImage) {
+TEST(StereoMatcher, FindsDisparitiesAtHalfResolution) {
   for (const double disparity : {1.25, 5.1, 25.5, 61.35, 80.0}) {
     const DisparityErrors errors = matchGrid(disparity, 1);
-    EXPECT_GT(errors.error.count(), 0.8 * errors.asked) << disparity;
+    EXPECT_GT(errors.error.count(), 0.8 * errors.attempted) << disparity;
     EXPECT_LT(std::abs(errors.error.mean()), 0.04) << disparity;
-    EXPECT_LT(errors.error.deviation(), 0.12) << disparity;
+    EXPECT_LT(errors.error.stddev(), 0.12) << disparity;
   }
 }
 
-TEST(StereoMatcher, FindsNothingInALevelThatIsNotThere) {
+TEST(StereoMatcher, RejectsAMissingLevel) {
   const test::WaveTexture texture(3);
   const ImagePyramid left = buildPyramid(leftView(texture), 2);
   const ImagePyramid right = buildPyramid(rightView(texture, 5.0), 1);
@@ -75,8 +75,8 @@ TEST(StereoMatcher, FindsAMatchOneRowOff) {
   EXPECT_NEAR(match->disparity, 9.4, 0.05);
 }
 
-TEST(StereoMatcher, RefusesWhatRepeatsItself) {
-  // A fence: the same every 24 px, so that no disparity is better than the next.
+TEST(StereoMatcher, RejectsRepetitiveTexture) {
+  // A fence that repeats every 24 px, so that no disparity is better than the next.
   const auto fence = [](double x, double y) {
     return 128.0 + 60.0 * std::sin(2.0 * M_PI * x / 24.0) + 20.0 * std::sin(y / 3.0);
   };
@@ -89,7 +89,7 @@ TEST(StereoMatcher, RefusesWhatRepeatsItself) {
   EXPECT_EQ(matched, 0);
 }
 
-TEST(StereoMatcher, RefusesWhatTheRightImageDoesNotShow) {
+TEST(StereoMatcher, RejectsUnrelatedImages) {
   const ImagePyramid left = buildPyramid(leftView(test::WaveTexture(1)), 1);
   const ImagePyramid right = buildPyramid(rightView(test::WaveTexture(2), 0.0), 1);
   const ImagePyramid black = buildPyramid(cv::Mat::zeros(kHeight, kWidth, CV_8UC1), 1);

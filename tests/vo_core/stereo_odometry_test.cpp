@@ -1,4 +1,4 @@
-// The whole odometry in a rendered corridor with known motion, and on what goes wrong.
+// Tests of the whole odometry in a rendered corridor with known motion, and with faulty input.
 #include "vo_core/stereo_odometry.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Odometry, EachEstimator, testing::Values(Estimator::rep
                            return tested.param == Estimator::thesis ? "Thesis" : "Reprojection";
                          });
 
-TEST_P(EachEstimator, FollowsAKnownMotion) {
+TEST_P(EachEstimator, TracksAKnownMotion) {
   const auto estimates = run(drivePairs(), smallSettings());
   EXPECT_FALSE(estimates[0].valid);
   EXPECT_EQ(estimates[0].reasons, OdometryReason::first_pair);
@@ -83,12 +83,13 @@ TEST_P(EachEstimator, FollowsAKnownMotion) {
         Eigen::SelfAdjointEigenSolver<Matrix6d>(estimates[i].motion_covariance).eigenvalues().minCoeff(),
         0.0);
   }
+  ASSERT_FALSE(estimates.empty());
   EXPECT_GT(estimates.back().pose_covariance.trace(), estimates[1].pose_covariance.trace());
 }
 
-TEST_P(EachEstimator, EachPoseIsTheReferencesTimesTheMotion) {
+TEST_P(EachEstimator, PoseIsTheReferenceTimesTheMotion) {
   const auto estimates = run(drivePairs(), smallSettings());
-  // A pair tells of the pose before, too, which is published already.
+  // A pair also corrects the previous pose, which has been published.
   const double correction = GetParam() == Estimator::thesis ? 1e-9 : 5e-4;
   for (std::size_t i = 1; i < estimates.size(); ++i)
     EXPECT_LT((estimates[i].T_world_camera.matrix() -
@@ -98,16 +99,16 @@ TEST_P(EachEstimator, EachPoseIsTheReferencesTimesTheMotion) {
         << i;
 }
 
-TEST_P(EachEstimator, GivesTheSameBytesWhereverImagesAreWritten) {
+TEST_P(EachEstimator, GivesTheSameEstimatesForAcquiredBuffers) {
   const auto copied = run(drivePairs(), smallSettings());
   StereoOdometry odometry(kCamera, smallSettings());
   NullStageObserver observer;
   for (std::size_t i = 0; i < copied.size(); ++i) {
     StereoImages placed = drivePairs()[i];
     placed.left = placed.right = cv::Mat();
-    odometry.placeNext(placed);
+    odometry.acquireBuffers(placed);
     drivePairs()[i].left.copyTo(placed.left);
-    if (i % 3 == 0) placed.right = cv::Mat();  // as if it had been rectified already
+    if (i % 3 == 0) placed.right = cv::Mat();  // as of an image that is not copied to the buffer
     drivePairs()[i].right.copyTo(placed.right);
     const OdometryEstimate estimate = odometry.process(placed, observer);
     EXPECT_EQ(estimate.T_world_camera.matrix(), copied[i].T_world_camera.matrix());
@@ -115,7 +116,7 @@ TEST_P(EachEstimator, GivesTheSameBytesWhereverImagesAreWritten) {
   }
 }
 
-TEST_P(EachEstimator, GivesTheSameBytesWhateverTheNumberOfThreads) {
+TEST_P(EachEstimator, GivesTheSameEstimatesForAnyNumberOfThreads) {
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   const auto one = run(drivePairs(), smallSettings());
@@ -128,7 +129,7 @@ TEST_P(EachEstimator, GivesTheSameBytesWhateverTheNumberOfThreads) {
   }
 }
 
-TEST_P(EachEstimator, IdenticalImagesMeanRest) {
+TEST_P(EachEstimator, IdenticalImagesGiveZeroMotion) {
   StereoImages pair = drivePairs()[0];
   std::vector<StereoImages> pairs;
   for (int i = 0; i < 5; ++i) {
@@ -138,13 +139,13 @@ TEST_P(EachEstimator, IdenticalImagesMeanRest) {
   const auto estimates = run(pairs, smallSettings());
   for (std::size_t i = 1; i < estimates.size(); ++i) {
     EXPECT_TRUE(estimates[i].valid);
-    // Not nil to the last digit: an alignment ends where its steps are short, and begins where it is
-    // expected; patches are sampled at 255ths of a pixel.
+    // Not exactly zero: an alignment starts at the prediction and ends when its steps are short; patches are
+    // sampled at 255ths of a pixel.
     EXPECT_LT(vectorFromMotion(estimates[i].T_world_camera).norm(), 3e-5);
   }
 }
 
-TEST_P(EachEstimator, ImagesWithoutTextureAreInvalidWithTheirReason) {
+TEST_P(EachEstimator, ImagesWithoutTextureHaveTooFewFeatures) {
   for (const int grey : {0, 128, 255}) {
     const auto estimates = run(
         {uniformPair(grey, 0), uniformPair(grey, kPeriod), uniformPair(grey, 2 * kPeriod)}, smallSettings());
@@ -168,23 +169,23 @@ TEST_P(EachEstimator, BridgesAShortGap) {
   EXPECT_LT((estimates[5].T_world_camera.translation() - drive(5).translation()).norm(), 0.03);
 }
 
-TEST_P(EachEstimator, BeginsANewEpochAfterALoss) {
+TEST_P(EachEstimator, StartsANewEpochAfterALoss) {
   const test::CorridorWorld elsewhere(99);
   std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 4);
   for (int i = 4; i < 7; ++i)
     pairs.push_back(elsewhere.render(kCamera, drive(i), i * kPeriod));
   const auto estimates = run(pairs, smallSettings());
   EXPECT_TRUE(estimates[3].valid);
-  EXPECT_FALSE(estimates[4].valid);  // the cut
+  EXPECT_FALSE(estimates[4].valid);  // the world changes
   EXPECT_EQ(estimates[4].reset_counter, 0U);
   ASSERT_TRUE(estimates[5].valid);
   EXPECT_EQ(estimates[5].reset_counter, 1U);
   EXPECT_EQ(estimates[6].reset_counter, 1U);
-  const Eigen::Isometry3d expected = drive(4).inverse() * drive(5);  // the world is the camera of pair 4 now
+  const Eigen::Isometry3d expected = drive(4).inverse() * drive(5);  // the world is the camera of pair 4
   EXPECT_LT((estimates[5].T_world_camera.translation() - expected.translation()).norm(), 0.01);
 }
 
-TEST_P(EachEstimator, ATimeStepOutOfRangeBeginsANewEpoch) {
+TEST_P(EachEstimator, StartsANewEpochAtATimeStepOutOfRange) {
   for (const std::int64_t step : {std::int64_t{0}, -kPeriod, 10'000'000'000}) {
     std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 4);
     const std::int64_t before = pairs[1].left_exposure_ns;
@@ -201,8 +202,8 @@ TEST_P(EachEstimator, ATimeStepOutOfRangeBeginsANewEpoch) {
   }
 }
 
-TEST_P(EachEstimator, ExposuresTooFarApartAreRefused) {
-  if (GetParam() == Estimator::thesis) GTEST_SKIP() << "takes both images as of one instant";
+TEST_P(EachEstimator, RejectsExposuresTooFarApart) {
+  if (GetParam() == Estimator::thesis) GTEST_SKIP() << "treats both exposures as simultaneous";
   std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 3);
   pairs[2].right_exposure_ns += 200'000'000;
   const auto estimates = run(pairs, smallSettings());
@@ -234,7 +235,7 @@ TEST_P(EachEstimator, NoiseGivesNoMotion) {
     EXPECT_FALSE(estimate.valid);
 }
 
-TEST_P(EachEstimator, NamesEachStageOnceAPair) {
+TEST_P(EachEstimator, ReportsEachStageOncePerPair) {
   struct Recorder final : StageObserver {
     std::vector<Stage> begun;
     std::vector<Stage> ended;
@@ -242,35 +243,35 @@ TEST_P(EachEstimator, NamesEachStageOnceAPair) {
     void end(Stage stage) override { ended.push_back(stage); }
   } recorder;
   StereoOdometry odometry(kCamera, smallSettings());
-  NullStageObserver nobody;
-  odometry.process(drivePairs()[0], nobody);
+  NullStageObserver null_observer;
+  odometry.process(drivePairs()[0], null_observer);
   odometry.process(drivePairs()[1], recorder);
   EXPECT_EQ(recorder.begun, recorder.ended);
   EXPECT_GE(recorder.begun.size(), 6U);
   EXPECT_EQ(std::set<Stage>(recorder.begun.begin(), recorder.begun.end()).size(), recorder.begun.size());
 }
 
-TEST_P(EachEstimator, GoesOnWithFewerFeaturesAndWithMoreAgain) {
+TEST_P(EachEstimator, ContinuesWhenTheTargetFeatureCountChanges) {
   StereoOdometry odometry(kCamera, smallSettings());
   NullStageObserver observer;
   const std::vector<StereoImages>& pairs = drivePairs();
   ASSERT_GE(pairs.size(), 7U);
   const int all = odometry.process(pairs[0], observer).counts.detected;
-  odometry.aimAt(60);
+  odometry.setTargetFeatureCount(60);
   for (std::size_t i = 1; i < 4; ++i)
     EXPECT_TRUE(odometry.process(pairs[i], observer).valid);
   const int few = odometry.process(pairs[4], observer).counts.detected;
   EXPECT_LT(few, all);
   if (GetParam() == Estimator::reprojection) {
-    EXPECT_LE(few, 60) << "the thesis' features stay until they are lost";
+    EXPECT_LE(few, 60) << "the thesis estimator keeps features until they are lost";
   }
-  odometry.aimAt(smallSettings().features);
+  odometry.setTargetFeatureCount(smallSettings().features);
   EXPECT_GT(odometry.process(pairs[5], observer).counts.detected, few);
   EXPECT_TRUE(odometry.process(pairs[6], observer).valid);
-  EXPECT_THROW(odometry.aimAt(0), std::invalid_argument);
+  EXPECT_THROW(odometry.setTargetFeatureCount(0), std::invalid_argument);
 }
 
-TEST_P(EachEstimator, RefusesImagesOfAnotherKind) {
+TEST_P(EachEstimator, RejectsImagesOfAnotherSize) {
   StereoOdometry odometry(kCamera, smallSettings());
   NullStageObserver observer;
   StereoImages pair = drivePairs()[0];
@@ -278,8 +279,8 @@ TEST_P(EachEstimator, RefusesImagesOfAnotherKind) {
   EXPECT_THROW(odometry.process(pair, observer), std::invalid_argument);
 }
 
-// Their pictures show what is ahead of them, and no residual tells of it.
-TEST(KeyFramesOfAVideo, AreOwnedUpTo) {
+// Key frames show the world ahead of their pose, which residuals do not show.
+TEST(CodecErrors, ShiftOfKeyFramesIsInTheCovariances) {
   constexpr int kPairs = 18, kInterval = 8;
   constexpr double kAhead = 0.00095;  // m
   const test::CorridorWorld world(1);
@@ -290,27 +291,27 @@ TEST(KeyFramesOfAVideo, AreOwnedUpTo) {
     pairs.push_back(world.render(kCamera, shown, i * kPeriod));
     pairs.back().key_frames = {is_key, is_key};
   }
-  const std::vector<OdometryEstimate> told = run(pairs, {});
+  const std::vector<OdometryEstimate> with_key_frames = run(pairs, {});
   for (StereoImages& pair : pairs)
     pair.key_frames = {};
-  const std::vector<OdometryEstimate> untold = run(pairs, {});
-  const auto deviations_off = [](const OdometryEstimate& estimate, int pair) {
+  const std::vector<OdometryEstimate> without_key_frames = run(pairs, {});
+  const auto errorInStddevs = [](const OdometryEstimate& estimate, int pair) {
     const double truth = (drive(pair - 1).inverse() * drive(pair)).translation().z();
     return std::abs(estimate.T_previous_current.translation().z() - truth) /
            std::sqrt(estimate.motion_covariance(2, 2));
   };
   for (int i = 1; i < kPairs; ++i) {
-    ASSERT_TRUE(told[i].valid) << i;
-    EXPECT_LT(deviations_off(told[i], i), 3.0) << i;
+    ASSERT_TRUE(with_key_frames[i].valid) << i;
+    EXPECT_LT(errorInStddevs(with_key_frames[i], i), 3.0) << i;
     if (i > kInterval && i % kInterval == 1) {
-      EXPECT_GT(deviations_off(untold[i], i), 3.0) << i;
+      EXPECT_GT(errorInStddevs(unwith_key_frames[i], i), 3.0) << i;
     }
   }
 }
 
-/// Pictures that show the cart a few millimetres off, ahead and behind in turn: a video's first one is a key
-/// frame.
-std::vector<StereoImages> leapingPairs(int count, KeyFrames first) {
+/// Pairs whose poses are alternately a few millimetres ahead and behind; `first`: key frames of the first
+/// one.
+std::vector<StereoImages> roughPairs(int count, KeyFrames first) {
   constexpr double kOff = 0.004;  // m
   const test::CorridorWorld world(1);
   std::vector<StereoImages> pairs;
@@ -318,14 +319,14 @@ std::vector<StereoImages> leapingPairs(int count, KeyFrames first) {
     const Eigen::Isometry3d shown = drive(i) * Eigen::Translation3d(0.0, 0.0, i % 2 == 0 ? kOff : -kOff);
     pairs.push_back(world.render(kCamera, shown, i * kPeriod));
   }
-  pairs.front().key_frames = first;
+  if (!pairs.empty()) pairs.front().key_frames = first;
   return pairs;
 }
 
-TEST(LeapsOfAVideo, AreInItsCovariances) {
+TEST(CodecErrors, InflateTheCovariances) {
   constexpr int kPairs = 18;
-  const std::vector<OdometryEstimate> video = run(leapingPairs(kPairs, {true, true}), {});
-  const std::vector<OdometryEstimate> images = run(leapingPairs(kPairs, {}), {});
+  const std::vector<OdometryEstimate> video = run(roughPairs(kPairs, {true, true}), {});
+  const std::vector<OdometryEstimate> images = run(roughPairs(kPairs, {}), {});
   ASSERT_TRUE(video.back().valid && images.back().valid);
   EXPECT_GT(video.back().motion_covariance(2, 2), 4.0 * images.back().motion_covariance(2, 2));
   EXPECT_GT(video.back().pose_covariance(2, 2), 1.5 * images.back().pose_covariance(2, 2));
@@ -333,9 +334,9 @@ TEST(LeapsOfAVideo, AreInItsCovariances) {
             0.01);
 }
 
-TEST(LeapsOfAVideo, AreNotLearnedFromFirstMotions) {
-  constexpr int kFirst = 7;  // of which the noise is a guess
-  const std::vector<OdometryEstimate> video = run(leapingPairs(kFirst, {true, true}), {});
+TEST(CodecErrors, AreNotEstimatedFromFirstMotions) {
+  constexpr int kFirst = 7;  // pairs whose noise is not calibrated
+  const std::vector<OdometryEstimate> video = run(roughPairs(kFirst, {true, true}), {});
   std::vector<StereoImages> calm;
   const test::CorridorWorld world(1);
   for (int i = 0; i < kFirst; ++i)

@@ -8,8 +8,8 @@
 
 namespace cartvo::test {
 
-/// A band-limited picture defined at every real coordinate: a sum of waves of random directions and phases,
-/// no shorter than 6 px. Images made of it are exact, however they are shifted or warped.
+/// Band-limited texture defined at every real coordinate: a sum of waves of random directions and phases, no
+/// shorter than 6 px. Images drawn from it are exact under any shift or warp.
 class WaveTexture {
  public:
   explicit WaveTexture(std::uint64_t seed) {
@@ -48,7 +48,7 @@ cv::Mat draw(int width, int height, const Value& value) {
   return image;
 }
 
-/// Mean and standard deviation of what was added.
+/// Mean and standard deviation of the added values.
 class Statistics {
  public:
   void add(double value) {
@@ -58,14 +58,14 @@ class Statistics {
   }
   int count() const { return count_; }
   double mean() const { return sum_ / count_; }
-  double deviation() const { return std::sqrt(std::max(square_ / count_ - mean() * mean(), 0.0)); }
+  double stddev() const { return std::sqrt(std::max(square_ / count_ - mean() * mean(), 0.0)); }
 
  private:
   int count_ = 0;
   double sum_ = 0.0, square_ = 0.0;
 };
 
-/// Normally distributed numbers, the same on each platform.
+/// Uniform and normally distributed random numbers, the same on each platform.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : engine_(seed) {}

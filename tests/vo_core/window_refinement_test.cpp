@@ -1,4 +1,4 @@
-// The refinement lowers the error of noisy chains, and its covariance is honest.
+// Tests that the refinement reduces the error of noisy chains and that its covariance is consistent.
 #include "vo_core/window_refinement.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kRadius = 3.5;
 
-/// Features of a scene seen by `frames` frames one motion apart, the last of which is the current one; poses
-/// of the earlier ones are exact.
+/// Features of a scene observed by `frames` frames one motion apart, the last of which is the current one;
+/// the poses of the earlier ones are exact.
 std::vector<RefinementFeature> seenBy(int frames, int count, std::uint64_t seed) {
   test::Noise noise(seed);
   const Eigen::Isometry3d T = test::forwardMotion();
@@ -55,8 +55,8 @@ Vector6d errorOf(const Eigen::Isometry3d& pose, int frames) {
   return vectorFromMotion(pose.inverse() * truth(frames));
 }
 
-TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
-  // Medians: now and then a start is so far off that no refinement mends it, and sums tell of nothing else.
+TEST(WindowRefinement, ReducesTheErrorOfNoisyChains) {
+  // Medians: now and then a start is so far off that no refinement corrects it, and would dominate a sum.
   std::vector<double> before, two_frames, five_frames;
   const auto squared = [](const Eigen::Isometry3d& pose) { return errorOf(pose, 5).squaredNorm(); };
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -81,13 +81,13 @@ TEST(WindowRefinement, LowersTheErrorOfNoisyChains) {
   EXPECT_LT(median(five_frames), 0.9 * median(two_frames));
 }
 
-/// Mean normalised estimation error squared over many trials; 6 if the covariance is honest.
+/// Mean normalised estimation error squared (NEES) over many trials; 6 if the covariance is consistent.
 double meanNees(int frames, double noise_scale) {
   constexpr int kTrials = 200;
   double sum = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     auto features = seenBy(frames, 150, 100 + trial);
-    for (RefinementFeature& feature : features) {  // a wrong idea of the noise must not matter
+    for (RefinementFeature& feature : features) {  // wrongly assumed noise must not matter
       feature.current_covariance *= noise_scale * noise_scale;
       for (EarlierPoint& earlier : feature.earlier)
         earlier.covariance *= noise_scale * noise_scale;
@@ -107,13 +107,13 @@ TEST(WindowRefinement, CovarianceAgreesWithTheErrors) {
   EXPECT_NEAR(meanNees(5, 1.0), 6.0, 2.5);
 }
 
-TEST(WindowRefinement, CovarianceComesFromTheErrorsNotFromTheAssumedNoise) {
+TEST(WindowRefinement, CovarianceIsIndependentOfTheAssumedNoise) {
   EXPECT_NEAR(meanNees(2, 1.6), 6.0, 1.2);
 }
 
-TEST(WindowRefinement, NeighboursThatErrTogetherTellNoMoreThanOne) {
+TEST(WindowRefinement, CovarianceCountsCorrelatedNeighboursOnce) {
   const auto features = seenBy(2, 150, 1);
-  std::vector<RefinementFeature> crowd;  // each feature four times over, in the same cell
+  std::vector<RefinementFeature> crowd;  // each feature four times, in the same cell
   for (int copy = 0; copy < 4; ++copy)
     crowd.insert(crowd.end(), features.begin(), features.end());
   const RefinedPose one = refinePose(truth(2), features, 1.0, kRadius, RefinementSettings{});
@@ -122,14 +122,14 @@ TEST(WindowRefinement, NeighboursThatErrTogetherTellNoMoreThanOne) {
   EXPECT_NEAR(many.covariance.trace() / one.covariance.trace(), 1.0, 0.05);
 }
 
-TEST(WindowRefinement, LeavesAnOpenPoseAsItCame) {
+TEST(WindowRefinement, DoesNotConvergeOnAnUndeterminedPose) {
   auto features = seenBy(2, 150, 1);
   features.resize(2);
   EXPECT_FALSE(refinePose(truth(2), features, 1.0, kRadius, RefinementSettings{}).converged);
   EXPECT_FALSE(refinePose(truth(2), {}, 1.0, kRadius, RefinementSettings{}).converged);
 }
 
-TEST(WindowRefinement, IdenticalPointsGiveACovarianceThatCanBeInverted) {
+TEST(WindowRefinement, CovarianceOfIdenticalPointsIsInvertible) {
   auto features = seenBy(2, 100, 1);
   for (RefinementFeature& feature : features)
     feature.current = feature.earlier[0].world;

@@ -1,4 +1,4 @@
-// Ablations as a table and JSON.
+// Ablation results as a table and as JSON.
 #include "tools/benchmark/ablation_report.hpp"
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// In the order in which they occur.
-std::vector<std::string> namesOf(const std::vector<SequenceAccuracy>& accuracies,
-                                 std::string SequenceAccuracy::*name) {
+/// The distinct values of one name field, in order of first occurrence.
+std::vector<std::string> distinctNames(const std::vector<SequenceAccuracy>& accuracies,
+                                       std::string SequenceAccuracy::*name) {
   std::vector<std::string> names;
   for (const SequenceAccuracy& accuracy : accuracies) {
     if (std::find(names.begin(), names.end(), accuracy.*name) == names.end()) names.push_back(accuracy.*name);
@@ -23,12 +23,12 @@ std::vector<std::string> namesOf(const std::vector<SequenceAccuracy>& accuracies
   return names;
 }
 
-std::vector<SequenceAccuracy> ofVariant(const std::vector<SequenceAccuracy>& accuracies,
-                                        const std::string& variant) {
-  std::vector<SequenceAccuracy> own;
-  std::copy_if(accuracies.begin(), accuracies.end(), std::back_inserter(own),
+std::vector<SequenceAccuracy> selectVariant(const std::vector<SequenceAccuracy>& accuracies,
+                                            const std::string& variant) {
+  std::vector<SequenceAccuracy> selected;
+  std::copy_if(accuracies.begin(), accuracies.end(), std::back_inserter(selected),
                [&](const SequenceAccuracy& accuracy) { return accuracy.estimator == variant; });
-  return own;
+  return selected;
 }
 
 bool isDrive(const SequenceAccuracy& accuracy) {
@@ -69,14 +69,15 @@ std::string timeCell(const std::vector<SequenceAccuracy>& accuracies) {
 
 std::string legend(const std::vector<std::string>& variants) {
   std::string text =
-      "Errors of the left camera's path over segments of 5 to 40 m (% / deg/m; cartvo-evaluate(1)), or of "
-      "the "
-      "last pose\n"
-      "where the camera stands. worlds: the segments of all rendered drives together. ms: median time of a "
+      "Errors of the left camera's path over segments of 5 to 40 m (% / deg/m; cartvo-evaluate(1)), or the "
+      "error of the\n"
+      "last pose if the camera does not move. worlds: the segments of all rendered drives together. ms: "
+      "median "
+      "time of a\n"
       "pair.\n";
   for (const Ablation& ablation : ablations()) {
     if (std::find(variants.begin(), variants.end(), ablation.name) != variants.end())
-      text.append(ablation.name).append(": ").append(ablation.what).append("\n");
+      text.append(ablation.name).append(": ").append(ablation.description).append("\n");
   }
   return text;
 }
@@ -84,18 +85,18 @@ std::string legend(const std::vector<std::string>& variants) {
 }  // namespace
 
 std::string ablationTable(const std::vector<SequenceAccuracy>& accuracies, ReportFormat format) {
-  std::vector<std::string> header = namesOf(accuracies, &SequenceAccuracy::sequence);
+  std::vector<std::string> header = distinctNames(accuracies, &SequenceAccuracy::sequence);
   header.insert(header.begin(), "variant");
   header.insert(header.end(), {"worlds", "ms"});
   Table table(header);
-  const std::vector<std::string> variants = namesOf(accuracies, &SequenceAccuracy::estimator);
+  const std::vector<std::string> variants = distinctNames(accuracies, &SequenceAccuracy::estimator);
   for (const std::string& variant : variants) {
-    const std::vector<SequenceAccuracy> own = ofVariant(accuracies, variant);
+    const std::vector<SequenceAccuracy> selected = selectVariant(accuracies, variant);
     std::vector<std::string> row{variant};
-    for (const SequenceAccuracy& accuracy : own)
+    for (const SequenceAccuracy& accuracy : selected)
       row.push_back(cell(accuracy));
-    row.push_back(worldsCell(own));
-    row.push_back(timeCell(own));
+    row.push_back(worldsCell(selected));
+    row.push_back(timeCell(selected));
     table.add(std::move(row));
   }
   return table.as(format) + "\n" + legend(variants);
@@ -104,7 +105,7 @@ std::string ablationTable(const std::vector<SequenceAccuracy>& accuracies, Repor
 nlohmann::ordered_json ablationJson(const std::vector<SequenceAccuracy>& accuracies) {
   nlohmann::ordered_json json = accuracyJson(accuracies);
   for (const Ablation& ablation : ablations())
-    json["variants"][ablation.name] = ablation.what;
+    json["variants"][ablation.name] = ablation.description;
   return json;
 }
 

@@ -10,12 +10,12 @@
 
 namespace cartvo::benchmark {
 
-/// A row for each variant (`estimator` of the accuracies), a column for each sequence, then all rendered
-/// worlds that are driven through together and the time of a pair. `accuracies`: each variant over the same
-/// sequences, as runAccuracyBenchmark gives them. Text or Markdown.
+/// The ablation table, text or Markdown: one row per variant (the `estimator` of an accuracy), one column per
+/// sequence, then the segments of all rendered drives together and the median time of a pair, ms.
+/// `accuracies` must contain each variant over the same sequences, as returned by runAccuracyBenchmark.
 std::string ablationTable(const std::vector<SequenceAccuracy>& accuracies, ReportFormat format);
 
-/// The same for programs: accuracyJson's, and `variants`, what each name means.
+/// The output of accuracyJson and the key `variants`, which maps the name of each variant to its description.
 nlohmann::ordered_json ablationJson(const std::vector<SequenceAccuracy>& accuracies);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// The parts of the method that can be left out, by the settings that do it.
+// The ablation variants: the settings that each of them changes.
 #include "tools/benchmark/ablation_variants.hpp"
 
 #include <algorithm>
@@ -8,37 +8,39 @@ namespace cartvo::benchmark {
 const std::vector<Ablation>& ablations() {
   static const std::vector<Ablation> all{
       {"as-it-is", "the default", [](OdometrySettings&) {}},
-      {"two-pairs", "a window of two pairs: motion from one to the next only",
+      {"two-pairs", "a window of two pairs: each motion is estimated from two consecutive pairs only",
        [](OdometrySettings& s) { s.bundle.frames = 2; }},
-      {"one-free", "the newest pose moves alone, not the last two",
+      {"one-free", "only the newest pose is free, not the last two",
        [](OdometrySettings& s) { s.bundle.free_frames = 1; }},
-      {"four-free", "the newest four poses move, not the last two",
+      {"four-free", "the newest four poses are free, not the last two",
        [](OdometrySettings& s) { s.bundle.free_frames = 4; }},
-      {"no-hold", "the last pose but one moves as freely as the newest",
-       [](OdometrySettings& s) { s.bundle.hold = 0.0; }},
-      {"certain", "poses that stand in the window count as exact",
-       [](OdometrySettings& s) { s.bundle.standing_share = 1.0; }},
-      {"not-robust", "each residual has its full weight",
+      {"no-hold", "no prior on the last pose but one, which is as free as the newest",
+       [](OdometrySettings& s) { s.bundle.prior_weight = 0.0; }},
+      {"certain", "fixed poses of the window count as exact",
+       [](OdometrySettings& s) { s.bundle.fixed_pose_weight = 1.0; }},
+      {"not-robust", "no robust loss: each residual has its full weight",
        [](OdometrySettings& s) { s.bundle.robust_width = 1000.0; }},
-      {"no-history", "no landmark is distrusted or removed for how it fitted before",
-       [](OdometrySettings& s) { s.history = {.deviation = 100.0, .minimum_weight = 0.0}; }},
-      {"any-motion", "the search believes motions that no cart can make",
-       [](OdometrySettings& s) { s.pose_search.maximum_acceleration = s.pose_search.maximum_turn = 1e6; }},
-      {"no-rig", "the right camera's yaw and bend are not corrected",
+      {"no-history", "no landmark is down-weighted or removed for its earlier residuals",
+       [](OdometrySettings& s) { s.history = {.half_weight_stddevs = 100.0, .minimum_weight = 0.0}; }},
+      {"any-motion", "the search accepts motions beyond the acceleration limits of a cart",
+       [](OdometrySettings& s) {
+         s.pose_search.maximum_acceleration = s.pose_search.maximum_angular_acceleration = 1e6;
+       }},
+      {"no-rig", "the right camera's yaw and decentring (p2) are not corrected",
        [](OdometrySettings& s) { s.rig_refinement = RigRefinement::off; }},
-      {"no-stand", "a standing cart is not noticed",
+      {"no-stand", "standstill is not detected",
        [](OdometrySettings& s) { s.standstill.least_time = 3600.0; }},
-      {"one-way", "no alignment is rejected for a step backwards that misses its start",
-       [](OdometrySettings& s) { s.tracking.maximum_return = 100.0; }},
+      {"one-way", "no alignment is rejected for its forward-backward error",
+       [](OdometrySettings& s) { s.tracking.maximum_backward_error = 100.0; }},
       {"fixed-threshold", "one FAST threshold for all windows",
        [](OdometrySettings& s) {
          s.detection.minimum_threshold = s.detection.maximum_threshold = s.detection.initial_threshold;
        }},
-      {"fine-only", "all landmarks from the image itself, none from its half",
+      {"fine-only", "all landmarks from the full image, none from the pyramid level of half size",
        [](OdometrySettings& s) { s.detection.levels = 1; }},
       {"half-features", "half as many landmarks", [](OdometrySettings& s) { s.features /= 2; }},
       {"double-features", "twice as many landmarks", [](OdometrySettings& s) { s.features *= 2; }},
-      {"simultaneous", "the offset between the cameras is ignored (matters with --offset-ms)",
+      {"simultaneous", "the time offset between the cameras is ignored (has an effect with --offset-ms)",
        [](OdometrySettings&) {}, true},
       {"thesis", "estimator: thesis", [](OdometrySettings& s) { s.estimator = Estimator::thesis; }},
   };

@@ -7,20 +7,20 @@
 
 namespace cartvo::benchmark {
 
-/// One part of the method left out or done otherwise.
+/// A variant of the odometry settings in which one part of the method is removed or changed.
 struct Ablation {
   const char* name;
-  const char* what;  ///< for people: what is different
+  const char* description;  ///< of the change, for help texts and reports
   void (*change)(OdometrySettings& settings);
-  bool simultaneous = false;  ///< as OdometryVariant's
+  bool simultaneous = false;  ///< see OdometryVariant::simultaneous
 };
 
-/// The first changes nothing: what the others are compared with.
+/// All variants. The first one is the unmodified reference.
 const std::vector<Ablation>& ablations();
 std::vector<std::string> ablationNames();
 
-/// `full` with each of them changed, and the unchanged one first whether named or not. `names` must be of
-/// `ablationNames`.
+/// One variant of `full` for each of `names`, in the order of `ablations`. The unmodified reference always
+/// comes first, even if `names` does not contain it. `names` must be a subset of `ablationNames`.
 std::vector<OdometryVariant> ablatedVariants(const OdometrySettings& full,
                                              const std::vector<std::string>& names);
 

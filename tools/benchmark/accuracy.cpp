@@ -1,4 +1,4 @@
-// A replay against the truth, pair by pair.
+// Compares a replay with the ground truth pair by pair, and summarises several sequences.
 #include "tools/benchmark/accuracy.hpp"
 
 #include <Eigen/Cholesky>
@@ -14,27 +14,28 @@ namespace cartvo::benchmark {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kStandingTranslation = 1e-4;  // m in a pair, below which the cart stands
+// A true motion between two pairs below both limits counts as standstill.
+constexpr double kStandingTranslation = 1e-4;  // m
 constexpr double kStandingRotation = 1e-4;     // rad
 
 double angleOf(const Eigen::Isometry3d& motion) {
   return vectorFromMotion(motion).tail<3>().norm();
 }
 
-/// Goes through a replay and adds up what each pair says.
-class Measuring {
+/// Accumulates the errors and counts of all pairs of a replay.
+class AccuracyMeasurement {
  public:
-  Measuring(const Replay& replay, const SequenceTruth& truth)
+  AccuracyMeasurement(const Replay& replay, const SequenceTruth& truth)
       : replay_(replay), truth_(truth), rows_(replay, truth.left_camera) {}
 
-  SequenceAccuracy measured() {
+  SequenceAccuracy measure() {
     for (std::size_t index = 0; index < replay_.pairs.size(); ++index)
-      take(index);
+      addPair(index);
     return std::move(result_);
   }
 
  private:
-  void take(std::size_t index) {
+  void addPair(std::size_t index) {
     const ReplayedPair& pair = replay_.pairs[index];
     if (index > 0) result_.times_ms.push_back(1e3 * pair.times.total);
     if (!pair.valid) {
@@ -50,7 +51,7 @@ class Measuring {
       result_.consistency.pose.beginGroup();
     }
     if (!to) return;
-    if (from) takeMotion(pair, *from, *to);
+    if (from) addMotion(pair, *from, *to);
     if (epoch_start_) {
       result_.consistency.pose.add(
           vectorFromMotion(pair.T_epoch_left.inverse() * trueMotion(*epoch_start_, *to)),
@@ -58,7 +59,7 @@ class Measuring {
     }
   }
 
-  void takeMotion(const ReplayedPair& pair, std::size_t from, std::size_t to) {
+  void addMotion(const ReplayedPair& pair, std::size_t from, std::size_t to) {
     const Eigen::Isometry3d motion = trueMotion(from, to);
     const Vector6d error = vectorFromMotion(pair.T_previous_current.inverse() * motion);
     if (isWrong(error, pair.motion_covariance)) ++result_.wrong;
@@ -66,9 +67,10 @@ class Measuring {
       ++result_.standing;
       result_.standing_speed = std::max(result_.standing_speed, pair.velocity.norm());
     }
-    constexpr double kHardlyMoved = 1e-3;                                         // m
-    const bool is_declared = pair.T_previous_current.matrix().isIdentity(1e-12);  // rounding
-    if (is_declared && motion.translation().norm() < kHardlyMoved) return;
+    constexpr double kMaxStandstillMotion = 1e-3;  // m
+    // A zero-velocity update reports exactly the identity.
+    const bool is_zero_velocity_update = pair.T_previous_current.matrix().isIdentity(1e-12);  // rounding
+    if (is_zero_velocity_update && motion.translation().norm() < kMaxStandstillMotion) return;
     result_.consistency.motion.beginGroup();
     result_.consistency.motion.add(error, pair.motion_covariance);
     if (truth_.body_twist.empty()) return;
@@ -84,16 +86,16 @@ class Measuring {
 
   const Replay& replay_;
   const SequenceTruth& truth_;
-  const TrueRows rows_;
+  const TruthRows rows_;
   SequenceAccuracy result_;
   bool epoch_begun_ = false;
   std::uint32_t epoch_ = 0;
-  std::optional<std::size_t> epoch_start_;  ///< row of the truth
+  std::optional<std::size_t> epoch_start_;  ///< index into truth_.left_camera
 };
 
 double mahalanobisDistance(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
-  // Without a usable covariance nothing is owned up to.
+  // No usable covariance: any error is infinitely many standard deviations.
   if (!covariance.allFinite() || factor.info() != Eigen::Success)
     return std::numeric_limits<double>::infinity();
   return std::sqrt(error.dot(factor.solve(error)));
@@ -111,7 +113,7 @@ void divide(SegmentErrors& sum) {
   sum.rotation /= sum.count;
 }
 
-/// Evaluations of several sequences as one, see `summarise`.
+/// Combines the evaluations of several sequences into one, see `summarise`.
 class EvaluationMean {
  public:
   void add(const Evaluation& one) {
@@ -159,17 +161,17 @@ void Consistency::add(const Consistency& other) {
 }
 
 bool isWrong(const Vector6d& error, const Matrix6d& covariance) {
-  constexpr double kTranslation = 0.05, kRotation = 0.5 * kDegree, kDeviations = 5.0;
-  const auto is_beyond = [&](int first, double largest) {
+  constexpr double kMinTranslation = 0.05, kMinRotation = 0.5 * kDegree, kMinStddevs = 5.0;  // m, rad
+  const auto is_beyond = [&](int first, double limit) {
     const Eigen::Vector3d part = error.segment<3>(first);
-    return part.norm() > largest &&
-           mahalanobisDistance(part, covariance.block<3, 3>(first, first)) > kDeviations;
+    return part.norm() > limit &&
+           mahalanobisDistance(part, covariance.block<3, 3>(first, first)) > kMinStddevs;
   };
-  return is_beyond(0, kTranslation) || is_beyond(3, kRotation);
+  return is_beyond(0, kMinTranslation) || is_beyond(3, kMinRotation);
 }
 
 SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth) {
-  SequenceAccuracy accuracy = Measuring(replay, truth).measured();
+  SequenceAccuracy accuracy = AccuracyMeasurement(replay, truth).measure();
   accuracy.pairs = replay.pairs.size();
   accuracy.lost = truth.left_camera.size() - std::min(truth.left_camera.size(), accuracy.pairs);
   accuracy.resets = replay.pairs.back().reset_counter;

@@ -1,4 +1,4 @@
-// All sequences, all variants of the odometry, all bit rates.
+// Runs all variants of the odometry on all sequences, lossless and at all bit rates.
 #include "tools/benchmark/accuracy_benchmark.hpp"
 
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr std::uint64_t kMostStreamBytes = 4'000'000'000;
+constexpr std::uint64_t kMaxStreamBytes = 4'000'000'000;  // of cached encoded streams
 
 std::string withBitrate(const std::string& name, double bitrate_mbps) {
   if (bitrate_mbps == 0.0) return name;
@@ -26,11 +26,11 @@ std::string withBitrate(const std::string& name, double bitrate_mbps) {
   return name + text;
 }
 
-/// Runs the variants over one sequence after the other and keeps what they made of it.
+/// Runs all variants on one sequence at a time and collects the accuracies.
 class AccuracyRun {
  public:
   AccuracyRun(const AccuracySettings& settings, const WorkObserver& observer)
-      : settings_(settings), observer_(observer), streams_(settings.cache, kMostStreamBytes) {}
+      : settings_(settings), observer_(observer), streams_(settings.cache, kMaxStreamBytes) {}
 
   void measure(const Sequence& sequence) {
     for (const OdometryVariant& variant : settings_.variants) {
@@ -43,7 +43,7 @@ class AccuracyRun {
       measureEncoded(sequence, bitrate);
   }
 
-  std::vector<SequenceAccuracy> take() { return std::move(results_); }
+  std::vector<SequenceAccuracy> releaseResults() { return std::move(results_); }
 
  private:
   void measure(const Sequence& sequence, const OdometryVariant& variant, double bitrate_mbps,
@@ -55,7 +55,8 @@ class AccuracyRun {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         });
     if (replay.pairs.empty())
-      throw std::runtime_error(name + ": holds no pair of images that belong together");
+      throw std::runtime_error(
+          name + ": no left and right image could be paired; check the timestamps of both cameras");
     SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
@@ -64,7 +65,7 @@ class AccuracyRun {
     results_.push_back(std::move(accuracy));
   }
 
-  /// The encoded content counts its instants from the first picture.
+  /// Instants of the encoded content are relative to its first image, so the truth is shifted accordingly.
   void measureEncoded(const Sequence& sequence, double bitrate_mbps) {
     const simulate::SequenceContent content(sequence.folder, {});
     const auto streams = encoded(content, withBitrate(sequence.name, bitrate_mbps), bitrate_mbps);
@@ -110,7 +111,7 @@ std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& setti
     observer.begin(worldName(world) + ": rendering, unless it is cached");
     run.measure(renderedSequence(world, worlds, observer.progress));
   }
-  return run.take();
+  return run.releaseResults();
 }
 
 }  // namespace cartvo::benchmark

@@ -11,31 +11,31 @@
 
 namespace cartvo::benchmark {
 
-/// A way to set the odometry, and what tables call it.
+/// Odometry settings with the name that tables show.
 struct OdometryVariant {
   std::string name;
   OdometrySettings odometry;
-  bool simultaneous = false;  ///< right images get the instants of the left ones; not of encoded runs
+  bool simultaneous = false;  ///< give right images the left instants; encoded runs ignore it
 };
 
-/// What is measured with what.
+/// Sequences, variants and bit rates of an accuracy benchmark.
 struct AccuracySettings {
   std::filesystem::path data;  ///< real sequences, see realSequences; empty: none
   std::vector<world::WorldSettings> worlds;
   std::vector<OdometryVariant> variants;
-  std::vector<double> bitrates_mbps;  ///< further runs over H.264 of these rates, each camera's
+  std::vector<double> bitrates_mbps;  ///< additional runs over H.264 at these rates per camera
   std::filesystem::path cache;        ///< for rendered worlds and encoded streams
 };
 
-/// Is told what goes on: each piece of work as it begins, then how far it is.
+/// Receives the progress of a benchmark: the name of each step when it begins, then its progress.
 struct WorkObserver {
-  std::function<void(const std::string& what)> begin;
+  std::function<void(const std::string& step)> begin;
   simulate::Progress progress;
 };
 
-/// Runs each variant over each sequence through the daemon's pipeline, as `cartvo replay` does: sequence by
-/// sequence, of each first its pictures as they are, then encoded at each bit rate. Throws what sequences and
-/// settings are refused for.
+/// Runs each variant on each sequence through the daemon's pipeline, as `cartvo replay` does. The results are
+/// ordered by sequence; for each sequence the lossless runs come first, then those of each bit rate. Throws
+/// std::runtime_error naming a sequence that cannot be used, std::invalid_argument for invalid settings.
 std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& settings,
                                                    const WorkObserver& observer);
 

@@ -1,4 +1,4 @@
-// Accuracies as tables and JSON.
+// Accuracies as tables and as JSON.
 #include "tools/benchmark/accuracy_report.hpp"
 
 #include <algorithm>
@@ -41,8 +41,8 @@ std::string endCell(const std::optional<EndError>& end) {
 std::string consistencyCell(const NormalisedErrors& errors) {
   if (errors.groups() == 0) return kNoValue;
   const Interval band = errors.band();
-  return significant(errors.mean()) + (band.holds(errors.mean()) ? " [" : "* [") + fixed(band.low, 2) + ", " +
-         fixed(band.high, 2) + "]";
+  return significant(errors.mean()) + (band.contains(errors.mean()) ? " [" : "* [") + fixed(band.low, 2) +
+         ", " + fixed(band.high, 2) + "]";
 }
 
 std::vector<std::string> cells(const SequenceAccuracy& a) {
@@ -69,7 +69,7 @@ std::vector<std::string> cells(const SequenceAccuracy& a) {
               : fixed(percentile(a.times_ms, 0.5), 1) + " / " + fixed(percentile(a.times_ms, 0.99), 1)};
 }
 
-/// Of each estimator over all worlds, in the order in which they occur.
+/// One summary per estimator over all rendered worlds, in order of first occurrence.
 std::vector<SequenceAccuracy> summaries(const std::vector<SequenceAccuracy>& accuracies) {
   std::vector<std::vector<SequenceAccuracy>> by_estimator;
   for (const SequenceAccuracy& accuracy : accuracies) {
@@ -91,7 +91,7 @@ std::vector<SequenceAccuracy> summaries(const std::vector<SequenceAccuracy>& acc
   return result;
 }
 
-/// Accuracy at a bit rate beside that of the pictures as they are.
+/// Accuracy at a bit rate and on the lossless images.
 struct BitratePoint {
   const SequenceAccuracy* encoded;
   const SequenceAccuracy* lossless;
@@ -110,7 +110,7 @@ std::vector<BitratePoint> bitratePoints(const std::vector<SequenceAccuracy>& acc
   return points;
 }
 
-/// How much larger an error became, as a fraction; nothing if there was none to compare with.
+/// Relative increase of an error over the lossless one; nothing if the lossless error is not positive.
 std::optional<double> growth(double error, double lossless) {
   if (!(lossless > 0.0)) return std::nullopt;
   return error / lossless - 1.0;
@@ -152,17 +152,17 @@ std::string bitrateTable(const std::vector<BitratePoint>& points, ReportFormat f
 constexpr const char* kLegend =
     "Errors of the left camera's path (cartvo-evaluate(1)): segments of 5 to 40 m and of 100 to 800 m (% and "
     "deg/m),\n"
-    "from pair to pair (RPE, RMSE), final drift. end: of the last pose, where the cart stands throughout. "
+    "from pair to pair (RPE, RMSE), final drift. end: error of the last pose, if the cart never moves. "
     "standing:\n"
-    "highest speed reported while the cart truly stands. invalid: pairs without an estimate; lost: never "
-    "became a\n"
-    "pair; wrong: valid, but off by more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of "
-    "the squared\n"
-    "error over its covariance, per dimension: 1 is right, * is outside the band that 95 % of right ones lie "
-    "in (of\n"
-    "pose: all of one epoch count as one). velocity: against the true one at the exposure. ms: a pair, "
-    "without reading\n"
-    "and decoding. Summaries: segments and motions of all worlds together; mean drift, largest end error and "
+    "highest speed reported at a true standstill. invalid: pairs without an estimate; lost: pairs that were "
+    "not formed;\n"
+    "wrong: valid, but off by more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the "
+    "squared error\n"
+    "over its covariance, per dimension: 1 is consistent, * is outside the 95 % band of consistent "
+    "estimators (pose: an\n"
+    "epoch counts as one sample). velocity: against the true one at the exposure. ms: time of a pair, "
+    "without reading and\n"
+    "decoding. Summaries: segments and motions of all worlds together; mean drift, largest end error and "
     "speed.\n";
 
 Json consistencyJson(const NormalisedErrors& errors) {
@@ -208,7 +208,7 @@ Json sequenceJson(const SequenceAccuracy& a) {
   return json;
 }
 
-/// Without what is not told of several sequences together.
+/// The JSON of a summary; values that are not defined for several sequences together are null.
 Json summaryJson(const SequenceAccuracy& summary) {
   Json json = sequenceJson(summary);
   for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})

@@ -10,13 +10,12 @@
 
 namespace cartvo::benchmark {
 
-/// The KPI table: a row for each accuracy, then one for each estimator over all rendered worlds (pictures as
-/// they are), what the columns mean, and, where there are bit rates, accuracy over bit rate. Text or
-/// Markdown.
+/// The accuracy table, text or Markdown: one row per accuracy, one summary row per estimator over all
+/// rendered worlds (lossless), a legend, and a table of accuracy over bit rate if there are encoded runs.
 std::string accuracyTable(const std::vector<SequenceAccuracy>& accuracies, ReportFormat format);
 
-/// The same for programs: `sequences` and `summaries` (of one form) and `bitrates`; each key carries its
-/// unit. What does not apply is null.
+/// The accuracies as JSON: `sequences` and `summaries` (same form) and `bitrates`. Keys contain their unit;
+/// values that do not apply are null.
 nlohmann::ordered_json accuracyJson(const std::vector<SequenceAccuracy>& accuracies);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Real images that are not synchronised: half of what each of two synchronised cameras took.
+// Real unsynchronised images: every second image of each of two synchronised cameras.
 #include "tools/benchmark/alternate_frames.hpp"
 
 #include <algorithm>
@@ -30,7 +30,8 @@ StereoSource openAlternate(const std::filesystem::path& folder, RightFrames righ
   const ImageSequence left = everySecond(images.left, 0);
   const ImageSequence other = everySecond(images.right, right == RightFrames::next ? 1 : 0);
   StereoSource source = openSource(folder);
-  // Half a period is just what the next frames are apart: a tenth more, for instants that are not quite even.
+  // Frames are paired within half of source.period_ns, and the next frame is exactly half of the doubled
+  // period away: 10 % more for instants that are not evenly spaced.
   source.period_ns = nominalPeriodNs(left) * 11 / 10;
   source.pairs = std::min(left.images.size(), other.images.size());
   if (simultaneous) {

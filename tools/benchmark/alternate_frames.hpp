@@ -7,17 +7,17 @@
 
 namespace cartvo::benchmark {
 
-/// Which of the right camera's images go with every second one of the left camera.
+/// The right images that are paired with every second left image.
 enum class RightFrames : std::uint8_t {
-  same,  ///< those of the same instants: synchronous pairs at half the rate
-  next,  ///< those between: pairs that are one whole frame period apart
+  same,  ///< at the same instants: synchronised pairs at half the rate
+  next,  ///< the images in between: a time offset of one original frame period
 };
 
-/// An image folder (both cameras exposed at once) at half its rate; `simultaneous`: the right images with the
+/// Opens an image folder of synchronised cameras at half its rate. `simultaneous` gives the right images the
 /// instants of the left ones.
 StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right, bool simultaneous);
 
-/// Every second pose of the truth: those of the left images that are left.
+/// Every second pose of the truth, those of the left images that openAlternate plays.
 SequenceTruth alternate(const SequenceTruth& truth);
 
 }  // namespace cartvo::benchmark

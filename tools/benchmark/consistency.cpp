@@ -1,4 +1,4 @@
-// Statistics of errors that are measured against their own covariances.
+// The normalised estimation error squared (NEES) and the band of its mean.
 #include "tools/benchmark/consistency.hpp"
 
 #include <Eigen/Cholesky>
@@ -8,11 +8,11 @@ namespace cartvo::benchmark {
 namespace {
 
 constexpr double kDimension = 6.0;
-constexpr double kTail = 0.025;
+constexpr double kTailProbability = 0.025;
 
-/// The probability that chi-square with 2 `half_dof` degrees of freedom lies above 2 `half_value`: for an
-/// even number of degrees the incomplete gamma function is a sum of Poisson probabilities (M. Abramowitz, I.
-/// Stegun, 26.4.21).
+/// Probability that chi-square with 2 `half_dof` degrees of freedom exceeds 2 `half_value`. For an even
+/// number of degrees of freedom the incomplete gamma function is a sum of Poisson probabilities (M.
+/// Abramowitz, I. Stegun, 26.4.21).
 double probabilityAbove(double half_value, std::size_t half_dof) {
   double sum = 0.0;
   for (std::size_t i = 0; i < half_dof; ++i) {
@@ -22,13 +22,12 @@ double probabilityAbove(double half_value, std::size_t half_dof) {
   return sum;
 }
 
-/// The mean of `count` values of chi-square(6) / 6 that is exceeded with `probability`, by bisection.
+/// The value that the mean of `count` values of chi-square(6) / 6 exceeds with `probability`, by bisection.
 double meanExceeded(double probability, std::size_t count) {
   const std::size_t half_dof = 3 * count;
-  // Ten standard deviations around the mean, which is 1.
-  const double spread = 10.0 * std::sqrt(2.0 / (kDimension * static_cast<double>(count)));
-  double low = std::max(1e-6, 1.0 - spread);
-  double high = 1.0 + spread;
+  const double ten_stddevs = 10.0 * std::sqrt(2.0 / (kDimension * static_cast<double>(count)));
+  double low = std::max(1e-6, 1.0 - ten_stddevs);
+  double high = 1.0 + ten_stddevs;
   for (int step = 0; step < 40; ++step) {
     const double middle = 0.5 * (low + high);
     const bool is_below = probabilityAbove(middle * static_cast<double>(half_dof), half_dof) > probability;
@@ -40,7 +39,7 @@ double meanExceeded(double probability, std::size_t count) {
 }  // namespace
 
 Interval consistencyBand(std::size_t count) {
-  return {meanExceeded(1.0 - kTail, count), meanExceeded(kTail, count)};
+  return {meanExceeded(1.0 - kTailProbability, count), meanExceeded(kTailProbability, count)};
 }
 
 void NormalisedErrors::add(const Vector6d& error, const Matrix6d& covariance) {

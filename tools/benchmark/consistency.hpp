@@ -11,36 +11,36 @@ struct Interval {
   double low = 0.0;
   double high = 0.0;
 
-  bool holds(double value) const { return low <= value && value <= high; }
+  bool contains(double value) const { return low <= value && value <= high; }
 };
 
-/// The central 95 % of the means of `count` independent values of chi-square(6) / 6: where the normalised
-/// error (below) of an estimator lies that knows its uncertainty. `count` must be positive.
+/// The central 95 % interval of the mean of `count` independent values of chi-square(6) / 6, in which the
+/// mean normalised error of a consistent estimator lies. `count` must be positive.
 Interval consistencyBand(std::size_t count);
 
-/// Whether errors are as large as their covariances say: the normalised estimation error squared (NEES,
-/// Y. Bar-Shalom, X. R. Li, T. Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001,
-/// 5.4.2) over its dimension, e' P^-1 e / 6. Its mean is 1 where the covariance is right, larger where it
-/// promises too much, smaller where it promises too little.
+/// The consistency of errors with their covariances: the normalised estimation error squared (NEES, Y.
+/// Bar-Shalom, X. R. Li, T. Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001,
+/// 5.4.2) over its dimension, e' P^-1 e / 6. Its mean is 1 where the covariance is right, larger where it is
+/// too small, smaller where it is too large.
 ///
-/// Errors come in groups of which each counts as one independent sample, however many errors are in it: the
-/// motions are groups of their own; all poses of an epoch are one, because each holds the errors of those
-/// before. The mean is that of the groups' means.
+/// Errors are added in groups; each group counts as one independent sample, regardless of its size. Each
+/// motion is a group of its own; all poses of an epoch form one group, because each contains the errors of
+/// the poses before. The mean is the mean of the group means.
 class NormalisedErrors {
  public:
   void beginGroup() { group_open_ = false; }
 
-  /// An error of the group begun last, and its covariance, both in one order, unit and frame. One that is not
-  /// positive definite says nothing and is counted as unusable.
+  /// Adds an error and its covariance, in the same order, units and frame, to the current group. A covariance
+  /// that is not positive definite is only counted as unusable.
   void add(const Vector6d& error, const Matrix6d& covariance);
 
-  /// The groups of `other` as well.
+  /// Adds the groups of `other`.
   void add(const NormalisedErrors& other);
 
   std::size_t groups() const { return groups_.size(); }
   std::size_t unusable() const { return unusable_; }
 
-  /// There must be a group.
+  /// Requires at least one group.
   double mean() const;
   Interval band() const { return consistencyBand(groups()); }
 

@@ -1,4 +1,4 @@
-// The depth of matched features against the depth that the renderer knows: the thesis' Table 5-1.
+// Regression of the depth of matched features on the rendered depth: Table 5-1 of the thesis.
 #include "tools/benchmark/depth_regression.hpp"
 
 #include <Eigen/Core>
@@ -17,15 +17,15 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr double kWrong = 2.0;  // px of disparity
+constexpr double kMaxDisparityError = 2.0;  // px
 
-/// The true depth of rectified pixels, from a depth image of the raw camera.
+/// The true depth of rectified pixels, computed from the depth image of the raw camera.
 class TrueDepth {
  public:
   TrueDepth(const CameraModel& camera, const Rectification& rectification, const cv::Mat& raw_depth)
       : camera_(camera), lens_(camera), rectification_(rectification), depth_(raw_depth) {}
 
-  /// Along the rectified camera's axis, m; nothing where it is not clear.
+  /// Depth along the axis of the rectified camera, m; nothing if it is ambiguous.
   std::optional<double> at(int x, int y) const {
     const Eigen::Vector3d rectified((x - rectification_.cx) / rectification_.focal_length,
                                     (y - rectification_.cy) / rectification_.focal_length, 1.0);
@@ -38,22 +38,22 @@ class TrueDepth {
   }
 
  private:
-  /// Inverse depth is linear over the image of a plane: a plane is fitted to the pixels around, and they must
-  /// lie on it, or there is an edge.
+  /// Fits a plane to the pixels around: the inverse depth of a plane is linear in the image. Pixels that
+  /// deviate from the plane indicate an edge, where the depth is ambiguous.
   std::optional<double> rawDepth(double x, double y) const {
-    constexpr int kAround = 2;                 // px
-    constexpr double kLargestResidual = 0.01;  // of the inverse depth
+    constexpr int kRadius = 2;                     // px
+    constexpr double kMaxRelativeResidual = 0.01;  // of the inverse depth
     const int x0 = static_cast<int>(std::lround(x)), y0 = static_cast<int>(std::lround(y));
-    if (x0 < kAround || y0 < kAround || x0 + kAround >= depth_.cols || y0 + kAround >= depth_.rows)
+    if (x0 < kRadius || y0 < kRadius || x0 + kRadius >= depth_.cols || y0 + kRadius >= depth_.rows)
       return std::nullopt;
     const auto around = [&](auto visit) {
-      for (int v = -kAround; v <= kAround; ++v) {
-        for (int u = -kAround; u <= kAround; ++u)
+      for (int v = -kRadius; v <= kRadius; ++v) {
+        for (int u = -kRadius; u <= kRadius; ++u)
           visit(u, v, 1.0 / depth_.at<float>(y0 + v, x0 + u));
       }
     };
     double mean = 0.0, slope_u = 0.0, slope_v = 0.0, squares = 0.0, count = 0.0;
-    around([&](int u, int v, double inverse) {  // the sums of a symmetric grid are independent of each other
+    around([&](int u, int v, double inverse) {  // offset and slopes decouple on a symmetric grid
       mean += inverse;
       slope_u += u * inverse;
       slope_v += v * inverse;
@@ -68,7 +68,7 @@ class TrueDepth {
     around([&](int u, int v, double inverse) {
       residual = std::max(residual, std::abs(inverse - mean - slope_u * u - slope_v * v));
     });
-    if (residual > kLargestResidual * mean) return std::nullopt;
+    if (residual > kMaxRelativeResidual * mean) return std::nullopt;
     return 1.0 / (mean + slope_u * (x - x0) + slope_v * (y - y0));
   }
 
@@ -78,7 +78,7 @@ class TrueDepth {
   cv::Mat depth_;
 };
 
-/// Adds what one rectified pair shows.
+/// Adds the samples of one rectified pair.
 void addPair(const cv::Mat& left, const cv::Mat& right, const TrueDepth& true_depth,
              const Rectification& rectification, int features, DepthSamples& samples) {
   const OdometrySettings settings;
@@ -89,12 +89,12 @@ void addPair(const cv::Mat& left, const cv::Mat& right, const TrueDepth& true_de
   const double focal_times_baseline = rectification.focal_length * rectification.baseline;
   for (const Corner& corner : detector.detect(left, {}, spacing)) {
     const std::optional<double> truth = true_depth.at(corner.x, corner.y);
-    if (!truth || *truth > kFarthestDepth) continue;
+    if (!truth || *truth > kMaxDepth) continue;
     ++samples.features;
     const std::optional<StereoMatch> match =
         matchStereo(left_pyramid, right_pyramid, Eigen::Vector2d(corner.x, corner.y), settings.stereo);
     if (!match) continue;
-    if (std::abs(match->disparity - focal_times_baseline / *truth) > kWrong) {
+    if (std::abs(match->disparity - focal_times_baseline / *truth) > kMaxDisparityError) {
       ++samples.wrong;
       continue;
     }

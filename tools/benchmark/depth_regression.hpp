@@ -8,39 +8,38 @@
 
 namespace cartvo::benchmark {
 
-/// A feature's depth as it was measured and as it truly is, m, along the rectified camera's axis.
+/// The measured and the true depth of a feature along the axis of the rectified camera, m.
 struct DepthSample {
   double measured = 0.0;
   double truth = 0.0;
 };
 
-/// How well measured depths follow the true ones.
+/// The least-squares line of measured over true depth.
 struct DepthRegression {
   std::size_t samples = 0;
-  double r_squared = 0.0;  ///< coefficient of determination of the line through them, by least squares
-  double slope = 0.0;      ///< of that line, measured over true
+  double r_squared = 0.0;  ///< coefficient of determination
+  double slope = 0.0;      ///< measured over true depth
 };
 
-/// There must be two samples of unlike depth.
+/// Requires two samples of different depth.
 DepthRegression regressDepth(const std::vector<DepthSample>& samples);
 
-/// The depths of one and the same matches, from the disparity as matched and from its nearest whole pixel:
-/// the corners matched stand on whole pixels, so that this is the sample whose surroundings the sub-pixel fit
-/// looks at. Left out are features beyond `kFarthestDepth` and those whose true depth is not clear (at the
-/// edges of things).
+/// Depths of the same matches from the sub-pixel disparity and from the nearest whole pixel. Matched corners
+/// lie on whole pixels, so the whole-pixel disparity is the sample at the centre of the sub-pixel fit.
+/// Features beyond `kMaxDepth` and features with an ambiguous true depth (at depth edges) are left out.
 struct DepthSamples {
-  std::size_t features = 0;  ///< with a clear true depth
-  std::size_t wrong = 0;     ///< of these, matched more than two pixels off: in neither list
+  std::size_t features = 0;  ///< features with an unambiguous true depth
+  std::size_t wrong = 0;     ///< of these, matched more than two pixels off; in neither list
   std::vector<DepthSample> sub_pixel;
-  std::vector<DepthSample> whole_pixel;  ///< fewer: a disparity of zero has no depth
+  std::vector<DepthSample> whole_pixel;  ///< without disparities that round to zero
 };
 
-constexpr double kFarthestDepth = 50.0;  ///< m
+constexpr double kMaxDepth = 50.0;  ///< m
 
-/// Of these, measured to within a tenth.
+/// The number of samples measured to within 10 % of the true depth.
 std::size_t closeDepths(const std::vector<DepthSample>& samples);
 
-/// Detects and matches `features` in `pairs` pairs spread evenly over a rendered drive.
+/// Detects and matches `features` features in each of `pairs` pairs, evenly spaced over a rendered drive.
 DepthSamples measureDepths(const world::WorldSettings& settings, int pairs, int features,
                            const simulate::Progress& progress);
 

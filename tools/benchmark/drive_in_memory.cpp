@@ -1,4 +1,4 @@
-// Drives as the speed benchmark takes them: in memory, raw.
+// Loads the raw images of a drive into memory for the speed benchmark.
 #include "tools/benchmark/drive_in_memory.hpp"
 
 #include <algorithm>
@@ -14,9 +14,10 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr double kPincushion = 0.1;  // k1 of Brown's distortion
+constexpr double kPincushion = 0.1;  // k1 of Brown's distortion model
 
-/// For each pixel behind a lens, where it lies in a pinhole's image of the same focal length (CV_32FC2).
+/// The position of each pixel of a distorted image in a pinhole image of the same focal length (CV_32FC2,
+/// px).
 cv::Mat pinholePositions(const CameraModel& lens) {
   std::vector<cv::Point2f> pixels, positions;
   for (int y = 0; y < lens.size.height; ++y)
@@ -32,11 +33,11 @@ CameraModel withLens(CameraModel camera) {
   return camera;
 }
 
-Frame seenThrough(const cv::Mat& positions, const Frame& frame) {
-  Frame seen = frame;
-  seen.image = cv::Mat();
-  cv::remap(frame.image, seen.image, positions, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-  return seen;
+Frame distort(const cv::Mat& positions, const Frame& frame) {
+  Frame distorted = frame;
+  distorted.image = cv::Mat();
+  cv::remap(frame.image, distorted.image, positions, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return distorted;
 }
 
 Frame readFrame(const ImageSequence& camera, std::size_t index) {
@@ -49,10 +50,10 @@ Frame readFrame(const ImageSequence& camera, std::size_t index) {
 
 }  // namespace
 
-DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int most) {
+DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int max_pairs) {
   DriveInMemory drive{name, findRig(openSource(folder), folder, {}).rig, {}};
   const ImageFolder images = readImageFolder(folder);
-  const std::size_t count = std::min(images.left.images.size(), static_cast<std::size_t>(most));
+  const std::size_t count = std::min(images.left.images.size(), static_cast<std::size_t>(max_pairs));
   for (std::size_t i = 0; i < count; ++i)
     drive.pairs.push_back({readFrame(images.left, i), readFrame(images.right, i)});
   return drive;
@@ -68,7 +69,7 @@ DriveInMemory throughLenses(const DriveInMemory& rectified) {
   drive.rig.right = withLens(rectified.rig.right);
   const cv::Mat left = pinholePositions(drive.rig.left), right = pinholePositions(drive.rig.right);
   for (const FramePair& pair : rectified.pairs)
-    drive.pairs.push_back({seenThrough(left, pair.left), seenThrough(right, pair.right)});
+    drive.pairs.push_back({distort(left, pair.left), distort(right, pair.right)});
   return drive;
 }
 

@@ -9,23 +9,23 @@
 
 namespace cartvo::benchmark {
 
-/// A drive's pairs, decoded, so that what is timed reads no files.
+/// The decoded pairs of a drive in memory, so that timing excludes reading files.
 struct DriveInMemory {
   std::string name;
   Rig rig;
   std::vector<FramePair> pairs;
 };
 
-/// The first `most` pairs of an image folder with its rig. Throws std::runtime_error naming the file that
-/// cannot be read.
-DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int most);
+/// Loads at most `max_pairs` pairs from the start of an image folder, and its rig. Throws std::runtime_error
+/// naming the file that cannot be read.
+DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int max_pairs);
 
-/// Whether its images are rectified already, so that nothing is left to do for the rectifier.
+/// Whether the images are already rectified, so that the rectifier has nothing to do.
 bool isRectified(const DriveInMemory& drive);
 
-/// The drive as two cameras with lenses would have taken it, for a rectified one, whose pairs otherwise do
-/// not tell what rectification costs. No pixel lacks a source, as a pincushion lens sees less
-/// than a pinhole. The images are interpolated a second time, so that errors are not the drive's.
+/// Distorts a rectified drive as by two cameras with lenses, to measure the cost of rectification. Every
+/// pixel has a source, because a pincushion lens sees less than a pinhole. The additional interpolation makes
+/// the drive unfit for measuring accuracy.
 DriveInMemory throughLenses(const DriveInMemory& rectified);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Encoded streams as cameras.
+// A camera source that decodes an H.264 stream from memory.
 #include "tools/benchmark/encoded_source.hpp"
 
 #include <atomic>
@@ -13,7 +13,7 @@ namespace {
 
 class EncodedStreamSource final : public CameraSource {
  public:
-  /// `stream` is borrowed from the pair that `owner` keeps alive.
+  /// `stream` must be part of the pair that `owner` keeps alive.
   EncodedStreamSource(std::shared_ptr<const simulate::EncodedPair> owner,
                       const simulate::EncodedStream& stream)
       : owner_(std::move(owner)), stream_(stream), decoder_(StreamFormat{}, 1) {}

@@ -7,8 +7,8 @@
 
 namespace cartvo::benchmark {
 
-/// Plays two H.264 streams from memory through the product's own decoder, as fast as they are read and
-/// without the simulated cameras' lead-in. Instants are those of the content.
+/// Plays two H.264 streams from memory through VideoDecoder, as fast as they are read and without the lead-in
+/// of the simulated cameras. Instants are those of the content.
 StereoSource openEncoded(const std::shared_ptr<const simulate::EncodedPair>& streams);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Corners per image and window with fixed and with adaptive thresholds.
+// Counts corners per image and detection window with fixed and with adaptive thresholds.
 #include "tools/benchmark/feature_counts.hpp"
 
 #include <cmath>
@@ -10,19 +10,19 @@
 namespace cartvo::benchmark {
 namespace {
 
-struct Spread {
+struct Statistics {
   double mean = 0.0;
-  double deviation = 0.0;
+  double stddev = 0.0;
 };
 
-Spread spreadOf(const std::vector<int>& values) {
+Statistics statisticsOf(const std::vector<int>& values) {
   const auto count = static_cast<double>(values.size());
-  Spread spread;
-  spread.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  Statistics statistics;
+  statistics.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
   for (const int value : values)
-    spread.deviation += (value - spread.mean) * (value - spread.mean) / count;
-  spread.deviation = std::sqrt(spread.deviation);
-  return spread;
+    statistics.stddev += (value - statistics.mean) * (value - statistics.mean) / count;
+  statistics.stddev = std::sqrt(statistics.stddev);
+  return statistics;
 }
 
 }  // namespace
@@ -45,14 +45,14 @@ FeatureCountSeries countFeatures(const std::filesystem::path& folder, const Dete
       if (windows.back() < 0.5 * series.window_target) series.starved += 1.0;
     }
     series.corners.push_back(std::accumulate(windows.begin(), windows.end(), 0));
-    series.window_deviation += spreadOf(windows).deviation / static_cast<double>(images.size());
+    series.window_stddev += statisticsOf(windows).stddev / static_cast<double>(images.size());
   }
   for (const std::vector<int>& counts : over_images)
-    series.window_deviation_over_images += spreadOf(counts).deviation / detector.windowCount();
-  const Spread corners = spreadOf(series.corners);
+    series.window_stddev_over_images += statisticsOf(counts).stddev / detector.windowCount();
+  const Statistics corners = statisticsOf(series.corners);
   series.corners_mean = corners.mean;
-  series.corners_deviation = corners.deviation;
-  series.features_mean = spreadOf(series.features).mean;
+  series.corners_stddev = corners.stddev;
+  series.features_mean = statisticsOf(series.features).mean;
   series.window_mean = corners.mean / detector.windowCount();
   series.starved /= static_cast<double>(images.size()) * detector.windowCount();
   return series;

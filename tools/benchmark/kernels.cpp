@@ -1,4 +1,4 @@
-// The inner loops alone (Google Benchmark): what one patch, one image or one match takes. Run it as
+// Micro-benchmarks of the inner loops (Google Benchmark): time per patch, image or match. Run it as
 // `cartvo_kernels --benchmark_repetitions=9 --benchmark_report_aggregates_only`.
 #include <optional>
 #include <vector>
@@ -25,7 +25,7 @@ constexpr int kWidth = 1241, kHeight = 376;  // px, KITTI's
 constexpr int kGreyLevels = 4;
 constexpr double kDisparity = 12.3, kFlow = 3.7;  // px
 
-/// Smooth noise: texture everywhere, at several scales.
+/// An image of smooth noise, with texture everywhere and at several scales.
 cv::Mat texture() {
   cv::RNG random(1);
   cv::Mat sum = cv::Mat::zeros(kHeight, kWidth, CV_32F);
@@ -59,8 +59,9 @@ const Pyramids& pyramids() {
   return built;
 }
 
-/// Places far enough from the edges, one after the other: each patch comes from memory as in a real image.
-class Places {
+/// A sequence of positions away from the image edges; consecutive patches are far apart in memory, as in a
+/// real image.
+class Positions {
  public:
   Eigen::Vector2d next() {
     index_ = (index_ + 1) % kCount;
@@ -98,33 +99,33 @@ void detect(State& state) {
 }
 BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);
 
-constexpr int kTogether =
-    static_cast<int>(AlignmentBlock::kMost);  // as landmarks are; the time is that of one
+// Landmarks are aligned in batches of this size; the reported time is that of one task.
+constexpr int kTasksPerBatch = static_cast<int>(AlignmentBlock::kCapacity);
 
-void followShift(State& state) {
-  Places places;
-  std::vector<ShiftTask> tasks(kTogether);
+void shiftTracking(State& state) {
+  Positions positions;
+  std::vector<ShiftTask> tasks(kTasksPerBatch);
   std::vector<std::optional<Eigen::Vector2d>> shifted(tasks.size());
-  while (state.KeepRunningBatch(kTogether)) {
+  while (state.KeepRunningBatch(kTasksPerBatch)) {
     for (ShiftTask& task : tasks) {
-      const Eigen::Vector2d from = places.next();
+      const Eigen::Vector2d from = positions.next();
       task = {&pyramids().image, &pyramids().next, from, from, {0, 1}};
     }
     trackShifts(tasks, 0.5, shifted);
     ::benchmark::DoNotOptimize(shifted.data());
   }
 }
-BENCHMARK(followShift)->Unit(::benchmark::kNanosecond);
+BENCHMARK(shiftTracking)->Unit(::benchmark::kNanosecond);
 
 void align(State& state, WarpModel model, bool stereo) {
   const TrackingSettings settings;
   const ImagePyramid& after = stereo ? pyramids().right : pyramids().next;
-  Places places;
-  std::vector<AlignmentTask> tasks(kTogether);
+  Positions positions;
+  std::vector<AlignmentTask> tasks(kTasksPerBatch);
   std::vector<std::optional<AffineAlignment>> aligned(tasks.size());
-  while (state.KeepRunningBatch(kTogether)) {
+  while (state.KeepRunningBatch(kTasksPerBatch)) {
     for (AlignmentTask& task : tasks) {
-      task = {&pyramids().image.grey.front(), &after.grey.front(), places.next(), {}};
+      task = {&pyramids().image.grey.front(), &after.grey.front(), positions.next(), {}};
       task.start.position = task.from + Eigen::Vector2d((stereo ? -kDisparity : kFlow) + 0.3, 0.0);
     }
     alignAffine(tasks, model, settings.iterations, settings.convergence, aligned);
@@ -135,10 +136,10 @@ BENCHMARK_CAPTURE(align, affine, WarpModel::affine, false)->Unit(::benchmark::kN
 BENCHMARK_CAPTURE(align, stereo, WarpModel::stereo, true)->Unit(::benchmark::kNanosecond);
 
 void searchStereo(State& state) {
-  Places places;
+  Positions positions;
   for (auto _ : state)
     ::benchmark::DoNotOptimize(
-        matchStereo(pyramids().image, pyramids().right, places.next(), StereoSettings{}));
+        matchStereo(pyramids().image, pyramids().right, positions.next(), StereoSettings{}));
 }
 BENCHMARK(searchStereo)->Unit(::benchmark::kNanosecond);
 

@@ -1,4 +1,4 @@
-// The same drives, the right camera exposed ever later, with and without what is made of it.
+// Measures drives with several time offsets of the right camera, with and without modelling the offset.
 #include "tools/benchmark/offset_benchmark.hpp"
 
 #include <algorithm>
@@ -14,17 +14,17 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr double kCrystals = 50.0;  // ppm
+constexpr double kCrystalSkew = 50.0;  // ppm, typical of two crystals
 
 constexpr std::array<std::pair<OffsetModel, const char*>, 2> kModels{
     {{OffsetModel::two_instants, "two-instants"}, {OffsetModel::simultaneous, "simultaneous"}}};
 
-bool moves(const Sequence& sequence) {
-  constexpr double kMoves = 1.0;  // m
-  return sequence.truth.left_camera.back().pose.translation().norm() > kMoves;
+bool isMoving(const Sequence& sequence) {
+  constexpr double kMinDistance = 1.0;  // m
+  return sequence.truth.left_camera.back().pose.translation().norm() > kMinDistance;
 }
 
-/// Measures what is asked for and keeps it, the seeds of a scenario together.
+/// Measures worlds and real sequences, and groups the results of all seeds of a scenario.
 class OffsetRun {
  public:
   OffsetRun(const OffsetSettings& settings, const WorkObserver& observer)
@@ -38,8 +38,8 @@ class OffsetRun {
     for (const OffsetModel model : settings_.models) {
       StereoSource source = model == OffsetModel::simultaneous ? openSimultaneous(sequence.folder)
                                                                : openSource(sequence.folder);
-      keep(std::string(world::scenarioName(world.scenario)), clock, model,
-           measured(sequence, source, model, settings_.odometry));
+      add(std::string(world::scenarioName(world.scenario)), clock, model,
+          measure(sequence, source, model, settings_.odometry));
     }
   }
 
@@ -54,28 +54,28 @@ class OffsetRun {
       const RightClock clock{right == RightFrames::next ? period : 0.0, 0.0};
       for (const OffsetModel model : settings_.models) {
         StereoSource source = openAlternate(sequence.folder, right, model == OffsetModel::simultaneous);
-        keep(name, clock, model, measured(sequence, source, model, odometry));
+        add(name, clock, model, measure(sequence, source, model, odometry));
       }
     }
   }
 
-  std::vector<OffsetAccuracy> take() {
+  std::vector<OffsetAccuracy> summarisedResults() {
     std::vector<OffsetAccuracy> results;
-    for (Kept& kept : kept_) {
-      kept.result.accuracy = summarise(kept.result.sequence, kept.seeds);
-      results.push_back(std::move(kept.result));
+    for (Group& group : groups_) {
+      group.result.accuracy = summarise(group.result.sequence, group.seeds);
+      results.push_back(std::move(group.result));
     }
     return results;
   }
 
  private:
-  struct Kept {
+  struct Group {
     OffsetAccuracy result;
     std::vector<SequenceAccuracy> seeds;
   };
 
-  SequenceAccuracy measured(const Sequence& sequence, StereoSource& source, OffsetModel model,
-                            const OdometrySettings& odometry) {
+  SequenceAccuracy measure(const Sequence& sequence, StereoSource& source, OffsetModel model,
+                           const OdometrySettings& odometry) {
     observer_.begin(sequence.name + ": " + offsetModelName(model));
     const FoundRig rig = findRig(source, sequence.folder, {});
     const Replay replay =
@@ -83,7 +83,8 @@ class OffsetRun {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         });
     if (replay.pairs.empty())
-      throw std::runtime_error(sequence.name + ": holds no pair of images that belong together");
+      throw std::runtime_error(
+          sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");
     SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
@@ -91,13 +92,13 @@ class OffsetRun {
     return accuracy;
   }
 
-  void keep(const std::string& sequence, const RightClock& clock, OffsetModel model,
-            SequenceAccuracy accuracy) {
-    const auto same = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
-      return kept.result.sequence == sequence && kept.result.clock == clock && kept.result.model == model;
+  void add(const std::string& sequence, const RightClock& clock, OffsetModel model,
+           SequenceAccuracy accuracy) {
+    const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) {
+      return group.result.sequence == sequence && group.result.clock == clock && group.result.model == model;
     });
-    if (same == kept_.end()) {
-      kept_.push_back({{sequence, clock, model, {}}, {std::move(accuracy)}});
+    if (same == groups_.end()) {
+      groups_.push_back({{sequence, clock, model, {}}, {std::move(accuracy)}});
     } else {
       same->seeds.push_back(std::move(accuracy));
     }
@@ -106,13 +107,13 @@ class OffsetRun {
   const OffsetSettings& settings_;
   const WorkObserver& observer_;
   WorldCache worlds_;
-  std::vector<Kept> kept_;
+  std::vector<Group> groups_;
 };
 
 }  // namespace
 
 RightClock slowSweep(const world::WorldSettings& world) {
-  return {0.5 / world.frame_rate - 0.5e-6 * kCrystals * world.seconds, kCrystals};
+  return {0.5 / world.frame_rate - 0.5e-6 * kCrystalSkew * world.seconds, kCrystalSkew};
 }
 
 RightClock fastSweep(const world::WorldSettings& world) {
@@ -123,7 +124,7 @@ RightClock fastSweep(const world::WorldSettings& world) {
 std::string offsetModelName(OffsetModel model) {
   for (const auto& [value, name] : kModels)
     if (value == model) return name;
-  throw std::invalid_argument("no offset model");
+  throw std::invalid_argument("unknown value of OffsetModel");
 }
 
 std::vector<std::string> offsetModelNames() {
@@ -136,19 +137,19 @@ std::vector<std::string> offsetModelNames() {
 OffsetModel offsetModelNamed(const std::string& wanted) {
   for (const auto& [value, name] : kModels)
     if (name == wanted) return value;
-  throw std::invalid_argument("there is no offset model '" + wanted + "'");
+  throw std::invalid_argument("unknown offset model '" + wanted + "'; expected two-instants or simultaneous");
 }
 
 std::vector<OffsetAccuracy> runOffsetBenchmark(const OffsetSettings& settings, const WorkObserver& observer) {
-  const std::vector<Sequence> real = realSequences(settings.data);  // fails, if it does, before the work
+  const std::vector<Sequence> real = realSequences(settings.data);  // errors before the long work
   OffsetRun run(settings, observer);
   for (const world::WorldSettings& world : settings.worlds) {
     for (const RightClock& clock : settings.clocks)
       run.measureWorld(world, clock);
   }
   for (const Sequence& sequence : real)
-    if (moves(sequence)) run.measureReal(sequence);
-  return run.take();
+    if (isMoving(sequence)) run.measureReal(sequence);
+  return run.summarisedResults();
 }
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Errors over the offset as a picture.
+// Plots segment errors over the time offset as SVG.
 #include "tools/benchmark/offset_plot.hpp"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::string drawLegend(const std::vector<Curve>& curves, double y) {
   return svg;
 }
 
-/// The curves of one value, in the order of the offset.
+/// The curves of one value, with points sorted by offset.
 std::vector<Curve> curvesOf(const std::vector<OffsetAccuracy>& accuracies, bool of_all,
                             const std::function<double(const SegmentErrors&)>& value) {
   std::vector<Curve> curves;
@@ -78,7 +78,9 @@ std::string offsetPlot(const std::vector<OffsetAccuracy>& accuracies) {
   const std::vector<Curve> rotation =
       both([](const SegmentErrors& e) { return 180.0 / std::numbers::pi * e.rotation; });
   if (translation.empty())
-    throw std::invalid_argument("there is nothing to draw: no world with a constant offset");
+    throw std::invalid_argument(
+        "nothing to plot: no rendered world has a constant offset; measure one with --scenarios and "
+        "--offsets-ms");
   return svgFile(700, 730,
                  drawLegend(translation, 24.0) +
                      drawDiagram("translation over 5 to 40 m (%)", 70.0, translation) +

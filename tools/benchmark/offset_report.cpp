@@ -1,4 +1,4 @@
-// Errors over the offset as tables and JSON.
+// Errors over the time offset as tables and as JSON.
 #include "tools/benchmark/offset_report.hpp"
 
 #include <algorithm>
@@ -16,7 +16,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-const OffsetAccuracy* atOnce(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
+/// The result of two-instants on the same sequence without a time offset; null if it was not measured.
+const OffsetAccuracy* synchronisedReference(const OffsetAccuracy& one,
+                                            const std::vector<OffsetAccuracy>& all) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const OffsetAccuracy& other) {
     return other.sequence == one.sequence && other.clock == RightClock{} &&
            other.model == OffsetModel::two_instants;
@@ -56,15 +58,14 @@ std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<Offs
 }
 
 constexpr const char* kLegend =
-    "right camera: how much later it is exposed, and by how much its clock is slow. Errors of the left "
-    "camera's path\n"
+    "right camera: its time offset, and how much slower its clock is. Errors of the left camera's path\n"
     "(cartvo-evaluate(1)): segments of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg), "
     "final drift.\n"
-    "x: as multiples of what two-instants makes of the same sequence with cameras exposed at once. wrong: "
-    "valid, but\n"
-    "off by more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the squared error over its "
-    "covariance,\n"
-    "per dimension: 1 is right.\n";
+    "x: as multiples of the errors of two-instants on the same sequence without a time offset. wrong: valid, "
+    "but off by\n"
+    "more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the squared error over its "
+    "covariance, per\n"
+    "dimension: 1 is consistent.\n";
 
 Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
@@ -85,7 +86,7 @@ Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) 
             {"ratio_to_0_ms", nullptr},
             {"nees_motion", mean(a.consistency.motion)},
             {"nees_pose", mean(a.consistency.pose)}};
-  // Not told of several drives together.
+  // Not defined for several drives together.
   for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
     json["evaluation"][key] = nullptr;
   if (const std::optional<ErrorRatios> ratios = ratiosOf(one, all)) {
@@ -110,7 +111,7 @@ double ErrorRatios::largest() const {
 }
 
 std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
-  const OffsetAccuracy* reference = atOnce(one, all);
+  const OffsetAccuracy* reference = synchronisedReference(one, all);
   if (reference == nullptr) return std::nullopt;
   const Evaluation& e = one.accuracy.evaluation;
   const Evaluation& r = reference->accuracy.evaluation;

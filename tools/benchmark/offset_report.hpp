@@ -11,7 +11,7 @@
 
 namespace cartvo::benchmark {
 
-/// Errors as multiples of those that two-instants makes of the same sequence with cameras exposed at once.
+/// Errors as multiples of those of two-instants on the same sequence without a time offset.
 struct ErrorRatios {
   double segment_translation = 0.0, segment_rotation = 0.0;    ///< 5 to 40 m
   double relative_translation = 0.0, relative_rotation = 0.0;  ///< from pair to pair
@@ -19,20 +19,20 @@ struct ErrorRatios {
   double largest() const;
 };
 
-/// Nothing where there is nothing to compare with, or no segment.
+/// The ratios of `one` to its reference in `all`; nothing if the reference is missing or has no segments.
 std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all);
 
-/// The worlds of each clock and model together, with the sequence "all N worlds"; nothing if there is but
-/// one.
+/// The summaries of all worlds for each clock and model, with the sequence name "all N worlds". A clock and
+/// model with a single world has no summary.
 std::vector<OffsetAccuracy> allWorlds(const std::vector<OffsetAccuracy>& accuracies);
 
-/// "25 ms", or "27.5 ms + 50 ppm" where the right camera's clock drifts.
+/// The clock as text: "25 ms", or "27.5 ms +50 ppm" if it drifts.
 std::string clockName(const RightClock& clock);
 
-/// A row for each accuracy, then those of all worlds together, and what the columns mean. Text or Markdown.
+/// The offset table, text or Markdown: one row per accuracy, the summaries of all worlds, and a legend.
 std::string offsetTable(const std::vector<OffsetAccuracy>& accuracies, ReportFormat format);
 
-/// The same for programs; each key carries its unit. What does not apply is null.
+/// The same rows as JSON. Keys contain their unit; values that do not apply are null.
 nlohmann::ordered_json offsetJson(const std::vector<OffsetAccuracy>& accuracies);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Errors of velocity and rates.
+// RMSE of velocity and angular rates against the true motion.
 #include "tools/benchmark/rate_errors.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace cartvo::benchmark {
 
 RateErrors rateErrors(const Replay& replay, const SequenceTruth& truth) {
   const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
-  const TrueRows rows(replay, truth.left_camera);
+  const TruthRows rows(replay, truth.left_camera);
   Vector6d squares = Vector6d::Zero();
   RateErrors errors;
   for (std::size_t index = 1; index < replay.pairs.size(); ++index) {
@@ -26,7 +26,9 @@ RateErrors rateErrors(const Replay& replay, const SequenceTruth& truth) {
     squares += error.cwiseAbs2();
     ++errors.pairs;
   }
-  if (errors.pairs == 0) throw std::runtime_error("no pair has both an estimate and a truth");
+  if (errors.pairs == 0)
+    throw std::runtime_error(
+        "no pair has both an estimate and a true motion; check that poses.txt belongs to this sequence");
   const Vector6d rmse = (squares / static_cast<double>(errors.pairs)).cwiseSqrt();
   errors.velocity = rmse.head<3>();
   errors.roll = rmse[3];

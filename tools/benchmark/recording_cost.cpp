@@ -1,6 +1,7 @@
-// What recording costs: `cartvo_recording_cost [SECONDS [FOLDER]]` hands two cameras' pictures, 25 a second
-// and 4 Mbit/s each, to a StreamRecorder that writes into FOLDER (default: the temporary one), and then to
-// nobody. What the processor works more is the recorder's.
+// Measures the processor load of recording. `cartvo_recording_cost [SECONDS [FOLDER]]` passes the encoded
+// pictures of two cameras, 25 per second and 4 Mbit/s each, to a StreamRecorder that writes to FOLDER
+// (default: the temporary folder), and then runs the same loop without a recorder. The difference in
+// processor time is the recorder's.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -23,20 +24,20 @@ namespace {
 using namespace cartvo;  // NOLINT(google-build-using-namespace): a program of its own
 using Clock = std::chrono::steady_clock;
 
-constexpr int kFrameRate = 25;     // Hz
-constexpr double kMegabits = 4.0;  // per second, of each camera
+constexpr int kFrameRate = 25;    // Hz
+constexpr double kBitrate = 4.0;  // Mbit/s per camera
 constexpr std::int64_t kPeriod_ns = 1'000'000'000 / kFrameRate;
 const cv::Size kSize(1280, 720);
 
-/// A second of noise that moves: the encoder uses all the bits that it may.
+/// One second of moving noise, which uses the full bit rate.
 std::vector<EncodedUnit> secondOfPictures() {
-  simulate::StreamEncoder encoder({.bitrate_kbps = static_cast<int>(1e3 * kMegabits)}, kSize, kFrameRate);
+  simulate::StreamEncoder encoder({.bitrate_kbps = static_cast<int>(1e3 * kBitrate)}, kSize, kFrameRate);
   cv::Mat scene(kSize.height + 100, kSize.width + 100, CV_8UC1);
   cv::RNG random(1);
   random.fill(scene, cv::RNG::UNIFORM, 0, 255);
   cv::GaussianBlur(scene, scene, {5, 5}, 1.5);
   std::vector<EncodedUnit> units;
-  for (int i = 0; i < 3 * kFrameRate; ++i) {  // the encoder's rate control settles first
+  for (int i = 0; i < 3 * kFrameRate; ++i) {  // the first two seconds settle the rate control
     const simulate::EncodedPicture picture =
         encoder.encode(scene(cv::Rect({2 * (i % 50), i % 50}, kSize)).clone());
     if (i < 2 * kFrameRate) continue;
@@ -57,7 +58,7 @@ double processorSeconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// Hands the pictures over as they would come; the processor's seconds in a second.
+/// Passes the pictures to the observers in real time. Returns the processor time per second.
 double load(const std::vector<EncodedUnit>& pictures, StreamObserver* left, StreamObserver* right,
             int seconds) {
   const double before = processorSeconds();
@@ -67,7 +68,7 @@ double load(const std::vector<EncodedUnit>& pictures, StreamObserver* left, Stre
     unit.sequence = static_cast<std::uint64_t>(i);
     unit.pts = i * 90'000 / kFrameRate;
     unit.exposure_ns = 1'700'000'000'000'000'000 + i * kPeriod_ns;
-    unit.first_arrival_ns = unit.arrival_ns = unit.undelayed_arrival_ns = unit.exposure_ns + 30'000'000;
+    unit.first_arrival_ns = unit.arrival_ns = unit.min_delay_arrival_ns = unit.exposure_ns + 30'000'000;
     if (left != nullptr) left->onUnit(unit);
     if (right != nullptr) right->onUnit(unit);
     std::this_thread::sleep_until(start + std::chrono::nanoseconds((i + 1) * kPeriod_ns));
@@ -91,9 +92,9 @@ void measure(int seconds, const std::filesystem::path& folder) {
   }
   std::filesystem::remove_all(settings.folder);
   const double idle = load(pictures, nullptr, nullptr, seconds);
-  std::printf("%.2f Mbit/s for %d s, %llu pictures left out: %.2f %% of a core\n",
+  std::printf("%.2f Mbit/s for %d s, %llu pictures dropped: %.2f %% of a core\n",
               8e-6 * static_cast<double>(health.bytes) / seconds, seconds,
-              static_cast<unsigned long long>(health.left_out), 100.0 * (recording - idle));
+              static_cast<unsigned long long>(health.dropped_pictures), 100.0 * (recording - idle));
   if (!health.error.empty()) std::fprintf(stderr, "%s\n", health.error.c_str());
 }
 

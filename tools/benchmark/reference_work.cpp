@@ -1,9 +1,10 @@
-// The yardstick: OpenCV's remap, pyramids and KLT.
+// The reference of the speed benchmark: remap, pyramids and KLT of OpenCV.
 #include "tools/benchmark/reference_work.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
@@ -13,13 +14,13 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr std::size_t kMostSteps = 50;
+constexpr std::size_t kMaxSteps = 50;
 constexpr int kPoints = 1000;
-constexpr int kSide = 21;    // px
-constexpr int kLevels = 4;   // of the pyramid, the image itself included
-constexpr double kBend = 2;  // px, by which the maps bend the image at most
+constexpr int kWindowSide = 21;  // px
+constexpr int kLevels = 4;       // of the pyramid, including the image itself
+constexpr double kMapShift = 2;  // px, range of the displacement in the remap maps
 
-/// One thread for as long as this object lives.
+/// Limits OpenCV to one thread while this object lives.
 class OneThread {
  public:
   OneThread() { cv::setNumThreads(1); }
@@ -49,22 +50,24 @@ std::vector<cv::Point2f> cornersOf(const cv::Mat& image) {
 }  // namespace
 
 ReferenceWork::ReferenceWork(const std::vector<cv::Mat>& images) {
-  if (images.size() < 2) throw std::invalid_argument("the reference needs two images");
-  const std::size_t all = images.size() - 1, count = std::min(all, kMostSteps);
+  if (images.size() < 2)
+    throw std::invalid_argument("the reference work needs two images, got " + std::to_string(images.size()));
+  const std::size_t all = images.size() - 1, count = std::min(all, kMaxSteps);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i * all / count;
     Step step{images[at], images[at + 1], cornersOf(images[at])};
     if (step.points.size() == kPoints) steps_.push_back(std::move(step));
   }
   if (steps_.empty())
-    throw std::invalid_argument("the reference follows 1000 corners, which none of the images has");
+    throw std::invalid_argument(
+        "the reference work tracks 1000 corners, and no image has as many; use images with more texture");
   const cv::Size size = images.front().size();
   cv::Mat map_x(size, CV_32FC1), map_y(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
       const double across = static_cast<double>(x) / size.width, down = static_cast<double>(y) / size.height;
-      map_x.at<float>(y, x) = static_cast<float>(x + kBend * (down - 0.5));
-      map_y.at<float>(y, x) = static_cast<float>(y + kBend * (across - 0.5));
+      map_x.at<float>(y, x) = static_cast<float>(x + kMapShift * (down - 0.5));
+      map_y.at<float>(y, x) = static_cast<float>(y + kMapShift * (across - 0.5));
     }
   }
   cv::convertMaps(map_x, map_y, map_, map_fraction_, CV_16SC2);
@@ -84,7 +87,7 @@ ReferenceTimes ReferenceWork::run() const {
 }
 
 ReferenceTimes ReferenceWork::timesOf(const Step& step) const {
-  const cv::Size window(kSide, kSide);
+  const cv::Size window(kWindowSide, kWindowSide);
   ReferenceTimes times;
   cv::Mat rectified;
   times.remap = millisecondsOf([&] {

@@ -7,7 +7,7 @@
 
 namespace cartvo::benchmark {
 
-/// What OpenCV takes for a pair on one thread, ms.
+/// Times of OpenCV for one pair on one thread, ms.
 struct ReferenceTimes {
   double remap = 0.0;     ///< both images through fixed-point maps (CV_16SC2), bilinear
   double pyramids = 0.0;  ///< cv::buildOpticalFlowPyramid of both, four levels
@@ -16,25 +16,26 @@ struct ReferenceTimes {
   double all() const { return remap + pyramids + klt; }
 };
 
-/// Work that never changes, of a library that everybody has: divided by its time, a time means the same on a
-/// fast machine and on a busy one.
+/// Fixed work of a common library as a unit of time: ratios to it are comparable between fast, slow and busy
+/// machines.
 class ReferenceWork {
  public:
-  /// Images of one camera, one after the other: CV_8UC1, of one size. The work is done on each step from one
-  /// to the next, or on some from all over them: how far the KLT has to go differs from step to step by a
-  /// half (kitti_06: 12 to 19 ms), and the mean of a few says little. Steps from an image without a thousand
-  /// corners are left out. Throws std::invalid_argument if there are not two, or if all are.
+  /// `images`: consecutive images of one camera, CV_8UC1, all of one size. The work is done on each step from
+  /// one image to the next, or on 50 evenly spaced steps of a longer sequence: the time of the KLT differs by
+  /// a half between steps (kitti_06: 12 to 19 ms), so the mean of a few is not meaningful. Steps from an
+  /// image with fewer than 1,000 corners are left out. Throws std::invalid_argument if there are fewer than
+  /// two images or no steps.
   explicit ReferenceWork(const std::vector<cv::Mat>& images);
 
-  /// Does it all once: the mean of the steps. Sets OpenCV's number of threads for that long: nothing else
-  /// must use it meanwhile.
+  /// Runs all steps once and returns their mean. Limits OpenCV to one thread meanwhile, so nothing else may
+  /// use OpenCV at the same time.
   ReferenceTimes run() const;
   std::size_t steps() const { return steps_.size(); }
 
  private:
   struct Step {
     cv::Mat before, after;
-    std::vector<cv::Point2f> points;  ///< of the image before
+    std::vector<cv::Point2f> points;  ///< corners of `before`
   };
   ReferenceTimes timesOf(const Step& step) const;
 

@@ -1,4 +1,4 @@
-// The sequences at hand with their truths in one form.
+// Finds real sequences and renders worlds, with their ground truth in one form.
 #include "tools/benchmark/sequence.hpp"
 
 #include <algorithm>
@@ -36,12 +36,12 @@ std::optional<Trajectory> truthOf(const fs::path& folder, const ImageSequence& l
   return truth;
 }
 
-/// The derivative of the exact pose, by central differences: the drive is twice differentiable, so that half
-/// a millisecond leaves an error below 1e-6 m/s.
+/// The derivative of the exact pose by central differences. The drive is twice differentiable, so a step of
+/// half a millisecond leaves an error below 1e-6 m/s.
 Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
   constexpr double kStep = 5e-4;  // s
   const double time = 1e-9 * static_cast<double>(time_ns);
-  // The drive's ends are clamped: one-sided there.
+  // One-sided at the start of the drive, where the time is clamped.
   const Eigen::Isometry3d before = world.T_world_body(std::max(0.0, time - kStep));
   const Eigen::Isometry3d after = world.T_world_body(time + kStep);
   return logarithm(before.inverse() * after) / (time + kStep - std::max(0.0, time - kStep));
@@ -63,9 +63,10 @@ std::vector<Sequence> realSequences(const fs::path& data) {
     }
   }
   if (sequences.empty()) {
-    throw std::runtime_error(data.string() +
-                             ": holds no sequence; expected folders of images (KITTI or EuRoC layout) with "
-                             "poses.txt, or whose name ends in _still");
+    throw std::runtime_error(
+        data.string() +
+        ": contains no sequence; expected folders of images (KITTI or EuRoC layout) with "
+        "poses.txt, or whose name ends in _still");
   }
   return sequences;
 }

@@ -12,38 +12,40 @@
 
 namespace cartvo::benchmark {
 
+/// Origin of the images of a sequence.
 enum class SequenceKind : std::uint8_t {
-  real,      ///< pictures of real cameras; the truth is a reference with errors of its own
-  rendered,  ///< the truth is exact
+  real,      ///< real cameras; the truth is a reference with errors of its own
+  rendered,  ///< rendered world with exact truth
 };
 
-/// Where the cameras truly were.
+/// The true motion of the cameras.
 struct SequenceTruth {
-  Trajectory left_camera;  ///< its own axes, relative to the first; a pose at each left instant
-  /// Of the body's origin at the same instants, (m/s, rad/s) in body axes as BodyMotion's; empty where the
-  /// truth does not tell it (poses alone do not).
+  Trajectory left_camera;  ///< in its own axes, relative to the first pose; one pose per left instant
+  /// Twist of the body origin at the same instants, (m/s, rad/s) in body axes as in BodyMotion; empty if the
+  /// truth consists of poses only.
   std::vector<Vector6d> body_twist;
 };
 
-/// Pictures on disk to measure the odometry with.
+/// A sequence of image pairs on disk with its ground truth.
 struct Sequence {
   std::string name;
   SequenceKind kind = SequenceKind::real;
-  std::filesystem::path folder;  ///< what `cartvo replay` takes
+  std::filesystem::path folder;  ///< in a layout that `cartvo replay` reads
   SequenceTruth truth;
 };
 
-/// The image folders in `data` (KITTI's or EuRoC's layout), by name. Truth is poses.txt (KITTI rows); a
-/// folder whose name ends in "_still" stands still; others are left out. None if `data` is an empty path.
-/// Throws std::runtime_error naming the folder if there is none in it, or the file if one of them is
-/// contradictory.
+/// The image folders in `data` (KITTI or EuRoC layout) with a ground truth, sorted by name. The truth is
+/// poses.txt (KITTI rows); a folder whose name ends in "_still" is a standstill; other folders are left out.
+/// Returns nothing if `data` is an empty path. Throws std::runtime_error naming the folder if it contains no
+/// sequence, or naming the file if its poses do not match the images.
 std::vector<Sequence> realSequences(const std::filesystem::path& data);
 
-/// A rendered world, from the cache or rendered into it.
+/// The rendered world of `settings`, read from the cache or rendered into it.
 Sequence renderedSequence(const world::WorldSettings& settings, const WorldCache& cache,
                           const simulate::Progress& progress);
 
-/// "campus 1", "campus 1 +12 ms +50 ppm": scenario, seed, offset of the right camera and its clock's drift.
+/// Scenario, seed, time offset and clock drift of the right camera as text: "campus 1", "campus 1 +12 ms +50
+/// ppm".
 std::string worldName(const world::WorldSettings& settings);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Unsynchronised cameras, as an odometry sees them that knows one instant for each pair.
+// Plays unsynchronised images with the left instant for both images of a pair.
 #include "tools/benchmark/simultaneous.hpp"
 
 #include <memory>
@@ -8,7 +8,8 @@
 namespace cartvo::benchmark {
 namespace {
 
-/// Pairs as PairSynchroniser does: each image with the first free one within half a period.
+/// `right` with the instants of the left images, paired as by PairSynchroniser: each image with the first
+/// free one within half a period.
 ImageSequence stampedAs(const ImageSequence& left, const ImageSequence& right, std::int64_t period_ns) {
   ImageSequence stamped;
   std::size_t partner = 0;
@@ -21,7 +22,7 @@ ImageSequence stampedAs(const ImageSequence& left, const ImageSequence& right, s
     stamped.images.push_back(right.images[i]);
     stamped.instants_ns.push_back(left.instants_ns[partner++]);
   }
-  stamped.deviation_ns = right.deviation_ns;
+  stamped.stddev_ns = right.stddev_ns;
   return stamped;
 }
 

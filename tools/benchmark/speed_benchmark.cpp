@@ -1,4 +1,4 @@
-// How long a pair takes, beside what OpenCV takes for a fixed piece of work.
+// Measures the time of a pair and of fixed reference work of OpenCV on the same images.
 #include "tools/benchmark/speed_benchmark.hpp"
 
 #include <algorithm>
@@ -18,21 +18,22 @@
 namespace cartvo::benchmark {
 namespace {
 
-void requireEnough(int pairs) {
-  if (pairs < kWarmUp + 2) {
-    throw std::invalid_argument("too few pairs to time: " + std::to_string(pairs) + ", of which the first " +
-                                std::to_string(kWarmUp) + " do not count");
+void requirePairs(int pairs) {
+  if (pairs < kWarmUpPairs + 2) {
+    throw std::invalid_argument("too few pairs to time: " + std::to_string(pairs) + "; the first " +
+                                std::to_string(kWarmUpPairs) + " are not counted, and two more are needed");
   }
 }
 
 void check(const SpeedSettings& settings) {
   if ((settings.sizes.empty() && settings.data.empty()) || settings.features.empty() ||
       settings.threads.empty() || settings.repeats < 1)
-    throw std::invalid_argument("nothing to time: sizes or data, features, threads and repeats are needed");
-  requireEnough(settings.pairs);
+    throw std::invalid_argument(
+        "nothing to time: give sizes or real sequences, features, threads and at least one repeat");
+  requirePairs(settings.pairs);
 }
 
-/// The view of the usual cameras, in more or fewer pixels.
+/// The default world with the given image size and an unchanged field of view.
 world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
   world::WorldSettings world;
   world.focal_length *= static_cast<double>(size.width) / world.image_size.width;
@@ -43,13 +44,13 @@ world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
   return world;
 }
 
-/// Gathers the times of one row.
+/// Collects the times of one result.
 class Samples {
  public:
   void add(const PairResult& result) {
     const StageTimes& times = result.times;
     raw_.push_back(1e3 * times.total);
-    rectified_.push_back(1e3 * (times.total - times.of(Stage::rectify)));
+    rectified_.push_back(1e3 * (times.total - times.stage(Stage::rectify)));
     for (int i = 0; i < kStageCount; ++i)
       stages_[i].push_back(1e3 * times.stages[i]);
     used_.push_back(result.estimate.counts.inliers);
@@ -59,8 +60,8 @@ class Samples {
     pyramids_.push_back(times.pyramids);
     klt_.push_back(times.klt);
   }
-  /// Ends a repeat, before and after which the reference took so long.
-  void compare(const ReferenceTimes& before, const ReferenceTimes& after) {
+  /// Computes the ratios of the pairs of one repeat to the reference times measured before and after it.
+  void endRepeat(const ReferenceTimes& before, const ReferenceTimes& after) {
     const double klt = 0.5 * (before.klt + after.klt), remap = 0.5 * (before.remap + after.remap);
     for (std::size_t i = raw_ratios_.size(); i < raw_.size(); ++i) {
       rectified_ratios_.push_back(rectified_[i] / klt);
@@ -100,7 +101,7 @@ SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
   const ReferenceWork reference(leftImages(drive));
   Samples samples;
   const int count = static_cast<int>(drive.pairs.size());
-  reference.run();  // asks for the memory
+  reference.run();  // allocates memory
   ReferenceTimes before = reference.run();
   samples.add(before);
   for (int repeat = 0; repeat < repeats; ++repeat) {
@@ -108,18 +109,18 @@ SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
     PairProcessor processor(drive.rig, rectifier, odometry);
     for (int i = 0; i < count; ++i) {
       const PairResult result = processor.process(drive.pairs[i]);
-      if (i >= kWarmUp) samples.add(result);
+      if (i >= kWarmUpPairs) samples.add(result);
       progress(repeat * count + i + 1, repeats * count);
     }
     const ReferenceTimes after = reference.run();
     samples.add(after);
-    samples.compare(before, after);  // in between, as a busy machine is busy for seconds
+    samples.endRepeat(before, after);  // close in time: the load of a busy machine changes within seconds
     before = after;
   }
   return samples.result();
 }
 
-/// A row for each number of features and threads.
+/// Adds one result for each number of features and threads.
 void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const WorkObserver& observer,
               std::vector<SpeedResult>& results) {
   const RectificationSettings rectification;
@@ -152,7 +153,7 @@ void timeReal(const Sequence& sequence, const SpeedSettings& settings, const Wor
               std::vector<SpeedResult>& results) {
   const DriveInMemory drive = loadDrive(sequence.name, sequence.folder, settings.pairs);
   try {
-    requireEnough(static_cast<int>(drive.pairs.size()));
+    requirePairs(static_cast<int>(drive.pairs.size()));
     timeEach(drive, settings, observer, results);
     if (isRectified(drive)) timeEach(throughLenses(drive), settings, observer, results);
   } catch (const std::invalid_argument& error) {
@@ -182,7 +183,7 @@ double growthExponent(const std::vector<double>& amounts, const std::vector<doub
 
 std::vector<SpeedResult> runSpeedBenchmark(const SpeedSettings& settings, const WorkObserver& observer) {
   check(settings);
-  const std::vector<Sequence> real = realSequences(settings.data);  // fails, if it does, before the work
+  const std::vector<Sequence> real = realSequences(settings.data);  // errors before the long work
   const WorldCache worlds(settings.cache / "worlds");
   std::vector<SpeedResult> results;
   for (const cv::Size& size : settings.sizes)

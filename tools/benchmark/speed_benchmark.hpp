@@ -15,23 +15,24 @@
 
 namespace cartvo::benchmark {
 
-/// What is timed: each drive with each number of features on each number of threads.
+/// Settings of a speed benchmark: each drive is timed with each number of features and of threads.
 struct SpeedSettings {
-  std::vector<cv::Size> sizes;  ///< in which a drive over the campus is rendered
+  std::vector<cv::Size> sizes;  ///< image sizes of the rendered campus drive
   std::filesystem::path data;   ///< real sequences, see realSequences; empty: none
   std::vector<int> features;
   std::vector<int> threads;
-  OdometrySettings odometry;  ///< but for the features
-  int pairs = 24;             ///< of each drive at most, at least kWarmUp + 2
-  int repeats = 3;            ///< of it, each with an odometry that begins anew
+  OdometrySettings odometry;  ///< except `features`
+  int pairs = 24;             ///< maximum per drive; at least kWarmUpPairs + 2
+  int repeats = 3;            ///< of each drive, each with a new odometry
   int rendering_threads = 2;
   std::filesystem::path cache;  ///< for rendered worlds
 };
 
-/// Pairs at the beginning of each repeat that are not counted: the odometry fills its window and its memory.
-inline constexpr int kWarmUp = 4;
+/// Number of pairs at the start of each repeat that are not counted, while the odometry fills its window and
+/// allocates memory.
+inline constexpr int kWarmUpPairs = 4;
 
-/// Of some times, ms.
+/// Statistics of times, ms.
 struct Distribution {
   double median = 0.0;
   double p99 = 0.0;
@@ -41,32 +42,34 @@ struct Distribution {
 /// `milliseconds` must not be empty.
 Distribution distributionOf(const std::vector<double>& milliseconds);
 
-/// One row. A time is from having both images in memory to having the pose; files are left out.
+/// The times of one drive with one number of features and threads: from both images in memory to the pose,
+/// without reading files.
 struct SpeedResult {
   std::string drive;
   cv::Size size;
-  int features = 0;  ///< aimed at
+  int features = 0;  ///< target number
   int threads = 0;
   std::size_t pairs = 0;                     ///< counted
-  double used = 0.0;                         ///< features that the motion was measured with, median
-  Distribution rectified;                    ///< without rectification
-  Distribution raw;                          ///< with it, of both images
+  double used = 0.0;                         ///< median number of features used for the motion
+  Distribution rectified;                    ///< time without rectification
+  Distribution raw;                          ///< time with rectification of both images
   std::array<double, kStageCount> stages{};  ///< medians, ms
-  ReferenceTimes reference;                  ///< medians, of images of the same drive
-  /// Medians of the pairs' times as multiples of what the reference took just before and after.
+  ReferenceTimes reference;                  ///< medians, on images of the same drive
+  /// Median times of a pair as multiples of the reference times measured just before and after.
   double rectified_ratio = 0.0;  ///< to its KLT
   double raw_ratio = 0.0;        ///< to its KLT and both remaps
 
   double stage(Stage which) const { return stages[static_cast<std::size_t>(which)]; }
 };
 
-/// The exponent p of time ~ amount^p that fits the points best, in logarithms. Two points or more, all
+/// The exponent p of time ~ amount^p, by least squares in logarithms. Requires two or more points, all
 /// positive.
 double growthExponent(const std::vector<double>& amounts, const std::vector<double>& times);
 
-/// Drives over the campus with raw images of each size, rendered on first use, then the real sequences; one
-/// whose images are rectified already follows once more behind lenses (throughLenses). Throws
-/// std::invalid_argument if there is nothing to time, std::runtime_error naming a sequence that cannot be.
+/// Times campus drives with raw images of each size, rendered on first use, then the real sequences. A
+/// sequence with rectified images is timed a second time with lens distortion (throughLenses). Throws
+/// std::invalid_argument if there is nothing to time, std::runtime_error naming a sequence that cannot be
+/// timed.
 std::vector<SpeedResult> runSpeedBenchmark(const SpeedSettings& settings, const WorkObserver& observer);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Times as tables and JSON.
+// Times as tables and as JSON.
 #include "tools/benchmark/speed_report.hpp"
 
 #include <algorithm>
@@ -57,7 +57,7 @@ std::string referenceTable(const std::vector<SpeedResult>& results, ReportFormat
   return table.as(format);
 }
 
-/// A curve of time over one amount, all else being equal.
+/// Times over one amount, with all other parameters equal.
 struct Curve {
   std::string what;
   std::vector<double> amounts, times;
@@ -105,13 +105,14 @@ std::string growthTable(const std::vector<SpeedResult>& results, ReportFormat fo
 }
 
 constexpr const char* kLegend =
-    "A pair's time from both images in memory to the pose; reading files is left out. rectified: without "
+    "Time of a pair from both images in memory to the pose, without reading files. rectified: without "
     "rectification;\n"
-    "raw: with that of both images. used: features that the motion was measured with. x: as multiples of "
-    "OpenCV's work on\n"
+    "raw: with rectification of both images. used: features used for the motion. x: as multiples of the time "
+    "of OpenCV on\n"
     "the same images in the same run, on one thread: calcOpticalFlowPyrLK with 1,000 points, 21x21, 4 "
     "levels, 30\n"
-    "iterations or 0.01 px; and that with two remaps. Ratios hold on a busy machine, milliseconds do not.\n";
+    "iterations or 0.01 px; and that with two remaps. Ratios are valid on a busy machine, milliseconds are "
+    "not.\n";
 
 Json json(const Distribution& distribution) {
   return {{"median", distribution.median}, {"p99", distribution.p99}, {"max", distribution.maximum}};

@@ -10,10 +10,11 @@
 
 namespace cartvo::benchmark {
 
-/// A row for each result; the stages; the reference; how time grows with features and pixels. Not for JSON.
+/// The tables of times, stages, reference work, and growth of time with features and pixels. `format` must
+/// not be JSON.
 std::string speedTables(const std::vector<SpeedResult>& results, ReportFormat format);
 
-/// {"speeds": [...]}.
+/// The results as JSON: {"speeds": [...]}.
 nlohmann::ordered_json speedJson(const std::vector<SpeedResult>& results);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// How long each stage takes.
+// Median time of each stage.
 #include "tools/benchmark/stage_times.hpp"
 
 #include <chrono>
@@ -21,7 +21,7 @@ double medianMs(const Replay& replay, Value value) {
   return percentile(milliseconds, 0.5);
 }
 
-/// Two cameras of that size with a lens like a surveillance camera's.
+/// A rig of two cameras of that size with the lens distortion of a surveillance camera.
 Rig distortedRig(cv::Size size) {
   Rig rig;
   CameraModel& camera = rig.left;
@@ -41,7 +41,7 @@ StageMedians stageMedians(const Replay& replay) {
   StageMedians medians;
   for (int i = 0; i < kStageCount; ++i) {
     const auto stage = static_cast<Stage>(i);
-    medians.stages[i] = medianMs(replay, [stage](const StageTimes& times) { return times.of(stage); });
+    medians.stages[i] = medianMs(replay, [stage](const StageTimes& times) { return times.stage(stage); });
   }
   medians.total = medianMs(replay, [](const StageTimes& times) { return times.total; });
   return medians;

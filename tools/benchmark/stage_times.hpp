@@ -8,19 +8,19 @@
 
 namespace cartvo::benchmark {
 
-/// Medians over the pairs of a replay, the first aside, ms: the thesis' Table 5-2.
+/// Median stage times over the pairs of a replay except the first, ms: Table 5-2 of the thesis.
 struct StageMedians {
   std::array<double, kStageCount> stages{};
   double total = 0.0;
 
-  double of(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  double stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 };
 
-/// The replay must hold two pairs.
+/// Requires a replay of at least two pairs.
 StageMedians stageMedians(const Replay& replay);
 
-/// Rectification of a pair of `size` by tables, ms, median of some runs: for sequences that come rectified.
-/// What the images show does not matter to it.
+/// Median time to rectify a pair of `size` by lookup tables, ms, for sequences whose images are already
+/// rectified. The time does not depend on the image content.
 double rectificationMs(cv::Size size);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// The thesis' experiments, repeated.
+// Repeats the experiments of the thesis.
 #include "tools/benchmark/thesis_benchmark.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ world::WorldSettings depthWorld(const ThesisSettings& settings) {
   return world;
 }
 
-/// KITTI's pictures and baseline, which the thesis measures with.
+/// A world with the image size, focal length and baseline of KITTI, as in the thesis.
 world::WorldSettings kittiLikeWorld(const ThesisSettings& settings) {
   world::WorldSettings world = depthWorld(settings);
   world.image_size = {1241, 376};
@@ -50,13 +50,13 @@ class ThesisRun {
     const Replay few = replayed(sequence, results_.features);
     const Replay many = replayed(sequence, results_.many_features);
     StageTimeResult times{sequence.name, few.rig.rig.left.size, 0.0, stageMedians(few), stageMedians(many)};
-    constexpr double kRectifies = 0.1;  // ms; a rig that is rectified already takes next to nothing
-    const double own = times.few.of(Stage::rectify);
-    times.rectification_ms = own > kRectifies ? own : rectificationMs(times.image_size);
+    constexpr double kMinRectificationTime = 0.1;  // ms; less means that the images are already rectified
+    const double own = times.few.stage(Stage::rectify);
+    times.rectification_ms = own > kMinRectificationTime ? own : rectificationMs(times.image_size);
     results_.times.push_back(times);
   }
 
-  ThesisResults take() { return std::move(results_); }
+  ThesisResults releaseResults() { return std::move(results_); }
 
  private:
   Replay replayed(const Sequence& sequence, int features) {
@@ -78,7 +78,7 @@ class ThesisRun {
 }  // namespace
 
 ThesisResults runThesisBenchmark(const ThesisSettings& settings, const WorkObserver& observer) {
-  const std::vector<Sequence> sequences = realSequences(settings.data);  // fails, if it does, before the work
+  const std::vector<Sequence> sequences = realSequences(settings.data);  // errors before the long work
   ThesisRun run(settings, observer);
   run.measureDepth("KITTI's rig", kittiLikeWorld(settings));
   run.measureDepth("the cart's rig", depthWorld(settings));
@@ -89,7 +89,7 @@ ThesisResults runThesisBenchmark(const ThesisSettings& settings, const WorkObser
       std::max_element(sequences.begin(), sequences.end(),
                        [&](const Sequence& a, const Sequence& b) { return length(a) < length(b); });
   if (longest != sequences.end()) run.measureTimes(*longest);
-  return run.take();
+  return run.releaseResults();
 }
 
 }  // namespace cartvo::benchmark

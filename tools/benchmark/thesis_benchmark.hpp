@@ -12,43 +12,45 @@
 
 namespace cartvo::benchmark {
 
+/// Settings of the thesis benchmark.
 struct ThesisSettings {
   std::filesystem::path
-      data;                   ///< real sequences, see realSequences; empty: only what is rendered is measured
-  OdometrySettings odometry;  ///< its number of features is the tables' first
-  int many_features = 9600;   ///< the second
-  int depth_pairs = 8;        ///< rendered for the depth regression, with each rig
-  int threads = 2;            ///< that render
+      data;                   ///< real sequences, see realSequences; empty: only rendered worlds are measured
+  OdometrySettings odometry;  ///< its number of features is the first one of the tables
+  int many_features = 9600;   ///< the second number of features
+  int depth_pairs = 8;        ///< rendered pairs per rig for the depth regression
+  int threads = 2;            ///< for rendering
 };
 
-/// The depth regression with one rig.
+/// The depth samples of one rig.
 struct DepthResult {
   std::string rig;
   DepthSamples samples;
 };
 
-/// Detection over one sequence.
+/// Feature counts of one sequence.
 struct FeatureCountResult {
   std::string sequence;
   FeatureCountSeries fixed;
   FeatureCountSeries adaptive;
 };
 
-/// Times over one sequence, whose images have `image_size`.
+/// Stage times of one sequence.
 struct StageTimeResult {
   std::string sequence;
   cv::Size image_size;
-  double rectification_ms = 0.0;  ///< of raw pairs of that size; the replay's own where it rectifies
-  StageMedians few;               ///< with the settings' features
-  StageMedians many;
+  double rectification_ms = 0.0;  ///< of raw pairs of `image_size`; from the replay if it rectifies
+  StageMedians few;               ///< with ThesisResults::features
+  StageMedians many;              ///< with ThesisResults::many_features
 };
 
+/// Velocity and rate errors of one sequence.
 struct RateResult {
   std::string sequence;
   RateErrors errors;
 };
 
-/// What the thesis' tables and figures show, measured here.
+/// The measured values for the tables and figures of the thesis.
 struct ThesisResults {
   int features = 0;
   int many_features = 0;
@@ -58,7 +60,8 @@ struct ThesisResults {
   std::vector<RateResult> rates;           ///< Tables 5-3, 5-4
 };
 
-/// Throws what sequences and settings are refused for.
+/// Repeats the experiments of the thesis. Throws std::runtime_error naming a sequence that cannot be used,
+/// std::invalid_argument for invalid settings.
 ThesisResults runThesisBenchmark(const ThesisSettings& settings, const WorkObserver& observer);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// The thesis' tables beside ours.
+// The tables of the thesis with the measured values, as text and as JSON.
 #include "tools/benchmark/thesis_report.hpp"
 
 #include <cmath>
@@ -24,8 +24,7 @@ std::string signedPercent(double fraction) {
   return std::string(rounded < 0.0 ? "" : "+") + percent(rounded, 1);
 }
 
-/// How many more depths are within a tenth of the truth with sub-pixel disparities than without, as a
-/// fraction.
+/// Relative increase of the number of depths within 10 % of the truth by sub-pixel disparities.
 double closeGain(const DepthSamples& samples) {
   const auto whole = static_cast<double>(closeDepths(samples.whole_pixel));
   return whole > 0.0 ? static_cast<double>(closeDepths(samples.sub_pixel)) / whole - 1.0 : 0.0;
@@ -62,9 +61,8 @@ std::string depthTable(const ThesisResults& results, ReportFormat format) {
   for (const std::vector<std::string>& row : rows)
     table.add(row);
   return section("Table 5-1: depth regression", format) + table.as(format) +
-         "\nMeasured over true depth (rendered, up to 50 m), least squares. Which matches the thesis' +8.6 % "
-         "counts is "
-         "not\nknown here; ours counts those whose depth is within a tenth of the truth.\n";
+         "\nMeasured over true depth (rendered, up to 50 m), least squares. It is unknown which matches "
+         "the thesis\ncounts for its +8.6 %; the measured gain counts depths within 10 % of the truth.\n";
 }
 
 std::string countTable(const ThesisResults& results, ReportFormat format) {
@@ -72,9 +70,9 @@ std::string countTable(const ThesisResults& results, ReportFormat format) {
                "over windows", "starved windows", "features an image"});
   const auto add = [&](const std::string& sequence, const char* threshold, const FeatureCountSeries& series) {
     table.add({sequence, threshold, fixed(series.corners_mean, 0),
-               std::string("± ") + fixed(series.corners_deviation, 0), fixed(series.window_mean, 1),
-               std::string("± ") + fixed(series.window_deviation_over_images, 1),
-               std::string("± ") + fixed(series.window_deviation, 1), percent(series.starved, 1),
+               std::string("± ") + fixed(series.corners_stddev, 0), fixed(series.window_mean, 1),
+               std::string("± ") + fixed(series.window_stddev_over_images, 1),
+               std::string("± ") + fixed(series.window_stddev, 1), percent(series.starved, 1),
                fixed(series.features_mean, 0)});
   };
   for (const FeatureCountResult& result : results.counts) {
@@ -85,9 +83,9 @@ std::string countTable(const ThesisResults& results, ReportFormat format) {
     return section("Figures 4-13, 4-14: feature counts", format) + "no real sequences\n";
   return section("Figures 4-13, 4-14: feature counts", format) + table.as(format) +
          "\nOver images, over windows: standard deviations, a window's the mean over the windows or images. "
-         "Starved: fewer than half of the corners aimed at (" +
+         "Starved: fewer than half of the target number of corners (" +
          fixed(results.counts.front().adaptive.window_target, 0) +
-         " a window). The figures' numbers are not known here;\nthe counts of each image are in the JSON "
+         " a window). The values of the figures are unknown;\nthe counts of each image are in the JSON "
          "report.\n";
 }
 
@@ -101,19 +99,19 @@ std::string stageTable(const ThesisResults& results, ReportFormat format) {
     const auto stage = static_cast<Stage>(i);
     const std::optional<double> thesis = thesisStageMs(stage);
     const bool is_rectify = stage == Stage::rectify;
-    table.add({stageName(stage), fixed(is_rectify ? times.rectification_ms : times.few.of(stage), 2),
+    table.add({stageName(stage), fixed(is_rectify ? times.rectification_ms : times.few.stage(stage), 2),
                thesis ? fixed(*thesis, 2) : kNoValue,
-               fixed(is_rectify ? times.rectification_ms : times.many.of(stage), 2), kNoValue});
+               fixed(is_rectify ? times.rectification_ms : times.many.stage(stage), 2), kNoValue});
   }
   const auto total = [&](const StageMedians& medians) {
-    return fixed(medians.total - medians.of(Stage::rectify) + times.rectification_ms, 2);
+    return fixed(medians.total - medians.stage(Stage::rectify) + times.rectification_ms, 2);
   };
   table.add({"all", total(times.few), fixed(kThesisTotal1000Ms, 2), total(times.many),
              fixed(kThesisTotal9600Ms, 1)});
   return title + table.as(format) + "\nMedians over " + times.sequence + " (" + sizeText(times.image_size) +
-         "); the thesis: 1241x376 on its own machine. Rectification is measured with raw\nimages of that "
+         "); the thesis: 1241x376 on another machine. Rectification is measured with raw\nimages of that "
          "size if the "
-         "sequence comes rectified.\n";
+         "images of the sequence are rectified.\n";
 }
 
 std::string rateTable(const ThesisResults& results, ReportFormat format) {
@@ -130,19 +128,18 @@ std::string rateTable(const ThesisResults& results, ReportFormat format) {
   }
   table.add({"thesis", kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue});
   return title + table.as(format) +
-         "\nBody axes: x forward, y left, z up. The thesis' values and the sequences they are of are not "
-         "known here.\n";
+         "\nBody axes: x forward, y left, z up. The values and sequences of the thesis are unknown.\n";
 }
 
 Json seriesJson(const FeatureCountSeries& series) {
   return {{"corners", series.corners},
           {"features", series.features},
           {"corners_mean", series.corners_mean},
-          {"corners_deviation", series.corners_deviation},
+          {"corners_deviation", series.corners_stddev},
           {"features_mean", series.features_mean},
           {"window_mean", series.window_mean},
-          {"window_deviation_over_images", series.window_deviation_over_images},
-          {"window_deviation_over_windows", series.window_deviation},
+          {"window_deviation_over_images", series.window_stddev_over_images},
+          {"window_deviation_over_windows", series.window_stddev},
           {"window_target", series.window_target},
           {"starved_windows_percent", 100.0 * series.starved}};
 }
@@ -186,7 +183,7 @@ Json timesJson(const ThesisResults& results) {
     Json stages = Json::object();
     for (int i = 0; i < kStageCount; ++i) {
       const auto stage = static_cast<Stage>(i);
-      stages[stageName(stage)] = {times.few.of(stage), times.many.of(stage)};
+      stages[stageName(stage)] = {times.few.stage(stage), times.many.stage(stage)};
     }
     json["measured"].push_back({{"sequence", times.sequence},
                                 {"image_size", {times.image_size.width, times.image_size.height}},

@@ -9,12 +9,11 @@
 
 namespace cartvo::benchmark {
 
-/// The thesis' tables and figures beside what was measured here, each with what it measures. Text or
-/// Markdown.
+/// The tables and figures of the thesis with the measured values and a legend each, text or Markdown.
 std::string thesisTables(const ThesisResults& results, ReportFormat format);
 
-/// The same for programs, with the counts of each image; the thesis' values under `thesis`, null where they
-/// are not known.
+/// The same values as JSON, with the counts of each image. The values of the thesis are under `thesis`, null
+/// if unknown.
 nlohmann::ordered_json thesisJson(const ThesisResults& results);
 
 }  // namespace cartvo::benchmark

@@ -6,19 +6,19 @@
 
 namespace cartvo::benchmark {
 
-// What V. Venkatachalapathy, "Visual Odometry Estimation Using Selective Features", RIT, 2016, reports, as
-// far as this project knows it. Of Tables 5-3 and 5-4 and of Figures 4-13 and 4-14 it knows no numbers.
+// Values of V. Venkatachalapathy, "Visual Odometry Estimation Using Selective Features", RIT, 2016. The
+// values of Tables 5-3 and 5-4 and of Figures 4-13 and 4-14 are not available.
 
 // Table 5-1.
 inline constexpr double kThesisDepthRSquared = 0.9977;
 inline constexpr double kThesisDepthRSquaredWholePixels = 0.9859;
 inline constexpr double kThesisMatchGain = 0.086;
 
-// Table 5-2, 1241x376, on its own machine, ms.
+// Table 5-2: 1241x376, on the machine of the thesis, ms.
 inline constexpr double kThesisTotal1000Ms = 25.91;
 inline constexpr double kThesisTotal9600Ms = 61.2;
 
-/// Of one stage with 1,000 features; nothing for stages that the thesis has not.
+/// Time of one stage with 1,000 features, ms; nothing for stages that the thesis does not have.
 constexpr std::optional<double> thesisStageMs(Stage stage) {
   switch (stage) {
     case Stage::rectify:

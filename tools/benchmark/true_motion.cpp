@@ -1,4 +1,4 @@
-// Which true poses belong to a measured motion.
+// Assigns true poses to the pairs of a replay.
 #include "tools/benchmark/true_motion.hpp"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace cartvo::benchmark {
 
-TrueRows::TrueRows(const Replay& replay, const Trajectory& truth) {
+TruthRows::TruthRows(const Replay& replay, const Trajectory& truth) {
   for (const ReplayedPair& pair : replay.pairs) {
     const auto row = std::lower_bound(
         truth.begin(), truth.end(), pair.exposure_ns,

@@ -9,21 +9,21 @@
 
 namespace cartvo::benchmark {
 
-/// Where a replay's pairs stand in a truth that has a pose at each left instant.
-class TrueRows {
+/// Assigns to each pair of a replay the index of its true pose.
+class TruthRows {
  public:
-  /// `truth` must be in the order of time.
-  TrueRows(const Replay& replay, const Trajectory& truth);
+  /// `truth` must have a pose at each left instant and be sorted by time.
+  TruthRows(const Replay& replay, const Trajectory& truth);
 
-  /// The truth's row at a pair's instant, if it has one.
+  /// Index of the true pose at the instant of a pair; nothing if there is none.
   std::optional<std::size_t> at(std::size_t pair) const { return rows_[pair]; }
 
  private:
   std::vector<std::optional<std::size_t>> rows_;
 };
 
-/// The pair that the motion of valid pair `index` > 0 was measured from: the one before, or an earlier one
-/// across a gap.
+/// Index of the pair from which the motion of the valid pair `index` > 0 was measured: the pair before, or an
+/// earlier one after a gap.
 std::size_t referenceOf(const Replay& replay, std::size_t index);
 
 }  // namespace cartvo::benchmark

@@ -1,4 +1,4 @@
-// Rendering costs minutes: each world is rendered once.
+// Renders each world once and keeps its images on disk, because rendering takes minutes.
 #include "tools/benchmark/world_cache.hpp"
 
 #include <cerrno>
@@ -18,7 +18,7 @@ namespace cartvo::benchmark {
 namespace fs = std::filesystem;
 namespace {
 
-/// Held by one process at a time; the kernel lets go of it when the process ends, however it does.
+/// An exclusive lock between processes. The kernel releases it when the process ends for any reason.
 class FileLock {
  public:
   explicit FileLock(const fs::path& file)
@@ -26,7 +26,7 @@ class FileLock {
     if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX) != 0) {
       const std::string reason = std::generic_category().message(errno);
       if (descriptor_ >= 0) ::close(descriptor_);
-      throw std::runtime_error(file.string() + ": cannot be locked: " + reason);
+      throw std::runtime_error(file.string() + ": cannot be locked for rendering: " + reason);
     }
   }
   ~FileLock() { ::close(descriptor_); }
@@ -37,7 +37,7 @@ class FileLock {
   int descriptor_;
 };
 
-/// A world whose left images are on disk already: they do not depend on when the right camera is exposed.
+/// A world whose left images are read from disk: they do not depend on the time offset of the right camera.
 class WithLeftImages final : public simulate::Content {
  public:
   WithLeftImages(const world::RenderedWorld& world, fs::path left_images)
@@ -67,14 +67,14 @@ class WithLeftImages final : public simulate::Content {
 WorldCache::WorldCache(fs::path folder) : folder_(std::move(folder)) {}
 
 fs::path WorldCache::folderOf(const world::RenderedWorld& world) const {
-  return folder_ / world.cacheKey();  // letters, digits, dots and hyphens
+  return folder_ / world.cacheKey();  // a valid file name: letters, digits, dots and hyphens
 }
 
 void WorldCache::render(const fs::path& images, const world::RenderedWorld& world,
                         const simulate::Progress& progress) const {
-  world::WorldSettings at_once = world.settings();
-  at_once.offset_s = at_once.offset_drift_ppm = 0.0;
-  const fs::path left_images = folderOf(world::RenderedWorld(at_once)) / "image_0";
+  world::WorldSettings synchronised = world.settings();
+  synchronised.offset_s = synchronised.offset_drift_ppm = 0.0;
+  const fs::path left_images = folderOf(world::RenderedWorld(synchronised)) / "image_0";
   if (fs::exists(left_images)) {
     simulate::renderFolder(images, WithLeftImages(world, left_images), progress);
   } else {

@@ -7,15 +7,16 @@
 
 namespace cartvo::benchmark {
 
-/// Rendered worlds kept on disk as image folders with their truth, as `cartvo simulate --render` writes them,
-/// each under its cache key. They are never removed by themselves: a minute of drive takes 0.4 GB.
+/// A cache of rendered worlds on disk: image folders with their truth, as written by `cartvo simulate
+/// --render`, each under its cache key. Entries are never deleted automatically; a minute of driving takes
+/// 0.4 GB.
 class WorldCache {
  public:
   explicit WorldCache(std::filesystem::path folder);
 
-  /// The folder of `world`'s images, rendered now if they are not there yet: only the right camera's where
-  /// the same world is there with cameras that are exposed at once. A second process that wants the same
-  /// world waits for the first.
+  /// Returns the folder of the images of `world`, and renders them if they are missing. If the same world is
+  /// cached with synchronised cameras, only the right images are rendered. A second process that needs the
+  /// same world waits for the first.
   std::filesystem::path rendered(const world::RenderedWorld& world, const simulate::Progress& progress) const;
 
  private:

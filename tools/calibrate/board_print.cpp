@@ -1,4 +1,4 @@
-// A board's sheet by cairo: the same drawing onto each kind of surface, its unit 1 mm.
+// Printing of a board's sheet with cairo: one drawing, with a unit of 1 mm, on PDF, SVG and PNG surfaces.
 #include "tools/calibrate/board_print.hpp"
 
 #include <array>
@@ -17,8 +17,8 @@
 namespace cartvo::calibrate {
 namespace {
 
-constexpr double kMillimetresPerInch = 25.4, kPointsPerInch = 72.0;  // PDF: 1 pt = 1/72 inch
-constexpr double kLineWidth = 0.15, kLetterSize = 3.0, kLineSpacing = 4.0;
+constexpr double kMillimetresPerInch = 25.4, kPointsPerInch = 72.0;         // PDF: 1 pt = 1/72 inch
+constexpr double kLineWidth = 0.15, kLetterSize = 3.0, kLineSpacing = 4.0;  // mm
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
@@ -34,7 +34,7 @@ void check(cairo_status_t status) {
   }
 }
 
-/// In one fill: no renderer then shows seams where black parts touch.
+/// Draws the pattern in one fill, so that no renderer shows seams between touching black areas.
 void drawPattern(cairo_t* context, const BoardSheet& sheet) {
   constexpr double kMillimetresPerMetre = 1000.0;
   for (const cv::Rect2d& metres : boardBlackRectangles(sheet.board)) {
@@ -55,8 +55,7 @@ void drawText(cairo_t* context, cv::Point2d at, const std::string& letters) {
   cairo_show_text(context, letters.c_str());
 }
 
-/// A stroke for each mm, longer for each 5 and 10, from `zero` along `direction`; the scale's numbers and
-/// strokes stand on the side of `away`.
+/// Draws a ruler from `zero` along `direction`: a stroke for each mm, longer at 5 and 10 mm, towards `away`.
 void drawRuler(cairo_t* context, cv::Point2d zero, cv::Point2d direction, cv::Point2d away, double length) {
   drawLine(context, zero, zero + length * direction);
   const int millimetres = static_cast<int>(std::lround(length));
@@ -70,14 +69,14 @@ void drawRuler(cairo_t* context, cv::Point2d zero, cv::Point2d direction, cv::Po
 }
 
 void drawRulers(cairo_t* context, const BoardSheet& sheet) {
-  constexpr double kToNumbers = 7.5;
+  constexpr double kNumberOffset = 7.5;  // mm, from the scale to the baseline of its numbers
   const cv::Rect2d& across = sheet.horizontal_ruler;
   drawRuler(context, across.tl(), {1.0, 0.0}, {0.0, 1.0}, across.width);
   const cv::Rect2d& up = sheet.vertical_ruler;
   const cv::Point2d zero = up.br();
   drawRuler(context, zero, {0.0, -1.0}, {-1.0, 0.0}, up.height);
-  drawText(context, across.tl() + cv::Point2d(0.5, kToNumbers), "0");
-  drawText(context, across.tl() + cv::Point2d(across.width + 1.0, kToNumbers),
+  drawText(context, across.tl() + cv::Point2d(0.5, kNumberOffset), "0");
+  drawText(context, across.tl() + cv::Point2d(across.width + 1.0, kNumberOffset),
            std::to_string(std::lround(across.width)) + " mm");
   drawText(context, {up.x, up.y - 1.0}, std::to_string(std::lround(up.height)) + " mm");
 }
@@ -97,7 +96,7 @@ void drawNotes(cairo_t* context, const BoardSheet& sheet) {
            "measured.");
 }
 
-/// `units_per_mm`: of the surface.
+/// Draws the whole sheet. `units_per_mm`: resolution of the surface.
 void drawSheet(cairo_surface_t* surface, const BoardSheet& sheet, double units_per_mm) {
   const Context owner(cairo_create(surface), &cairo_destroy);
   cairo_t* const context = owner.get();
@@ -121,7 +120,7 @@ std::string pdf(const BoardSheet& sheet) {
   const cv::Size2d points = sheet.page.size * kPointsPerMillimetre;
   const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, points.width, points.height),
                         &cairo_surface_destroy);
-  // The time of printing is left out: the same board gives the same bytes.
+  // Without the creation date the same board gives the same bytes.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, nullptr);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, boardSpecText(sheet.board).c_str());
   drawSheet(surface.get(), sheet, kPointsPerMillimetre);

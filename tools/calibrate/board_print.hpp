@@ -7,11 +7,11 @@
 
 namespace cartvo::calibrate {
 
-/// Writes the sheet as PDF or SVG (true to scale), or PNG (of `dots_per_inch`), by the file's extension;
-/// atomically. Throws std::invalid_argument for another extension.
+/// Writes the sheet atomically as PDF or SVG (true to scale) or as PNG (at `dots_per_inch`), depending on the
+/// file's extension. Throws std::invalid_argument for another extension.
 void printBoard(const BoardSheet& sheet, const std::filesystem::path& file, double dots_per_inch);
 
-/// The same without writing: the bytes of such a file; `extension` with its dot.
+/// The bytes of such a file; `extension` includes the dot.
 std::string printedBoard(const BoardSheet& sheet, const std::string& extension, double dots_per_inch);
 
 }  // namespace cartvo::calibrate

@@ -1,3 +1,4 @@
+// Layout of a board, its rulers and its text on a page.
 #include "tools/calibrate/board_sheet.hpp"
 
 #include <algorithm>
@@ -10,15 +11,15 @@
 namespace cartvo::calibrate {
 namespace {
 
-// mm. What most printers leave blank is below 5 mm. With these a chessboard of 9x6 corners and squares of
-// 25 mm fits on A4.
+// mm. The unprintable margin of most printers is below 5 mm. With these values a chessboard of 9x6 corners
+// and squares of 25 mm fits on A4.
 constexpr double kMargin = 6.0, kGap = 4.0;
 constexpr double kRulerWidth = 8.0, kTextHeight = 8.0;
 constexpr double kLeftStrip = kMargin + kRulerWidth + kGap,
                  kBottomStrip = kMargin + kTextHeight + kRulerWidth + kGap;
-constexpr double kShortestRuler = 10.0, kRulerStep = 10.0, kLongestRuler = 200.0;
+constexpr double kMinRulerLength = 10.0, kRulerStep = 10.0, kMaxRulerLength = 200.0;
 
-/// ISO 216, upright.
+/// Paper sizes of ISO 216, in portrait orientation.
 const std::array<Page, 5> kPages{{{"A4", {210.0, 297.0}},
                                   {"A3", {297.0, 420.0}},
                                   {"A2", {420.0, 594.0}},
@@ -46,7 +47,7 @@ bool fits(cv::Size2d extent, cv::Size2d page) {
   return extent.width <= room.width + kRounding && extent.height <= room.height + kRounding;
 }
 
-/// The page as it must lie for the board.
+/// The page in the orientation that the board fits on, landscape first. std::nullopt if it fits in neither.
 std::optional<Page> turnedFor(cv::Size2d extent, const Page& upright) {
   const Page lying{upright.name, {upright.size.height, upright.size.width}};
   if (fits(extent, lying.size)) return lying;
@@ -70,7 +71,7 @@ Page smallestPage(cv::Size2d extent) {
 }
 
 Page customPage(const std::string& name) {
-  constexpr double kShortest = 50.0, kLongest = 5000.0;
+  constexpr double kMinSide = 50.0, kMaxSide = 5000.0;  // mm
   Page page;
   char more = 0;
   if (std::sscanf(name.c_str(), "%lfx%lf%c", &page.size.width, &page.size.height, &more) != 2) {
@@ -78,7 +79,7 @@ Page customPage(const std::string& name) {
         "page '" + name + "': expected A4, A3, A2, A1, A0, auto, or WIDTHxHEIGHT in mm, such as 600x400");
   }
   for (const double side : {page.size.width, page.size.height}) {
-    if (!(side >= kShortest && side <= kLongest))
+    if (!(side >= kMinSide && side <= kMaxSide))
       throw std::invalid_argument("page '" + name + "': each side must have 50 to 5000 mm");
   }
   page.name = name + " mm";
@@ -98,9 +99,9 @@ Page pageFor(cv::Size2d extent, const std::string& name) {
   failTooLarge(extent, {upright->name, {upright->size.height, upright->size.width}});
 }
 
-/// Whole centimetres, as long as the pattern allows.
+/// Length of a ruler along a side of the pattern, in whole centimetres, mm.
 double rulerLength(double side) {
-  return std::clamp(std::floor(side / kRulerStep) * kRulerStep, kShortestRuler, kLongestRuler);
+  return std::clamp(std::floor(side / kRulerStep) * kRulerStep, kMinRulerLength, kMaxRulerLength);
 }
 
 }  // namespace

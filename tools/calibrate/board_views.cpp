@@ -1,3 +1,4 @@
+// Board views from image pairs: detection, and rejection of unusable views.
 #include "tools/calibrate/board_views.hpp"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ DetectedView detectPair(const ImagePair& pair, const BoardSpec& board, cv::Size 
 
 std::string cornerProblem(const char* side, const std::vector<SeenCorner>& seen) {
   if (seen.empty()) return std::string("the ") + side + " image shows no board";
-  if (seen.size() < kFewestCorners)
+  if (seen.size() < kMinCornersPerImage)
     return std::string("the ") + side + " image shows only " + std::to_string(seen.size()) + " corners";
   return {};
 }
@@ -44,7 +45,7 @@ double usualEdgeWidth(const std::vector<DetectedView>& detected) {
   return widths[widths.size() / 2];
 }
 
-/// Empty if the view will do.
+/// Why a view is not usable; empty if it is.
 std::string problemOf(const DetectedView& view, double usual_edge_width) {
   for (const std::string& problem :
        {cornerProblem("left", view.view.left), cornerProblem("right", view.view.right)}) {
@@ -83,7 +84,7 @@ DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::
   return detected;
 }
 
-BoardViews partViews(const std::vector<DetectedView>& detected, cv::Size image_size) {
+BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size image_size) {
   BoardViews result;
   result.image_size = image_size;
   const double usual_edge_width = usualEdgeWidth(detected);
@@ -100,7 +101,7 @@ BoardViews partViews(const std::vector<DetectedView>& detected, cv::Size image_s
 
 BoardViews selectViews(const std::vector<DetectedView>& detected, const BoardSpec& board,
                        cv::Size image_size) {
-  BoardViews result = partViews(detected, image_size);
+  BoardViews result = classifyViews(detected, image_size);
   if (result.views.empty()) failWithoutViews(detected, result, board);
   return result;
 }
@@ -130,7 +131,7 @@ BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const Dete
   }
   if (std::none_of(detected.begin(), detected.end(),
                    [](const DetectedView& view) { return !view.view.left.empty(); })) {
-    detected.front().other_board = otherBoardSeen(readGrey(pairs.pairs.front().left), board);
+    detected.front().other_board = describeOtherBoard(readGrey(pairs.pairs.front().left), board);
   }
   BoardViews views = selectViews(detected, board, size);
   views.rejected.insert(views.rejected.end(), pairs.unpaired.begin(), pairs.unpaired.end());

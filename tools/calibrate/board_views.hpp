@@ -13,40 +13,43 @@
 
 namespace cartvo {
 
-/// The views that images give, and those that they do not.
+/// Usable and rejected views.
 struct BoardViews {
   cv::Size image_size;
   std::vector<BoardView> views;
   std::vector<RejectedView> rejected;
 };
 
-/// One view's corners in both images, with what tells whether they are good enough.
+/// The corners of a view in both images, with their image quality.
 struct DetectedView {
   BoardView view;
-  ViewQuality left, right;          ///< as far as corners were found
-  std::string other_board;          ///< what else the left image shows, if there is no board in it
-  cv::Mat left_image, right_image;  ///< of a view from streams, which is on no file
+  ViewQuality left, right;          ///< valid only if corners were found
+  std::string other_board;          ///< a different board in the left image, see describeOtherBoard
+  cv::Mat left_image, right_image;  ///< only of a view from streams, since it is in no file
 };
 
+/// Detects the board in a pair of images (CV_8UC1) and measures the image quality.
 DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::Mat& right,
                         const BoardSpec& board);
 
-/// A board's pose has six unknowns; with fewer corners than this nothing is left to tell of the cameras.
-inline constexpr std::size_t kFewestCorners = 8;
+/// Minimum number of corners per image. The board's pose alone has six unknowns; with fewer corners too few
+/// equations remain for the cameras.
+inline constexpr std::size_t kMinCornersPerImage = 8;
 
-/// Parts the views that show the board, sharp and well lit, to both cameras, from those that do not.
-BoardViews partViews(const std::vector<DetectedView>& detected, cv::Size image_size);
+/// Separates the views in which both cameras see the board sharp and well lit from the others.
+BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size image_size);
 
-/// As partViews. Throws std::runtime_error if there is none, and names the board that is seen instead if
-/// there is one.
+/// As classifyViews. Throws std::runtime_error if no view is usable, naming the board that is visible instead
+/// if there is one.
 BoardViews selectViews(const std::vector<DetectedView>& detected, const BoardSpec& board,
                        cv::Size image_size);
 
-/// Called after each pair with how many are done. May come from another thread, one at a time.
+/// Called after each pair with the number of pairs processed. Calls may come from other threads, one at a
+/// time.
 using DetectionProgress = std::function<void(std::size_t done)>;
 
-/// Detects the board in all pairs, on all cores. Throws std::runtime_error naming a file that is unreadable
-/// or of another size than the first.
+/// Detects the board in all pairs, on all cores, and selects the usable views. Throws std::runtime_error
+/// naming a file that is unreadable or differs in size from the first, and as selectViews.
 BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const DetectionProgress& progress);
 
 }  // namespace cartvo

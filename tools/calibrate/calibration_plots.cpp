@@ -1,3 +1,4 @@
+// SVG plots of a calibration.
 #include "tools/calibrate/calibration_plots.hpp"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ std::string coveragePlot(const Calibration& calibration, std::vector<SeenCorner>
                          std::vector<Eigen::Vector2d> ViewResiduals::*residuals) {
   constexpr double kWidth = 480.0;
   const double scale = kWidth / calibration.image_size.width, height = scale * calibration.image_size.height;
-  const double deviation = calibration.result().corner_deviation;
+  const double stddev = calibration.result().corner_stddev;
   std::string content = rectangle(0, 0, kWidth, height, "#f2f2f2");
   for (int column = 1; column < ImageCoverage::kColumns; ++column) {
     const double x = kWidth * column / ImageCoverage::kColumns;
@@ -53,8 +54,8 @@ std::string coveragePlot(const Calibration& calibration, std::vector<SeenCorner>
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
     const auto& seen = calibration.views[i].*side;
     for (std::size_t k = 0; k < seen.size(); ++k) {
-      const double off = (calibration.residuals[i].*residuals)[k].norm() / deviation;
-      const char* const colour = off < 2.0 ? "#2a7" : off < 3.5 ? "#e90" : "#d22";
+      const double error = (calibration.residuals[i].*residuals)[k].norm() / stddev;
+      const char* const colour = error < 2.0 ? "#2a7" : error < 3.5 ? "#e90" : "#d22";
       content += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.6\" fill=\"{}\"/>\n",
                              scale * seen[k].pixel.x(), scale * seen[k].pixel.y(), colour);
     }
@@ -118,19 +119,19 @@ std::string depthPlot(const Calibration& calibration) {
     content += text(x(at.distance) - 14.0, kBase + 14.0, fmt::format("{:.0f} m", at.distance));
   content +=
       text(kLeft, kBase + 27.0,
-           "blue: if disparity is as far off as rows; green, orange: halves differ, median and 95 of 100");
+           "blue: disparity error equal to the row error; green, orange: halves differ, median and 95 %");
   return svg(kWidth + 60.0, kHeight, content);
 }
 
 cv::Mat rectifiedPair(const Calibration& calibration, const cv::Mat& left, const cv::Mat& right) {
-  constexpr int kLines = 16, kWidest = 1400;
+  constexpr int kLines = 16, kMaxWidth = 1400;  // px
   const Rig& rig = calibration.rig();
   const Rectifier rectifier(rig, rig.rectification, buildTables(rig, rig.rectification));
   cv::Mat rectified_left, rectified_right, both, colour;
   rectifier.rectifyLeft(left, rectified_left);
   rectifier.rectifyRight(right, rectified_right);
   cv::hconcat(rectified_left, rectified_right, both);
-  const double scale = std::min(1.0, static_cast<double>(kWidest) / both.cols);
+  const double scale = std::min(1.0, static_cast<double>(kMaxWidth) / both.cols);
   cv::resize(both, both, {}, scale, scale, cv::INTER_AREA);
   cv::cvtColor(both, colour, cv::COLOR_GRAY2BGR);
   for (int i = 1; i < kLines; ++i) {

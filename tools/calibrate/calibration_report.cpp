@@ -1,3 +1,4 @@
+// HTML report of a calibration.
 #include "tools/calibrate/calibration_report.hpp"
 
 #include <fmt/format.h>
@@ -48,14 +49,14 @@ std::string models(const Calibration& calibration) {
                     number(&CrossValidation::vertical_disparity_p95),
                     i == calibration.chosen ? "chosen" : candidate.refusal});
   }
-  return tableElement({"model", "held-out RMS, px", "rows RMS, px", "rows 95 of 100, px", ""}, rows);
+  return tableElement({"model", "held-out RMS, px", "rows RMS, px", "rows 95 %, px", ""}, rows);
 }
 
 std::string uncertainties(const Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
   for (const ParameterEstimate& parameter : calibration.result().parameters) {
     rows.push_back({parameter.name.name, fmt::format("{:.6g}", parameter.value),
-                    fmt::format("{:.2g}", parameter.deviation), parameter.name.unit});
+                    fmt::format("{:.2g}", parameter.stddev), parameter.name.unit});
   }
   return tableElement({"parameter", "value", "standard deviation", "unit"}, rows);
 }
@@ -78,7 +79,7 @@ std::string depthTable(const Calibration& calibration) {
                     metresText(at.p95)});
   }
   return tableElement(
-      {"distance", "if disparity is as far off as rows", "halves differ, median", "halves differ, 95 of 100"},
+      {"distance", "disparity error equal to the row error", "halves differ, median", "halves differ, 95 %"},
       rows);
 }
 
@@ -96,18 +97,18 @@ std::string calibrationReport(const Calibration& calibration, const ReportPair& 
       1000.0 * calibration.rig().baseline());
   html += section("Validation", verdict(calibration));
   html += section(
-      "Where corners were seen",
+      "Image coverage",
       figure(coveragePlot(calibration, &BoardView::left, &ViewResiduals::left),
              fmt::format("left: {:.0f} % of the cells", 100.0 * calibration.left_coverage.share())) +
           figure(coveragePlot(calibration, &BoardView::right, &ViewResiduals::right),
                  fmt::format("right: {:.0f} % of the cells", 100.0 * calibration.right_coverage.share())) +
-          "<p>Green: within 2 standard deviations of where the rig puts them, orange: 3.5, red: "
-          "beyond.</p>\n");
+          "<p>Residual of each corner in standard deviations. Green: below 2, orange: below 3.5, red: "
+          "larger.</p>\n");
   html += section("Residuals by view", residualPlot(calibration));
   if (!pair.left.empty()) {
     html += section("A rectified pair", imageElement(rectifiedPair(calibration, pair.left, pair.right),
                                                      "view " + pair.name + ", rectified") +
-                                            "<p>Along each line both images must show the same.</p>\n");
+                                            "<p>Each line must cross the same points in both images.</p>\n");
   }
   html += section("Depth error", depthPlot(calibration) + depthTable(calibration));
   html += section("Models", models(calibration));

@@ -1,3 +1,4 @@
+// Summary of a calibration as text and as JSON.
 #include "tools/calibrate/calibration_summary.hpp"
 
 #include <algorithm>
@@ -14,14 +15,14 @@ Json modelJson(const CandidateModel& candidate) {
   Json json{{"model", modelName(candidate.model)}};
   if (!candidate.refusal.empty()) json["refused"] = candidate.refusal;
   if (candidate.calibration) {
-    json["corner_deviation_px"] = candidate.calibration->corner_deviation;
+    json["corner_deviation_px"] = candidate.calibration->corner_stddev;
     json["baseline_m"] = candidate.calibration->estimate.rig.baseline();
     Json parameters = Json::array();
     for (const ParameterEstimate& parameter : candidate.calibration->parameters) {
       parameters.push_back({{"name", parameter.name.name},
                             {"unit", parameter.name.unit},
                             {"value", parameter.value},
-                            {"deviation", parameter.deviation}});
+                            {"deviation", parameter.stddev}});
     }
     json["parameters"] = parameters;
   }
@@ -83,7 +84,7 @@ Json calibrationJson(const Calibration& calibration) {
             {"passed", calibration.passed()},
             {"model", modelName(calibration.result().model)},
             {"baseline_m", calibration.rig().baseline()},
-            {"scale_deviation", scaleDeviation(calibration)}};
+            {"scale_deviation", scaleStddev(calibration)}};
   for (const ValidationCheck& check : calibration.checks) {
     json["checks"].push_back({{"name", check.name},
                               {"value", check.value},
@@ -103,7 +104,7 @@ Json calibrationJson(const Calibration& calibration) {
   }
   json["sync"] = {{"fault", calibration.sync.is_fault},
                   {"opposed_views", calibration.sync.opposed_views},
-                  {"largest_shift_px", calibration.sync.largest_shift}};
+                  {"largest_shift_px", calibration.sync.max_shift}};
   json["coverage"] = {{"left", calibration.left_coverage.share()},
                       {"right", calibration.right_coverage.share()},
                       {"tilt_spread_rad", calibration.tilts.spread}};
@@ -126,11 +127,11 @@ std::string calibrationText(const Calibration& calibration) {
     text += modelLine(calibration.candidates[i], i == calibration.chosen);
   const Rig& rig = calibration.rig();
   text += "rig\n" + cameraLine("left", rig.left) + cameraLine("right", rig.right);
-  text += fmt::format("  baseline {:.2f} mm, turned by {:.3f} degrees; its scale is known to {:.2f} %\n",
-                      1000.0 * rig.baseline(),
-                      Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
-                      100.0 * scaleDeviation(calibration));
-  text += "depth   error if disparity is as far off as rows   halves differ by (median, 95 of 100)\n";
+  text += fmt::format(
+      "  baseline {:.2f} mm, turned by {:.3f} degrees; relative stddev of the scale {:.2f} %\n",
+      1000.0 * rig.baseline(), Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
+      100.0 * scaleStddev(calibration));
+  text += "depth   disparity error equal to the row error   halves differ by (median, 95 %)\n";
   for (const DepthDifference& depth : calibration.halves.depth) {
     text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>41} {:>11}\n", depth.distance,
                         depthErrorOf(calibration, depth.distance), metresText(depth.median),
@@ -139,8 +140,9 @@ std::string calibrationText(const Calibration& calibration) {
   if (std::any_of(calibration.halves.depth.begin(), calibration.halves.depth.end(),
                   [](const DepthDifference& at) { return !std::isfinite(at.p95); })) {
     text +=
-        "  not seen: nothing at that distance lies where both images had corners; show the board all over "
-        "both\n";
+        "  not seen: no point at that distance lies where both images had corners; hold the board in all "
+        "parts of "
+        "both images\n";
   }
   text += "validation\n";
   for (const ValidationCheck& check : calibration.checks) {
@@ -149,14 +151,15 @@ std::string calibrationText(const Calibration& calibration) {
   }
   if (calibration.sync.is_fault) {
     text += fmt::format(
-        "  In {} views left and right residuals point opposite ways, by up to {:.1f} px: the board moved "
-        "between\n"
-        "  the cameras' exposures. Hold it still, or calibrate from a recording, where only still views are "
-        "taken.\n",
-        calibration.sync.opposed_views, calibration.sync.largest_shift);
+        "  In {} views left and right residuals point in opposite directions, by up to {:.1f} px: the board "
+        "moved\n"
+        "  between the cameras' exposures. Hold it still, or calibrate from a recording, where only views of "
+        "a "
+        "still board\n  are used.\n",
+        calibration.sync.opposed_views, calibration.sync.max_shift);
   }
   const std::string next =
-      whatToShowNext(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
+      nextViewAdvice(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
   if (!next.empty()) text += "to improve it, " + next + "\n";
   return text;
 }

@@ -8,17 +8,17 @@
 
 namespace cartvo {
 
-/// All numbers of a calibration: lengths in m, angles in rad, image distances in px.
+/// All results of a calibration as JSON: lengths in m, angles in rad, image distances in px.
 nlohmann::ordered_json calibrationJson(const Calibration& calibration);
 
-/// What a person wants to read in a terminal: models tried, the rig with its uncertainty, what was rejected,
-/// each check, depth errors.
+/// Summary of a calibration for a terminal: rejected views, models compared, the rig, depth errors, checks.
 std::string calibrationText(const Calibration& calibration);
 
-/// A depth's difference as text; infinite ones are those of points that were not seen.
+/// A depth difference as text. Infinite ones become "not seen".
 std::string metresText(double metres);
 
-/// The error of depth that the held-out vertical disparity's RMS means if disparities are as far off, m.
+/// The depth error (m) at a distance (m) if the disparity error equals the RMS of the held-out vertical
+/// disparities.
 double depthErrorOf(const Calibration& calibration, double distance);
 
 }  // namespace cartvo

@@ -1,3 +1,4 @@
+// Ground plane from a rectified pair: stereo matching, RANSAC, direct alignment.
 #include "tools/calibrate/ground_plane.hpp"
 
 #include <Eigen/Dense>
@@ -12,7 +13,7 @@
 namespace cartvo::calibrate {
 namespace {
 
-/// A point of the disparity image: normalised coordinates with 1 behind them, and the disparity, px.
+/// A point of the disparity image: homogeneous normalised coordinates (x, y, 1) and the disparity, px.
 struct DisparityPoint {
   Eigen::Vector3d ray;
   double disparity;
@@ -20,13 +21,13 @@ struct DisparityPoint {
 
 using Points = std::vector<DisparityPoint>;
 
-/// Disparities in the lower half of the picture, where the ground is, of what is near and before the camera:
-/// a road is level across its lane only, and beyond its kerbs all is a little higher.
+/// Disparities in the lower half of the image, where the ground is, of points near the camera and ahead of
+/// it: a road is level only across its lane, and the ground beyond the kerbs is higher.
 Points disparityPoints(const cv::Mat& left, const cv::Mat& right, const Rectification& rectification) {
-  constexpr int kLargestDisparity = 64, kBlock = 5, kStep = 2;
+  constexpr int kMaxDisparity = 64, kBlock = 5, kStep = 2;
   constexpr int kFractions = 16;                        // cv::StereoSGBM's results are in 1/16 px
-  constexpr double kFarthest = 12.0, kHalfWidth = 1.3;  // m
-  const auto matcher = cv::StereoSGBM::create(0, kLargestDisparity, kBlock, 8 * kBlock * kBlock,
+  constexpr double kMaxDepth = 12.0, kHalfWidth = 1.3;  // m
+  const auto matcher = cv::StereoSGBM::create(0, kMaxDisparity, kBlock, 8 * kBlock * kBlock,
                                               32 * kBlock * kBlock, 1, 31, 10, 100, 1);
   cv::Mat disparities;
   matcher->compute(left, right, disparities);
@@ -37,8 +38,8 @@ Points disparityPoints(const cv::Mat& left, const cv::Mat& right, const Rectific
       const double disparity = static_cast<double>(disparities.at<std::int16_t>(row, column)) / kFractions;
       const Eigen::Vector3d ray((column - rectification.cx) / rectification.focal_length,
                                 (row - rectification.cy) / rectification.focal_length, 1.0);
-      const double depth = disparity > 0.0 ? focal_baseline / disparity : kFarthest;
-      if (depth < kFarthest && std::abs(depth * ray.x()) < kHalfWidth) points.push_back({ray, disparity});
+      const double depth = disparity > 0.0 ? focal_baseline / disparity : kMaxDepth;
+      if (depth < kMaxDepth && std::abs(depth * ray.x()) < kHalfWidth) points.push_back({ray, disparity});
     }
   }
   return points;
@@ -48,25 +49,27 @@ double residual(const DisparityPoint& point, const Eigen::Vector3d& plane) {
   return point.disparity - point.ray.dot(plane);
 }
 
-/// Whether a plane in disparity space can be the ground: below the camera, within 35 degrees of its own down.
+/// Whether a plane in disparity space can be the ground: below the camera, and within 35 degrees of the
+/// camera's own down direction.
 bool canBeGround(const Eigen::Vector3d& plane, const Rectification& rectification) {
-  constexpr double kLeastCosine = 0.82, kLowest = 0.2, kHighest = 5.0;  // m
+  constexpr double kMinCosine = 0.82, kMinHeight = 0.2, kMaxHeight = 5.0;  // heights in m
   const double norm = plane.norm();
   const double height = rectification.focal_length * rectification.baseline / norm;
-  return norm > 0.0 && plane.y() > kLeastCosine * norm && height > kLowest && height < kHighest;
+  return norm > 0.0 && plane.y() > kMinCosine * norm && height > kMinHeight && height < kMaxHeight;
 }
 
-int countOn(const Points& points, const Eigen::Vector3d& plane, double bound) {
+/// The number of points within `bound` (px) of a plane.
+int countInliers(const Points& points, const Eigen::Vector3d& plane, double bound) {
   return static_cast<int>(std::count_if(points.begin(), points.end(), [&](const DisparityPoint& point) {
     return std::abs(residual(point, plane)) < bound;
   }));
 }
 
-/// The plane through three random points that most others lie on; zero if none can be the ground.
+/// RANSAC: the plane through three random points with the most inliers. Zero if none can be the ground.
 Eigen::Vector3d searchPlane(const Points& points, const Rectification& rectification) {
   constexpr int kTrials = 150;
   constexpr double kBound = 0.7;  // px
-  std::mt19937 random;            // the same numbers each time
+  std::mt19937 random;            // default seed: deterministic
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   int best_count = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -79,7 +82,7 @@ Eigen::Vector3d searchPlane(const Points& points, const Rectification& rectifica
     }
     const Eigen::Vector3d plane = rays.fullPivLu().solve(disparities);
     if (!plane.allFinite() || !canBeGround(plane, rectification)) continue;
-    const int count = countOn(points, plane, kBound);
+    const int count = countInliers(points, plane, kBound);
     if (count > best_count) {
       best_count = count;
       best = plane;
@@ -88,11 +91,11 @@ Eigen::Vector3d searchPlane(const Points& points, const Rectification& rectifica
   return best;
 }
 
-/// Least squares over what lies on the plane, which shrinks to what agrees.
+/// Iterated least squares over the inliers, with a shrinking bound.
 Eigen::Vector3d refinePlane(const Points& points, Eigen::Vector3d plane) {
   constexpr int kIterations = 5;
-  double bound = 0.7;                 // px
-  constexpr double kLastBound = 0.4;  // px
+  double bound = 0.7;                  // px
+  constexpr double kFinalBound = 0.4;  // px
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
@@ -102,12 +105,12 @@ Eigen::Vector3d refinePlane(const Points& points, Eigen::Vector3d plane) {
       g += point.disparity * point.ray;
     }
     plane = H.ldlt().solve(g);
-    bound = std::max(kLastBound, 0.8 * bound);
+    bound = std::max(kFinalBound, 0.8 * bound);
   }
   return plane;
 }
 
-/// A pixel of the left image on the ground, with what the right image must look like there.
+/// A pixel of the left image on the ground, with its grey value.
 struct GroundPixel {
   Eigen::Vector3d ray;
   int row = 0, column = 0;
@@ -129,10 +132,10 @@ std::vector<GroundPixel> groundPixels(const cv::Mat& left, const Points& points,
   return pixels;
 }
 
-/// Semi-global matching is off by about a tenth of a pixel, the same way everywhere, which is a third of a
-/// degree of pitch. So the right image itself is aligned with the left one over the plane: Gauss-Newton on
-/// the plane, a gain and an offset of brightness (B. D. Lucas, T. Kanade, 1981, for a plane in disparity
-/// space), with Huber's weights. Both images are smoothed: interpolation between pixels then bends nothing.
+/// Aligns the right image with the left one over the plane, since semi-global matching has a systematic error
+/// of about a tenth of a pixel, which equals a third of a degree of pitch: Gauss-Newton on the plane, a gain
+/// and an offset of brightness (B. D. Lucas, T. Kanade, 1981, for a plane in disparity space), with Huber's
+/// weights. Both images are smoothed, so that interpolation between pixels adds no bias.
 Eigen::Vector3d alignPlane(const cv::Mat& left, const cv::Mat& right, const Points& points,
                            Eigen::Vector3d plane, const Rectification& rectification) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
@@ -179,18 +182,18 @@ Eigen::Vector3d alignPlane(const cv::Mat& left, const cv::Mat& right, const Poin
 
 std::optional<GroundPlane> findGround(const cv::Mat& left, const cv::Mat& right,
                                       const Rectification& rectification) {
-  constexpr std::size_t kFewestPoints = 500;
-  constexpr double kLeastShare = 0.5, kBound = 0.7;  // of the points; px
+  constexpr std::size_t kMinPoints = 500;
+  constexpr double kMinShare = 0.5, kBound = 0.7;  // of the points; px
   const Points points = disparityPoints(left, right, rectification);
-  if (points.size() < kFewestPoints) return std::nullopt;
+  if (points.size() < kMinPoints) return std::nullopt;
   const Eigen::Vector3d found = searchPlane(points, rectification);
   if (found.isZero()) return std::nullopt;
   const Eigen::Vector3d plane = alignPlane(left, right, points, refinePlane(points, found), rectification);
-  const int on_plane = countOn(points, plane, kBound);
-  if (!canBeGround(plane, rectification) || on_plane < kLeastShare * static_cast<double>(points.size()))
+  const int inliers = countInliers(points, plane, kBound);
+  if (!canBeGround(plane, rectification) || inliers < kMinShare * static_cast<double>(points.size()))
     return std::nullopt;
   return GroundPlane{plane.normalized(), rectification.focal_length * rectification.baseline / plane.norm(),
-                     on_plane};
+                     inliers};
 }
 
 }  // namespace cartvo::calibrate

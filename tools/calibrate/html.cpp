@@ -1,3 +1,4 @@
+// HTML elements for the calibration report.
 #include "tools/calibrate/html.hpp"
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 namespace cartvo {
 namespace {
 
-/// RFC 4648.
+/// Base64 encoding (RFC 4648).
 std::string base64(const std::vector<std::uint8_t>& bytes) {
   static constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

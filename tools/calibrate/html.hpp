@@ -8,13 +8,13 @@
 
 namespace cartvo {
 
-/// Text as HTML shows it.
+/// Text with the special characters of HTML escaped.
 std::string escaped(std::string_view text);
 
-/// An image as a PNG within the page.
+/// An image element with the image embedded as PNG.
 std::string imageElement(const cv::Mat& image, std::string_view description);
 
-/// A table; all cells are escaped.
+/// A table element; all cells are escaped.
 std::string tableElement(const std::vector<std::string>& header,
                          const std::vector<std::vector<std::string>>& rows);
 

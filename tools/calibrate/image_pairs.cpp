@@ -1,3 +1,4 @@
+// Pairing of left and right image files by name.
 #include "tools/calibrate/image_pairs.hpp"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "view2" before "view10".
+/// Orders names with numbers by value: "view2" before "view10".
 struct NumbersByValue {
   bool operator()(const std::string& a, const std::string& b) const {
     const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
@@ -59,7 +60,7 @@ NamedFiles imagesIn(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw std::runtime_error(
         folder.string() +
-        ": is no folder; expected image_0 (left) and image_1 (right) in it, or give --left "
+        ": is not a folder; expected image_0 (left) and image_1 (right) in it, or give --left "
         "and --right with patterns such as 'L*.jpg' and 'R*.jpg'");
   }
   NamedFiles files;
@@ -80,7 +81,7 @@ NamedFiles matching(const fs::path& pattern) {
   }
   const std::string before = name.substr(0, star), after = name.substr(star + 1);
   const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is no folder");
+  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is not a folder");
   NamedFiles files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
@@ -89,7 +90,7 @@ NamedFiles matching(const fs::path& pattern) {
       files.emplace(file.substr(before.size(), file.size() - before.size() - after.size()), entry.path());
     }
   }
-  if (files.empty()) throw std::runtime_error(pattern.string() + ": no file fits this pattern");
+  if (files.empty()) throw std::runtime_error(pattern.string() + ": no file matches this pattern");
   return files;
 }
 
@@ -99,11 +100,12 @@ ImagePairs paired(const NamedFiles& left, const NamedFiles& right) {
     if (const auto partner = right.find(name); partner != right.end()) {
       result.pairs.push_back({name, file, partner->second});
     } else {
-      result.unpaired.push_back({name, "there is no right image to " + file.string()});
+      result.unpaired.push_back({name, "there is no right image for " + file.string()});
     }
   }
   for (const auto& [name, file] : right) {
-    if (!left.contains(name)) result.unpaired.push_back({name, "there is no left image to " + file.string()});
+    if (!left.contains(name))
+      result.unpaired.push_back({name, "there is no left image for " + file.string()});
   }
   return result;
 }
@@ -113,15 +115,15 @@ ImagePairs paired(const NamedFiles& left, const NamedFiles& right) {
 ImagePairs pairsInFolder(const fs::path& folder) {
   ImagePairs result = paired(imagesIn(folder / "image_0"), imagesIn(folder / "image_1"));
   if (result.pairs.empty())
-    throw std::runtime_error(folder.string() + ": no image in image_0 has one of the same name in image_1");
+    throw std::runtime_error(folder.string() + ": no image in image_0 has the same name as one in image_1");
   return result;
 }
 
 ImagePairs pairsByPattern(const fs::path& left, const fs::path& right) {
   ImagePairs result = paired(matching(left), matching(right));
   if (result.pairs.empty()) {
-    throw std::runtime_error("no two files pair: what '*' stands for in " + left.string() + " and in " +
-                             right.string() + " is never the same");
+    throw std::runtime_error("no two files form a pair: the text that '*' matches in " + left.string() +
+                             " and in " + right.string() + " is never the same");
   }
   return result;
 }
@@ -130,7 +132,7 @@ cv::Mat readGrey(const fs::path& file) {
   cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) {
     throw std::runtime_error(file.string() +
-                             ": cannot be read as an image; take the pair out, or copy it again");
+                             ": cannot be read as an image; remove the pair or copy it again");
   }
   return image;
 }

@@ -1,3 +1,4 @@
+// HTTP server of the live calibration page.
 #include "tools/calibrate/live_page.hpp"
 
 #include <array>
@@ -24,19 +25,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Threads that answer, and few connections that wait for them: who opens more has to wait at the door.
-class FewConnections : public httplib::TaskQueue {
+/// Thread pool of the server with a bounded queue: further connections wait until there is room.
+class BoundedTaskQueue : public httplib::TaskQueue {
  public:
-  FewConnections() {
-    constexpr std::size_t kThreads = 6;  // what a browser opens to one server
+  BoundedTaskQueue() {
+    constexpr std::size_t kThreads = 6;  // the number of connections that a browser opens to one server
     for (std::size_t i = 0; i < kThreads; ++i)
       threads_.emplace_back([this] { work(); });
   }
 
   void enqueue(std::function<void()> job) override {
-    constexpr std::size_t kMostWaiting = 16;
+    constexpr std::size_t kMaxQueuedJobs = 16;
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return jobs_.size() < kMostWaiting; });
+    changed_.wait(lock, [this] { return jobs_.size() < kMaxQueuedJobs; });
     jobs_.push_back(std::move(job));
     changed_.notify_all();
   }
@@ -79,9 +80,9 @@ bool isAddress(int family, const std::string& text) {
   return inet_pton(family, text.c_str(), bytes.data()) == 1;
 }
 
-/// Whether a Host header names the server in numbers or as localhost, with or without a port. A name could be
-/// anyone's who lets it point here ("DNS rebinding").
-bool namesThisServer(std::string host) {
+/// Whether a Host header is a numeric address or localhost, with or without a port. Any other name could be
+/// resolved to this server by its owner ("DNS rebinding").
+bool isAllowedHost(std::string host) {
   if (host.starts_with('[')) return isAddress(AF_INET6, host.substr(1, host.find(']') - 1));
   host = host.substr(0, host.find(':'));
   return host == "localhost" || isAddress(AF_INET, host);
@@ -112,9 +113,9 @@ bool PageAddress::isLoopback() const {
 }
 
 struct LivePage::Implementation {
-  /// A picture as JPEG, made when the first one asks for it.
+  /// A picture, encoded as JPEG at the first request.
   struct Picture {
-    StreamSight sight;
+    CameraPreview preview;
     std::string jpeg;
   };
 
@@ -126,24 +127,25 @@ struct LivePage::Implementation {
 
   std::string state() {
     const std::lock_guard lock(mutex);
-    nlohmann::ordered_json json{{"board", board},
-                                {"number", number},
-                                {"stage", stage},
-                                {"has_pictures", !left.sight.image.empty() && !right.sight.image.empty()}};
+    nlohmann::ordered_json json{
+        {"board", board},
+        {"number", number},
+        {"stage", stage},
+        {"has_pictures", !left.preview.image.empty() && !right.preview.image.empty()}};
     json.update(liveState(progress));
     if (stage == "done") {
       json["passed"] = passed;
       json["result"] = result;
-      result_was_seen = true;
+      result_was_read = true;
     }
-    last_asked = Clock::now();
-    seen.notify_all();
+    last_request = Clock::now();
+    state_read.notify_all();
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 
   std::string jpegOf(Picture& picture) {
     const std::lock_guard lock(mutex);
-    if (picture.jpeg.empty()) picture.jpeg = liveJpeg(picture.sight);
+    if (picture.jpeg.empty()) picture.jpeg = liveJpeg(picture.preview);
     return picture.jpeg;
   }
 
@@ -151,16 +153,16 @@ struct LivePage::Implementation {
   void routePicture(const char* path, Picture& picture);
 
   std::mutex mutex;
-  std::condition_variable seen;
+  std::condition_variable state_read;
   std::string board;
-  std::uint64_t number = 0;  ///< counts what there was to show
+  std::uint64_t number = 0;  ///< counts updates
   std::string stage = "views";
   StreamProgress progress;
   Picture left, right;
   bool passed = false;
   std::string result;
-  bool result_was_seen = false;
-  Clock::time_point last_asked;
+  bool result_was_read = false;
+  Clock::time_point last_request;
 
   httplib::Server server;
   std::string url;
@@ -169,13 +171,13 @@ struct LivePage::Implementation {
 
 void LivePage::Implementation::route() {
   using httplib::Request, httplib::Response;
-  server.new_task_queue = [] { return new FewConnections; };  // the server's to delete
+  server.new_task_queue = [] { return new BoundedTaskQueue; };  // the server deletes it
   server.set_read_timeout(std::chrono::seconds(2));
   server.set_write_timeout(std::chrono::seconds(2));
   server.set_keep_alive_timeout(1);
   server.set_payload_max_length(1024);
   server.set_tcp_nodelay(true);
-  server.set_socket_options([](int socket) {  // the library's own would share the port with another program
+  server.set_socket_options([](int socket) {  // the library's default shares the port with other programs
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
@@ -186,7 +188,7 @@ void LivePage::Implementation::route() {
                                "default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self'; "
                                "style-src 'unsafe-inline'"}});
   server.set_pre_routing_handler([](const Request& request, Response& response) {
-    if (request.method == "GET" && namesThisServer(request.get_header_value("Host")))
+    if (request.method == "GET" && isAllowedHost(request.get_header_value("Host")))
       return httplib::Server::HandlerResponse::Unhandled;
     response.status = 403;
     return httplib::Server::HandlerResponse::Handled;
@@ -263,9 +265,9 @@ void LivePage::showResult(bool passed, const std::string& text) {
     implementation_->result = text;
   });
   std::unique_lock lock(implementation_->mutex);
-  if (Clock::now() - implementation_->last_asked > std::chrono::seconds(5)) return;
-  implementation_->seen.wait_for(lock, std::chrono::seconds(2),
-                                 [this] { return implementation_->result_was_seen; });
+  if (Clock::now() - implementation_->last_request > std::chrono::seconds(5)) return;
+  implementation_->state_read.wait_for(lock, std::chrono::seconds(2),
+                                       [this] { return implementation_->result_was_read; });
 }
 
 }  // namespace cartvo

@@ -9,42 +9,42 @@
 
 namespace cartvo {
 
-/// Where a page is served.
+/// Address and port at which the page is served.
 struct PageAddress {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 8600;  ///< 0: one that is free
+  std::uint16_t port = 8600;  ///< 0: any free port
 
-  /// PORT or ADDRESS:PORT, the address in numbers (an IPv6 one in brackets). Throws std::invalid_argument
-  /// naming the text.
+  /// Parses PORT or ADDRESS:PORT with a numeric address (an IPv6 one in brackets). Throws
+  /// std::invalid_argument naming the text.
   static PageAddress parse(const std::string& text);
 
   bool isLoopback() const;
 };
 
-/// A page to look at while views are taken: both pictures with the corners found, where corners are missing,
-/// the views taken and rejected, what to show next, and in the end the verdict. A browser asks for it five
-/// times a second. It can only be looked at: nothing is changed through it, and no address or password of a
-/// camera is on it.
+/// Web page that shows a live calibration: both pictures with the corners found, the cells without corners,
+/// the views taken and rejected, advice on the next view, and finally the result. A browser polls it five
+/// times a second. The page is read-only, and does not contain addresses or passwords of the cameras.
 ///
-/// Requests are answered by threads of its own; only those that name the server by its number or as
-/// localhost, so that no other site can have a browser read it.
+/// The server has threads of its own. It answers only requests whose Host header is a numeric address or
+/// localhost, so that no other site can make a browser read the page.
 class LivePage {
  public:
-  /// Serves from now on. Throws std::runtime_error if the address cannot be listened on.
+  /// Starts the server. Throws std::runtime_error if it cannot listen at the address.
   LivePage(const PageAddress& address, const BoardSpec& board);
   ~LivePage();
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
-  /// Such as "http://127.0.0.1:8600/".
+  /// The page's URL, such as "http://127.0.0.1:8600/".
   std::string url() const;
 
+  /// Shows the progress of the collection of views.
   void show(const StreamProgress& progress);
 
-  /// The taking of views is over, and the rig is being solved.
+  /// Shows that the collection is complete and the rig is being computed.
   void showSolving();
 
-  /// The verdict in words; waits, for two seconds at most, until who was looking has seen it.
+  /// Shows the result. Waits up to two seconds until a browser that is polling has read it.
   void showResult(bool passed, const std::string& text);
 
  private:

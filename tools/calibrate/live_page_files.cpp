@@ -1,3 +1,4 @@
+// HTML and JavaScript of the live calibration page.
 #include "tools/calibrate/live_page_files.hpp"
 
 namespace cartvo {
@@ -34,7 +35,7 @@ pre { background: #f4f4f4; padding: 1em; overflow-x: auto }
 <figure><div class="frame"><img id="picture-right" alt="the right camera"><svg id="cells-right" preserveAspectRatio="none"></svg></div>
 <figcaption id="caption-right">right</figcaption></figure>
 </div>
-<p>Red: no view has shown corners there yet. Circles: the corners found now.</p>
+<p>Red: no corners there yet in any view. Circles: the corners found now.</p>
 <h2>Views</h2>
 <p><progress id="bar" max="20" value="0"></progress> <span id="count">none yet</span></p>
 <p>The board was tilted: <span id="tilt-left">its left edge nearer</span>, <span id="tilt-right">its right edge nearer</span>,
@@ -86,10 +87,10 @@ function show(state) {
   byId('now').textContent = state.stage === 'solving' ? 'solving the rig' :
     state.stage === 'done' ? 'done' : state.advice || 'waiting for the cameras';
   byId('next').textContent = state.stage !== 'views' ? '' :
-    state.next ? 'next: ' + state.next : 'that is enough';
+    state.next ? 'next: ' + state.next : 'there are enough views';
   byId('bar').max = state.enough_views;
   byId('bar').value = state.views.length;
-  byId('count').textContent = `${state.views.length} taken (${state.enough_views} are enough if they cover all), ` +
+  byId('count').textContent = `${state.views.length} taken (${state.enough_views} are enough if they cover the whole image), ` +
     `${state.rejected.length} rejected, ${Math.round(state.seconds)} s`;
   for (const [side, seen] of Object.entries(state.tilts))
     byId('tilt-' + side).className = seen ? 'yes' : 'no';
@@ -101,13 +102,13 @@ function show(state) {
   fillTable('rejected', state.rejected.map((view) => [view.name, view.reason]).reverse());
   if (state.stage === 'done') {
     byId('verdict').hidden = false;
-    byId('verdict-title').textContent = state.passed ? 'The calibration passes' : 'There is no calibration';
+    byId('verdict-title').textContent = state.passed ? 'The calibration passes' : 'The calibration failed';
     byId('verdict-title').className = state.passed ? 'yes' : 'failed';
     byId('verdict-text').textContent = state.result;
   }
 }
 
-async function ask() {
+async function poll() {
   let stage = '';
   try {
     const state = await (await fetch('/state.json', { cache: 'no-store' })).json();
@@ -118,9 +119,9 @@ async function ask() {
     byId('now').textContent = 'the program has ended';
     byId('next').textContent = '';
   }
-  if (stage !== 'done') setTimeout(ask, 200);
+  if (stage !== 'done') setTimeout(poll, 200);
 }
-ask();
+poll();
 )js";
 
 }  // namespace cartvo

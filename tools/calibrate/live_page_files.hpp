@@ -2,7 +2,7 @@
 
 namespace cartvo {
 
-// The files of the page that LivePage serves. They need nothing from elsewhere.
+// The self-contained files of the page that LivePage serves.
 
 extern const char* const kLivePageHtml;
 extern const char* const kLivePageScript;

@@ -1,3 +1,4 @@
+// State of a live calibration as JSON, and its camera pictures as JPEG.
 #include "tools/calibrate/live_state.hpp"
 
 #include <algorithm>
@@ -11,10 +12,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sightState(const StreamSight& sight) {
-  return {{"corners", sight.corners.size()},
-          {"coverage", sight.coverage.corners},
-          {"covered", sight.coverage.share()}};
+Json previewState(const CameraPreview& preview) {
+  return {{"corners", preview.corners.size()},
+          {"coverage", preview.coverage.corners},
+          {"covered", preview.coverage.share()}};
 }
 
 }  // namespace
@@ -22,12 +23,12 @@ Json sightState(const StreamSight& sight) {
 Json liveState(const StreamProgress& progress) {
   Json state{{"seconds", progress.seconds},
              {"advice", progress.advice},
-             {"next", progress.what_to_show},
-             {"enough_views", kEnoughViews},
+             {"next", progress.next_view_advice},
+             {"enough_views", kTargetViewCount},
              {"columns", ImageCoverage::kColumns},
              {"rows", ImageCoverage::kRows},
-             {"left", sightState(progress.left)},
-             {"right", sightState(progress.right)},
+             {"left", previewState(progress.left)},
+             {"right", previewState(progress.right)},
              {"tilts",
               {{"left", progress.tilts.to_left},
                {"right", progress.tilts.to_right},
@@ -44,16 +45,16 @@ Json liveState(const StreamProgress& progress) {
   return state;
 }
 
-std::string liveJpeg(const StreamSight& sight) {
-  constexpr int kWidest = 960, kQuality = 80, kFractionBits = 4;
-  constexpr double kRadius = 3.0;  // px
-  if (sight.image.empty()) return {};
-  const double scale = std::min(1.0, static_cast<double>(kWidest) / sight.image.cols);
+std::string liveJpeg(const CameraPreview& preview) {
+  constexpr int kMaxWidth = 960, kQuality = 80, kFractionBits = 4;  // px; percent; of cv::circle
+  constexpr double kRadius = 3.0;                                   // px
+  if (preview.image.empty()) return {};
+  const double scale = std::min(1.0, static_cast<double>(kMaxWidth) / preview.image.cols);
   cv::Mat picture;
-  cv::resize(sight.image, picture, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(preview.image, picture, {}, scale, scale, cv::INTER_AREA);
   cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
   const auto fixed = [](double value) { return cvRound(value * (1 << kFractionBits)); };
-  for (const SeenCorner& corner : sight.corners) {
+  for (const SeenCorner& corner : preview.corners) {
     const Eigen::Vector2d at = scale * (corner.pixel.array() + 0.5).matrix() - Eigen::Vector2d(0.5, 0.5);
     cv::circle(picture, {fixed(at.x()), fixed(at.y())}, fixed(kRadius), {60, 220, 60}, 1, cv::LINE_AA,
                kFractionBits);

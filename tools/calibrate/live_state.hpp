@@ -6,10 +6,10 @@
 
 namespace cartvo {
 
-/// How the taking of views stands, as the page's script reads it.
+/// The progress of the collection of views as JSON, for the page's script.
 nlohmann::ordered_json liveState(const StreamProgress& progress);
 
-/// A picture with the corners found in it, at most 960 px wide, as JPEG.
-std::string liveJpeg(const StreamSight& sight);
+/// A camera's picture with its corners as JPEG, at most 960 px wide. Empty without a picture.
+std::string liveJpeg(const CameraPreview& preview);
 
 }  // namespace cartvo

@@ -6,14 +6,14 @@
 
 namespace cartvo::calibrate {
 
-/// The ground below a camera at an instant, in the axes of the rig's left camera.
-struct GroundSighting {
+/// The ground plane at an instant, in the axes of the rig's left camera.
+struct GroundObservation {
   double seconds = 0.0;
-  Eigen::Vector3d down = Eigen::Vector3d::UnitY();  ///< unit normal
-  double height = 0.0;                              ///< m
+  Eigen::Vector3d down = Eigen::Vector3d::UnitY();  ///< unit normal, pointing away from the camera
+  double height = 0.0;                              ///< of the camera above the ground, m
 };
 
-/// How a camera moved at an instant, in its own axes.
+/// The twist of a camera at an instant, in its own axes.
 struct CameraTwist {
   double seconds = 0.0;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< m/s
@@ -21,33 +21,35 @@ struct CameraTwist {
 };
 
 /// A value and its standard deviation.
-struct Measured {
+struct Estimate {
   double value = 0.0;
-  double deviation = 0.0;
+  double stddev = 0.0;
 };
 
-/// How the left camera sits on the cart: R_body_camera = Rz(yaw) Ry(pitch) Rx(roll) of a camera that looks
-/// forward. Angles in rad.
+/// The mount of the left camera on the cart: R_body_camera = Rz(yaw) Ry(pitch) Rx(roll) times that of a
+/// camera that looks forward. Angles in rad.
 struct Mount {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
-  Measured height;              ///< above the ground, m
-  Measured pitch;               ///< positive: looks down
-  Measured roll;                ///< positive: its left side is higher
-  std::optional<Measured> yaw;  ///< positive: looks to the left; nothing if the cart did not drive
-  /// How far ahead of the point that moves without sideslip (a car's rear axle) the camera is, m; nothing if
-  /// it did not drive in bends. Measured to tell bends from yaw, and not put into T_body_camera.
-  std::optional<Measured> ahead_of_axle;
-  int sightings = 0, motions = 0;  ///< that were used
+  Estimate height;              ///< above the ground, m
+  Estimate pitch;               ///< positive: looks down
+  Estimate roll;                ///< positive: the camera's left side is higher
+  std::optional<Estimate> yaw;  ///< positive: looks to the left; std::nullopt if the cart did not drive
+  /// Distance of the camera ahead of the point without sideslip (the rear axle of a car), m; std::nullopt if
+  /// the cart did not drive curves. It is estimated to separate curves from yaw, and not stored in
+  /// T_body_camera.
+  std::optional<Estimate> ahead_of_axle;
+  int ground_observations = 0, motions = 0;  ///< number of measurements used
 };
 
-/// Height, pitch and roll from the ground, as they are where nothing accelerates: a cart on springs pitches
-/// with its forward acceleration and leans in bends, so pitch and roll are fitted as lines over these; yaw
-/// from the direction of motion: the body's x axis is where the cart goes when it drives straight. In a bend
-/// a camera that sits l ahead of the rear axle moves at the angle l omega / v to it, so angle = yaw + l omega
-/// / v is fitted to all motions above 1 m/s. All fits are robust. Deviations are from the scatter of seconds,
-/// for neighbouring pairs err together. What is not measured (position along and across, yaw without driving)
-/// stays as in `T_body_camera`. Throws std::runtime_error if there are too few sightings.
-Mount measureMount(const std::vector<GroundSighting>& sightings, const std::vector<CameraTwist>& motions,
+/// Estimates the mount. Height, pitch and roll come from the ground: a cart on springs pitches with its
+/// forward acceleration and rolls in curves, so pitch and roll are fitted as lines over these accelerations
+/// and evaluated at zero. Yaw comes from the direction of motion: the body's x axis is the direction of
+/// straight driving. In a curve, a camera that is l ahead of the rear axle moves at the angle l omega / v to
+/// it, so angle = yaw + l omega / v is fitted to all motions above 1 m/s. All fits are robust. Standard
+/// deviations come from the scatter between seconds, since the errors of neighbouring pairs are correlated.
+/// Quantities that are not measured (x and y, and yaw without driving) stay as in `T_body_camera`. Throws
+/// std::runtime_error if there are too few ground observations.
+Mount measureMount(const std::vector<GroundObservation>& ground, const std::vector<CameraTwist>& motions,
                    const Eigen::Isometry3d& T_body_camera);
 
 }  // namespace cartvo::calibrate

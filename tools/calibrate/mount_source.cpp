@@ -1,3 +1,4 @@
+// Ground observations and motions from a recording, for the mount.
 #include "tools/calibrate/mount_source.hpp"
 
 #include <cmath>
@@ -14,14 +15,14 @@
 namespace cartvo::calibrate {
 namespace {
 
-constexpr double kBetweenSightings = 0.25;  // s
-constexpr double kMostMoved = 0.001;        // m, between the two exposures of a pair
+constexpr double kObservationInterval = 0.25;  // s
+constexpr double kMaxDisplacement = 0.001;     // m, between the two exposures of a pair
 
 double secondsOf(std::int64_t instant_ns) {
   return 1e-9 * static_cast<double>(instant_ns);
 }
 
-/// The mean twist of the rectified left camera since the pair before, in its own axes.
+/// The mean twist of the left camera since the previous pair, in its own axes.
 std::optional<CameraTwist> twistOf(const PairResult& result, const Eigen::Matrix3d& R_left_rectified) {
   const OdometryEstimate& estimate = result.estimate;
   if (!estimate.valid || estimate.time_step <= 0.0) return std::nullopt;
@@ -37,51 +38,51 @@ std::optional<GroundPlane> groundOf(const FramePair& pair, const Rectifier& rect
   return findGround(left, right, rectifier.rectification());
 }
 
-/// Takes in one pair after the other.
-class EvidenceCollector {
+/// Collects the measurements, pair by pair.
+class MountMeasurementCollector {
  public:
-  explicit EvidenceCollector(const Rig& rig)
+  explicit MountMeasurementCollector(const Rig& rig)
       : processor_(rig, {rig, rig.rectification, buildTables(rig, rig.rectification)}, {}),
         R_left_rectified_(processor_.T_left_rectified().linear()) {}
 
   void add(const FramePair& pair) {
     const std::optional<CameraTwist> twist = twistOf(processor_.process(pair), R_left_rectified_);
-    ++evidence.pairs;
+    ++measurements.pairs;
     if (!twist) return;
-    evidence.motions.push_back(*twist);
+    measurements.motions.push_back(*twist);
     const double seconds = secondsOf(pair.left.exposure_ns);
-    if (next_sighting_ && seconds < *next_sighting_) return;
-    if (std::abs(secondsOf(pair.offsetNs())) * twist->velocity.norm() > kMostMoved) {
-      ++evidence.apart;
+    if (next_observation_ && seconds < *next_observation_) return;
+    if (std::abs(secondsOf(pair.offsetNs())) * twist->velocity.norm() > kMaxDisplacement) {
+      ++measurements.unsynchronised;
       return;
     }
-    next_sighting_ = seconds + kBetweenSightings;
+    next_observation_ = seconds + kObservationInterval;
     if (const std::optional<GroundPlane> ground = groundOf(pair, processor_.rectifier()))
-      evidence.sightings.push_back({seconds, R_left_rectified_ * ground->down, ground->height});
+      measurements.ground.push_back({seconds, R_left_rectified_ * ground->down, ground->height});
   }
 
-  MountEvidence evidence;
+  MountMeasurements measurements;
 
  private:
   PairProcessor processor_;
   Eigen::Matrix3d R_left_rectified_;
-  std::optional<double> next_sighting_;
+  std::optional<double> next_observation_;  ///< s
 };
 
 }  // namespace
 
-MountEvidence gatherMountEvidence(const std::filesystem::path& source, const Rig& rig,
-                                  const MountProgress& progress) {
+MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const Rig& rig,
+                                           const MountProgress& progress) {
   StereoSource pairs = openSource(source);
-  EvidenceCollector collector(rig);
+  MountMeasurementCollector collector(rig);
   forEachPair(pairs, [&](const FramePair& pair) {
     collector.add(pair);
-    progress(collector.evidence.pairs, pairs.pairs);
+    progress(collector.measurements.pairs, pairs.pairs);
     return true;
   });
-  if (collector.evidence.pairs == 0)
+  if (collector.measurements.pairs == 0)
     throw std::runtime_error(source.string() + ": holds no pair of images that belong together");
-  return collector.evidence;
+  return collector.measurements;
 }
 
 }  // namespace cartvo::calibrate

@@ -1,3 +1,4 @@
+// Camera source that keeps only the newest frame of a live camera.
 #include "tools/calibrate/newest_frame.hpp"
 
 #include <utility>

@@ -8,8 +8,8 @@
 
 namespace cartvo {
 
-/// A live camera whose frames nobody waits for: a thread reads it all the time, for a stream that is not read
-/// loses data, and hands out the newest frame.
+/// Wraps a live camera for a consumer that is slower than the stream: a thread reads the camera continuously,
+/// since an unread stream loses data, and read() returns the newest frame.
 class NewestFrame : public CameraSource {
  public:
   /// `camera` must outlive this.
@@ -18,7 +18,7 @@ class NewestFrame : public CameraSource {
   NewestFrame(const NewestFrame&) = delete;
   NewestFrame& operator=(const NewestFrame&) = delete;
 
-  /// The newest good frame, if it was not handed out before.
+  /// The newest good frame that was not returned before.
   ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override;
   CameraHealth health() const override { return camera_.health(); }
   void interrupt() noexcept override { camera_.interrupt(); }

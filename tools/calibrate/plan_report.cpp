@@ -1,3 +1,4 @@
+// Table, JSON and plot that compare stereo designs.
 #include "tools/calibrate/plan_report.hpp"
 
 #include <algorithm>
@@ -14,8 +15,8 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-double nearestMatched(const StereoDesign& design, const PlanQuestions& questions) {
-  return disparityAt(design, 1.0) / questions.largest_disparity;
+double nearestMatched(const StereoDesign& design, const PlanSettings& settings) {
+  return disparityAt(design, 1.0) / settings.largest_disparity;
 }
 
 std::string nameOf(const StereoDesign& design) {
@@ -23,38 +24,38 @@ std::string nameOf(const StereoDesign& design) {
          fixed(design.image_width, 0) + " px wide";
 }
 
-std::vector<std::string> headerOf(const PlanQuestions& questions) {
+std::vector<std::string> headerOf(const PlanSettings& settings) {
   std::vector<std::string> header{
       "baseline (m)", "focal (px)", "width (px)",
-      "view (deg)",   "from (m)",   "to " + exactText(100.0 * questions.relative_error) + " % (m)"};
-  for (const double range : questions.ranges) {
+      "view (deg)",   "from (m)",   "to " + exactText(100.0 * settings.relative_error) + " % (m)"};
+  for (const double range : settings.ranges) {
     header.push_back("error at " + exactText(range) + " m (m)");
     header.emplace_back("overlap (%)");
   }
   return header;
 }
 
-/// Something of a design as a curve over the range.
+/// A property of a design as a function of the range.
 using Measure = std::function<double(const StereoDesign&, double range)>;
 
 std::string colourOf(std::size_t index) {
-  // Okabe and Ito's palette, told apart by people who do not see all colours, without its yellow.
+  // Okabe and Ito's palette, which is safe for colour-blind readers, without its yellow.
   constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"};
   return kColours[index % kColours.size()];
 }
 
-Diagram diagramOf(const std::vector<StereoDesign>& designs, double farthest, const Measure& measure) {
+Diagram diagramOf(const std::vector<StereoDesign>& designs, double max_range, const Measure& measure) {
   constexpr int kPoints = 200;
   Diagram diagram;
   diagram.x_title = "range (m)";
-  diagram.x_step = farthest > 20.0 ? 5.0 : 1.0;
+  diagram.x_step = max_range > 20.0 ? 5.0 : 1.0;
   diagram.left = 70.0;
   diagram.width = 600.0;
   diagram.height = 260.0;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     DiagramCurve curve{{}, colourOf(i), 2.0, 1.0};
     for (int point = 1; point <= kPoints; ++point) {
-      const double range = farthest * point / kPoints;
+      const double range = max_range * point / kPoints;
       const double value = measure(designs[i], range);
       if (value > 0.0) curve.points.push_back({range, value});
     }
@@ -65,19 +66,19 @@ Diagram diagramOf(const std::vector<StereoDesign>& designs, double farthest, con
 
 }  // namespace
 
-std::string planTable(const std::vector<StereoDesign>& designs, const PlanQuestions& questions,
+std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettings& settings,
                       ReportFormat format) {
-  Table table(headerOf(questions));
+  Table table(headerOf(settings));
   for (const StereoDesign& design : designs) {
     std::vector<std::string> row{
         exactText(design.baseline),
         fixed(design.focal_length, 1),
         fixed(design.image_width, 0),
         fixed(kDegrees * horizontalView(design), 1),
-        significant(nearestMatched(design, questions)),
-        significant(rangeOfRelativeError(design, questions.disparity_noise, questions.relative_error))};
-    for (const double range : questions.ranges) {
-      row.push_back(significant(depthError(design, questions.disparity_noise, range)));
+        significant(nearestMatched(design, settings)),
+        significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error))};
+    for (const double range : settings.ranges) {
+      row.push_back(significant(depthError(design, settings.disparity_noise, range)));
       row.push_back(fixed(100.0 * overlapAt(design, range), 1));
     }
     table.add(row);
@@ -85,14 +86,14 @@ std::string planTable(const std::vector<StereoDesign>& designs, const PlanQuesti
   return table.as(format);
 }
 
-nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanQuestions& questions) {
+nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const StereoDesign& design : designs) {
     nlohmann::ordered_json at = nlohmann::ordered_json::array();
-    for (const double range : questions.ranges) {
+    for (const double range : settings.ranges) {
       at.push_back({{"range_m", range},
                     {"disparity_px", disparityAt(design, range)},
-                    {"depth_error_m", depthError(design, questions.disparity_noise, range)},
+                    {"depth_error_m", depthError(design, settings.disparity_noise, range)},
                     {"overlap", overlapAt(design, range)}});
     }
     rows.push_back(
@@ -100,36 +101,36 @@ nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const 
          {"focal_length_px", design.focal_length},
          {"image_width_px", design.image_width},
          {"horizontal_view_deg", kDegrees * horizontalView(design)},
-         {"nearest_m", nearestMatched(design, questions)},
-         {"good_to_m", rangeOfRelativeError(design, questions.disparity_noise, questions.relative_error)},
+         {"nearest_m", nearestMatched(design, settings)},
+         {"good_to_m", rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error)},
          {"ranges", at}});
   }
-  return {{"disparity_noise_px", questions.disparity_noise},
-          {"largest_disparity_px", questions.largest_disparity},
-          {"good_relative_error", questions.relative_error},
+  return {{"disparity_noise_px", settings.disparity_noise},
+          {"largest_disparity_px", settings.largest_disparity},
+          {"good_relative_error", settings.relative_error},
           {"designs", rows}};
 }
 
-std::string planPlot(const std::vector<StereoDesign>& designs, const PlanQuestions& questions) {
-  constexpr double kLegendTop = 24.0, kLegendLine = 20.0, kBetween = 340.0;
-  const double farthest = *std::max_element(questions.ranges.begin(), questions.ranges.end());
+std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
+  constexpr double kLegendTop = 24.0, kLegendLine = 20.0, kDiagramPitch = 340.0;  // px
+  const double max_range = *std::max_element(settings.ranges.begin(), settings.ranges.end());
   const double top = kLegendTop + kLegendLine * static_cast<double>(designs.size()) + 26.0;
   std::string svg;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     svg += svgLegendEntry(70.0, kLegendTop + kLegendLine * static_cast<double>(i), colourOf(i),
                           nameOf(designs[i]));
   }
-  Diagram error = diagramOf(designs, farthest, [&](const StereoDesign& design, double range) {
-    return depthError(design, questions.disparity_noise, range);
+  Diagram error = diagramOf(designs, max_range, [&](const StereoDesign& design, double range) {
+    return depthError(design, settings.disparity_noise, range);
   });
-  error.title = "error of the depth (m), disparities good to " + exactText(questions.disparity_noise) + " px";
+  error.title = "depth error (m) with disparity noise of " + exactText(settings.disparity_noise) + " px";
   error.top = top;
-  Diagram overlap = diagramOf(designs, farthest, [](const StereoDesign& design, double range) {
+  Diagram overlap = diagramOf(designs, max_range, [](const StereoDesign& design, double range) {
     return 100.0 * (1.0 - overlapAt(design, range));
   });
-  overlap.title = "what the right camera does not see of the left one's view (%)";
-  overlap.top = top + kBetween;
-  return svgFile(700, static_cast<int>(overlap.top + kBetween),
+  overlap.title = "part of the left camera's view outside that of the right one (%)";
+  overlap.top = top + kDiagramPitch;
+  return svgFile(700, static_cast<int>(overlap.top + kDiagramPitch),
                  svg + svgDiagram(error) + svgDiagram(overlap));
 }
 

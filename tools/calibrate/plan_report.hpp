@@ -10,22 +10,22 @@
 
 namespace cartvo::calibrate {
 
-/// What is asked of each design.
-struct PlanQuestions {
+/// Assumptions and ranges for the comparison of designs.
+struct PlanSettings {
   double disparity_noise = 0.0;    ///< standard deviation, px
-  double largest_disparity = 0.0;  ///< px; what is nearer is not matched
-  double relative_error = 0.05;    ///< of the range, up to which depths count as good
+  double largest_disparity = 0.0;  ///< px; nearer points are not matched
+  double relative_error = 0.05;    ///< limit of the depth error relative to the range
   std::vector<double> ranges;      ///< m; at least one
 };
 
-/// A row for each design: how near and far it measures, and how well at each range.
-std::string planTable(const std::vector<StereoDesign>& designs, const PlanQuestions& questions,
+/// A table with one row per design: nearest and farthest usable range, and the depth error at each range.
+std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettings& settings,
                       ReportFormat format);
 
-/// The same with all digits.
-nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanQuestions& questions);
+/// The same as JSON, with all digits.
+nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanSettings& settings);
 
-/// An SVG of the depth's error over the range, up to the largest one asked for, and of the overlap.
-std::string planPlot(const std::vector<StereoDesign>& designs, const PlanQuestions& questions);
+/// An SVG with the depth error and the overlap over the range, up to the largest of the ranges.
+std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings);
 
 }  // namespace cartvo::calibrate

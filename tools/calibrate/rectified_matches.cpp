@@ -1,3 +1,4 @@
+// Point matches between two rectified images.
 #include "tools/calibrate/rectified_matches.hpp"
 
 #include <cstdint>
@@ -14,14 +15,14 @@ struct Features {
 };
 
 Features featuresOf(const cv::Mat& image) {
-  constexpr int kMostFeatures = 4000;
+  constexpr int kMaxFeatures = 4000;
   Features features;
-  cv::ORB::create(kMostFeatures)->detectAndCompute(image, {}, features.points, features.descriptors);
+  cv::ORB::create(kMaxFeatures)->detectAndCompute(image, {}, features.points, features.descriptors);
   return features;
 }
 
-/// For each feature the index of its partner, -1 without a clear one.
-std::vector<int> clearlyBest(const Features& from, const Features& to) {
+/// For each feature the index of its best match, -1 if it fails the ratio test.
+std::vector<int> matchWithRatioTest(const Features& from, const Features& to) {
   constexpr float kRatio = 0.8F;
   std::vector<int> partners(from.points.size(), -1);
   if (from.points.empty() || to.points.size() < 2) return partners;
@@ -35,7 +36,8 @@ std::vector<int> clearlyBest(const Features& from, const Features& to) {
 }
 
 std::vector<RectifiedMatch> mutualMatches(const Features& left, const Features& right) {
-  const std::vector<int> to_right = clearlyBest(left, right), to_left = clearlyBest(right, left);
+  const std::vector<int> to_right = matchWithRatioTest(left, right),
+                         to_left = matchWithRatioTest(right, left);
   std::vector<RectifiedMatch> matches;
   for (std::size_t i = 0; i < to_right.size(); ++i) {
     const int partner = to_right[i];
@@ -45,15 +47,16 @@ std::vector<RectifiedMatch> mutualMatches(const Features& left, const Features& 
   return matches;
 }
 
-/// Where the patches around `from` lie in `to`, close to `there`; those that are not found lie far away.
+/// The positions in `image_to` of the patches around `from`, starting from `there`. A patch that is not found
+/// gets a position far outside the image.
 std::vector<cv::Point2f> aligned(const cv::Mat& image_from, const cv::Mat& image_to,
                                  const std::vector<cv::Point2f>& from, std::vector<cv::Point2f> there) {
-  constexpr double kLeastTexture = 2e-3;  // the smaller eigenvalue: patches along an edge slide on it
+  constexpr double kMinTexture = 2e-3;  // smaller eigenvalue: excludes patches that can slide along an edge
   const cv::Point2f lost(-1e6F, -1e6F);
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(image_from, image_to, from, there, found, cv::noArray(), {15, 15}, 0,
                            {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.003},
-                           cv::OPTFLOW_USE_INITIAL_FLOW, kLeastTexture);
+                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinTexture);
   for (std::size_t i = 0; i < there.size(); ++i) {
     if (found[i] == 0) there[i] = lost;
   }
@@ -63,7 +66,7 @@ std::vector<cv::Point2f> aligned(const cv::Mat& image_from, const cv::Mat& image
 }  // namespace
 
 std::vector<RectifiedMatch> matchRectified(const cv::Mat& left, const cv::Mat& right) {
-  constexpr double kMostShift = 3.0, kReturn = 0.1;  // px
+  constexpr double kMaxShift = 3.0, kMaxReturnError = 0.1;  // px
   const std::vector<RectifiedMatch> coarse = mutualMatches(featuresOf(left), featuresOf(right));
   if (coarse.empty()) return {};
   std::vector<cv::Point2f> from, guess;
@@ -75,7 +78,7 @@ std::vector<RectifiedMatch> matchRectified(const cv::Mat& left, const cv::Mat& r
   const std::vector<cv::Point2f> back = aligned(right, left, there, from);
   std::vector<RectifiedMatch> matches;
   for (std::size_t i = 0; i < coarse.size(); ++i) {
-    if (cv::norm(there[i] - guess[i]) < kMostShift && cv::norm(back[i] - from[i]) < kReturn)
+    if (cv::norm(there[i] - guess[i]) < kMaxShift && cv::norm(back[i] - from[i]) < kMaxReturnError)
       matches.push_back({from[i], there[i]});
   }
   return matches;

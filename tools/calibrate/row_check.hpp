@@ -10,32 +10,35 @@
 
 namespace cartvo::calibrate {
 
-/// What matched points say of a rig: in rectified images each point must lie in one row of both.
+/// Statistics of matched points that show whether a rig is correct: in rectified images a point must be in
+/// the same row of both.
 struct RowCheck {
   int pairs = 0;
-  int matches = 0;        ///< that agree with each other
-  double outliers = 0.0;  ///< share of the matches that do not: mismatches, things that moved
-  // Vertical disparities of the matches that agree, px.
-  double rms = 0.0, p95 = 0.0, median = 0.0;  ///< the first two of their magnitude
-  double slope = 0.0;  ///< their change over the image's width: a right camera that is rolled
-  double scatter =
-      0.0;  ///< RMS of what no tilt of the right camera explains: mostly the matching's own noise
-  double in_front = 0.0;  ///< share of the matches that are not clearly behind infinity
+  int matches = 0;        ///< number of inliers
+  double outliers = 0.0;  ///< share of outliers: mismatches and moving objects
+  // Vertical disparities of the inliers, px.
+  double rms = 0.0, p95 = 0.0;  ///< RMS and 95th percentile of their magnitude
+  double median = 0.0;
+  double slope = 0.0;     ///< change over the image width, caused by a roll of the right camera
+  double scatter = 0.0;   ///< RMS after a rotation of the right camera is fitted: mostly matching noise
+  double in_front = 0.0;  ///< share of the inliers without clearly negative disparity
 };
 
-/// Sums up matches of `pairs` pairs. Throws std::runtime_error if there are too few to say anything.
+/// Computes the statistics of the matches of `pairs` pairs. Throws std::runtime_error if there are too few.
 RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs, const Rectification& rectification);
 
-/// Whether most matches lie behind infinity, as they do where the two images are exchanged.
+/// Whether most disparities are negative, as with exchanged images.
 bool seemsSwapped(const RowCheck& check);
 
-/// Whether the rig fits: not exchanged, and an RMS of at most `largest_rms` px.
-bool passes(const RowCheck& check, double largest_rms);
+/// Whether the rig passes: images not exchanged, and an RMS of at most `max_rms` px.
+bool passes(const RowCheck& check, double max_rms);
 
-/// For people: the figures, what they mean, and what such an error along the rows does to the depth.
-std::string rowCheckText(const RowCheck& check, const Rectification& rectification, double largest_rms);
+/// The statistics as text, with the depth error that a disparity error of the same size causes, and the
+/// verdict.
+std::string rowCheckText(const RowCheck& check, const Rectification& rectification, double max_rms);
 
+/// The same as JSON.
 nlohmann::ordered_json rowCheckJson(const RowCheck& check, const Rectification& rectification,
-                                    double largest_rms);
+                                    double max_rms);
 
 }  // namespace cartvo::calibrate

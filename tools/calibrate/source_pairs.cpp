@@ -1,3 +1,4 @@
+// Iteration over the synchronised pairs of a source on disk.
 #include "tools/calibrate/source_pairs.hpp"
 
 #include <chrono>
@@ -8,7 +9,7 @@ void forEachPair(StereoSource& source, const std::function<bool(const FramePair&
   PairSynchroniserSettings settings;
   settings.period_ns = source.period_ns;
   PairSynchroniser synchroniser(settings);
-  // The pairs do not depend on how the two cameras' frames come in.
+  // The pairs do not depend on the order in which the two cameras' frames are read.
   for (bool any = true; any;) {
     any = false;
     for (const CameraSide side : {CameraSide::left, CameraSide::right}) {

@@ -7,7 +7,7 @@
 
 namespace cartvo::calibrate {
 
-/// Hands over each pair of a source on disk, in order, until `use` returns false.
+/// Calls `use` with each pair of a source on disk, in order, until it returns false.
 void forEachPair(StereoSource& source, const std::function<bool(const FramePair&)>& use);
 
 }  // namespace cartvo::calibrate

@@ -1,3 +1,4 @@
+// Depth error, field of view and overlap of a stereo design.
 #include "tools/calibrate/stereo_design.hpp"
 
 #include <algorithm>

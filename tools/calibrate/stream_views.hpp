@@ -12,46 +12,48 @@
 
 namespace cartvo {
 
-/// What one camera shows at the moment.
-struct StreamSight {
-  cv::Mat image;  ///< CV_8UC1; never written to again
+/// The newest processed image of a camera, with its corners and the coverage so far.
+struct CameraPreview {
+  cv::Mat image;  ///< CV_8UC1; immutable
   std::vector<SeenCorner> corners;
-  ImageCoverage coverage;  ///< by the views so far
+  ImageCoverage coverage;  ///< by the usable views so far
 };
 
-/// What a person before the cameras is told.
+/// Progress of the collection of views.
 struct StreamProgress {
-  double seconds = 0.0;  ///< of the streams
-  StreamSight left, right;
-  std::string advice;         ///< what to do at this moment, see StillViews::advice; or what a camera lacks
-  bool has_new_view = false;  ///< one was taken in this look
-  std::string rejection;      ///< why the new view is rejected; empty if it is not
+  double seconds = 0.0;  ///< time since the first frame
+  CameraPreview left, right;
+  std::string advice;  ///< immediate instruction, see StillBoardDetector::advice, or a camera's problem
+  bool has_new_view = false;  ///< whether this update took a view
+  std::string rejection;      ///< why the new view was rejected; empty if it was not
   BoardViews so_far;
-  TiltCoverage tilts;        ///< as they look through a usual lens
-  std::string what_to_show;  ///< next; empty if there is enough
+  TiltCoverage tilts;            ///< computed with a typical lens
+  std::string next_view_advice;  ///< see nextViewAdvice; empty if the views are sufficient
 };
 
-/// So many views are enough if they show the board everywhere and tilted to all sides.
-inline constexpr std::size_t kEnoughViews = 20;
+/// Number of views that is sufficient if they cover the images and all tilts.
+inline constexpr std::size_t kTargetViewCount = 20;
 
+/// Views taken from streams.
 struct StreamedViews {
   cv::Size image_size;
-  std::vector<DetectedView> views;  ///< the first few with their images
+  std::vector<DetectedView> views;  ///< the first ten with their images
 };
 
+/// Settings of the collection of views.
 struct StreamViewSettings {
-  double most_seconds = 900.0;  ///< of the streams
-  bool stop_when_enough =
-      true;  ///< when there is nothing more to show; else the streams are read to their end
-  std::size_t most_views = 200;
-  std::function<bool()> is_asked_to_stop = [] { return false; };
+  double max_seconds = 900.0;      ///< time since the first frame
+  bool stop_when_complete = true;  ///< stop when the views are sufficient; else read the streams to their end
+  std::size_t max_views = 200;
+  std::function<bool()> is_stop_requested = [] { return false; };
 };
 
-/// Takes the views in which the board is held still, see StillViews, and tells after each look how things
-/// stand. Throws std::runtime_error if a stream gives nothing in its first ten seconds or its images change
-/// their size. A stream that falls silent later is waited for, for a minute: the views so far are not lost.
+/// Collects the views in which the board is held still, see StillBoardDetector, and calls `report` after each
+/// processed image. Throws std::runtime_error if a stream has no picture in its first ten seconds or the
+/// image size changes. If a stream stops later, it is waited for for a minute; the views so far are then
+/// returned.
 StreamedViews viewsFromStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
                                const StreamViewSettings& settings,
-                               const std::function<void(const StreamProgress&)>& tell);
+                               const std::function<void(const StreamProgress&)>& report);
 
 }  // namespace cartvo

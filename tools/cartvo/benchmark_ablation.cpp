@@ -1,4 +1,4 @@
-// `cartvo benchmark ablation`: what each part of the method buys.
+// The command line of `cartvo benchmark ablation`.
 #include "tools/cartvo/benchmark_ablation.hpp"
 
 #include <filesystem>
@@ -52,43 +52,44 @@ void run(const AblationOptions& options) {
     report.update(ablationJson(accuracies));
     return report;
   };
-  handReport(options.common, "ablation", json,
-             [&](ReportFormat format) { return ablationTable(accuracies, format); });
+  writeReport(options.common, "ablation", json,
+              [&](ReportFormat format) { return ablationTable(accuracies, format); });
 }
 
 std::string variantList() {
   std::string list;
   for (const Ablation& ablation : ablations())
-    list.append("\n").append(ablation.name).append(": ").append(ablation.what);
+    list.append("\n").append(ablation.name).append(": ").append(ablation.description);
   return list;
 }
 
 }  // namespace
 
 void addAblationBenchmark(CLI::App& benchmark) {
-  CLI::App* command = benchmark.add_subcommand("ablation", "What each part of the method buys");
+  CLI::App* command = benchmark.add_subcommand("ablation", "Measure the effect of each part of the method");
   const auto options = std::make_shared<AblationOptions>();
   addBenchmarkOptions(*command, options->common);
   addDriveOptions(*command, options->drives);
   command
       ->add_option("--offset-ms", options->offset_ms,
-                   "How much later the right camera of the worlds is exposed")
+                   "Time offset of the right camera in rendered worlds (positive: exposed later)")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--variants", options->variants,
-                   "What is left out, one at a time; as-it-is is measured in any case:" + variantList())
+                   "Parts to remove or change, one at a time; as-it-is is always measured:" + variantList())
       ->delimiter(',')
       ->check(CLI::IsMember(ablationNames()))
       ->type_name("LIST");
   command->footer(
-      "Each real and rendered sequence with each variant of the odometry. The table of docs/method.md; "
-      "cartvo-benchmark(1)\n"
-      "says what each number is.\n"
+      "Measures each real and rendered sequence with each variant of the odometry. docs/how-it-works.md "
+      "describes the\n"
+      "parts of the method; cartvo-benchmark(1) defines each number.\n"
       "Examples:\n"
       "  cartvo benchmark ablation --scenarios none                       real images only: a minute\n"
       "  cartvo benchmark ablation --data none --scenarios traffic --variants two-pairs,not-robust\n"
-      "  cartvo benchmark ablation --format markdown                      all of it: half an hour to render");
+      "  cartvo benchmark ablation --format markdown                      everything: half an hour of "
+      "rendering");
   command->callback([options] { run(*options); });
 }
 

@@ -1,4 +1,4 @@
-// `cartvo benchmark`: how accurate the odometry is over all sequences at hand, and the thesis' own tables.
+// The command line of `cartvo benchmark`, and of its subcommands accuracy and thesis.
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -30,7 +30,7 @@ struct AccuracyOptions {
   BenchmarkOptions common;
   std::vector<std::string> scenarios{kAllScenarios};
   std::vector<std::uint64_t> seeds{1};
-  double seconds = 0.0;  // 0: each scenario's own
+  double seconds = 0.0;  // 0: the default of each scenario
   double offset_ms = 0.0;
   std::vector<double> bitrates;
   std::vector<std::string> estimators = estimatorNames();
@@ -39,12 +39,12 @@ struct AccuracyOptions {
   bool quick = false;
 };
 
-/// Long enough for what a scenario is about: the lap with the stand at its end, twenty seconds of standing,
-/// some 300 m of campus, the rest something over 100 m.
+/// Default length of a scenario, s: the loop with the standstill at its end, 20 s of standing, about 300 m of
+/// campus, and something over 100 m of the others.
 double secondsOf(world::Scenario scenario) {
   if (scenario == world::Scenario::loop) return 75.0;
   if (scenario == world::Scenario::campus) return 60.0;
-  if (scenario == world::Scenario::standing) return 22.0;  // two of them before the traffic
+  if (scenario == world::Scenario::standing) return 22.0;  // including 2 s before the traffic
   return 40.0;
 }
 
@@ -84,8 +84,8 @@ void runAccuracy(const AccuracyOptions& options) {
     report.update(accuracyJson(accuracies));
     return report;
   };
-  handReport(options.common, "accuracy", json,
-             [&](ReportFormat format) { return accuracyTable(accuracies, format); });
+  writeReport(options.common, "accuracy", json,
+              [&](ReportFormat format) { return accuracyTable(accuracies, format); });
 }
 
 void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
@@ -97,47 +97,52 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
           ->check(CLI::Range(1.0, 3600.0));
   command
       .add_option("--offset-ms", options.offset_ms,
-                  "How much later the right camera of the worlds is exposed")
+                  "Time offset of the right camera in rendered worlds (positive: exposed later)")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--cache", options.cache, "Keeps rendered worlds (0.4 GB a minute) and encoded streams")
+  command
+      .add_option("--cache", options.cache,
+                  "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
       ->type_name("DIR")
       ->capture_default_str();
-  command.add_flag("--quick", options.quick, "Of the worlds only campus and standing, six seconds each")
+  command.add_flag("--quick", options.quick, "Use only the worlds campus and standing, six seconds each")
       ->excludes(scenarios)
       ->excludes(seconds);
 }
 
 void addAccuracy(CLI::App& benchmark) {
-  CLI::App* command = benchmark.add_subcommand("accuracy", "One table of errors, consistency and times");
+  CLI::App* command =
+      benchmark.add_subcommand("accuracy", "Print one table of errors, consistency and times");
   const auto options = std::make_shared<AccuracyOptions>();
   addBenchmarkOptions(*command, options->common);
   addWorldOptions(*command, *options);
-  command->add_option("--estimators", options->estimators, "Which to compare")
+  command->add_option("--estimators", options->estimators, "Estimators to compare")
       ->delimiter(',')
       ->check(CLI::IsMember(estimatorNames()))
       ->type_name("LIST")
       ->capture_default_str();
-  command->add_option("--features", options->features, "Features aimed at in each left image")
+  command->add_option("--features", options->features, "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
   command
       ->add_option("--bitrates", options->bitrates,
-                   "Measure the same pictures as H.264 of these rates too (Mbit/s, each camera's),\n"
-                   "encoded as a camera does and decoded by cartvod's decoder")
+                   "Measure the same images also as H.264 at these rates (Mbit/s per camera),\n"
+                   "encoded as by a camera and decoded by the decoder of cartvod")
       ->delimiter(',')
       ->check(CLI::Range(0.05, 200.0))
       ->type_name("LIST");
   command->footer(
       "Runs every real and rendered sequence through the daemon's pipeline, as `cartvo replay` does, and\n"
-      "compares with the truth. A world is rendered once, at some 2 pairs a second, and kept in the cache. "
+      "compares with the truth. A world is rendered once, at about 2 pairs per second, and kept in the "
+      "cache. "
       "The\n"
-      "report explains its columns; cartvo-benchmark(1) says exactly what each number is.\n"
+      "report explains its columns; cartvo-benchmark(1) defines each number.\n"
       "Examples:\n"
       "  cartvo benchmark accuracy --quick                                a first look, in some minutes\n"
-      "  cartvo benchmark accuracy --seeds 1,2 --format markdown          the table of docs/accuracy.md\n"
-      "  cartvo benchmark accuracy --scenarios campus --bitrates 2,4,8    what H.264 costs\n"
-      "  cartvo benchmark accuracy --data none --scenarios turns --offset-ms 25");
+      "  cartvo benchmark accuracy --seeds 1,2 --format markdown          each scenario with two seeds\n"
+      "  cartvo benchmark accuracy --scenarios campus --bitrates 2,4,8    the effect of H.264\n"
+      "  cartvo benchmark accuracy --data none --scenarios turns --offset-ms 25\n"
+      "docs/accuracy.md has the three commands of its table.");
   command->callback([options] {
     if (options->quick) {
       options->scenarios = {"campus", "standing"};
@@ -160,14 +165,14 @@ void runThesis(const ThesisOptions& options) {
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const ThesisResults results = runThesisBenchmark(settings, display.observer());
-  handReport(
+  writeReport(
       options.common, "thesis", [&] { return thesisJson(results); },
       [&](ReportFormat format) { return thesisTables(results, format); });
 }
 
 void addThesis(CLI::App& benchmark) {
   CLI::App* command =
-      benchmark.add_subcommand("thesis", "The thesis' tables, repeated beside its own values");
+      benchmark.add_subcommand("thesis", "Repeat the tables of the thesis beside its own values");
   const auto options = std::make_shared<ThesisOptions>();
   addBenchmarkOptions(*command, options->common);
   command->footer(
@@ -175,9 +180,10 @@ void addThesis(CLI::App& benchmark) {
       "4-13\n"
       "and 4-14 (feature counts with a fixed and with adaptive thresholds), Table 5-2 (time of each stage "
       "with\n"
-      "1,000 and 9,600 features), Tables 5-3 and 5-4 (RMSE of velocity and rates). Values of the thesis that "
-      "are\n"
-      "not known stand as a dash.\n"
+      "1,000 and 9,600 features), Tables 5-3 and 5-4 (RMSE of velocity and rates). A dash marks unknown "
+      "values "
+      "of\n"
+      "the thesis.\n"
       "Examples:\n"
       "  cartvo benchmark thesis --data ../shared/data\n"
       "  cartvo benchmark thesis --format json --output thesis.json");
@@ -187,9 +193,10 @@ void addThesis(CLI::App& benchmark) {
 }  // namespace
 
 void addBenchmarkCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("benchmark", "Measure the odometry on all sequences at hand");
+  CLI::App* command =
+      cartvo.add_subcommand("benchmark", "Measure the odometry on real sequences and rendered worlds");
   command->require_subcommand(1);
-  command->footer("'cartvo benchmark accuracy --help' explains each.");
+  command->footer("'cartvo benchmark SUBCOMMAND --help' describes each of them.");
   addAccuracy(*command);
   addAblationBenchmark(*command);
   addOffsetBenchmark(*command);

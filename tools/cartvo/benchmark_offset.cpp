@@ -1,4 +1,4 @@
-// `cartvo benchmark offset`: what it costs that the cameras are not exposed at once.
+// The command line of `cartvo benchmark offset`.
 #include "tools/cartvo/benchmark_offset.hpp"
 
 #include <filesystem>
@@ -30,7 +30,7 @@ struct OffsetOptions {
   std::filesystem::path plot;
 };
 
-/// Zero first: what is compared with, and its left images serve the others.
+/// The clocks to measure. The offset 0 comes first: it is the reference, and the others use its left images.
 std::vector<RightClock> clocksOf(const OffsetOptions& options, const world::WorldSettings& world) {
   std::vector<RightClock> clocks{RightClock{}};
   for (const double offset_ms : options.offsets_ms)
@@ -48,7 +48,7 @@ OffsetSettings settingsOf(const OffsetOptions& options) {
   settings.worlds = drivesOf(options.drives, options.common.threads);
   requireSequences(settings.data, settings.worlds);
   if (settings.worlds.empty() && !options.plot.empty())
-    throw std::runtime_error("--plot draws rendered worlds, and there is none");
+    throw std::runtime_error("--plot draws rendered worlds, but none is selected; add --scenarios");
   if (!settings.worlds.empty()) settings.clocks = clocksOf(options, settings.worlds.front());
   for (const std::string& name : options.models)
     settings.models.push_back(offsetModelNamed(name));
@@ -70,23 +70,22 @@ void run(const OffsetOptions& options) {
     report.update(offsetJson(accuracies));
     return report;
   };
-  handReport(options.common, "offset", json,
-             [&](ReportFormat format) { return offsetTable(accuracies, format); });
+  writeReport(options.common, "offset", json,
+              [&](ReportFormat format) { return offsetTable(accuracies, format); });
 }
 
 void addClockOptions(CLI::App& command, OffsetOptions& options) {
   command
       .add_option("--offsets-ms", options.offsets_ms,
-                  "How much later the right camera is exposed; 0 is measured in any case")
+                  "Time offsets of the right camera (positive: exposed later); 0 is always measured")
       ->delimiter(',')
       ->check(CLI::Range(-1000.0, 1000.0))
       ->type_name("LIST")
       ->capture_default_str();
   command
-      .add_option(
-          "--sweeps", options.sweeps,
-          "Clocks that drift: slow (50 ppm, across half a frame period, where partners change), fast\n"
-          "(through all offsets within the drive), none")
+      .add_option("--sweeps", options.sweeps,
+                  "Drifting clocks: slow (50 ppm, across half a frame period, where partners change), fast\n"
+                  "(through all offsets within the drive), none")
       ->delimiter(',')
       ->check(CLI::IsMember({"slow", "fast", "none"}))
       ->type_name("LIST")
@@ -97,7 +96,7 @@ void addClockOptions(CLI::App& command, OffsetOptions& options) {
 
 void addOffsetBenchmark(CLI::App& benchmark) {
   CLI::App* command =
-      benchmark.add_subcommand("offset", "Errors over the time between the cameras' exposures");
+      benchmark.add_subcommand("offset", "Measure errors over the time offset between the cameras");
   const auto options = std::make_shared<OffsetOptions>();
   addBenchmarkOptions(*command, options->common);
   addDriveOptions(*command, options->drives);
@@ -105,24 +104,25 @@ void addOffsetBenchmark(CLI::App& benchmark) {
   command
       ->add_option(
           "--models", options->models,
-          "two-instants: as cartvod does it; simultaneous: with the left instant for both images, as other\n"
-          "odometries do it")
+          "two-instants: both exposure instants, as in cartvod; simultaneous: the left instant for both\n"
+          "images, as in other odometries")
       ->delimiter(',')
       ->check(CLI::IsMember(offsetModelNames()))
       ->type_name("LIST")
       ->capture_default_str();
-  command->add_option("--plot", options->plot, "Draw errors over offsets into this SVG")->type_name("FILE");
+  command->add_option("--plot", options->plot, "Draw errors over offsets to this SVG file")
+      ->type_name("FILE");
   command->footer(
-      "Each rendered drive with the right camera later and later, and by clocks that drift; of the left "
-      "camera,\n"
-      "which sees the same each time, the images are rendered once. Real sequences at half their rate: left "
-      "images\n"
-      "of even numbers with right ones of even and of odd numbers. docs/unsynchronised-cameras.md tells what "
-      "it is about.\n"
+      "Measures each rendered drive with each time offset of the right camera, and with drifting clocks. The "
+      "images of\n"
+      "the left camera do not depend on the offset and are rendered once. Real sequences are used at half "
+      "their rate:\n"
+      "left images of even numbers with right images of even and of odd numbers. docs/accuracy.md has "
+      "results.\n"
       "Examples:\n"
       "  cartvo benchmark offset --data none --scenarios campus --seconds 10 --offsets-ms 25 --sweeps none\n"
       "  cartvo benchmark offset --scenarios none                          real images only: seconds\n"
-      "  cartvo benchmark offset --format markdown --plot offset.svg       all of it: hours of rendering");
+      "  cartvo benchmark offset --format markdown --plot offset.svg       everything: hours of rendering");
   command->callback([options] { run(*options); });
 }
 

@@ -1,4 +1,4 @@
-// What the benchmarks' command lines have in common.
+// Options, checks and output that all subcommands of `cartvo benchmark` share.
 #include "tools/cartvo/benchmark_options.hpp"
 
 #include <cstdio>
@@ -22,12 +22,12 @@ fs::path foundData(const fs::path& given) {
     return configured;
   fs::path beside = "../shared/data";
   if (fs::is_directory(beside)) return beside;
-  std::fputs("cartvo: no real sequences: ../shared/data is not here; name their folder with --data DIR\n",
+  std::fputs("cartvo: no real sequences: ../shared/data does not exist; give their folder with --data DIR\n",
              stderr);
   return {};
 }
 
-/// The names of the scenarios, "all" and "none".
+/// Values of --scenarios: "all", "none" and the names of the scenarios.
 std::vector<std::string> scenarioChoices() {
   std::vector<std::string> names{kAllScenarios, kNoScenario};
   for (const world::Scenario scenario : world::allScenarios())
@@ -35,7 +35,7 @@ std::vector<std::string> scenarioChoices() {
   return names;
 }
 
-/// The same as one line of text.
+/// scenarioChoices as one line of text.
 std::string scenarioList() {
   std::string list;
   for (const std::string& name : scenarioChoices())
@@ -80,7 +80,7 @@ void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
       ->check(CLI::IsMember({"text", "markdown", "json"}))
       ->type_name("NAME")
       ->capture_default_str();
-  command.add_option("--output", options.output, "Write the report into this file, not to the terminal")
+  command.add_option("--output", options.output, "Write the report to this file instead of the terminal")
       ->type_name("FILE");
 }
 
@@ -89,7 +89,7 @@ fs::path dataFolder(const BenchmarkOptions& options) {
   if (!data.empty() && !fs::is_directory(data)) {
     throw std::runtime_error(
         data.string() +
-        ": is no folder; --data takes one with image folders (KITTI or EuRoC layout), or 'none'");
+        ": is no folder; --data takes a folder of image folders (KITTI or EuRoC layout), or 'none'");
   }
   return data;
 }
@@ -101,9 +101,9 @@ void checkOutput(const fs::path& file) {
     throw std::runtime_error(file.string() + ": cannot be written: there is no folder " + folder.string());
 }
 
-void handReport(const BenchmarkOptions& options, const char* benchmark,
-                const std::function<nlohmann::ordered_json()>& json,
-                const std::function<std::string(ReportFormat)>& text) {
+void writeReport(const BenchmarkOptions& options, const char* benchmark,
+                 const std::function<nlohmann::ordered_json()>& json,
+                 const std::function<std::string(ReportFormat)>& text) {
   std::string report;
   if (options.reportFormat() == ReportFormat::json) {
     nlohmann::ordered_json all = {{"benchmark", benchmark},
@@ -123,12 +123,13 @@ void handReport(const BenchmarkOptions& options, const char* benchmark,
 
 void requireSequences(const fs::path& data, const std::vector<world::WorldSettings>& worlds) {
   if (data.empty() && worlds.empty())
-    throw std::runtime_error("there is nothing to measure: neither real sequences nor scenarios");
+    throw std::runtime_error(
+        "nothing to measure: neither real sequences nor scenarios; give --data or --scenarios");
 }
 
 CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
                             std::vector<std::uint64_t>& seeds) {
-  command.add_option("--seeds", seeds, "Another seed, another world: each scenario with each of them")
+  command.add_option("--seeds", seeds, "Seeds of the worlds; each scenario is rendered with each seed")
       ->delimiter(',')
       ->type_name("LIST")
       ->capture_default_str();
@@ -158,10 +159,10 @@ void addDriveOptions(CLI::App& command, DriveOptions& options) {
   command.add_option("--seconds", options.seconds, "Length of each drive")
       ->check(CLI::Range(6.0, 3600.0))
       ->capture_default_str();
-  command.add_option("--features", options.features, "Features aimed at in each left image")
+  command.add_option("--features", options.features, "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
-  command.add_option("--cache", options.cache, "Keeps rendered worlds (0.4 GB a minute)")
+  command.add_option("--cache", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
       ->type_name("DIR")
       ->capture_default_str();
 }

@@ -19,7 +19,7 @@
 
 namespace cartvo {
 
-/// What all of `cartvo benchmark` can be asked for.
+/// Options that all subcommands of `cartvo benchmark` share.
 struct BenchmarkOptions {
   std::filesystem::path data;
   int threads = 2;
@@ -32,22 +32,22 @@ struct BenchmarkOptions {
 /// Adds --threads, --format and --output. `options` must live as long as the command.
 void addReportOptions(CLI::App& command, BenchmarkOptions& options);
 
-/// The same and --data.
+/// Adds --data and the options of addReportOptions. `options` must live as long as the command.
 void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
 
-/// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it is there; empty: none.
-/// Throws std::runtime_error if it is no folder.
+/// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it exists. Empty if there
+/// is none. Throws std::runtime_error if it is not a folder.
 std::filesystem::path dataFolder(const BenchmarkOptions& options);
 
-/// Throws std::runtime_error, before the work, if the folder of a file that will be written is not there. An
-/// empty name is fine.
+/// Checks before the long work that the folder of an output file exists. Throws std::runtime_error if not.
+/// Accepts an empty name.
 void checkOutput(const std::filesystem::path& file);
 
-/// Writes the report as it was asked for, to the terminal or into the file: `json`, behind the benchmark's
-/// name, versions and threads, or `text` in that format. Only the one wanted is called.
-void handReport(const BenchmarkOptions& options, const char* benchmark,
-                const std::function<nlohmann::ordered_json()>& json,
-                const std::function<std::string(ReportFormat)>& text);
+/// Writes the report to the terminal or to the output file: `json` with the name of the benchmark, versions
+/// and threads before it, or `text` in the chosen format. Calls only one of the two functions.
+void writeReport(const BenchmarkOptions& options, const char* benchmark,
+                 const std::function<nlohmann::ordered_json()>& json,
+                 const std::function<std::string(ReportFormat)>& text);
 
 /// Throws std::runtime_error if there are neither real sequences nor worlds.
 void requireSequences(const std::filesystem::path& data, const std::vector<world::WorldSettings>& worlds);
@@ -55,17 +55,18 @@ void requireSequences(const std::filesystem::path& data, const std::vector<world
 inline constexpr const char* kAllScenarios = "all";
 inline constexpr const char* kNoScenario = "none";
 
-/// Adds --scenarios and --seeds; returns the former. What they are read into must live as long as the
+/// Adds --scenarios and --seeds, and returns the former. `scenarios` and `seeds` must live as long as the
 /// command.
 CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
                             std::vector<std::uint64_t>& seeds);
 
-/// Each scenario with each seed, else as WorldSettings are. `scenarios` must be what --scenarios takes: names
-/// of scenarios, "all", "none".
+/// The worlds of each scenario with each seed; other settings have their defaults. `scenarios` must be values
+/// of
+/// --scenarios: names of scenarios, "all", "none".
 std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
                                                const std::vector<std::uint64_t>& seeds, int threads);
 
-/// Rendered drives that start half a second after the first pair: a cart that stands tells little.
+/// Options of rendered drives, which start moving half a second after the first pair.
 struct DriveOptions {
   std::vector<std::string> scenarios;
   std::vector<std::uint64_t> seeds{1};
@@ -74,13 +75,14 @@ struct DriveOptions {
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();
 };
 
-/// `options`, whose values are the defaults, must live as long as the command.
+/// Adds the options of rendered drives. The values of `options` are the defaults; it must live as long as the
+/// command.
 void addDriveOptions(CLI::App& command, DriveOptions& options);
 
-/// Each scenario with each seed, cameras exposed at once.
+/// The worlds of each scenario with each seed, with synchronised cameras.
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads);
 
-/// A line on the error output for each piece of work, and a bar below it while it goes on.
+/// Shows on the error output a line for each step of the work, with a progress bar below it.
 class WorkDisplay {
  public:
   benchmark::WorkObserver observer();

@@ -1,4 +1,4 @@
-// `cartvo benchmark speed`: how long a pair takes.
+// The command line of `cartvo benchmark speed`.
 #include "tools/cartvo/benchmark_speed.hpp"
 
 #include <algorithm>
@@ -35,9 +35,10 @@ constexpr const char* kNoSize = "none";
 
 std::string checkSize(const std::string& text) {
   if (text == kNoSize) return "";
-  constexpr int kLeast = 160, kMost = 8192;  // px
-  const cv::Size size = sizeFrom(text).value_or(cv::Size());
-  const bool fits = std::min(size.width, size.height) >= kLeast && std::max(size.width, size.height) <= kMost;
+  constexpr int kMinSide = 160, kMaxSide = 8192;  // px
+  const cv::Size size = parseImageSize(text).value_or(cv::Size());
+  const bool fits =
+      std::min(size.width, size.height) >= kMinSide && std::max(size.width, size.height) <= kMaxSide;
   return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420, or none";
 }
 
@@ -45,7 +46,7 @@ void run(const SpeedOptions& options) {
   checkOutput(options.common.output);
   SpeedSettings settings;
   for (const std::string& size : options.sizes)
-    if (size != kNoSize) settings.sizes.push_back(sizeFrom(size).value());
+    if (size != kNoSize) settings.sizes.push_back(parseImageSize(size).value());
   settings.data = dataFolder(options.common);
   settings.features = options.features;
   settings.threads = options.thread_counts;
@@ -56,37 +57,39 @@ void run(const SpeedOptions& options) {
   settings.cache = options.cache;
   WorkDisplay display;
   const std::vector<SpeedResult> results = runSpeedBenchmark(settings, display.observer());
-  handReport(
+  writeReport(
       options.common, "speed", [&] { return speedJson(results); },
       [&](ReportFormat format) { return speedTables(results, format); });
 }
 
 void addChoices(CLI::App& command, SpeedOptions& options) {
-  command.add_option("--sizes", options.sizes, "To render a drive over the campus in, or none")
+  command.add_option("--sizes", options.sizes, "Image sizes of the rendered campus drive, or none")
       ->delimiter(',')
       ->check(CLI::Validator(checkSize, "WIDTHxHEIGHT"))
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--features", options.features, "Features aimed at in each left image")
+  command.add_option("--features", options.features, "Target numbers of features in each left image")
       ->delimiter(',')
       ->check(CLI::Range(50, 20000))
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--thread-counts", options.thread_counts, "Threads that the odometry may use")
+  command.add_option("--thread-counts", options.thread_counts, "Numbers of threads for the odometry")
       ->delimiter(',')
       ->check(CLI::Range(1, 64))
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--estimator", options.estimator, "Which to time")
+  command.add_option("--estimator", options.estimator, "Estimator to time")
       ->check(CLI::IsMember(estimatorNames()))
       ->capture_default_str();
-  command.add_option("--pairs", options.pairs, "Of each drive at most; the first four do not count")
-      ->check(CLI::Range(kWarmUp + 2, 10000))
+  command
+      .add_option("--pairs", options.pairs,
+                  "Maximum number of pairs of each drive; the first four are not counted")
+      ->check(CLI::Range(kWarmUpPairs + 2, 10000))
       ->capture_default_str();
-  command.add_option("--repeats", options.repeats, "Of each drive")
+  command.add_option("--repeats", options.repeats, "Repetitions of each drive")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--cache", options.cache, "Keeps rendered worlds")
+  command.add_option("--cache", options.cache, "Folder for rendered worlds")
       ->type_name("DIR")
       ->capture_default_str();
 }
@@ -94,20 +97,21 @@ void addChoices(CLI::App& command, SpeedOptions& options) {
 }  // namespace
 
 void addSpeedBenchmark(CLI::App& benchmark) {
-  CLI::App* command = benchmark.add_subcommand("speed", "Time per pair and stage, beside OpenCV's");
+  CLI::App* command =
+      benchmark.add_subcommand("speed", "Measure the time of a pair and of its stages, relative to OpenCV");
   const auto options = std::make_shared<SpeedOptions>();
   addBenchmarkOptions(*command, options->common);
   addChoices(*command, *options);
   command->footer(
-      "A drive over the campus is rendered in each size (some minutes, once). These drives and the real "
-      "sequences are read\n"
-      "into memory and run through the daemon's stages from the raw images to the pose; sequences whose "
-      "images are rectified\n"
-      "already a second time as if seen through lenses. OpenCV's remap, pyramids and KLT are timed in "
-      "between on images of the\n"
-      "same drives, so that ratios hold on a machine that is busy with other things. "
-      "build/release/tools/benchmark/cartvo_kernels\n"
-      "times the inner loops alone.\n"
+      "A campus drive is rendered once in each size, which takes some minutes. These drives and the real "
+      "sequences are\n"
+      "read into memory and run through the daemon's stages from the raw images to the pose. Sequences with "
+      "rectified\n"
+      "images are run a second time with lens distortion. OpenCV's remap, pyramids and KLT are timed in "
+      "between on images\n"
+      "of the same drives, so ratios are valid on a busy machine too. "
+      "build/release/tools/benchmark/cartvo_kernels times the\n"
+      "inner loops separately.\n"
       "Examples:\n"
       "  cartvo benchmark speed --sizes 680x420 --features 1000 --data none\n"
       "  cartvo benchmark speed --sizes none --data ../shared/data --pairs 60 --repeats 5\n"

@@ -1,4 +1,4 @@
-// `cartvo calibrate board`: a board to print.
+// `cartvo calibrate board`: writes a calibration board to print.
 #include "tools/cartvo/calibrate_board.hpp"
 
 #include <cstdio>
@@ -24,8 +24,8 @@ void run(const Options& options) {
   const calibrate::BoardSheet sheet = calibrate::layOutBoard(parseBoardSpec(options.board), options.page);
   calibrate::printBoard(sheet, options.output, options.dots_per_inch);
   std::printf(
-      "%s: %s, %.1f x %.1f mm on %s. Print it at 100 %%, hold a ruler against both scales, mount it flat,\n"
-      "and give the sides as you measure them to 'cartvo calibrate --board'.\n",
+      "%s: %s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
+      "and give the measured lengths to 'cartvo calibrate --board'.\n",
       options.output.c_str(), boardSpecText(sheet.board).c_str(), sheet.pattern.width, sheet.pattern.height,
       sheet.page.name.c_str());
 }
@@ -33,7 +33,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addCalibrateBoard(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand("board", "Write a board to print, true to scale");
+  CLI::App* command = calibrate.add_subcommand("board", "Write a calibration board to print, true to scale");
   const auto options = std::make_shared<Options>();
   command
       ->add_option(
@@ -47,7 +47,7 @@ void addCalibrateBoard(CLI::App& calibrate) {
       ->type_name("FILE");
   command
       ->add_option("--page", options->page,
-                   "A4, A3, A2, A1, A0, WIDTHxHEIGHT in mm, or the smallest that does")
+                   "A4, A3, A2, A1, A0 or WIDTHxHEIGHT in mm; auto: the smallest that fits")
       ->capture_default_str();
   command->add_option("--dpi", options->dots_per_inch, "Pixels per inch of a .png")
       ->check(CLI::Range(20.0, 1200.0))
@@ -55,7 +55,7 @@ void addCalibrateBoard(CLI::App& calibrate) {
   command->footer(
       "Examples:\n"
       "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --page A3\n"
-      "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's usual one, "
+      "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "
       "A1");
   command->callback([options] { run(*options); });
 }

@@ -1,4 +1,4 @@
-// `cartvo calibrate check`: whether a rig file is that of some pictures.
+// `cartvo calibrate check`: tests whether a rig file matches given pictures.
 #include "tools/cartvo/calibrate_check.hpp"
 
 #include <algorithm>
@@ -31,8 +31,8 @@ struct Options {
 
 using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
 
-/// Pairs spread over the source.
-void forSomePairs(const Options& options, const UsePair& use) {
+/// Calls `use` for pairs spread evenly over the source.
+void forSelectedPairs(const Options& options, const UsePair& use) {
   if (!options.right.empty()) {
     use(readGreyImage(options.source), readGreyImage(options.right));
     return;
@@ -54,7 +54,7 @@ void run(const Options& options) {
   const Rectifier rectifier(rig, rig.rectification, buildTables(rig, rig.rectification));
   std::vector<calibrate::RectifiedMatch> matches;
   int pairs = 0;
-  forSomePairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
+  forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
     cv::Mat rectified_left, rectified_right;
     rectifier.rectifyLeft(left, rectified_left);
     rectifier.rectifyRight(right, rectified_right);
@@ -83,16 +83,19 @@ void addCalibrateCheck(CLI::App& calibrate) {
                    "A recording, a folder in KITTI's or EuRoC's layout, or the left picture")
       ->required();
   command->add_option("RIGHT", options->right, "The right picture");
-  command->add_option("--pairs", options->pairs, "Pairs to look at, spread over SOURCE")
+  command->add_option("--pairs", options->pairs, "Number of pairs to test, spread over SOURCE")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--largest-rms", options->largest_rms, "RMS of the vertical disparity that passes, px")
+  command
+      ->add_option("--largest-rms", options->largest_rms,
+                   "Largest RMS of the vertical disparity that passes, px")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "Report as JSON");
   command->footer(
-      "Ends with 0 if the rig passes and 1 if not. The cart must stand still if the cameras are not\n"
-      "synchronised.\n"
+      "The exit code is 0 if the rig passes and 1 if not. The cart must be at a standstill if the cameras "
+      "are\n"
+      "not synchronised.\n"
       "Examples:\n"
       "  cartvo calibrate check rig.yaml left.png right.png\n"
       "  cartvo calibrate check camchain.yaml euroc/V1_01_easy --pairs 50");

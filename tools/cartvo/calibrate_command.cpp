@@ -1,4 +1,4 @@
-// `cartvo calibrate`: what the cameras are, how they stand to each other and on the cart.
+// `cartvo calibrate`: calibrates the cameras, their relative pose and their mounting on the cart.
 #include "tools/cartvo/calibrate_board.hpp"
 #include "tools/cartvo/calibrate_check.hpp"
 #include "tools/cartvo/calibrate_convert.hpp"
@@ -10,15 +10,17 @@
 namespace cartvo {
 
 void addCalibrateCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("calibrate", "Calibrate the cameras, and all that goes with it");
+  CLI::App* command = cartvo.add_subcommand("calibrate", "Calibrate the cameras, and related tools");
   command->require_subcommand(0, 1);
   command->footer(
-      "Print a board (cartvo calibrate board), glue it to something flat, measure a square with a ruler or\n"
-      "calliper, and take 20 to 40 pairs of images: near and far, in all corners of both images, tilted by\n"
-      "20 to 40 degrees to all four sides, and the board held still. The lens model is chosen by how well "
-      "it\n"
-      "foretells views that it was not solved from. The exit code is 0 only if the calibration passes its\n"
-      "validation; otherwise FILE is left as it was. See cartvo-calibrate(1).\n"
+      "Print a board (cartvo calibrate board), glue it to a flat plate, measure a square with a ruler or\n"
+      "calliper, and record 20 to 40 pairs of images: near and far, in all corners of both images, tilted "
+      "by\n"
+      "20 to 40 degrees to all four sides, and the board held still. The lens model is the one that "
+      "predicts\n"
+      "held-out views best. The exit code is 0 only if the calibration passes its validation; otherwise "
+      "FILE\n"
+      "is not changed. See cartvo-calibrate(1).\n"
       "Examples:\n"
       "  cartvo calibrate board --board chessboard:9x6:0.025 --output board.pdf\n"
       "  cartvo calibrate images --board chessboard:9x6:0.0252 --output rig.yaml --report report\n"

@@ -1,4 +1,4 @@
-// `cartvo calibrate convert`: rigs from and to other tools' files.
+// `cartvo calibrate convert`: converts rigs from and to other tools' file formats.
 #include "tools/cartvo/calibrate_convert.hpp"
 
 #include <cstdio>
@@ -34,37 +34,37 @@ void write(const fs::path& output, const std::vector<RigFile>& files) {
   }
 }
 
-void sayWhatIsNotInThere(const Rig& rig, RigFormat format) {
-  if (format == RigFormat::cartvo || !(rig.scale_deviation > 0.0)) return;
+void warnOfLostScaleUncertainty(const Rig& rig, RigFormat format) {
+  if (format == RigFormat::cartvo || !(rig.scale_stddev > 0.0)) return;
   std::fprintf(
       stderr,
-      "cartvo: %s does not say how well the scale is known (scale_deviation: %g); read back, it counts "
-      "as exact\n",
-      rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_deviation);
+      "cartvo: the format %s cannot store the scale's uncertainty (scale_deviation: %g); when read back, the "
+      "scale counts as exact\n",
+      rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_stddev);
 }
 
 void run(const Options& options) {
   std::optional<cv::Size> image_size;
   if (!options.image_size.empty()) image_size = parseSize(options.image_size);
   const Rig rig = readRigFiles(options.files, image_size);
-  // That the cameras stand side by side is found out here, not when the cart is to drive.
+  // Rejects a rig that cannot be rectified now, not at the daemon's start.
   const Rectification rectified = computeRectification(rig, rig.rectification);
-  const RigFormat format = rigFormatNamed(options.format);
+  const RigFormat format = parseRigFormat(options.format);
   write(options.output, rigFilesOf(rig, format));
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
-  sayWhatIsNotInThere(rig, format);
+  warnOfLostScaleUncertainty(rig, format);
 }
 
 }  // namespace
 
 void addCalibrateConvert(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand("convert", "Rigs from and to other tools' files");
+  CLI::App* command = calibrate.add_subcommand("convert", "Convert rigs from and to other tools' formats");
   const auto options = std::make_shared<Options>();
   command
-      ->add_option(
-          "FILE", options->files,
-          "A rig in any format; of EuRoC's sensor.yaml and ROS' camera_info the left and the right one")
+      ->add_option("FILE", options->files,
+                   "A rig file in any format; for EuRoC's sensor.yaml and ROS' camera_info the left and the "
+                   "right file")
       ->required()
       ->expected(1, 2);
   command->add_option("--to", options->format, "Format to write")
@@ -74,11 +74,14 @@ void addCalibrateConvert(CLI::App& calibrate) {
   command->add_option("--output", options->output, "File to write; a folder for ros and euroc")
       ->required()
       ->type_name("PATH");
-  command->add_option("--size", options->image_size, "Of the images, px: KITTI's calib.txt does not say")
+  command
+      ->add_option("--size", options->image_size,
+                   "Size of the images, px; needed for KITTI's calib.txt, which does not contain it")
       ->type_name("WIDTHxHEIGHT");
   command->footer(
-      "What FILE is, its contents tell. No other format says where the cameras sit on the cart, see\n"
-      "'cartvo calibrate mount', nor how well the scale is known.\n"
+      "The format of FILE is detected from its contents. Other formats contain neither the cameras' mounting "
+      "on\n"
+      "the cart (see 'cartvo calibrate mount') nor the scale's uncertainty.\n"
       "Examples:\n"
       "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
       "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"

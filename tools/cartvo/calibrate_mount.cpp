@@ -1,4 +1,4 @@
-// `cartvo calibrate mount`: how the cameras sit on the cart, from a drive.
+// `cartvo calibrate mount`: estimates the cameras' mounting on the cart from a drive.
 #include "tools/cartvo/calibrate_mount.hpp"
 
 #include <cstdio>
@@ -20,9 +20,9 @@ namespace cartvo {
 namespace {
 
 namespace fs = std::filesystem;
-using calibrate::Measured;
+using calibrate::Estimate;
 using calibrate::Mount;
-using calibrate::MountEvidence;
+using calibrate::MountMeasurements;
 
 struct Options {
   fs::path source, rig, output;
@@ -32,14 +32,14 @@ struct Options {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-std::string line(const char* name, const Measured& measured, double unit, const char* rest) {
+std::string line(const char* name, const Estimate& estimate, double unit, const char* rest) {
   char text[160];
-  std::snprintf(text, sizeof text, "%-8s %8.3f +- %.3f %s\n", name, unit * measured.value,
-                unit * measured.deviation, rest);
+  std::snprintf(text, sizeof text, "%-8s %8.3f +- %.3f %s\n", name, unit * estimate.value,
+                unit * estimate.stddev, rest);
   return text;
 }
 
-std::string textOf(const Mount& mount, const MountEvidence& evidence) {
+std::string textOf(const Mount& mount, const MountMeasurements& measurements) {
   std::string text =
       line("height", mount.height, 1.0, "m above the ground (left camera)") +
       line("pitch", mount.pitch, kDegrees, mount.pitch.value < 0.0 ? "deg, looks up" : "deg, looks down") +
@@ -49,26 +49,26 @@ std::string textOf(const Mount& mount, const MountEvidence& evidence) {
     text += line("yaw", *mount.yaw, kDegrees,
                  mount.yaw->value < 0.0 ? "deg, looks to the right" : "deg, looks to the left");
   } else {
-    text += "yaw      not measured: the cart did not drive faster than 1 m/s; kept as it was\n";
+    text += "yaw      not measured: the cart did not drive faster than 1 m/s; unchanged\n";
   }
   if (mount.ahead_of_axle)
-    text += line("ahead", *mount.ahead_of_axle, 1.0, "m, of the rear axle, as bends tell (not written)");
-  return text + "from " + std::to_string(mount.sightings) + " looks at the ground and " +
-         std::to_string(mount.motions) + " motions in " + std::to_string(evidence.pairs) + " pairs\n";
+    text += line("ahead", *mount.ahead_of_axle, 1.0, "m, of the rear axle, measured in curves (not written)");
+  return text + "from " + std::to_string(mount.ground_observations) + " observations of the ground and " +
+         std::to_string(mount.motions) + " motions in " + std::to_string(measurements.pairs) + " pairs\n";
 }
 
-nlohmann::ordered_json jsonOf(const Mount& mount, const MountEvidence& evidence) {
-  const auto both = [](const Measured& measured, double unit) {
-    return nlohmann::ordered_json{{"value", unit * measured.value}, {"deviation", unit * measured.deviation}};
+nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measurements) {
+  const auto both = [](const Estimate& estimate, double unit) {
+    return nlohmann::ordered_json{{"value", unit * estimate.value}, {"deviation", unit * estimate.stddev}};
   };
   nlohmann::ordered_json json{{"height_m", both(mount.height, 1.0)},
                               {"pitch_deg", both(mount.pitch, kDegrees)},
                               {"roll_deg", both(mount.roll, kDegrees)},
                               {"yaw_deg", nullptr},
                               {"ahead_of_axle_m", nullptr},
-                              {"sightings", mount.sightings},
+                              {"sightings", mount.ground_observations},
                               {"motions", mount.motions},
-                              {"pairs", evidence.pairs}};
+                              {"pairs", measurements.pairs}};
   if (mount.yaw) json["yaw_deg"] = both(*mount.yaw, kDegrees);
   if (mount.ahead_of_axle) json["ahead_of_axle_m"] = both(*mount.ahead_of_axle, 1.0);
   return json;
@@ -78,16 +78,17 @@ void run(const Options& options, bool gives_forward, bool gives_left) {
   Rig rig = findRig(openSource(options.source), options.source, options.rig).rig;
   if (gives_forward) rig.T_body_camera.translation().x() = options.forward;
   if (gives_left) rig.T_body_camera.translation().y() = options.left;
-  MountEvidence evidence;
+  MountMeasurements measurements;
   {
     ProgressBar progress("pairs");
-    evidence = calibrate::gatherMountEvidence(
+    measurements = calibrate::collectMountMeasurements(
         options.source, rig, [&](std::size_t done, std::size_t expected) { progress.show(done, expected); });
   }
-  const Mount mount = calibrate::measureMount(evidence.sightings, evidence.motions, rig.T_body_camera);
+  const Mount mount = calibrate::measureMount(measurements.ground, measurements.motions, rig.T_body_camera);
   rig.T_body_camera = mount.T_body_camera;
   writeRig(options.output, rig);
-  const std::string report = options.json ? jsonOf(mount, evidence).dump(2) + "\n" : textOf(mount, evidence);
+  const std::string report =
+      options.json ? jsonOf(mount, measurements).dump(2) + "\n" : textOf(mount, measurements);
   std::fputs(report.c_str(), stdout);
   if (!options.json) std::printf("written to %s\n", options.output.c_str());
 }
@@ -102,24 +103,25 @@ void addCalibrateMount(CLI::App& calibrate) {
       ->add_option("SOURCE", options->source,
                    "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
       ->required();
-  command->add_option("--output", options->output, "Rig file to write; may be the one that was read")
+  command->add_option("--output", options->output, "Rig file to write; may be the input file")
       ->required()
       ->type_name("FILE");
-  command->add_option("--rig", options->rig, "Rig file (default: the source's own)")->type_name("FILE");
+  command->add_option("--rig", options->rig, "Rig file (default: the source's)")->type_name("FILE");
   CLI::Option* forward =
       command
           ->add_option("--forward", options->forward,
-                       "How far ahead of the rear axle the left camera is, m (default: the rig file's)")
+                       "Distance of the left camera ahead of the rear axle, m (default: from the rig file)")
           ->check(CLI::Range(-10.0, 10.0));
-  CLI::Option* left = command
-                          ->add_option("--left", options->left,
-                                       "How far left of the cart's middle it is, m (default: the rig file's)")
-                          ->check(CLI::Range(-10.0, 10.0));
+  CLI::Option* left =
+      command
+          ->add_option(
+              "--left", options->left,
+              "Distance of the left camera left of the cart's middle, m (default: from the rig file)")
+          ->check(CLI::Range(-10.0, 10.0));
   command->add_flag("--json", options->json, "Report as JSON");
   command->footer(
-      "Drive straight on level ground for some twenty seconds, faster than walking; with cameras that are "
-      "not\n"
-      "synchronised stand for a few seconds first.\n"
+      "Drive straight on level ground for about twenty seconds, faster than walking. If the cameras are not\n"
+      "synchronised, begin with a standstill of a few seconds.\n"
       "Example:\n"
       "  cartvo calibrate mount recordings/first --output rig.yaml --forward 1.55 --left 0.06");
   command->callback([options, forward, left] { run(*options, forward->count() > 0, left->count() > 0); });

@@ -1,4 +1,4 @@
-// `cartvo calibrate plan`: what a baseline, a lens and a resolution will measure, before anything is bought.
+// `cartvo calibrate plan`: predicts depth error and overlap for given baselines, lenses and resolutions.
 #include "tools/cartvo/calibrate_plan.hpp"
 
 #include <cstdio>
@@ -27,10 +27,10 @@ struct Options {
   std::vector<double> views_deg, focal_lengths_mm, focal_lengths_px;
   double sensor_width_mm = 0.0;
   double relative_error_percent = 5.0;
-  calibrate::PlanQuestions questions{OdometrySettings{}.motion.disparity_noise,
-                                     static_cast<double>(OdometrySettings{}.stereo.maximum_disparity),
-                                     0.0,
-                                     {5.0, 10.0, 20.0, 40.0}};
+  calibrate::PlanSettings questions{OdometrySettings{}.motion.disparity_noise,
+                                    static_cast<double>(OdometrySettings{}.stereo.maximum_disparity),
+                                    0.0,
+                                    {5.0, 10.0, 20.0, 40.0}};
   std::string format = "text";
   std::filesystem::path output, plot;
 };
@@ -41,7 +41,7 @@ StereoDesign designOf(const std::filesystem::path& rig_file) {
   return {rectified.baseline, rectified.focal_length, static_cast<double>(rectified.size.width)};
 }
 
-/// Each way a focal length is given, for an image of this width, px.
+/// All given focal lengths for an image of this width, px.
 std::vector<double> focalLengths(const Options& options, double width) {
   std::vector<double> all = options.focal_lengths_px;
   for (const double view : options.views_deg)
@@ -103,32 +103,32 @@ void addDesignOptions(CLI::App& command, Options& options) {
       ->check(CLI::Range(1.0, 1e5));
   CLI::Option* sensor = command
                             .add_option("--sensor-width", options.sensor_width_mm,
-                                        "Width of the part of the sensor that the image shows, mm")
+                                        "Width of the sensor area that the image covers, mm")
                             ->check(CLI::Range(0.1, 100.0));
   command.add_option("--focal-mm", options.focal_lengths_mm, "Focal lengths of lenses, mm")
       ->delimiter(',')
       ->check(CLI::Range(0.1, 1000.0))
       ->needs(sensor);
-  command.add_option("--rig", options.rigs, "Rig files, as they are rectified, to compare with")
-      ->type_name("FILE");
+  command.add_option("--rig", options.rigs, "Rig files to compare with, as rectified")->type_name("FILE");
 }
 
 void addQuestionOptions(CLI::App& command, Options& options) {
   command
       .add_option("--disparity-noise", options.questions.disparity_noise,
-                  "Standard deviation of a disparity, px (default: what cartvod assumes)")
+                  "Standard deviation of a disparity, px (default: cartvod's)")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
   command
       .add_option("--largest-disparity", options.questions.largest_disparity,
-                  "What is nearer is not matched, px (default: cartvod's)")
+                  "Largest disparity that is matched, px (default: cartvod's)")
       ->check(CLI::Range(1.0, 8192.0))
       ->capture_default_str();
-  command.add_option("--ranges", options.questions.ranges, "Where to tell the error and the overlap, m")
+  command.add_option("--ranges", options.questions.ranges, "Ranges at which to report error and overlap, m")
       ->delimiter(',')
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  command.add_option("--good", options.relative_error_percent, "Error up to which a depth is good, % of it")
+  command
+      .add_option("--good", options.relative_error_percent, "Largest error of a good depth, % of the depth")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
 }
@@ -145,14 +145,14 @@ void addReportOptions(CLI::App& command, Options& options) {
 }  // namespace
 
 void addCalibratePlan(CLI::App& calibrate) {
-  CLI::App* command =
-      calibrate.add_subcommand("plan", "Depth error and overlap against baseline, lens and resolution");
+  CLI::App* command = calibrate.add_subcommand(
+      "plan", "Compare depth error and overlap for baselines, lenses and resolutions");
   const auto options = std::make_shared<Options>();
   addDesignOptions(*command, *options);
   addQuestionOptions(*command, *options);
   addReportOptions(*command, *options);
   command->footer(
-      "A row for each combination of the lists. Examples:\n"
+      "The table has a row for each combination of the lists. Examples:\n"
       "  cartvo calibrate plan --baseline 0.115,0.3,0.5 --hfov 70.6\n"
       "  cartvo calibrate plan --focal-mm 2.8,4,6 --sensor-width 5.4 --width 680,1280 --plot plan.svg");
   command->callback([options] { run(*options); });

@@ -1,4 +1,4 @@
-// `cartvo calibrate SOURCE`: both cameras and how they stand to each other, from views of a board.
+// `cartvo calibrate SOURCE`: calibrates both cameras and their relative pose from views of a board.
 #include "tools/cartvo/calibrate_rig.hpp"
 
 #include <csignal>
@@ -45,7 +45,7 @@ struct Options {
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-/// The first Ctrl-C ends the taking of views, the second one the program.
+/// The first Ctrl-C ends the collection of views, the second one the program.
 void stopOnFirstInterrupt() {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = 1; };
@@ -71,36 +71,38 @@ ImagePairs findPairs(const Options& options) {
   return pairsByPattern(options.source / options.left, options.source / options.right);
 }
 
-/// The rig that will be replaced; said before the work, not after it, if the output is no rig file.
+/// The rig file that the output will replace, if any. Throws if the output exists but is no rig file, before
+/// any work is done.
 std::optional<Rig> rigBefore(const std::filesystem::path& output) {
   if (!std::filesystem::exists(output)) return std::nullopt;
   try {
     return readRig(output);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string("the output would replace what is no rig file: ") + error.what());
+    throw std::runtime_error(std::string("--output exists and is not a rig file, so it is not replaced: ") +
+                             error.what());
   }
 }
 
-/// The calibrated rig, with the name and the place on the cart of the one that it replaces.
+/// The calibrated rig, with the name and the mounting of the rig file that it replaces.
 Rig rigToWrite(const Calibration& calibration, const std::optional<Rig>& before, const Options& options) {
   Rig rig = calibration.rig();
   rig.name = before ? before->name : options.output.stem().string();
   rig.T_body_camera = before ? before->T_body_camera : forwardLookingMount();
   rig.rectification.free_scaling = options.free_scaling;
-  rig.scale_deviation = scaleDeviation(calibration);
+  rig.scale_stddev = scaleStddev(calibration);
   return rig;
 }
 
-/// Whether the views are to be taken from streams; else they are images.
-bool isStreams(const Options& options) {
+/// True if the views come from streams, false if they come from images.
+bool usesStreams(const Options& options) {
   return options.left.empty() && (options.source == "live" || isRecording(options.source));
 }
 
-/// The views, and where their images are.
+/// The views and their images.
 struct FoundViews {
   BoardViews views;
-  ImagePairs pairs;                    ///< on disk
-  std::vector<DetectedView> streamed;  ///< taken from streams
+  ImagePairs pairs;                    ///< image files
+  std::vector<DetectedView> streamed;  ///< views from streams
 };
 
 FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
@@ -115,7 +117,7 @@ FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
 FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
                           StreamViewSettings settings, LivePage* page) {
   stopOnFirstInterrupt();
-  settings.is_asked_to_stop = [] { return stop_requested != 0; };
+  settings.is_stop_requested = [] { return stop_requested != 0; };
   ViewGuide guide;
   StreamedViews streamed =
       viewsFromStreams(left, right, board, settings, [&](const StreamProgress& progress) {
@@ -125,8 +127,10 @@ FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSp
   guide.end();
   if (page != nullptr) page->showSolving();
   if (streamed.views.empty()) {
-    throw std::runtime_error("the board was never seen by both cameras and held still for a second; is it " +
-                             boardSpecText(board) + "?");
+    throw std::runtime_error(
+        "no view of the board: both cameras must see it, held still for a second; check "
+        "that --board " +
+        boardSpecText(board) + " is the board shown");
   }
   FoundViews found;
   found.views = selectViews(streamed.views, board, streamed.image_size);
@@ -136,26 +140,26 @@ FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSp
 
 FoundViews viewsOfLiveCameras(const Options& options, const BoardSpec& board, LivePage* page) {
   const Configuration configuration = readConfiguration(options.configuration);
-  PairClock clock(configuration.clock);
+  StereoTimestamper clock(configuration.clock);
   LiveCamera left(configuration, CameraSide::left, {}, clock);
   LiveCamera right(configuration, CameraSide::right, {}, clock);
   NewestFrame newest_left(left.source()), newest_right(right.source());
   std::fprintf(
       stderr,
-      "cartvo: show the board to both cameras, and hold it still for a second at a time; Ctrl-C ends "
-      "this and calibrates with the views taken\n");
-  return viewsOfStreams(newest_left, newest_right, board, {.most_seconds = 900.0, .stop_when_enough = true},
+      "cartvo: show the board to both cameras, and hold it still for a second at a time; Ctrl-C ends the "
+      "collection and calibrates with the views so far\n");
+  return viewsOfStreams(newest_left, newest_right, board, {.max_seconds = 900.0, .stop_when_complete = true},
                         page);
 }
 
 FoundViews viewsOf(const Options& options, const BoardSpec& board, LivePage* page) {
-  if (!isStreams(options)) return viewsOfPairs(options, board);
+  if (!usesStreams(options)) return viewsOfPairs(options, board);
   if (options.source == "live") return viewsOfLiveCameras(options, board, page);
   RecordingSource left(options.source, CameraSide::left), right(options.source, CameraSide::right);
-  return viewsOfStreams(left, right, board, {.most_seconds = 3600.0, .stop_when_enough = false}, page);
+  return viewsOfStreams(left, right, board, {.max_seconds = 3600.0, .stop_when_complete = false}, page);
 }
 
-/// The first view that is used and whose images are at hand.
+/// The first used view whose images are available.
 ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
   for (const BoardView& used : calibration.views) {
     for (const ImagePair& pair : found.pairs.pairs) {
@@ -169,7 +173,8 @@ ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
   return {};
 }
 
-/// Calibrates, reports, and writes the rig file if the calibration passes. `summary` is what a person reads.
+/// Calibrates, reports, and writes the rig file if the calibration passes. `summary`: receives the text
+/// report.
 void calibrate(const Options& options, const BoardSpec& board, LivePage* page, std::string& summary) {
   const std::optional<Rig> before = rigBefore(options.output);
   const FoundViews found = viewsOf(options, board, page);
@@ -188,7 +193,7 @@ void calibrate(const Options& options, const BoardSpec& board, LivePage* page, s
   std::fputs((options.json ? json : summary).c_str(), stdout);
   if (!calibration.passed()) {
     throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
-                             " is left as it was");
+                             " is not changed");
   }
   writeRig(options.output, rigToWrite(calibration, before, options));
   std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
@@ -198,7 +203,7 @@ std::unique_ptr<LivePage> servePage(const PageAddress& address, const BoardSpec&
   auto page = std::make_unique<LivePage>(address, board);
   std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
   if (!address.isLoopback())
-    std::fprintf(stderr, "cartvo: whoever reaches this address sees the cameras' pictures there\n");
+    std::fprintf(stderr, "cartvo: anyone who can reach this address can see the cameras' pictures\n");
   return page;
 }
 
@@ -221,31 +226,32 @@ void addCalibrateRig(CLI::App& calibrate) {
   const auto options = std::make_shared<Options>();
   calibrate.add_option("SOURCE", options->source,
                        "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
-                       "'live': the configured cameras; with --left and --right the folder that "
-                       "they lie in");
+                       "'live': the configured cameras; with --left and --right the folder of the images");
   CLI::Option* const left =
       calibrate
           .add_option("--left", options->left, "The left images: a pattern with one '*', such as 'L*.jpg'")
           ->type_name("PATTERN");
   CLI::Option* const right =
-      calibrate.add_option("--right", options->right, "The right images; '*' pairs them with the left ones")
+      calibrate
+          .add_option("--right", options->right,
+                      "The right images; the text matched by '*' pairs them with the left ones")
           ->type_name("PATTERN");
   left->needs(right);
   right->needs(left);
   calibrate
       .add_option("--board", options->board,
-                  "What is held before the cameras, with the measured side of a square in metres:\n"
+                  "The board, with the measured side of a square in metres:\n"
                   "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
                   "aprilgrid:6x6:0.088:0.3")
       ->type_name("BOARD");
   calibrate
       .add_option("--config", options->configuration,
-                  "With 'live': cartvod's configuration, which names the cameras")
+                  "With 'live': cartvod's configuration file, which names the cameras")
       ->type_name("FILE")
       ->capture_default_str();
-  calibrate.add_option("--output", options->output, "The rig file to write, if the calibration passes")
+  calibrate.add_option("--output", options->output, "Rig file to write if the calibration passes")
       ->type_name("FILE");
-  calibrate.add_option("--report", options->report, "Folder for the report; made if it is missing")
+  calibrate.add_option("--report", options->report, "Folder for the report; created if it is missing")
       ->type_name("DIR");
   std::vector<std::string> models;
   for (const auto& [name, model] : modelChoices())
@@ -253,14 +259,14 @@ void addCalibrateRig(CLI::App& calibrate) {
   calibrate
       .add_option(
           "--model", options->model,
-          "Lens model: 'auto' takes the one that foretells held-out views best, 'brown' one of Brown's")
+          "Lens model: 'auto' selects the one that predicts held-out views best, 'brown' the best of Brown's")
       ->check(CLI::IsMember(models))
       ->type_name("MODEL")
       ->capture_default_str();
   calibrate
       .add_option(
           "--free-scaling", options->free_scaling,
-          "How much of the images rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
+          "Part of the images that rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("SHARE")
       ->capture_default_str();
@@ -269,7 +275,7 @@ void addCalibrateRig(CLI::App& calibrate) {
       calibrate
           .add_option(
               "--page", *page,
-              "With 'live' or a recording: serve a page that shows both pictures and what to show next\n"
+              "With 'live' or a recording: serve a web page with both pictures and the next view to show\n"
               "(default: 127.0.0.1:8600, for browsers on this computer only; 0: any free port)")
           ->type_name("[ADDRESS:]PORT")
           ->expected(0, 1);
@@ -286,8 +292,9 @@ void addCalibrateRig(CLI::App& calibrate) {
       throw CLI::ValidationError("--board", error.what());
     }
     if (page_option->count() > 0) {
-      if (!isStreams(*options))
-        throw CLI::ValidationError("--page", "shows live cameras or a recording; of images, see --report");
+      if (!usesStreams(*options))
+        throw CLI::ValidationError("--page",
+                                   "works with live cameras or a recording only; for images use --report");
       try {
         options->page = page->empty() ? PageAddress{} : PageAddress::parse(*page);
       } catch (const std::invalid_argument& error) {

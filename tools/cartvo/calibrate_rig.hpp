@@ -4,7 +4,7 @@
 
 namespace cartvo {
 
-/// Adds what `cartvo calibrate SOURCE` takes, and what it does if none of its subcommands is given.
+/// Adds the arguments and the callback of `cartvo calibrate SOURCE`, which runs if no subcommand is given.
 void addCalibrateRig(CLI::App& calibrate);
 
 }  // namespace cartvo

@@ -4,8 +4,8 @@
 
 namespace cartvo {
 
-// Each adds one subcommand to `cartvo`; its callback does the work and throws what goes wrong.
-// A command that must end with another exit code than 0 or 1 throws CLI::RuntimeError.
+// Each function adds one subcommand to `cartvo`. Its callback runs the command and throws on failure; a
+// command with a special exit code throws CLI::RuntimeError.
 void addSimulateCommand(CLI::App& cartvo);
 void addReplayCommand(CLI::App& cartvo);
 void addRecordingCommand(CLI::App& cartvo);

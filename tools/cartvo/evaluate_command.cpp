@@ -1,4 +1,4 @@
-// `cartvo evaluate`: how far an estimated trajectory is from the true one.
+// `cartvo evaluate`: compares an estimated trajectory with the truth.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -63,20 +63,20 @@ void addEvaluateCommand(CLI::App& cartvo) {
   command->add_option("ESTIMATE", options->estimate, "The trajectory, TUM or KITTI text")->required();
   command
       ->add_option("TRUTH", options->truth,
-                   "The truth, TUM or KITTI text, of the same frame (camera or body)")
+                   "The true trajectory, TUM or KITTI text, of the same frame (camera or body)")
       ->required();
   CLI::Option* json = command
                           ->add_option("--json", options->json,
-                                       "Write the results as JSON, to FILE or, with '-' or nothing, to "
-                                       "the terminal instead of the table")
+                                       "Write the results as JSON to FILE; with '-' or no FILE to standard "
+                                       "output instead of the table")
                           ->type_name("FILE")
                           ->expected(0, 1);
   command->add_option("--plot", options->plot, "Draw both paths and the error into this PNG")
       ->type_name("FILE");
   command->footer(
-      "Two TUM files are compared by time: the truth is interpolated at the estimate's instants. With a "
-      "KITTI file,\n"
-      "which has no instants, row by row; both must have as many rows.\n"
+      "Two TUM files are compared by time: the truth is interpolated at the estimate's times. A KITTI file "
+      "has no\n"
+      "times: it is compared row by row, and both files must have the same number of rows.\n"
       "Examples:\n"
       "  cartvo evaluate out/poses.txt kitti_06/poses.txt --plot out/path.png\n"
       "  cartvo evaluate out/trajectory.tum truth.tum --json out/errors.json");

@@ -1,12 +1,13 @@
+// `cartvo`: the command line tools around the daemon, one subcommand each.
+// Exit codes: 0 success, 1 failure, 2 wrong command line.
+
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 
 #include "tools/cartvo/commands.hpp"
 
-// `cartvo`: everything people do around the daemon, one subcommand each.
-// Exit codes: 0 success, 1 the work failed, 2 the command line is wrong.
-// NOLINTNEXTLINE(bugprone-exception-escape): out of memory before anything runs may as well end the program
+// NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
   CLI::App cartvo{"cartvo: motion from two ordinary IP cameras"};
   cartvo.set_version_flag("--version", "cartvo " CARTVO_VERSION);

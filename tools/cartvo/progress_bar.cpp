@@ -1,3 +1,5 @@
+// Prints a progress line on standard error.
+
 #include "tools/cartvo/progress_bar.hpp"
 
 #include <algorithm>
@@ -19,8 +21,8 @@ std::string progressLine(std::size_t done, std::size_t expected, const std::stri
     return line;
   }
   const std::size_t filled = std::min(kWidth, kWidth * done / expected);
-  const std::size_t left_to_do = expected - std::min(done, expected);
-  const long left = rate > 0.0 ? std::lround(static_cast<double>(left_to_do) / rate) : 0;
+  const std::size_t remaining = expected - std::min(done, expected);
+  const long left = rate > 0.0 ? std::lround(static_cast<double>(remaining) / rate) : 0;
   std::snprintf(line, sizeof line, "[%s%s] %zu/%zu %s, %.1f/s, %ld:%02ld left",
                 std::string(filled, '#').c_str(), std::string(kWidth - filled, '.').c_str(), done, expected,
                 unit.c_str(), rate, left / 60, left % 60);

@@ -6,17 +6,17 @@
 
 namespace cartvo {
 
-/// A line on the error output that shows how far a long work is, its rate and the time left. On a terminal it
-/// renews itself and is erased at the end; elsewhere a line comes each ten seconds.
+/// Progress line on standard error with count, rate and remaining time. On a terminal it is redrawn in place
+/// and erased at the end; otherwise a line is printed every ten seconds.
 class ProgressBar {
  public:
-  /// `unit`: what is counted, in the plural.
+  /// `unit`: name of the counted things, plural.
   explicit ProgressBar(std::string unit);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `expected`: how many there will be; 0 if that is not known. Call it as often as you like.
+  /// `expected`: total number; 0 if unknown. Limits its output rate itself.
   void show(std::size_t done, std::size_t expected);
 
  private:

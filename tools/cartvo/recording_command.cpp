@@ -1,4 +1,4 @@
-// `cartvo recording`: what a recording holds, whether it is whole, and a part of it.
+// `cartvo recording`: shows, verifies and trims recordings.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -38,7 +38,7 @@ void verify(const Options& options) {
   const std::string text =
       options.json ? verificationJson(verification).dump(2) + "\n" : verificationText(verification);
   std::fputs(text.c_str(), stdout);
-  if (!verification.whole()) throw CLI::RuntimeError(EXIT_FAILURE);
+  if (!verification.isWhole()) throw CLI::RuntimeError(EXIT_FAILURE);
 }
 
 void trim(const Options& options) {
@@ -59,33 +59,34 @@ CLI::App* addAction(CLI::App& command, const std::string& name, const std::strin
 }  // namespace
 
 void addRecordingCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("recording", "What a recording holds, whether it is whole, and a part of it");
+  CLI::App* command = cartvo.add_subcommand("recording", "Show, verify or trim a recording");
   command->require_subcommand(1);
   const auto options = std::make_shared<Options>();
   CLI::App* info =
-      addAction(*command, "info", "What the recording holds, by its index; quick", options, inform);
-  info->add_flag("--json", options->json, "As JSON");
+      addAction(*command, "info", "Show the contents of a recording from its index (fast)", options, inform);
+  info->add_flag("--json", options->json, "Print JSON");
 
   CLI::App* check =
-      addAction(*command, "verify", "Read and decode all of it, and say what is damaged", options, verify);
-  check->add_flag("--json", options->json, "As JSON");
+      addAction(*command, "verify", "Read and decode all pictures and report damage", options, verify);
+  check->add_flag("--json", options->json, "Print JSON");
   check->footer(
-      "The exit code is 0 if all files are as they were recorded, 1 if not. Pictures that the camera's "
-      "packets\n"
-      "got lost of are damaged, too, but as they were recorded.");
+      "The exit code is 0 if all files are as they were recorded, else 1. Pictures with lost packets count "
+      "as\n"
+      "damaged, but do not change the exit code, because they were recorded so.");
 
-  CLI::App* part = addAction(*command, "trim", "Copy a part into a recording of its own", options, trim);
-  part->add_option("--from", options->part.from, "Where it begins, s since the first picture")
+  CLI::App* part =
+      addAction(*command, "trim", "Copy a part of a recording to a new recording", options, trim);
+  part->add_option("--from", options->part.from, "Start of the part, s since the first picture")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
-  part->add_option("--to", options->part.to, "Where it ends, s since the first picture")
+  part->add_option("--to", options->part.to, "End of the part, s since the first picture")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
-  part->add_option("--output", options->output, "Folder for the new recording; made if it is missing")
+  part->add_option("--output", options->output, "Folder for the new recording; created if missing")
       ->required()
       ->type_name("DIR");
-  part->footer("Each camera begins with its last key picture at or before --from. Nothing is encoded anew.");
+  part->footer(
+      "Each camera starts with its last key picture at or before --from. Pictures are not encoded again.");
 
   command->footer(
       "Examples:\n"

@@ -1,4 +1,4 @@
-// `cartvo replay`: what the daemon would have made of recorded images, written as text.
+// `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -40,8 +40,8 @@ struct Options {
   bool publish = false;
 };
 
-/// The truth and the estimate where the truth is known, both of the body.
-AssociatedTrajectories withTruth(const Replay& replay, const Truth& truth) {
+/// Associates the estimate with the truth where that is known, both for the body.
+AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& truth) {
   const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
   AssociatedTrajectories associated;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -59,7 +59,7 @@ AssociatedTrajectories withTruth(const Replay& replay, const Truth& truth) {
 
 Replay replayBySource(const Options& options, const ReplayObserver& observer) {
   if (options.replay.right_video.empty()) return replaySource(options.replay, observer);
-  ProgressBar progress("pictures looked at for the offset");
+  ProgressBar progress("pictures searched for the offset");
   return replayVideos(
       options.replay, [&](std::size_t pictures, std::size_t expected) { progress.show(pictures, expected); },
       observer);
@@ -82,8 +82,7 @@ Replay replayWithProgress(const Options& options) {
 
 void run(const Options& options) {
   const OutputFolder output(options.output);
-  if (!options.truth.empty())
-    readTrajectory(options.truth);  // a bad file is said before the work, not after it
+  if (!options.truth.empty()) readTrajectory(options.truth);  // reports a bad file before the replay
   cv::setNumThreads(options.threads);
   const Replay replay = replayWithProgress(options);
   std::optional<Truth> truth;
@@ -93,7 +92,7 @@ void run(const Options& options) {
   summary["threads"] = options.threads;
   if (truth) {
     summary["truth"] = options.truth.string();
-    summary["evaluation"] = evaluationJson(evaluate(withTruth(replay, *truth)));
+    summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
   }
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
   writeTum(output / "trajectory.tum", bodyTrajectory(replay));
@@ -110,10 +109,10 @@ void run(const Options& options) {
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
               summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
   if (replay.timing) {
-    std::printf("%+.2f ms on the right video's times make them the left one's (+- %.2f ms, by %s)\n",
-                1e3 * replay.timing->offset, 1e3 * replay.timing->deviation, replay.timing->found_by.c_str());
+    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)\n",
+                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str());
   }
-  if (truth) std::fputs(evaluationTable(evaluate(withTruth(replay, *truth))).c_str(), stdout);
+  if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
 }
 
 }  // namespace
@@ -130,45 +129,47 @@ void addReplayCommand(CLI::App& cartvo) {
   CLI::Option* right =
       command->add_option("RIGHT", options->replay.right_video, "The right camera's video, if SOURCE is one");
   command
-      ->add_option("--offset-ms", options->offset_ms,
-                   "Added to the right video's times to have the left one's; without it the pictures tell it")
+      ->add_option(
+          "--offset-ms", options->offset_ms,
+          "Offset added to the right video's times; without it the offset is estimated from the images")
       ->needs(right)
       ->type_name("MS");
-  command->add_option("--output-dir", options->output, "Folder for the results; made if it is missing")
+  command->add_option("--output-dir", options->output, "Folder for the results; created if it is missing")
       ->required()
       ->type_name("DIR");
   command->add_option("--rig", options->replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
       ->type_name("FILE");
-  command->add_option("--estimator", options->estimator, "How the motion is estimated")
+  command->add_option("--estimator", options->estimator, "Motion estimator")
       ->check(CLI::IsMember(estimatorNames()))
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--features", options->replay.odometry.features, "Features aimed at in each left image")
+  command
+      ->add_option("--features", options->replay.odometry.features,
+                   "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
   command
       ->add_option("--online-rig-refinement", options->rig_refinement,
-                   "What is done about a right camera that is turned against the rig file")
+                   "Estimation and correction of the right camera's rotation relative to the rig file")
       ->check(CLI::IsMember(rigRefinementNames()))
       ->type_name("NAME")
       ->capture_default_str();
   command
-      ->add_option(
-          "--offset-uncertainty", options->offset_uncertainty_ms,
-          "Standard deviation of how far apart a folder's exposures are, ms; a recording knows its own")
+      ->add_option("--offset-uncertainty", options->offset_uncertainty_ms,
+                   "Standard deviation of the time offset in an image folder, ms; not used for recordings")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MS")
       ->capture_default_str();
   command
       ->add_option("--clock", options->clock,
-                   "Where a recording's instants come from: the clock model as its configuration has it, by "
-                   "another choice, or as they were stamped live")
+                   "Timestamps of a recording: recomputed with the clock of its configuration, with another "
+                   "clock, or as recorded live")
       ->check(CLI::IsMember(replayClockNames()))
       ->type_name("NAME")
       ->capture_default_str();
   command
       ->add_option("--threads", options->threads,
-                   "Threads for the image operations; the results do not depend on it")
+                   "Threads for image operations; the results do not depend on it")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command
@@ -181,8 +182,7 @@ void addReplayCommand(CLI::App& cartvo) {
       "in the\n"
       "folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), Motionestimation.csv, "
       "timing.csv and\n"
-      "summary.json; see cartvo-replay(1) for what is in them. The same source gives the same poses.txt, to "
-      "the byte.\n"
+      "summary.json, described in cartvo-replay(1). The same source gives a byte for byte equal poses.txt.\n"
       "Examples:\n"
       "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
       "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out\n"
@@ -192,7 +192,7 @@ void addReplayCommand(CLI::App& cartvo) {
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
     options->replay.clock = replayClockNamed(options->clock);
-    options->replay.folder_offset_deviation = 1e-3 * options->offset_uncertainty_ms;
+    options->replay.folder_offset_stddev = 1e-3 * options->offset_uncertainty_ms;
     run(*options);
   });
 }

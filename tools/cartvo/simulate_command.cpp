@@ -1,5 +1,4 @@
-// `cartvo simulate`: two RTSP cameras that see a rendered drive or a recorded sequence, and the truth beside
-// them.
+// `cartvo simulate`: two RTSP cameras that show a rendered drive or a recorded sequence with ground truth.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -48,13 +47,13 @@ std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
   settings.scenario = world::scenarioFromName(options.world);
   if (options.seconds > 0.0) settings.seconds = options.seconds;
   settings.image_size = parseSize(options.size);
-  settings.focal_length *= settings.image_size.width / 680.0;  // the same field of view at any size
+  settings.focal_length *= settings.image_size.width / 680.0;  // same field of view at any size
   settings.offset_s = options.offset_ms * 1e-3;
   settings.offset_drift_ppm = options.offset_drift_ppm;
   return std::make_unique<world::RenderedWorld>(settings);
 }
 
-void sayLine(const std::string& line) {
+void printLine(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
 }
@@ -63,12 +62,12 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
   const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
   const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
   if (!options.no_cache) {
-    if (auto kept = cache.load(key)) {
-      sayLine("streams: from " + cache.fileFor(key).string());
-      return std::make_shared<const EncodedPair>(*std::move(kept));
+    if (auto cached = cache.load(key)) {
+      printLine("streams: cached in " + cache.fileFor(key).string());
+      return std::make_shared<const EncodedPair>(*std::move(cached));
     }
   }
-  sayLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
+  printLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
   ProgressBar bar("pairs");
   auto streams = std::make_shared<const EncodedPair>(
       encodeContent(content, options.encoder, [&bar](int done, int total) {
@@ -94,7 +93,7 @@ void writeCameras(const SimulateOptions& options, const Content& content,
       {"bitrate_kbps", options.encoder.bitrate_kbps},
       {"content",
        options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};
-  // The instant of content time 0, to which times_0.txt and times_1.txt are relative.
+  // times_0.txt and times_1.txt are relative to this system time.
   if (simulation.epoch()) {
     cameras["epoch_ns"] = *simulation.epoch();
   } else {
@@ -121,20 +120,20 @@ CameraPairSettings pairSettings(const SimulateOptions& options) {
 
 void serve(const SimulateOptions& options, const Content& content,
            const std::shared_ptr<const EncodedPair>& streams) {
-  constexpr auto kTurn = std::chrono::milliseconds(20);
-  constexpr int kFarewellTurns = 100;  // two seconds in which clients may fetch the last frames
+  constexpr auto kPollInterval = std::chrono::milliseconds(20);
+  constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
   stopOnSignals();
   fs::create_directories(options.output);
-  fs::remove(options.output / "truth.tum");  // an older run's would have another epoch
+  fs::remove(options.output / "truth.tum");  // that of an earlier run has another epoch
   CameraPairSimulation simulation(streams, pairSettings(options));
   writeDescription(options.output, content);
   writeCameras(options, content, simulation);
-  sayLine("ready: " + simulation.left().url() + " " + simulation.right().url());
-  if (options.start_when_watched) sayLine("waiting until both cameras are watched");
+  printLine("ready: " + simulation.left().url() + " " + simulation.right().url());
+  if (options.start_when_watched) printLine("waiting until clients play both cameras");
 
   bool announced = false;
-  int turns_after_end = 0;
-  while (stop_requested == 0 && turns_after_end < kFarewellTurns) {
+  int polls_after_end = 0;
+  while (stop_requested == 0 && polls_after_end < kMaxPollsAfterEnd) {
     simulation.update();
     if (simulation.epoch() && !announced) {
       announced = true;
@@ -143,16 +142,16 @@ void serve(const SimulateOptions& options, const Content& content,
       char line[160];
       std::snprintf(line, sizeof line, "content: %d pairs at %.3f Hz from Unix time %.3f on%s",
                     content.pairCount(), content.frameRate(), static_cast<double>(*simulation.epoch()) * 1e-9,
-                    options.loop ? ", again and again" : "");
-      sayLine(line);
+                    options.loop ? ", repeated" : "");
+      printLine(line);
     }
-    if (simulation.finished()) {
-      ++turns_after_end;
+    if (simulation.isFinished()) {
+      ++polls_after_end;
       if (simulation.left().playingClients() + simulation.right().playingClients() == 0) break;
     }
-    std::this_thread::sleep_for(kTurn);
+    std::this_thread::sleep_for(kPollInterval);
   }
-  sayLine(simulation.finished() ? "end of content" : "stopped");
+  printLine(simulation.isFinished() ? "end of content" : "stopped");
 }
 
 void run(const SimulateOptions& options) {
@@ -172,20 +171,21 @@ void run(const SimulateOptions& options) {
 }  // namespace
 
 void addSimulateCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with the truth beside them");
+  CLI::App* command = cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with ground truth");
   const auto options = std::make_shared<SimulateOptions>();
   addSimulateOptions(*command, *options);
   command->footer(
-      "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101: H.264 without B-frames,\n"
-      "Digest authentication (user admin, password in OUTPUT-DIR/password), RTCP sender reports that carry\n"
-      "the instants of exposure. A line 'ready: URL URL' says when both listen. What was rendered and "
-      "encoded\n"
-      "is cached. Ends with exit code 0 after the content, or on SIGTERM.\n"
+      "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101, with H.264 without "
+      "B-frames,\n"
+      "Digest authentication (user admin, password in OUTPUT-DIR/password) and RTCP sender reports that "
+      "carry\n"
+      "the exposure instants. The line 'ready: URL URL' is printed when both listen. Encoded streams are "
+      "cached.\n"
+      "Exits with code 0 after the content, or on SIGTERM.\n"
       "Examples:\n"
-      "  cartvo simulate                                      a campus drive of a minute\n"
-      "  cartvo simulate --world turns --offset-ms 12         the right camera 12 ms late\n"
-      "  cartvo simulate --sequence ../shared/data/kitti_06   real pictures\n"
+      "  cartvo simulate                                      a campus drive of one minute\n"
+      "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
+      "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
       "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");
   command->callback([options] { run(*options); });
 }

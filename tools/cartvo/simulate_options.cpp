@@ -1,4 +1,4 @@
-// The command line of `cartvo simulate`.
+// Command-line options of `cartvo simulate`.
 #include "tools/cartvo/simulate_options.hpp"
 
 #include <optional>
@@ -10,9 +10,10 @@
 namespace cartvo {
 namespace {
 
-/// A check of an option: what `parse` does not take is a wrong command line.
+/// An option's validator: text for which `parse` throws std::invalid_argument is an error of the command
+/// line.
 template <typename Parse>
-auto takenBy(Parse parse) {
+auto validatorFor(Parse parse) {
   return [parse](const std::string& text) -> std::string {
     try {
       parse(text);
@@ -28,10 +29,10 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
   for (const world::Scenario scenario : world::allScenarios()) {
     worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
   }
-  const auto group = command.add_option_group("Content", "What the cameras see");
+  const auto group = command.add_option_group("Content", "What the cameras show");
   CLI::Option* world = group->add_option("--world", options.world, "A rendered drive: " + worlds)
                            ->type_name("NAME")
-                           ->check(takenBy(world::scenarioFromName));
+                           ->check(validatorFor(world::scenarioFromName));
   CLI::Option* sequence =
       group
           ->add_option("--sequence", options.sequence,
@@ -39,46 +40,51 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
           ->type_name("DIR");
   world->capture_default_str();
   sequence->excludes(world);
-  group->add_option("--seconds", options.seconds, "Length (default: 60 rendered, or the whole sequence)")
+  group
+      ->add_option("--seconds", options.seconds,
+                   "Length in seconds (default: 60 if rendered, or the whole sequence)")
       ->check(CLI::Range(0.05, 36000.0));
-  group->add_option("--seed", options.drive.seed, "Another seed, another world")->capture_default_str();
-  group->add_option("--size", options.size, "Rendered picture, px; the field of view stays")
+  group->add_option("--seed", options.drive.seed, "Seed of the rendered world and its noise")
+      ->capture_default_str();
+  group
+      ->add_option("--size", options.size,
+                   "Size of the rendered images, px; the field of view does not change")
       ->type_name("WIDTHxHEIGHT")
-      ->check(takenBy(parseSize))
+      ->check(validatorFor(parseSize))
       ->capture_default_str();
   CLI::Option* rate =
-      group->add_option("--frame-rate", options.drive.frame_rate, "Of the rendered cameras, Hz")
+      group->add_option("--frame-rate", options.drive.frame_rate, "Frame rate of the rendered cameras, Hz")
           ->check(CLI::Range(1.0, 120.0))
           ->capture_default_str();
   rate->excludes(sequence);
   group
       ->add_option("--offset-ms", options.offset_ms,
-                   "How much later the right camera is exposed. A sequence's pictures stay\n"
-                   "what they are: only their instants move")
+                   "Time offset: right minus left exposure. For a sequence only the timestamps\n"
+                   "change, not the pictures")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
   group
       ->add_option("--offset-drift-ppm", options.offset_drift_ppm,
-                   "The right camera's period is longer by this (free-running crystals)")
+                   "Relative excess of the right camera's frame period (free-running crystals)")
       ->check(CLI::Range(-10000.0, 10000.0))
       ->capture_default_str();
 }
 
 void addCameraOptions(CLI::App& command, SimulateOptions& options) {
-  const auto group = command.add_option_group("Cameras", "How they serve it");
-  group->add_option("--left", options.left, "Where the left camera listens")
+  const auto group = command.add_option_group("Cameras", "How the cameras send it");
+  group->add_option("--left", options.left, "Address of the left camera's RTSP server")
       ->type_name("ADDRESS:PORT")
-      ->check(takenBy(simulate::parseEndpoint))
+      ->check(validatorFor(simulate::parseEndpoint))
       ->capture_default_str();
-  group->add_option("--right", options.right, "Where the right camera listens")
+  group->add_option("--right", options.right, "Address of the right camera's RTSP server")
       ->type_name("ADDRESS:PORT")
-      ->check(takenBy(simulate::parseEndpoint))
+      ->check(validatorFor(simulate::parseEndpoint))
       ->capture_default_str();
   group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
   group
       ->add_option("--password-file", options.password_file,
-                   "Its first line is the password; others must not be able to read it\n"
-                   "(default: a random one in OUTPUT-DIR/password)")
+                   "File with the password in its first line; other users must not be able to\n"
+                   "read it (default: a random password in OUTPUT-DIR/password)")
       ->type_name("FILE");
   group->add_option("--bitrate-kbps", options.encoder.bitrate_kbps, "H.264 constant bit rate of each camera")
       ->check(CLI::Range(50, 200'000))
@@ -88,37 +94,44 @@ void addCameraOptions(CLI::App& command, SimulateOptions& options) {
       ->capture_default_str();
   group
       ->add_option("--lead-in", options.lead_in,
-                   "Seconds for which the first picture stands still (a sequence: blank)")
+                   "Seconds before the content, with its first picture (a sequence: blank)")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  group->add_option("--latency-ms", options.latency_ms, "From a picture's exposure to its sending")
+  group->add_option("--latency-ms", options.latency_ms, "Delay from the exposure of a picture to its sending")
       ->check(CLI::Range(0.0, 10'000.0))
       ->capture_default_str();
   group->add_flag("--start-when-watched", options.start_when_watched,
-                  "The lead-in begins when both cameras are being played, not at once");
-  group->add_flag("--loop", options.loop, "Repeat the content for ever; the truth is that of the first turn");
+                  "Start the lead-in when clients play both cameras, not at once");
+  group->add_flag("--loop", options.loop,
+                  "Repeat the content for ever; the ground truth covers its first run");
 }
 
 void addFileOptions(CLI::App& command, SimulateOptions& options) {
-  const auto group = command.add_option_group("Files", "Where things are kept");
-  group->add_option("--output-dir", options.output, "For rig.yaml, truth.tum, poses.txt, cameras.json, ...")
+  const auto group = command.add_option_group("Files", "Output and cache");
+  group
+      ->add_option("--output-dir", options.output,
+                   "Folder for rig.yaml, truth.tum, poses.txt, cameras.json, ...")
       ->type_name("DIR")
       ->capture_default_str();
-  group->add_option("--cache-dir", options.cache_dir, "For streams that were rendered and encoded")
+  group->add_option("--cache-dir", options.cache_dir, "Folder of the cache of encoded streams")
       ->type_name("DIR");
-  group->add_option("--cache-gb", options.cache_gigabytes, "What the cache may take; the oldest go first")
+  group
+      ->add_option("--cache-gb", options.cache_gigabytes,
+                   "Limit of the cache; least recently used streams are removed first")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  group->add_flag("--no-cache", options.no_cache, "Neither look into the cache nor add to it");
+  group->add_flag("--no-cache", options.no_cache, "Neither read nor write the cache");
   group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
-  group->add_option("--render", options.render, "Serve nothing: write an image folder with its truth")
+  group
+      ->add_option("--render", options.render,
+                   "Write an image folder with its ground truth instead of serving cameras")
       ->type_name("DIR");
 }
 
 }  // namespace
 
 cv::Size parseSize(const std::string& text) {
-  const std::optional<cv::Size> size = sizeFrom(text);
+  const std::optional<cv::Size> size = parseImageSize(text);
   if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
   return *size;
 }

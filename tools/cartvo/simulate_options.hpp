@@ -12,7 +12,7 @@
 
 namespace cartvo {
 
-/// What `cartvo simulate` is asked for.
+/// Command-line options of `cartvo simulate`.
 struct SimulateOptions {
   std::string world = "campus";
   std::filesystem::path sequence;
@@ -40,10 +40,10 @@ struct SimulateOptions {
   std::filesystem::path render;
 };
 
-/// WIDTHxHEIGHT, as --size takes it. Throws std::invalid_argument for other text.
+/// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
 cv::Size parseSize(const std::string& text);
 
-/// `options` must live as long as the command.
+/// Adds the options to `command`; `options` must outlive it.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);
 
 }  // namespace cartvo

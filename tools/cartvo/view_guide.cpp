@@ -1,3 +1,5 @@
+// Guides the person who holds the board during a live calibration.
+
 #include "tools/cartvo/view_guide.hpp"
 
 #include <cstdio>
@@ -9,7 +11,7 @@ namespace cartvo {
 ViewGuide::ViewGuide() : is_terminal_(isatty(STDERR_FILENO) == 1), last_drawn_(Clock::now()) {}
 
 void ViewGuide::show(const StreamProgress& progress) {
-  if (progress.has_new_view) sayView(progress);
+  if (progress.has_new_view) printView(progress);
   const auto pause = is_terminal_ ? std::chrono::milliseconds(150) : std::chrono::milliseconds(10'000);
   if (Clock::now() - last_drawn_ < pause) return;
   last_drawn_ = Clock::now();
@@ -22,12 +24,12 @@ void ViewGuide::show(const StreamProgress& progress) {
   std::fflush(stderr);
 }
 
-void ViewGuide::sayView(const StreamProgress& progress) {
+void ViewGuide::printView(const StreamProgress& progress) {
   end();
   const BoardViews& so_far = progress.so_far;
   if (progress.rejection.empty()) {
     std::fprintf(stderr, "cartvo: view %zu taken at %.0f s; %s\n", so_far.views.size(), progress.seconds,
-                 progress.what_to_show.empty() ? "that is enough" : progress.what_to_show.c_str());
+                 progress.next_view_advice.empty() ? "enough views" : progress.next_view_advice.c_str());
   } else {
     std::fprintf(stderr, "cartvo: view at %.0f s rejected: %s\n", progress.seconds,
                  progress.rejection.c_str());

@@ -6,22 +6,22 @@
 
 namespace cartvo {
 
-/// Tells a person before the cameras, on the error output, what to do: a line for each view taken or
-/// rejected, and what is seen now. On a terminal that is a line that renews itself; elsewhere one comes each
-/// ten seconds.
+/// Guides the person who holds the board, on standard error: a line for each view accepted or rejected, and a
+/// line with the detected corners and what to do. The latter is redrawn in place on a terminal and printed
+/// every ten seconds otherwise.
 class ViewGuide {
  public:
   ViewGuide();
 
   void show(const StreamProgress& progress);
 
-  /// Leaves the terminal clean for what follows.
+  /// Erases the status line from the terminal.
   void end();
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void sayView(const StreamProgress& progress);
+  void printView(const StreamProgress& progress);
 
   bool is_terminal_;
   bool drawn_ = false;

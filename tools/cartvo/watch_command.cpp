@@ -1,5 +1,4 @@
-// The command line of `cartvo watch`.
-
+// Command line of `cartvo watch`.
 #include <cstdio>
 #include <memory>
 
@@ -27,24 +26,24 @@ void run(const Options& options) {
 
 void addWatchCommand(CLI::App& cartvo) {
   CLI::App* command =
-      cartvo.add_subcommand("watch", "Show the odometry that cartvod publishes, live, and sum it up");
+      cartvo.add_subcommand("watch", "Show the odometry of cartvod live, with a summary at the end");
   const auto options = std::make_shared<Options>();
   WatchSettings& watch = options->watch;
-  command->add_option("--url", watch.url, "LCM URL, as lcm.url in cartvod's configuration")
+  command->add_option("--url", watch.url, "LCM URL, equal to lcm.url in the configuration of cartvod")
       ->capture_default_str();
   command
-      ->add_option("--seconds", watch.seconds, "End this long after the first message (default: at Ctrl-C)")
+      ->add_option("--seconds", watch.seconds,
+                   "End this many seconds after the first message (default: at Ctrl-C)")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option("--until-silent", watch.until_silent, "End when no pair was heard of for so many seconds")
+      ->add_option("--until-silent", watch.until_silent, "End after this many seconds without a stereo pair")
       ->check(CLI::PositiveNumber);
   command->add_option("--wait", watch.first_message, "Seconds to wait for the first message")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--trajectory", options->trajectory,
-                      "Write the valid poses of the body here (TUM format)");
-  command->add_option("--summary", options->summary, "Write the summary here (JSON)");
-  command->add_flag("--plain", watch.plain, "Print a line a second instead of redrawing one");
+  command->add_option("--trajectory", options->trajectory, "File for the valid body poses (TUM format)");
+  command->add_option("--summary", options->summary, "File for the summary (JSON)");
+  command->add_flag("--plain", watch.plain, "Print one line per second instead of redrawing one");
   command->callback([options] { run(*options); });
 }
 

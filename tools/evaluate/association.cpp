@@ -1,3 +1,5 @@
+// Associates the poses of an estimate with the truth.
+
 #include "tools/evaluate/association.hpp"
 
 #include <algorithm>
@@ -9,20 +11,20 @@
 namespace cartvo {
 namespace {
 
-constexpr std::int64_t kWidestGap = 250'000'000;  // ns
+constexpr std::int64_t kMaxGap_ns = 250'000'000;
 
-/// Instants that went through a camera's 90 kHz clock are off by some us: so little beyond the truth's first
-/// or last pose counts as that pose, ns.
-constexpr std::int64_t kEndTolerance = 1'000'000;
+/// A pose of the estimate this little before the truth's first or after its last pose is associated with that
+/// pose: times in a camera's 90 kHz clock are rounded by some us.
+constexpr std::int64_t kEndTolerance_ns = 1'000'000;
 
-/// The widest gap in the truth that is bridged, ns.
-std::int64_t bridgedGap(const Trajectory& truth) {
+/// Widest gap in the truth over which to interpolate, ns.
+std::int64_t maxGap_ns(const Trajectory& truth) {
   std::vector<std::int64_t> periods;
   for (std::size_t i = 1; i < truth.size(); ++i)
     periods.push_back(truth[i].time_ns - truth[i - 1].time_ns);
-  if (periods.empty()) return kWidestGap;
+  if (periods.empty()) return kMaxGap_ns;
   std::nth_element(periods.begin(), periods.begin() + periods.size() / 2, periods.end());
-  return std::max(kWidestGap, 3 * periods[periods.size() / 2]);
+  return std::max(kMaxGap_ns, 3 * periods[periods.size() / 2]);
 }
 
 StampedPose interpolate(const StampedPose& before, const StampedPose& after, std::int64_t time_ns) {
@@ -53,15 +55,15 @@ std::string span(const Trajectory& trajectory) {
 AssociatedTrajectories associateByTime(const Trajectory& estimate, const Trajectory& truth) {
   AssociatedTrajectories associated;
   associated.method = AssociationMethod::time;
-  const std::int64_t widest_gap = bridgedGap(truth);
+  const std::int64_t max_gap_ns = maxGap_ns(truth);
   for (const StampedPose& stamped : estimate) {
     const std::int64_t time_ns = std::clamp(stamped.time_ns, truth.front().time_ns, truth.back().time_ns);
     const auto after = std::lower_bound(
         truth.begin(), truth.end(), time_ns,
         [](const StampedPose& true_pose, std::int64_t instant_ns) { return true_pose.time_ns < instant_ns; });
     const bool is_exact = after->time_ns == time_ns;
-    const bool is_between = !is_exact && after->time_ns - std::prev(after)->time_ns <= widest_gap;
-    if (std::abs(stamped.time_ns - time_ns) > kEndTolerance || (!is_exact && !is_between)) {
+    const bool is_between = !is_exact && after->time_ns - std::prev(after)->time_ns <= max_gap_ns;
+    if (std::abs(stamped.time_ns - time_ns) > kEndTolerance_ns || (!is_exact && !is_between)) {
       ++associated.unmatched;
       continue;
     }
@@ -70,8 +72,8 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
   }
   if (associated.estimate.size() < 2) {
     throw std::runtime_error(
-        "fewer than two poses of the estimate have a truth of their instant: the estimate is of " +
-        span(estimate) + ", the truth of " + span(truth) + "; are both of one clock?");
+        "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
+        span(estimate) + ", the truth of " + span(truth) + "; check that both use the same clock");
   }
   return associated;
 }
@@ -80,9 +82,10 @@ AssociatedTrajectories associateByRows(const Trajectory& estimate, const Traject
   if (estimate.size() != truth.size()) {
     throw std::runtime_error("the estimate has " + std::to_string(estimate.size()) + " poses, the truth " +
                              std::to_string(truth.size()) +
-                             "; KITTI rows have no instants, so both files must hold the same frames");
+                             "; KITTI rows have no times, so both files must contain the same frames");
   }
-  if (estimate.size() < 2) throw std::runtime_error("one pose is no trajectory: there is nothing to compare");
+  if (estimate.size() < 2)
+    throw std::runtime_error("a trajectory of one pose cannot be evaluated; at least two are needed");
   return {AssociationMethod::rows, estimate, truth, 0};
 }
 

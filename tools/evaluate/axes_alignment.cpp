@@ -1,4 +1,4 @@
-// How the truth's axes are turned against the estimate's.
+// Estimates the rotation between the estimate's and the truth's axes.
 #include "tools/evaluate/axes_alignment.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -12,13 +12,13 @@ namespace cartvo {
 namespace {
 
 constexpr int kIterations = 5;  // of Gauss-Newton; angles are small
-// Of a segment's length, squared; an estimate that stands tells nothing.
-constexpr double kLeastMotion = 1e-9;
-// Of the greatest eigenvalue: the squared sine of six degrees.
-constexpr double kLeastBend = 0.01;
+// Relative to the squared segment length; smaller eigenvalues belong to a standstill.
+constexpr double kMinEigenvalue = 1e-9;
+// Relative to the largest eigenvalue: the squared sine of six degrees.
+constexpr double kMinEigenvalueRatio = 0.01;
 
 struct Displacements {
-  Eigen::Vector3d estimate, truth;  // of a segment, in the axes at its start, as parts of its length
+  Eigen::Vector3d estimate, truth;  // of a segment, in the axes at its start, divided by its length
 };
 
 std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& associated) {
@@ -35,19 +35,19 @@ std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& asso
   return displacements;
 }
 
-Eigen::Isometry3d turnBy(const Eigen::Vector3d& rotation) {
+Eigen::Isometry3d rotationTransform(const Eigen::Vector3d& rotation) {
   Vector6d motion;
   motion << Eigen::Vector3d::Zero(), rotation;
   return motionFromVector(motion);
 }
 
-/// The least of the solutions of matrix x = right_side, without the directions that hardly count.
-Eigen::Vector3d solveWhereTold(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
+/// Minimum-norm solution of matrix x = right_side, without the unobservable directions.
+Eigen::Vector3d solveObservable(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
   const Eigen::Vector3d& values = solver.eigenvalues();
   Eigen::Vector3d solution = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
-    if (values[i] <= kLeastMotion || values[i] < kLeastBend * values[2]) continue;
+    if (values[i] <= kMinEigenvalue || values[i] < kMinEigenvalueRatio * values[2]) continue;
     const Eigen::Vector3d direction = solver.eigenvectors().col(i);
     solution += direction.dot(right_side) / values[i] * direction;
   }
@@ -64,20 +64,20 @@ std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associ
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    for (const Displacements& of : displacements) {
-      // Turned by w more, it is t - skew(t) w to first order.
-      const Eigen::Vector3d turned = turn * of.estimate;
+    for (const Displacements& displacement : displacements) {
+      // Rotated by a further w, t becomes t - skew(t) w to first order.
+      const Eigen::Vector3d turned = turn * displacement.estimate;
       const Eigen::Matrix3d by_rotation = -skew(turned);
       hessian += by_rotation.transpose() * by_rotation;
-      gradient += by_rotation.transpose() * (of.truth - turned);
+      gradient += by_rotation.transpose() * (displacement.truth - turned);
     }
-    turn = turnBy(solveWhereTold(hessian / count, gradient / count)) * turn;
+    turn = rotationTransform(solveObservable(hessian / count, gradient / count)) * turn;
   }
   return vectorFromMotion(turn).tail<3>();
 }
 
-Trajectory inTurnedAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation) {
-  const Eigen::Isometry3d turn = turnBy(rotation);
+Trajectory rotateAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation) {
+  const Eigen::Isometry3d turn = rotationTransform(rotation);
   Trajectory turned = estimate;
   for (StampedPose& stamped : turned)
     stamped.pose = turn * estimate.front().pose.inverse() * stamped.pose * turn.inverse();

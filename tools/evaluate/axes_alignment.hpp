@@ -7,15 +7,15 @@
 
 namespace cartvo {
 
-/// The constant rotation from the estimate's axes to the truth's under which the translations over short
+/// Constant rotation from the estimate's axes to the truth's axes for which the translations over short
 /// segments (kShortSegments) agree best, as a rotation vector (rad, axes of the camera or the body). A truth
-/// that other sensors measured is the camera's by the calibration of their mounting, and where that is off by
-/// an angle, each motion ends beside the true one by that angle times its length: no odometry can know.
-/// Of a path that is straight to some six degrees the rotation about it is not told, and taken to be none.
-/// Nothing if the path is too short for a segment.
+/// measured by other sensors depends on the calibration of their mounting: an error of that angle displaces
+/// the end of each motion by the angle times its length, which no odometry can observe. The rotation about a
+/// path that is straight within about six degrees is not observable and set to zero. Empty if the path is too
+/// short for a segment.
 std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associated);
 
-/// The estimate as it would be in axes turned by so much; it starts at the identity.
-Trajectory inTurnedAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation);
+/// Rotates the estimate's axes by `rotation`; the result starts at the identity.
+Trajectory rotateAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// Computes the error measures of a trajectory.
+
 #include "tools/evaluate/evaluation.hpp"
 
 #include <Eigen/Geometry>
@@ -10,13 +12,13 @@
 namespace cartvo {
 namespace {
 
-/// Exact for small angles, where arccos of the trace is not.
+/// Rotation angle, rad. Exact for small angles, where arccos of the trace is not.
 double angle(const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
   return 2.0 * std::atan2(q.vec().norm(), std::abs(q.w()));
 }
 
-/// What the estimated motion between two poses lacks to be the true one.
+/// Transform from the estimated to the true motion between two poses.
 Eigen::Isometry3d motionError(const AssociatedTrajectories& associated, std::size_t from, std::size_t to) {
   const auto motion = [&](const Trajectory& trajectory) {
     return trajectory[from].pose.inverse() * trajectory[to].pose;
@@ -24,7 +26,7 @@ Eigen::Isometry3d motionError(const AssociatedTrajectories& associated, std::siz
   return motion(associated.estimate).inverse() * motion(associated.truth);
 }
 
-/// Adds up errors of segments and averages them.
+/// Mean of segment errors, weighted by their counts.
 class SegmentMean {
  public:
   void add(const SegmentErrors& errors) {
@@ -61,7 +63,7 @@ SegmentGroup segmentErrors(const AssociatedTrajectories& associated, std::span<c
   return group;
 }
 
-/// RMSE of position after the rigid motion that makes it least (S. Umeyama, 1991, without scale).
+/// RMSE of position after the rigid alignment that minimises it (S. Umeyama, 1991, without scale).
 double alignedError(const AssociatedTrajectories& associated) {
   const auto count = static_cast<Eigen::Index>(associated.estimate.size());
   Eigen::Matrix3Xd estimate(3, count), truth(3, count);
@@ -99,7 +101,7 @@ std::optional<AlignedAxes> alignedAxes(const AssociatedTrajectories& associated)
   const auto rotation = axesRotation(associated);
   if (!rotation) return std::nullopt;
   AssociatedTrajectories turned = associated;
-  turned.estimate = inTurnedAxes(associated.estimate, *rotation);
+  turned.estimate = rotateAxes(associated.estimate, *rotation);
   return AlignedAxes{*rotation, segmentErrors(turned, kShortSegments, 1)};
 }
 
@@ -135,8 +137,8 @@ Evaluation evaluate(const AssociatedTrajectories& associated) {
   const Eigen::Isometry3d end = motionError(associated, 0, evaluation.poses - 1);
   evaluation.final_drift = end.translation().norm();
   evaluation.final_rotation = angle(end.linear());
-  constexpr double kShortestPath = 1.0;  // m; of a vehicle that stands, a percentage says nothing
-  if (evaluation.path_length >= kShortestPath) {
+  constexpr double kMinPathLength = 1.0;  // m; at a standstill a percentage is meaningless
+  if (evaluation.path_length >= kMinPathLength) {
     evaluation.final_drift_fraction = evaluation.final_drift / evaluation.path_length;
   }
   evaluation.absolute_aligned = alignedError(associated);

@@ -15,55 +15,56 @@ namespace cartvo {
 inline constexpr std::array<double, 8> kLongSegments{100, 200, 300, 400, 500, 600, 700, 800};
 inline constexpr std::array<double, 4> kShortSegments{5, 10, 20, 40};
 
-/// Mean errors over segments: the error of the motion between two poses whose true distance along the path is
-/// the segment's length, divided by that length.
+/// Mean errors over segments: error of the motion between two poses whose true distance along the path is the
+/// segment's length, divided by that length.
 struct SegmentErrors {
-  double length = 0.0;  ///< m; 0: of all lengths together
+  double length = 0.0;  ///< m; 0: all lengths together
   int count = 0;
   double translation = 0.0;  ///< a fraction of the length
   double rotation = 0.0;     ///< rad/m
 };
 
 struct SegmentGroup {
-  SegmentErrors all;                ///< over all segments of all lengths, as the devkit averages
-  std::vector<SegmentErrors> each;  ///< a length each, those without a segment left out
+  SegmentErrors all;                ///< mean over all segments of all lengths, as in the devkit
+  std::vector<SegmentErrors> each;  ///< one per length; lengths without a segment are omitted
 };
 
-/// Errors that are left when the truth's axes are turned (axesRotation()).
+/// Errors after rotation of the estimate's axes into the truth's (axesRotation()).
 struct AlignedAxes {
-  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, from the estimate's axes, rad
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, estimate's to truth's axes, rad
   SegmentGroup short_segments;
 };
 
 struct Evaluation {
   AssociationMethod method = AssociationMethod::rows;
   std::size_t poses = 0;      ///< compared
-  std::size_t unmatched = 0;  ///< of the estimate, without a truth
+  std::size_t unmatched = 0;  ///< poses of the estimate without a truth
 
   double path_length = 0.0;            ///< of the truth, m
   double estimated_path_length = 0.0;  ///< m
 
-  double final_drift = 0.0;                    ///< distance of the two ends when the starts coincide, m
-  std::optional<double> final_drift_fraction;  ///< of the path; none if the path is shorter than 1 m
+  double final_drift = 0.0;                    ///< distance between the two ends if the starts coincide, m
+  std::optional<double> final_drift_fraction;  ///< of the path length; empty if that is shorter than 1 m
   double final_rotation = 0.0;                 ///< angle between the two ends, rad
 
   double absolute_aligned = 0.0;  ///< RMSE of position after the best rigid alignment (ATE), m
-  double absolute_origin = 0.0;   ///< RMSE of position when the starts coincide, m
+  double absolute_origin = 0.0;   ///< RMSE of position if the starts coincide, m
 
   double relative_translation = 0.0;  ///< RMSE of the motion from pose to pose (RPE), m
   double relative_rotation = 0.0;     ///< rad
 
   SegmentGroup short_segments;  ///< 5 to 40 m, one starting at each pose
   SegmentGroup long_segments;   ///< 100 to 800 m, one starting at each tenth pose, as in the devkit
-  std::optional<AlignedAxes> aligned_axes;  ///< none without a short segment
+  std::optional<AlignedAxes> aligned_axes;  ///< empty without a short segment
 };
 
+/// Computes all error measures.
 Evaluation evaluate(const AssociatedTrajectories& associated);
 
 /// Distance along the path from its start to each pose, m.
 std::vector<double> distancesAlong(const Trajectory& trajectory);
 
-/// Moves a trajectory so that its first pose is `start`.
+/// Transforms a trajectory so that its first pose is `start`.
 Trajectory startingAt(const Eigen::Isometry3d& start, const Trajectory& trajectory);
 
 }  // namespace cartvo

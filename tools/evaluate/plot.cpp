@@ -1,3 +1,5 @@
+// Plots an estimate and its truth.
+
 #include "tools/evaluate/plot.hpp"
 
 #include <algorithm>
@@ -14,7 +16,7 @@
 namespace cartvo {
 namespace {
 
-// Drawn at twice the size and shrunk, which smooths lines and OpenCV's stroked letters.
+// The plot is drawn at twice the size and reduced, which smooths lines and OpenCV's letters.
 constexpr int kOversampling = 2;
 const cv::Size kPicture(1400, 1000);
 const cv::Rect kMapFrame(90, 70, 1270, 560);
@@ -25,7 +27,7 @@ const cv::Scalar kTruthColour(120, 110, 100), kEstimateColour(190, 90, 20), kEnd
 
 using Points = std::vector<cv::Point2d>;
 
-/// A step of 1, 2 or 5 times a power of ten that divides `range` into about `parts`.
+/// Step of 1, 2 or 5 times a power of ten that divides `range` into about `parts` parts.
 double roundStep(double range, int parts) {
   const double rough = std::max(range, 1e-9) / parts;
   const double decade = std::pow(10.0, std::floor(std::log10(rough)));
@@ -42,10 +44,10 @@ std::string label(double value, double step) {
   return text;
 }
 
-/// Where letters stand relative to the point that they are given.
+/// Position of a text's reference point.
 enum class Anchor : std::uint8_t { left, centre, right };
 
-/// A white sheet that is drawn on in final pixels.
+/// White image; coordinates are pixels of the final picture.
 class Sheet {
  public:
   Sheet() : image_(kPicture * kOversampling, CV_8UC3, kPaper) {}
@@ -88,7 +90,7 @@ class Sheet {
   cv::Mat image_;
 };
 
-/// Maps values to the pixels of a frame on the sheet.
+/// Maps values to pixels inside a frame of the sheet.
 struct Axes {
   cv::Rect frame;
   double x_low, x_high, y_low, y_high;
@@ -105,7 +107,7 @@ struct Axes {
   }
 };
 
-/// The multiples of a step from `low` to `high`.
+/// Multiples of `step` from `low` to `high`.
 std::vector<double> multiples(double step, double low, double high) {
   std::vector<double> values;
   for (auto i = std::llround(std::ceil(low / step)); static_cast<double>(i) * step <= high; ++i) {
@@ -126,13 +128,13 @@ void drawGrid(Sheet& sheet, const Axes& axes, double x_step, double y_step) {
   sheet.frame(axes.frame);
 }
 
-/// Both paths on the ground and what their axes are called.
+/// Both paths on the ground plane, and the names of the axes.
 struct GroundPaths {
   Points truth, estimate;
   std::string horizontal, vertical;
 };
 
-/// Forward is up, unless the path is longer along it than across: then it is laid along the picture's width.
+/// Forward is up, unless the path is longer forward than sideways: then forward is to the right.
 GroundPaths groundPaths(const AssociatedTrajectories& associated, TopView view) {
   const Eigen::Isometry3d origin = associated.truth.front().pose.inverse();
   const bool is_camera = view == TopView::camera_axes;
@@ -164,7 +166,7 @@ GroundPaths groundPaths(const AssociatedTrajectories& associated, TopView view) 
   return paths;
 }
 
-/// Axes of one scale that hold all points with a margin.
+/// Axes with equal scale that contain all points with a margin.
 Axes equalAxes(const GroundPaths& paths) {
   cv::Point2d low = paths.truth.front(), high = low;
   for (const Points* points : {&paths.truth, &paths.estimate}) {
@@ -173,9 +175,9 @@ Axes equalAxes(const GroundPaths& paths) {
       high = {std::max(high.x, point.x), std::max(high.y, point.y)};
     }
   }
-  constexpr double kMargin = 1.15, kLeastExtent = 0.01;  // of the extent; m, for a camera that stands
-  const double width = std::max(high.x - low.x, kLeastExtent),
-               height = std::max(high.y - low.y, kLeastExtent);
+  constexpr double kMargin = 1.15;     // factor on the extent
+  constexpr double kMinExtent = 0.01;  // m, for a standstill
+  const double width = std::max(high.x - low.x, kMinExtent), height = std::max(high.y - low.y, kMinExtent);
   const double metres_per_pixel = kMargin * std::max(width / kMapFrame.width, height / kMapFrame.height);
   const cv::Point2d centre = (low + high) / 2.0;
   const double half_width = metres_per_pixel * kMapFrame.width / 2.0;
@@ -186,7 +188,8 @@ Axes equalAxes(const GroundPaths& paths) {
 
 void drawScaleBar(Sheet& sheet, const Axes& axes) {
   const double length = roundStep(axes.x_high - axes.x_low, 8);
-  const cv::Point2d right(axes.frame.br().x, axes.frame.br().y + 38.0);  // outside: it covers no path
+  const cv::Point2d right(axes.frame.br().x,
+                          axes.frame.br().y + 38.0);  // outside the frame, so that it covers no path
   const double pixels = length / (axes.x_high - axes.x_low) * axes.frame.width;
   const cv::Point2d left = right - cv::Point2d(pixels, 0.0);
   sheet.line({left, right}, kInk, 3);
@@ -242,8 +245,8 @@ void drawError(Sheet& sheet, const AssociatedTrajectories& associated) {
   const Axes axes{kErrorFrame, 0.0, std::max(distances.back(), 0.01), 0.0, 1.1 * largest};
   drawGrid(sheet, axes, roundStep(axes.x_high, 10), roundStep(axes.y_high, 4));
   sheet.line(axes(errors), kEstimateColour, 2);
-  sheet.text("position error (m), starts laid together", {kErrorFrame.x + 8.0, kErrorFrame.y - 10.0},
-             Anchor::left, kInk);
+  sheet.text("position error (m), starts coincide", {kErrorFrame.x + 8.0, kErrorFrame.y - 10.0}, Anchor::left,
+             kInk);
   sheet.text("distance driven (m)", {kErrorFrame.x + kErrorFrame.width / 2.0, kErrorFrame.br().y + 42.0},
              Anchor::centre, kInk);
 }

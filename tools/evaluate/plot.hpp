@@ -6,14 +6,14 @@
 
 namespace cartvo {
 
-/// The plane that a plot looks down on.
+/// Axes of the ground plane in a plot from above.
 enum class TopView : std::uint8_t {
-  camera_axes,  ///< x right, z forward: KITTI's
+  camera_axes,  ///< x right, z forward, as in KITTI
   body_axes,    ///< x forward, y left
 };
 
-/// A picture (CV_8UC3) of both paths from above, starts laid together, and of the distance between them over
-/// the distance driven.
+/// Plots both paths from above with coinciding starts, and the position error over the distance driven
+/// (CV_8UC3, BGR).
 cv::Mat plotTrajectories(const AssociatedTrajectories& associated, TopView view);
 
 }  // namespace cartvo

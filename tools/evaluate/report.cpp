@@ -1,3 +1,5 @@
+// Formats an evaluation as a text table and as JSON.
+
 #include "tools/evaluate/report.hpp"
 
 #include <cstdio>

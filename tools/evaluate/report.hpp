@@ -8,10 +8,10 @@
 
 namespace cartvo {
 
-/// A table for people: metres, percent, degrees.
+/// Text table of the evaluation, in metres, percent and degrees.
 std::string evaluationTable(const Evaluation& evaluation);
 
-/// The same for programs; each key carries its unit. What does not apply is null.
+/// JSON of the evaluation; each key names its unit. Values that do not apply are null.
 nlohmann::ordered_json evaluationJson(const Evaluation& evaluation);
 
 }  // namespace cartvo

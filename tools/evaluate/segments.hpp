@@ -6,9 +6,9 @@
 
 namespace cartvo {
 
-/// Calls visit(first, last) for the segments of that length (m) that start at each step-th pose: up to the
-/// first pose farther along the path than the length, as in KITTI's devkit. `distances`: of each pose from
-/// the path's start, m.
+/// Calls visit(first, last) for the segments of `length` m that start at each step-th pose and end at the
+/// first pose farther along the path than the length, as in KITTI's devkit. `distances`: distance of each
+/// pose along the path from its start, m.
 template <typename Visit>
 void forEachSegment(const std::vector<double>& distances, double length, std::size_t step,
                     const Visit& visit) {

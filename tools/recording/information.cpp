@@ -1,3 +1,4 @@
+// Formats the summary of a recording as text and JSON.
 #include "tools/recording/information.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
                                                         "kernel"};
 
-constexpr double kMostLost_s = 1e-3 * static_cast<double>(kMostLostAtAPowerCut.count());
+constexpr double kMaxLoss_s = 1e-3 * static_cast<double>(kMaxPowerCutLoss.count());
 
 const char* codecName(const std::optional<VideoCodec>& codec) {
   if (!codec) return "unreadable";
@@ -35,7 +36,7 @@ double megabits(const RecordedCamera& camera) {
   return seconds > 0.0 ? 8e-6 * static_cast<double>(camera.bytes) / seconds : 0.0;
 }
 
-/// From the first to the last picture of either camera, s.
+/// Time from the first to the last picture of both cameras, s.
 double duration(const RecordingSummary& summary) {
   std::int64_t first = 0;
   std::int64_t last = 0;
@@ -88,28 +89,28 @@ std::string instantSources(const RecordedCamera& camera) {
   return text.empty() ? kNoValue : text;
 }
 
-Json unendedJson(const RecordingSummary& summary) {
+Json unfinalisedJson(const RecordingSummary& summary) {
   Json parts = Json::array();
-  for (const UnendedPart& part : summary.unended) {
+  for (const UnfinalisedPart& part : summary.unfinalised) {
     parts.push_back({{"camera", sideName(part.side)},
                      {"segment", part.segment},
                      {"last_arrival_ns", part.last_arrival_ns ? Json(*part.last_arrival_ns) : Json()},
-                     {"most_lost_s", kMostLost_s}});
+                     {"most_lost_s", kMaxLoss_s}});
   }
   return parts;
 }
 
-/// A sentence for each part that was cut off.
-std::string unendedText(const RecordingSummary& summary) {
+/// One sentence for each video file without a trailer.
+std::string unfinalisedText(const RecordingSummary& summary) {
   std::string text;
-  for (const UnendedPart& part : summary.unended) {
+  for (const UnfinalisedPart& part : summary.unfinalised) {
     std::array<char, 32> segment{};
     std::snprintf(segment.data(), segment.size(), "%06llu/", static_cast<unsigned long long>(part.segment));
     text.append("NOT ENDED: ").append(segment.data()).append(sideName(part.side));
     text += ".mkv has no trailer, as after a power cut, kill -9 or on a full disk; ";
     text +=
-        part.last_arrival_ns ? "its last picture is of " + utc(*part.last_arrival_ns) : "it has no picture";
-    text += ", and at most " + fixed(kMostLost_s, 1) + " s before the cut is lost\n";
+        part.last_arrival_ns ? "its last picture is from " + utc(*part.last_arrival_ns) : "it has no picture";
+    text += "; at most " + fixed(kMaxLoss_s, 1) + " s before the interruption are lost\n";
   }
   return text.empty() ? text : text + "\n";
 }
@@ -124,7 +125,7 @@ Json informationJson(const RecordingSummary& summary) {
           {"segments", summary.segments},
           {"bytes", summary.bytes},
           {"being_written", summary.being_written},
-          {"unended", unendedJson(summary)},
+          {"unended", unfinalisedJson(summary)},
           {"has_rig", !summary.info.rig.empty()},
           {"has_configuration", !summary.info.configuration.empty()},
           {"left", cameraJson(summary.cameras[0])},
@@ -133,14 +134,14 @@ Json informationJson(const RecordingSummary& summary) {
 
 std::string informationText(const RecordingSummary& summary) {
   std::string text = "format " + std::to_string(summary.info.format_version) + ", by cartvo " +
-                     summary.info.software_version + ", begun " + utc(summary.info.started_ns) + "\n" +
+                     summary.info.software_version + ", started " + utc(summary.info.started_ns) + "\n" +
                      fixed(duration(summary), 1) + " s in " + std::to_string(summary.segments) +
                      " segments, " + fixed(1e-6 * static_cast<double>(summary.bytes), 1) + " MB";
   if (summary.being_written) text += ", being written";
   text += std::string("; with") + (summary.info.rig.empty() ? "out" : "") + " rig, with" +
           (summary.info.configuration.empty() ? "out" : "") + " configuration\n\n";
 
-  text += unendedText(summary);
+  text += unfinalisedText(summary);
   Table table({"", "left", "right"});
   const auto row = [&](const char* name, const auto& value) {
     table.add({name, value(summary.cameras[0]), value(summary.cameras[1])});

@@ -8,10 +8,10 @@
 
 namespace cartvo {
 
-/// For programs: the summary with its times in s and its instants in ns since the Unix epoch.
+/// The summary as JSON: durations in s, timestamps in ns since the Unix epoch.
 nlohmann::ordered_json informationJson(const RecordingSummary& summary);
 
-/// For people: a few lines, and a table with a column for each camera.
+/// The summary as text: a few lines and a table with a column for each camera.
 std::string informationText(const RecordingSummary& summary);
 
 }  // namespace cartvo

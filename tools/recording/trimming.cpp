@@ -1,3 +1,4 @@
+// Copies a part of a recording to a new recording.
 #include "tools/recording/trimming.hpp"
 
 #include <algorithm>
@@ -7,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "capture/recording_index_reader.hpp"
 #include "capture/recording_reader.hpp"
-#include "capture/recording_rows.hpp"
 #include "capture/recording_writer.hpp"
 
 namespace cartvo {
@@ -20,36 +21,36 @@ constexpr std::array<CameraSide, 2> kSides = {CameraSide::left, CameraSide::righ
 std::int64_t firstArrival(const std::filesystem::path& recording) {
   std::optional<std::int64_t> first;
   for (const CameraSide side : kSides) {
-    RecordedRows rows(recording, side);
+    RecordingIndexReader rows(recording, side);
     if (const IndexRow* row = rows.next()) first = std::min(first.value_or(row->arrival_ns), row->arrival_ns);
   }
-  if (!first) throw std::runtime_error(recording.string() + " holds no picture");
+  if (!first) throw std::runtime_error(recording.string() + ": contains no picture");
   return *first;
 }
 
-/// One camera's pictures of the part, in their order.
-class PartOfCamera {
+/// The pictures of one camera in the part, in recorded order.
+class TrimmedCamera {
  public:
-  PartOfCamera(const std::filesystem::path& recording, CameraSide side, std::int64_t from_ns,
-               std::int64_t to_ns)
+  TrimmedCamera(const std::filesystem::path& recording, CameraSide side, std::int64_t from_ns,
+                std::int64_t to_ns)
       : side_(side), reader_(recording, side), to_ns_(to_ns), first_order_(1) {
-    RecordedRows rows(recording, side);
-    ended_ = true;
-    for (const IndexRow* row = rows.next(); row != nullptr && ended_; row = rows.next()) {
+    RecordingIndexReader rows(recording, side);
+    finished_ = true;
+    for (const IndexRow* row = rows.next(); row != nullptr && finished_; row = rows.next()) {
       if (row->key && row->arrival_ns <= from_ns) first_order_ = row->order;
-      ended_ = row->arrival_ns < from_ns;
+      finished_ = row->arrival_ns < from_ns;
     }
-    if (!ended_) advance();
+    if (!finished_) advance();
   }
 
   CameraSide side() const { return side_; }
-  bool ended() const { return ended_; }
+  bool isFinished() const { return finished_; }
   const RecordedUnit& unit() const { return unit_; }
 
   void advance() {
     do {
-      ended_ = !reader_.next(unit_) || unit_.unit.arrival_ns > to_ns_;
-    } while (!ended_ && unit_.unit.order < first_order_);
+      finished_ = !reader_.next(unit_) || unit_.unit.arrival_ns > to_ns_;
+    } while (!finished_ && unit_.unit.order < first_order_);
   }
 
  private:
@@ -58,13 +59,13 @@ class PartOfCamera {
   std::int64_t to_ns_;
   std::uint64_t first_order_;
   RecordedUnit unit_;
-  bool ended_ = false;
+  bool finished_ = false;
 };
 
-/// Which of the two came first.
-PartOfCamera& earlier(PartOfCamera& left, PartOfCamera& right) {
-  if (left.ended()) return right;
-  if (right.ended()) return left;
+/// The camera whose next picture arrived first.
+TrimmedCamera& earlierOf(TrimmedCamera& left, TrimmedCamera& right) {
+  if (left.isFinished()) return right;
+  if (right.isFinished()) return left;
   return left.unit().unit.order < right.unit().unit.order ? left : right;
 }
 
@@ -77,21 +78,21 @@ std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recordin
   const auto after_first = [first_ns](double seconds) {
     return first_ns + static_cast<std::int64_t>(std::llround(1e9 * std::min(seconds, 1e9)));
   };
-  PartOfCamera left(recording, CameraSide::left, after_first(part.from), after_first(part.to));
-  PartOfCamera right(recording, CameraSide::right, after_first(part.from), after_first(part.to));
-  if (left.ended() || right.ended()) {
-    throw std::runtime_error(recording.string() + " holds no picture of the " +
-                             sideName(left.ended() ? CameraSide::left : CameraSide::right) +
+  TrimmedCamera left(recording, CameraSide::left, after_first(part.from), after_first(part.to));
+  TrimmedCamera right(recording, CameraSide::right, after_first(part.from), after_first(part.to));
+  if (left.isFinished() || right.isFinished()) {
+    throw std::runtime_error(recording.string() + ": contains no picture of the " +
+                             sideName(left.isFinished() ? CameraSide::left : CameraSide::right) +
                              " camera between --from and --to");
   }
 
   RecordingWriter writer(output, info, kSegmentLength);
   std::array<std::uint64_t, 2> copied{};
   std::array<std::uint64_t, 2> connections{};
-  while (!left.ended() || !right.ended()) {
-    PartOfCamera& next = earlier(left, right);
+  while (!left.isFinished() || !right.isFinished()) {
+    TrimmedCamera& next = earlierOf(left, right);
     const auto index = static_cast<std::size_t>(next.side());
-    if (next.unit().connection != connections[index]) writer.begin(next.side(), next.unit().format);
+    if (next.unit().connection != connections[index]) writer.beginConnection(next.side(), next.unit().format);
     connections[index] = next.unit().connection;
     if (writer.write(next.side(), next.unit().unit)) ++copied[index];
     next.advance();

@@ -7,16 +7,16 @@
 
 namespace cartvo {
 
-/// A part of a recording, s since its first picture's arrival.
+/// A time interval of a recording, s since the arrival of its first picture.
 struct TrimmedPart {
   double from = 0.0;
   double to = std::numeric_limits<double>::infinity();
 };
 
-/// Copies a part into a new recording, as it was received, with its description: each camera from its last
-/// key picture at or before `from` on. Returns the pictures copied, left and right. Throws std::runtime_error
-/// if the recording cannot be read, the part holds no picture of a camera, or `output` cannot be written or
-/// holds a recording.
+/// Copies a part of a recording, as received and with its description, to a new recording. Each camera starts
+/// at its last key picture at or before `from`. Returns the number of left and right pictures. Throws
+/// std::runtime_error if the recording cannot be read, the part contains no picture of a camera, or `output`
+/// cannot be written or already contains a recording.
 std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
                                            const std::filesystem::path& output);
 

@@ -1,3 +1,4 @@
+// Verifies a recording by decoding all pictures and comparing checksums.
 #include "tools/recording/verification.hpp"
 
 #include <algorithm>
@@ -12,18 +13,18 @@ namespace {
 
 constexpr std::array<CameraSide, 2> kSides = {CameraSide::left, CameraSide::right};
 
-bool isWhole(const VerifiedCamera& camera) {
+bool isUndamaged(const VerifiedCamera& camera) {
   return camera.unreadable.empty() && camera.files.places.empty();
 }
 
-VerifiedCamera verify(const std::filesystem::path& folder, CameraSide side, std::size_t& looked_at,
+VerifiedCamera verify(const std::filesystem::path& folder, CameraSide side, std::size_t& pictures_read,
                       const VerificationProgress& progress) {
   VerifiedCamera camera;
   try {
     RecordingSource source(folder, side);
     Frame frame;
     while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame)
-      progress(++looked_at);
+      progress(++pictures_read);
     camera.pictures = source.health().frames;
     camera.damaged = source.health().damaged;
     camera.files = source.damage();
@@ -35,22 +36,22 @@ VerifiedCamera verify(const std::filesystem::path& folder, CameraSide side, std:
 
 }  // namespace
 
-bool Verification::whole() const {
-  return std::all_of(cameras.begin(), cameras.end(), isWhole);
+bool Verification::isWhole() const {
+  return std::all_of(cameras.begin(), cameras.end(), isUndamaged);
 }
 
 Verification verifyRecording(const std::filesystem::path& folder, const VerificationProgress& progress) {
   readRecordingInfo(folder);
   Verification verification;
-  std::size_t looked_at = 0;
+  std::size_t pictures_read = 0;
   for (const CameraSide side : kSides)
-    verification.cameras[static_cast<std::size_t>(side)] = verify(folder, side, looked_at, progress);
+    verification.cameras[static_cast<std::size_t>(side)] = verify(folder, side, pictures_read, progress);
   return verification;
 }
 
 nlohmann::ordered_json verificationJson(const Verification& verification) {
   nlohmann::ordered_json json;
-  json["whole"] = verification.whole();
+  json["whole"] = verification.isWhole();
   for (const CameraSide side : kSides) {
     const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
     json[sideName(side)] = {{"pictures", camera.pictures},
@@ -78,8 +79,8 @@ std::string verificationText(const Verification& verification) {
     for (const std::string& place : camera.files.places)
       text += "  " + place + "\n";
   }
-  return text + (verification.whole() ? "whole: the files are as they were recorded\n"
-                                      : "DAMAGED: a replay goes up to the damage and on behind it\n");
+  return text + (verification.isWhole() ? "whole: the files are as they were recorded\n"
+                                        : "DAMAGED: a replay skips the damage and continues after it\n");
 }
 
 }  // namespace cartvo

@@ -12,27 +12,29 @@
 
 namespace cartvo {
 
-/// What came of reading and decoding one camera's pictures as a replay does.
+/// Result of reading and decoding the pictures of one camera as a replay does.
 struct VerifiedCamera {
-  std::uint64_t pictures = 0;  ///< decoded
-  std::uint64_t damaged = 0;   ///< of these, not to be trusted: by loss on the way, or damage of the files
+  std::uint64_t pictures = 0;  ///< number decoded
+  std::uint64_t damaged = 0;   ///< decoded with errors, by packet loss or damaged files
   RecordingDamage files;
-  std::string unreadable;  ///< why nothing can be read; empty if something can
+  std::string unreadable;  ///< error if no picture can be read, else empty
 };
 
+/// Result of verifyRecording().
 struct Verification {
   std::array<VerifiedCamera, 2> cameras;  ///< left, right
 
-  /// The files are as they were recorded, of both cameras.
-  bool whole() const;
+  /// Whether the files of both cameras are as they were recorded.
+  bool isWhole() const;
 };
 
-/// Is told how many pictures have been looked at.
+/// Called after each picture with the number of pictures decoded so far.
 using VerificationProgress = std::function<void(std::size_t pictures)>;
 
-/// Throws what readRecordingInfo throws.
+/// Verifies a recording; damage is part of the result. Throws what readRecordingInfo throws.
 Verification verifyRecording(const std::filesystem::path& folder, const VerificationProgress& progress);
 
+/// The result as JSON and as text.
 nlohmann::ordered_json verificationJson(const Verification& verification);
 std::string verificationText(const Verification& verification);
 

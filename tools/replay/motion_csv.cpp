@@ -1,3 +1,5 @@
+// Writes the motion of each replayed pair as CSV.
+
 #include "tools/replay/motion_csv.hpp"
 
 #include <cmath>
@@ -34,7 +36,7 @@ Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3d& a
   return columns;
 }
 
-/// The constant twist that makes the true motion between two pairs in the time between them.
+/// Constant twist of the true motion between two pairs.
 Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
   const Vector6d twist = logarithm(before.inverse() * now) / time_step;
   return motionColumns(twist.head<3>(), twist.tail<3>());
@@ -50,9 +52,9 @@ void addPose(Row& row, const Eigen::Isometry3d& T_first_body) {
   add(row, std::atan2(R(1, 0), R(0, 0)));
 }
 
-/// Where the pair is whose exposure the motion of pair `index` was measured from, looked for backwards: it
-/// need not be the one before, if that one had no estimate.
-std::size_t previousOf(const Replay& replay, std::size_t index) {
+/// Index of the pair that the motion of pair `index` starts from, found by its time step. Not always the
+/// previous pair, which may have had no estimate.
+std::size_t startPairOf(const Replay& replay, std::size_t index) {
   const double expected = replay.pairs[index].time_step;
   std::size_t previous = index - 1;
   const auto step = [&](std::size_t from) {
@@ -66,7 +68,7 @@ std::size_t previousOf(const Replay& replay, std::size_t index) {
 void addErrors(Row& row, const Replay& replay, const Truth& truth, std::size_t index,
                const Eigen::Isometry3d& T_first_body) {
   const ReplayedPair& pair = replay.pairs[index];
-  const std::size_t previous = pair.valid && index > 0 ? previousOf(replay, index) : index;
+  const std::size_t previous = pair.valid && index > 0 ? startPairOf(replay, index) : index;
   if (previous != index && truth[index] && truth[previous]) {
     const Vector6d measured = motionColumns(pair.velocity, pair.angular_velocity);
     add(row, measured - trueMotion(*truth[previous], *truth[index], pair.time_step));

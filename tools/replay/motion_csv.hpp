@@ -7,18 +7,18 @@
 
 namespace cartvo {
 
-/// `Motionestimation.csv`, the thesis' output: a row per pair, all in the cart's body axes (x forward, y
-/// left, z up), SI units.
+/// Text of `Motionestimation.csv`, the thesis' output: one row per pair, in the cart's body axes (x forward,
+/// y left, z up), SI units. Columns:
+/// - pair, time: index from 0; exposure of the left image, s
+/// - valid: 1 if the motion was measured, else 0, and the motion columns are empty
+/// - Vx, Vy, Vz: velocity of the body's origin, m/s
+/// - pitch_rate, yaw_rate, roll_rate: angular velocity about y, z and x, rad/s
+/// - x, y, z, roll, pitch, yaw: pose relative to the first pair, m and rad (R = Rz(yaw) Ry(pitch) Rx(roll))
+/// - offset_ms: right minus left exposure
+/// - features, tracked, matched, inliers: counts
 ///
-///   pair, time                         index from 0; exposure of the left image, s
-///   valid                              1 if the motion was measured, else 0; then the motion's columns are
-///   empty Vx Vy Vz                           velocity of the body's origin, m/s pitch_rate yaw_rate
-///   roll_rate      angular velocity about y, z and x, rad/s x y z roll pitch yaw               pose since
-///   the first pair, m and rad (R = Rz(yaw) Ry(pitch) Rx(roll)) offset_ms                          right
-///   minus left exposure features tracked matched inliers   counts
-///
-/// and with a truth, where it is known: error_Vx ... error_roll_rate, estimate minus truth of the columns of
-/// that name, and error_position, the distance of the pose's position from the true one, m.
+/// With `truth` (may be nullptr), where it is known: error_Vx ... error_roll_rate, estimate minus truth of
+/// the columns of that name, and error_position, distance between the estimated and the true position, m.
 std::string motionCsv(const Replay& replay, const Truth* truth);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// Creates the output folder of a replay and writes its timing file.
+
 #include "tools/replay/output_files.hpp"
 
 #include <cerrno>
@@ -14,8 +16,9 @@ OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(fol
   namespace fs = std::filesystem;
   std::error_code error;
   if (fs::exists(folder_, error) && !fs::is_directory(folder_)) {
-    throw std::runtime_error(folder_.string() +
-                             ": is not a folder; --output-dir takes one, made if it is missing");
+    throw std::runtime_error(
+        folder_.string() +
+        ": is not a folder; --output-dir needs a folder, which is created if it is missing");
   }
   std::vector<fs::path> missing;
   for (fs::path path = fs::absolute(folder_).lexically_normal(); !fs::exists(path, error) && !error;
@@ -24,19 +27,19 @@ OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(fol
   }
   fs::create_directories(folder_, error);
   if (error) {
-    throw std::runtime_error(folder_.string() + ": cannot be made: " + error.message() +
+    throw std::runtime_error(folder_.string() + ": cannot be created: " + error.message() +
                              "; choose another --output-dir");
   }
-  made_ = std::move(missing);
+  created_ = std::move(missing);
   if (::access(folder_.c_str(), W_OK | X_OK) != 0) {
-    throw std::runtime_error(folder_.string() + ": cannot be written into: " +
+    throw std::runtime_error(folder_.string() + ": is not writable: " +
                              std::generic_category().message(errno) + "; choose another --output-dir");
   }
 }
 
 OutputFolder::~OutputFolder() {
   std::error_code not_empty;
-  for (auto folder = made_.rbegin(); folder != made_.rend() && !not_empty; ++folder)
+  for (auto folder = created_.rbegin(); folder != created_.rend() && !not_empty; ++folder)
     std::filesystem::remove(*folder, not_empty);
 }
 

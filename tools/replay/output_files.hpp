@@ -8,11 +8,11 @@
 
 namespace cartvo {
 
-/// The folder that results are written into, made if it is missing; what was made for nothing, because the
-/// work failed before a file was written, is removed again.
+/// Output folder, created if it is missing. The destructor removes the folders that were created and are
+/// still empty, because the replay failed before a file was written.
 class OutputFolder {
  public:
-  /// Throws std::runtime_error if the path is something else, or nothing can be written there.
+  /// Throws std::runtime_error if the path is not a folder, or is not writable.
   explicit OutputFolder(std::filesystem::path folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -22,11 +22,11 @@ class OutputFolder {
 
  private:
   std::filesystem::path folder_;
-  std::vector<std::filesystem::path> made_;  ///< outermost first
+  std::vector<std::filesystem::path> created_;  ///< outermost first
 };
 
-/// `timing.csv`: a row per pair: `pair`, the milliseconds of each stage (`rectify_ms`, ...), `total_ms`.
-/// Reading and decoding of images are not part of it.
+/// Text of `timing.csv`, one row per pair: `pair`, processing time of each stage in ms (`rectify_ms`, ...),
+/// `total_ms`. Reading and decoding of images are not included.
 std::string timingCsv(const Replay& replay);
 
 }  // namespace cartvo

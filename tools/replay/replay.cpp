@@ -1,3 +1,5 @@
+// Replays a source through the daemon's pipeline.
+
 #include "tools/replay/replay.hpp"
 
 #include <cmath>
@@ -9,15 +11,16 @@
 #include "capture/recording_folder.hpp"
 #include "daemon/configuration.hpp"
 #include "daemon/self_check.hpp"
-#include "daemon/visual_clock.hpp"
+#include "daemon/visual_offset_estimator.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
 namespace {
 
-/// Lays the epochs of the odometry, each of which starts at the identity, one behind the other.
-class UnbrokenPath {
+/// Concatenates the epochs of the odometry, each of which starts at the identity.
+class ContinuousPath {
  public:
+  /// Returns the pose relative to the first pair.
   Eigen::Isometry3d add(const OdometryEstimate& estimate) {
     if (estimate.reset_counter != epoch_) {
       epoch_ = estimate.reset_counter;
@@ -33,23 +36,26 @@ class UnbrokenPath {
   Eigen::Isometry3d T_first_current_ = Eigen::Isometry3d::Identity();
 };
 
-/// Tells of the rig's left camera what the odometry tells of the rectified one.
-class LeftCameraView {
+/// Transforms motions and covariances from the rectified left camera to the rig's left camera.
+class RectificationInverse {
  public:
-  explicit LeftCameraView(const Eigen::Isometry3d& T_left_rectified)
+  explicit RectificationInverse(const Eigen::Isometry3d& T_left_rectified)
       : T_left_rectified_(T_left_rectified), adjoint_(adjoint(T_left_rectified)) {}
 
-  Eigen::Isometry3d of(const Eigen::Isometry3d& motion) const {
+  Eigen::Isometry3d transform(const Eigen::Isometry3d& motion) const {
     return T_left_rectified_ * motion * T_left_rectified_.inverse();
   }
-  Matrix6d of(const Matrix6d& covariance) const { return adjoint_ * covariance * adjoint_.transpose(); }
+  Matrix6d transform(const Matrix6d& covariance) const {
+    return adjoint_ * covariance * adjoint_.transpose();
+  }
 
  private:
   Eigen::Isometry3d T_left_rectified_;
   Matrix6d adjoint_;
 };
 
-ReplayedPair kept(const PairResult& result, const LeftCameraView& left, UnbrokenPath& path) {
+ReplayedPair toReplayedPair(const PairResult& result, const RectificationInverse& left,
+                            ContinuousPath& path) {
   const OdometryEstimate& estimate = result.estimate;
   ReplayedPair pair;
   pair.exposure_ns = result.left.exposure_ns;
@@ -62,21 +68,21 @@ ReplayedPair kept(const PairResult& result, const LeftCameraView& left, Unbroken
   pair.velocity = result.motion.velocity;
   pair.angular_velocity = result.motion.angular_velocity;
   pair.twist_covariance = result.motion.twist_covariance;
-  pair.T_first_left = left.of(path.add(estimate));
-  pair.T_epoch_left = left.of(estimate.T_world_camera);
-  pair.pose_covariance = left.of(estimate.pose_covariance);
-  pair.T_previous_current = left.of(estimate.T_previous_current);
-  pair.motion_covariance = left.of(estimate.motion_covariance);
+  pair.T_first_left = left.transform(path.add(estimate));
+  pair.T_epoch_left = left.transform(estimate.T_world_camera);
+  pair.pose_covariance = left.transform(estimate.pose_covariance);
+  pair.T_previous_current = left.transform(estimate.T_previous_current);
+  pair.motion_covariance = left.transform(estimate.motion_covariance);
   pair.times = result.times;
   pair.rig = estimate.rig;
   return pair;
 }
 
-Rectifier rectifierOf(const Rig& rig) {
+Rectifier buildRectifier(const Rig& rig) {
   return {rig, rig.rectification, buildTables(rig, rig.rectification)};
 }
 
-ClockChoice choiceOf(ReplayClock clock) {
+ClockChoice toClockChoice(ReplayClock clock) {
   switch (clock) {
     case ReplayClock::ntp:
       return ClockChoice::ntp;
@@ -89,21 +95,21 @@ ClockChoice choiceOf(ReplayClock clock) {
   }
 }
 
-/// How the source is opened: a recording as its configuration says.
+/// Settings to open the source with; those of a recording come from its configuration.
 SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
   SourceSettings opened;
-  opened.folder_offset_deviation_ns = 1e9 * settings.folder_offset_deviation;
+  opened.folder_offset_stddev_ns = 1e9 * settings.folder_offset_stddev;
   if (!isRecording(settings.source)) return opened;
   const std::string text = readRecordingInfo(settings.source).configuration;
   std::optional<Configuration> configuration;
   try {
     if (!text.empty()) configuration = parseConfiguration(text, settings.source / "recording.json");
   } catch (const std::runtime_error& error) {
-    problems.push_back(std::string("the recording's configuration is of no use: ") + error.what());
+    problems.push_back(std::string("the recording's configuration cannot be used: ") + error.what());
   }
   if (configuration) opened.recording_period_ns = std::llround(1e9 / configuration->frame_rate);
   if (configuration && settings.clock == ReplayClock::configured) opened.clock = configuration->clock;
-  if (settings.clock >= ReplayClock::automatic) opened.clock = choiceOf(settings.clock);
+  if (settings.clock >= ReplayClock::automatic) opened.clock = toClockChoice(settings.clock);
   return opened;
 }
 
@@ -115,26 +121,26 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
   replay.kind = source.kind;
   replay.rig = rig;
 
-  PairProcessor processor(rig.rig, rectifierOf(rig.rig), odometry);
-  const LeftCameraView left(processor.T_left_rectified());
+  PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry);
+  const RectificationInverse left(processor.T_left_rectified());
   Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
-  UnbrokenPath path;
-  VisualClock visual_clock;
+  ContinuousPath path;
+  VisualOffsetEstimator visual_offset_estimator;
   SelfCheck self_check;
   pipeline.replay({[&](const PairResult& result) {
-                     replay.pairs.push_back(kept(result, left, path));
-                     self_check.note(result.estimate);
+                     replay.pairs.push_back(toReplayedPair(result, left, path));
+                     self_check.update(result.estimate);
                      if (source.clock) {
-                       source.clock->setVisual(visual_clock.add(result.estimate.rig,
-                                                                static_cast<double>(result.applied_ns()),
-                                                                result.estimate.time_step));
+                       source.clock->setVisual(visual_offset_estimator.update(
+                           result.estimate.rig, static_cast<double>(result.applied_correction_ns()),
+                           result.estimate.time_step));
                      }
                      observer(result, source.pairs);
                    },
                    {}});
 
   replay.counts = pipeline.counts();
-  replay.self_check = self_check.sentence();
+  replay.self_check = self_check.message();
   if (source.clock) replay.clock = source.clock->status();
   for (const CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
@@ -150,7 +156,8 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
   Replay replay = replayPairs(source, rig, settings.odometry, observer);
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
-    throw std::runtime_error(settings.source.string() + ": holds no pair of images that belong together");
+    throw std::runtime_error(settings.source.string() +
+                             ": no left and right image could be paired by their timestamps");
   }
   return replay;
 }
@@ -162,7 +169,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
   VideoTiming timing;
   if (settings.video_offset) {
     timing.offset = *settings.video_offset;
-    timing.deviation = settings.folder_offset_deviation;
+    timing.stddev = settings.folder_offset_stddev;
   } else {
     timing = findVideoTiming(videos, rig.rig, progress);
   }
@@ -171,7 +178,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
   replay.timing = timing;
   if (replay.pairs.empty()) {
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +
-                             ": no two pictures belong together by their times; see to --offset-ms");
+                             ": no left and right picture could be paired by their times; check --offset-ms");
   }
   return replay;
 }

@@ -17,11 +17,11 @@
 
 namespace cartvo {
 
-/// Where a recording's instants come from.
+/// Source of a recording's timestamps.
 enum class ReplayClock : std::uint8_t {
-  configured,  ///< the clock model as live, by the recording's configuration; as recorded, if it has none
-  recorded,    ///< as they were stamped live
-  automatic,   ///< the clock model by that choice, see ClockChoice
+  configured,  ///< recomputed with the clock of the recording's configuration; without one as `recorded`
+  recorded,    ///< timestamps of the live run
+  automatic,   ///< recomputed with this ClockChoice, as are the following
   ntp,
   arrival,
   visual,
@@ -29,77 +29,77 @@ enum class ReplayClock : std::uint8_t {
 
 struct ReplaySettings {
   std::filesystem::path source;
-  std::filesystem::path right_video;   ///< empty, or the right camera's; then `source` is the left camera's
-  std::optional<double> video_offset;  ///< s, added to the right video's times; nothing: by the pictures
-  std::filesystem::path rig;           ///< empty: found beside the source
+  std::filesystem::path right_video;  ///< video of the right camera; `source` is then the left camera's
+  std::optional<double>
+      video_offset;           ///< s, added to the right video's times; empty: estimated from the images
+  std::filesystem::path rig;  ///< empty: searched in the source's folder
   OdometrySettings odometry;
-  double folder_offset_deviation = 0.0;  ///< s, of the pairs' offsets in a folder of images
+  double folder_offset_stddev = 0.0;  ///< s, of the time offsets of pairs in an image folder
   ReplayClock clock = ReplayClock::configured;
 };
 
-/// What is kept of one pair.
+/// Result of one pair.
 struct ReplayedPair {
   std::int64_t exposure_ns = 0;  ///< of the left image
   std::int64_t offset_ns = 0;
   bool valid = false;
   OdometryReasons reasons;
   std::uint32_t reset_counter = 0;
-  double time_step = 0.0;  ///< s since the pair that the motion is measured from; 0 if not valid
+  double time_step = 0.0;  ///< s, duration of the motion; 0 if not valid
   FeatureCounts counts;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as BodyMotion's; NaN if not valid
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as BodyMotion's; NaN if not valid
-  Matrix6d twist_covariance = Matrix6d::Zero();                ///< as BodyMotion's; NaN if not valid
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as in BodyMotion; NaN if not valid
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as in BodyMotion; NaN if not valid
+  Matrix6d twist_covariance = Matrix6d::Zero();                ///< as in BodyMotion; NaN if not valid
 
-  // Velocities and their covariances are as published, with the rig's scale_deviation in them; what follows
-  // is the odometry's own, without it.
-  // Of the rig's left camera, in its own axes: what OdometryEstimate says of the rectified one, whose
-  // rotation is undone. Covariances are perturbations on the right, in the axes of the current camera.
-  /// Pose since the first pair, across epochs.
+  // The velocities and their covariance are as published and include the rig's scale uncertainty; the
+  // following covariances do not. Poses and motions are those of the rig's left camera, in its own axes:
+  // OdometryEstimate without the rotation of the rectification. Covariances are those of right perturbations,
+  // in the axes of the current camera.
+  /// Pose relative to the first pair, across epochs.
   Eigen::Isometry3d T_first_left = Eigen::Isometry3d::Identity();
-  /// Pose since the epoch began, and its covariance.
+  /// Pose relative to the start of the epoch, and its covariance.
   Eigen::Isometry3d T_epoch_left = Eigen::Isometry3d::Identity();
   Matrix6d pose_covariance = Matrix6d::Zero();
-  /// Motion in `time_step`; identity if not valid. And its covariance; zero if not valid.
+  /// Motion in `time_step` (identity if not valid) and its covariance (zero if not valid).
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
   StageTimes times;
-  std::optional<RigCheck> rig;
+  std::optional<RigCalibrationError> rig;
 };
 
-/// A source as the pipeline saw it. Where the pose began anew after a loss, the new epoch goes on from the
-/// last pose known, and a pair without an estimate repeats it, so that there is one unbroken path.
+/// Result of a replay. After a loss of tracking the new epoch continues from the last known pose, and a pair
+/// without an estimate repeats it, so that the path is continuous.
 struct Replay {
   SourceKind kind = SourceKind::kitti;
   FoundRig rig;
   std::vector<ReplayedPair> pairs;
   PipelineCounts counts;
-  std::optional<VideoTiming> timing;  ///< of two videos
-  std::optional<ClockStatus> clock;   ///< of a recording that was stamped anew, at its end
-  std::string self_check;             ///< what to mend between the cameras, as at the end; empty: all is well
-  std::vector<std::string> problems;  ///< what the sources said of themselves (a recording cut short)
+  std::optional<VideoTiming> timing;  ///< for two videos
+  std::optional<ClockStatus> clock;   ///< final state, for a recording with recomputed timestamps
+  std::string self_check;             ///< SelfCheck::message at the end; empty: no fault
+  std::vector<std::string> problems;  ///< errors of the sources (for example a truncated recording)
 };
 
-/// Is told of each pair as it was processed, and how many are expected (0: unknown).
+/// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
 using ReplayObserver = std::function<void(const PairResult& result, std::size_t expected)>;
 
-/// Runs the daemon's pipeline over a source, each pair in turn, none dropped for time. Throws what the rig or
-/// the settings are refused for.
+/// Processes all pairs of a source with the daemon's pipeline. Throws if the rig or the settings are invalid.
 Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySettings& odometry,
                    const ReplayObserver& observer);
 
-/// The same over a source on disk. Throws what the source, the rig or the settings are refused for, also if
-/// no pair of its images belongs together.
+/// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
+/// be paired.
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer);
 
-/// The same of two videos: `settings.source` and `settings.right_video`.
+/// Processes two videos, `settings.source` and `settings.right_video`.
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer);
 
 /// Poses of the left camera, in its own axes, relative to the first pair's.
 Trajectory leftCameraTrajectory(const Replay& replay);
 
-/// Poses of the cart's body, relative to the first pair's. A pair that is not later than the one before (the
-/// camera's clock was set back) has none.
+/// Poses of the cart's body, relative to the first pair's. Omits pairs that are not later than the previous
+/// one (the camera's clock was set back).
 Trajectory bodyTrajectory(const Replay& replay);
 
 }  // namespace cartvo

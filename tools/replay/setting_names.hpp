@@ -11,15 +11,15 @@
 
 namespace cartvo {
 
-/// What the command line and results call the estimators; cartvod's configuration uses the same names.
+/// Names of the estimators on the command line and in results, as in cartvod's configuration.
 inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorNames{
     {{Estimator::reprojection, "reprojection"}, {Estimator::thesis, "thesis"}}};
 
-/// And what is done about a rig that is not as calibrated.
+/// Names of the choices for the online refinement of the rig calibration.
 inline constexpr std::array<std::pair<RigRefinement, const char*>, 2> kRigRefinementNames{
     {{RigRefinement::off, "off"}, {RigRefinement::correct, "correct"}}};
 
-/// And where a recording's instants come from.
+/// Names of the timestamp sources.
 inline constexpr std::array<std::pair<ReplayClock, const char*>, 6> kReplayClockNames{
     {{ReplayClock::configured, "configured"},
      {ReplayClock::recorded, "recorded"},
@@ -51,7 +51,7 @@ std::vector<std::string> listOf(const Names& names) {
 inline std::string estimatorName(Estimator estimator) {
   return nameIn(kEstimatorNames, estimator);
 }
-/// `name` must be one of `estimatorNames`.
+/// `name` must be in `estimatorNames`.
 inline Estimator estimatorNamed(const std::string& name) {
   return valueIn(kEstimatorNames, name);
 }
@@ -62,7 +62,7 @@ inline std::vector<std::string> estimatorNames() {
 inline std::string rigRefinementName(RigRefinement refinement) {
   return nameIn(kRigRefinementNames, refinement);
 }
-/// `name` must be one of `rigRefinementNames`.
+/// `name` must be in `rigRefinementNames`.
 inline RigRefinement rigRefinementNamed(const std::string& name) {
   return valueIn(kRigRefinementNames, name);
 }
@@ -73,7 +73,7 @@ inline std::vector<std::string> rigRefinementNames() {
 inline std::string replayClockName(ReplayClock clock) {
   return nameIn(kReplayClockNames, clock);
 }
-/// `name` must be one of `replayClockNames`.
+/// `name` must be in `replayClockNames`.
 inline ReplayClock replayClockNamed(const std::string& name) {
   return valueIn(kReplayClockNames, name);
 }

@@ -1,3 +1,5 @@
+// Finds the rig of a source.
+
 #include "tools/replay/source_rig.hpp"
 
 #include <stdexcept>
@@ -12,7 +14,7 @@
 namespace cartvo {
 namespace {
 
-/// KITTI's calib.txt does not say how large the images are; the first one does.
+/// Size of the first image, px: KITTI's calib.txt does not contain the image size.
 cv::Size firstImageSize(const std::filesystem::path& folder) {
   return readGreyImage(readImageFolder(folder).left.images.front()).size();
 }
@@ -34,10 +36,9 @@ FoundRig findRig(const StereoSource& source, const std::filesystem::path& path,
   if (!source.calib_file.empty()) {
     return {readKittiRig(source.calib_file, firstImageSize(path)), source.calib_file.string()};
   }
-  throw std::runtime_error(
-      path.string() +
-      ": nothing says what the cameras are. Give --rig FILE, or put a rig.yaml (cartvo's own or "
-      "OpenCV's K1 D1 K2 D2 R T image_size) or KITTI's calib.txt into the folder");
+  throw std::runtime_error(path.string() +
+                           ": no rig file found. Give --rig FILE, or put a rig.yaml (cartvo's own or "
+                           "OpenCV's K1 D1 K2 D2 R T image_size) or KITTI's calib.txt into the folder");
 }
 
 }  // namespace cartvo

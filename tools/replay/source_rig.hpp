@@ -8,14 +8,15 @@
 
 namespace cartvo {
 
-/// A rig and where it was found.
+/// A rig and its origin.
 struct FoundRig {
   Rig rig;
   std::string origin;  ///< a file, or "SOURCE/recording.json"
 };
 
-/// The rig of a source: `given` if it is not empty, else what lies beside the images: rig.yaml, a recording's
-/// own rig, EuRoC's sensor.yaml, KITTI's calib.txt. Throws std::runtime_error that lists what was looked for.
+/// Finds the rig of a source: the file `given` if it is not empty, otherwise rig.yaml in the source's folder,
+/// the rig in a recording, EuRoC's sensor.yaml, or KITTI's calib.txt. Throws std::runtime_error that lists
+/// the expected files.
 FoundRig findRig(const StereoSource& source, const std::filesystem::path& path,
                  const std::filesystem::path& given);
 

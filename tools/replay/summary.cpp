@@ -1,3 +1,5 @@
+// Builds the JSON summary of a replay.
+
 #include "tools/replay/summary.hpp"
 
 #include <algorithm>
@@ -91,7 +93,7 @@ Json framesJson(const PipelineCounts& counts) {
           {"dropped_clock", counts.dropped_clock}};
 }
 
-/// Of the pairs after the first, which has nothing to compare with.
+/// Statistics over the pairs after the first one, which has no motion.
 template <typename Value>
 Json timesJson(const Replay& replay, Value value) {
   std::vector<double> milliseconds;
@@ -109,19 +111,20 @@ Json timesJson(const Replay& replay) {
   json["total"] = timesJson(replay, [](const StageTimes& times) { return times.total; });
   for (int i = 0; i < kStageCount; ++i) {
     const auto stage = static_cast<Stage>(i);
-    json[stageName(stage)] = timesJson(replay, [stage](const StageTimes& times) { return times.of(stage); });
+    json[stageName(stage)] =
+        timesJson(replay, [stage](const StageTimes& times) { return times.stage(stage); });
   }
   return json;
 }
 
-/// As of the last pair that tells of it; null if none does.
+/// Rig calibration errors of the last pair that has them; null if none has.
 Json selfCheckJson(const Replay& replay) {
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
   if (last == replay.pairs.rend()) return nullptr;
-  const RigCheck& rig = *last->rig;
-  const auto scaled = [](const Checked& checked, double unit) -> Json {
-    return {{"value", checked.value * unit}, {"deviation", checked.deviation * unit}};
+  const RigCalibrationError& rig = *last->rig;
+  const auto scaled = [](const EstimateWithStddev& checked, double unit) -> Json {
+    return {{"value", checked.value * unit}, {"deviation", checked.stddev * unit}};
   };
   constexpr double kDegrees = 180.0 / 3.14159265358979323846;
   return {{"right_late_ms", scaled(rig.delay, 1e3)},
@@ -130,17 +133,17 @@ Json selfCheckJson(const Replay& replay) {
           {"right_roll_deg", scaled(rig.roll, kDegrees)}};
 }
 
-/// How a recording was stamped; null for other sources.
+/// Source of a recording's timestamps; null for other sources.
 Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   if (replay.kind != SourceKind::recording) return nullptr;
   Json json;
   json["choice"] = replayClockName(settings.clock);
   json["stamped_anew"] = replay.clock.has_value();
   if (!replay.clock) return json;
-  const auto milliseconds = [](const std::optional<ClockWitness>& witness) -> Json {
-    return witness ? Json(1e-6 * witness->value_ns) : Json(nullptr);
+  const auto milliseconds = [](const std::optional<OffsetEstimate>& estimate) -> Json {
+    return estimate ? Json(1e-6 * estimate->value_ns) : Json(nullptr);
   };
-  json["deviation_ms"] = 1e-6 * replay.clock->offset.deviation_ns;
+  json["deviation_ms"] = 1e-6 * replay.clock->offset.stddev_ns;
   json["offset_beyond_arrival_ms"] = 1e-6 * replay.clock->offset.value_ns;
   json["by_reports_ms"] = milliseconds(replay.clock->ntp);
   json["by_pictures_ms"] = milliseconds(replay.clock->visual);
@@ -148,12 +151,12 @@ Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   return json;
 }
 
-/// How two videos' times belong together; null for other sources.
+/// Time offset of two videos; null for other sources.
 Json timingJson(const Replay& replay) {
   if (!replay.timing) return nullptr;
   const VideoTiming& timing = *replay.timing;
   return {{"offset_ms", 1e3 * timing.offset},
-          {"deviation_ms", 1e3 * timing.deviation},
+          {"deviation_ms", 1e3 * timing.stddev},
           {"skew_ppm", 1e6 * timing.skew},
           {"found_by", timing.found_by},
           {"agreement", timing.agreement ? Json(*timing.agreement) : Json(nullptr)}};

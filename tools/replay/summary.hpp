@@ -6,8 +6,8 @@
 
 namespace cartvo {
 
-/// What a replay was and what came of it: source, rig, estimator, pairs (valid, invalid by reason and by
-/// index), what became of the frames, times per pair, path length, versions.
+/// Summary of a replay as JSON: source, rig, estimator, pairs (valid, invalid by reason and by index),
+/// dropped frames, processing times, path length, versions. `replay.pairs` must not be empty.
 nlohmann::ordered_json replaySummary(const ReplaySettings& settings, const Replay& replay);
 
 }  // namespace cartvo

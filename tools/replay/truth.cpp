@@ -1,3 +1,5 @@
+// Reads the true poses at the pairs of a replay.
+
 #include "tools/replay/truth.hpp"
 
 #include <stdexcept>
@@ -46,7 +48,7 @@ Truth readTruth(const std::filesystem::path& file, const Replay& replay) {
   if (rows.size() != replay.pairs.size()) {
     throw std::runtime_error(file.string() + ": has " + std::to_string(rows.size()) + " poses for " +
                              std::to_string(replay.pairs.size()) +
-                             " pairs; KITTI rows have no instants, so there must be one for each pair");
+                             " pairs; KITTI rows have no times, so there must be one row for each pair");
   }
   return fromCameraRows(rows, replay.rig.rig.T_body_camera);
 }

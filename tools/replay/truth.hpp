@@ -9,13 +9,13 @@
 
 namespace cartvo {
 
-/// True poses of the cart's body at each pair of a replay, relative to the first one that is known; nothing
-/// where the truth says nothing.
+/// True poses of the cart's body at each pair of a replay, relative to the first known one; empty where the
+/// truth is unknown.
 using Truth = std::vector<std::optional<Eigen::Isometry3d>>;
 
-/// Reads the truth of a replay: KITTI rows are poses of the left camera, a row per pair; TUM rows are poses
-/// of the body, interpolated at each pair's instant. Throws std::runtime_error naming the file, also if
-/// KITTI's rows are not as many as the pairs.
+/// Reads the truth of a replay: KITTI rows are poses of the left camera, one row per pair; TUM rows are poses
+/// of the body, interpolated at each pair's instant. Throws std::runtime_error naming the file, also if the
+/// number of KITTI rows is not the number of pairs.
 Truth readTruth(const std::filesystem::path& file, const Replay& replay);
 
 }  // namespace cartvo

@@ -1,3 +1,5 @@
+// Opens two videos as a stereo source and estimates their time offset.
+
 #include "tools/replay/video_pair.hpp"
 
 #include <algorithm>
@@ -11,14 +13,14 @@
 namespace cartvo {
 namespace {
 
-constexpr double kLivelyPart = 15.0;  // s: the odometry's own memory of a delay is 10 s
-constexpr int kRounds = 3;            // large delays are found too small (daemon/visual_clock.hpp)
-constexpr double kUseful = 3e-3;      // s: a deviation beyond it tells no more than the image motion
-constexpr double kShort = 0.1;        // of a delay, by which it may be found too small
-constexpr double kMostRefined = 0.1;  // s: the image motion is not off by more
+constexpr double kRefinementDuration = 15.0;  // s; the odometry averages the time offset over 10 s
+constexpr int kMaxIterations = 3;  // large offsets are underestimated (daemon/visual_offset_estimator.cpp)
+constexpr double kMaxOdometryStddev = 3e-3;  // s; above it the odometry adds nothing to the image motion
+constexpr double kUnderestimate = 0.1;       // fraction by which the odometry may underestimate an offset
+constexpr double kMaxCorrection = 0.1;       // s; larger than any error of the image motion
 
-/// The part of that length in which the picture moved most.
-VideoPart liveliestPart(const ImageMotion& motion, double length) {
+/// Part of the video, `length` s long, in which the image moved most.
+VideoPart partWithMostMotion(const ImageMotion& motion, double length) {
   std::vector<double> travelled(motion.times.size(), 0.0);
   for (std::size_t i = 1; i < motion.times.size(); ++i)
     travelled[i] = travelled[i - 1] + cv::norm(motion.positions[i] - motion.positions[i - 1]);
@@ -34,54 +36,56 @@ VideoPart liveliestPart(const ImageMotion& motion, double length) {
   return {motion.times[best], motion.times[best] + length};
 }
 
-/// What the odometry says the right camera is late by; nothing if it does not tell.
-std::optional<Checked> delayByOdometry(const VideoPair& videos, const VideoTiming& timing,
-                                       const VideoPart& part, const Rig& rig) {
+/// Remaining time offset estimated by the odometry; empty if it is too uncertain.
+std::optional<EstimateWithStddev> remainingOffsetByOdometry(const VideoPair& videos,
+                                                            const VideoTiming& timing, const VideoPart& part,
+                                                            const Rig& rig) {
   StereoSource source = openVideos(videos, timing, part);
   const Replay replay =
       replayPairs(source, {rig, ""}, OdometrySettings{}, [](const PairResult&, std::size_t) {});
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
-  if (last == replay.pairs.rend() || last->rig->delay.deviation > kUseful) return std::nullopt;
+  if (last == replay.pairs.rend() || last->rig->delay.stddev > kMaxOdometryStddev) return std::nullopt;
   return last->rig->delay;
 }
 
-/// The offset by the odometry over that part, with its standard deviation; nothing if it does not tell.
-std::optional<Checked> offsetByOdometry(const VideoPair& videos, VideoTiming timing, const VideoPart& part,
-                                        const Rig& rig) {
+/// Offset estimated by the odometry over `part`, with its standard deviation; empty if it is too uncertain.
+std::optional<EstimateWithStddev> offsetByOdometry(const VideoPair& videos, VideoTiming timing,
+                                                   const VideoPart& part, const Rig& rig) {
   const double before = timing.offset;
-  std::optional<Checked> found;
-  for (int round = 0; round < kRounds; ++round) {
-    const std::optional<Checked> delay = delayByOdometry(videos, timing, part, rig);
-    if (!delay || std::abs(timing.offset + delay->value - before) > kMostRefined) return std::nullopt;
+  std::optional<EstimateWithStddev> found;
+  for (int round = 0; round < kMaxIterations; ++round) {
+    const std::optional<EstimateWithStddev> delay = remainingOffsetByOdometry(videos, timing, part, rig);
+    if (!delay || std::abs(timing.offset + delay->value - before) > kMaxCorrection) return std::nullopt;
     timing.offset += delay->value;
-    found = Checked{timing.offset, std::hypot(delay->deviation, kShort * delay->value)};
-    if (std::abs(delay->value) < delay->deviation) break;
+    found = EstimateWithStddev{timing.offset, std::hypot(delay->stddev, kUnderestimate * delay->value)};
+    if (std::abs(delay->value) < delay->stddev) break;
   }
   return found;
 }
 
-/// The mean of both witnesses by their variances; less certain where they disagree.
+/// Combines image motion and odometry weighted by their inverse variances; the standard deviation grows if
+/// they disagree.
 void refine(const VideoPair& videos, const VideoPart& part, const Rig& rig, VideoTiming& timing) {
-  const std::optional<Checked> odometry = offsetByOdometry(videos, timing, part, rig);
+  const std::optional<EstimateWithStddev> odometry = offsetByOdometry(videos, timing, part, rig);
   if (!odometry) return;
-  const double of_motion = 1.0 / (timing.deviation * timing.deviation);
-  const double of_odometry = 1.0 / (odometry->deviation * odometry->deviation);
+  const double motion_weight = 1.0 / (timing.stddev * timing.stddev);
+  const double odometry_weight = 1.0 / (odometry->stddev * odometry->stddev);
   const double difference = odometry->value - timing.offset;
-  const double chi_square = difference * difference / (1.0 / of_motion + 1.0 / of_odometry);
-  const double combined = std::sqrt(std::max(chi_square, 1.0) / (of_motion + of_odometry));
-  timing.offset += difference * of_odometry / (of_motion + of_odometry);
-  // The part tells of its own time; elsewhere the skew's uncertainty stays.
-  timing.deviation = timing.skew != 0.0 ? std::max(combined, timing.deviation) : combined;
+  const double chi_square = difference * difference / (1.0 / motion_weight + 1.0 / odometry_weight);
+  const double combined = std::sqrt(std::max(chi_square, 1.0) / (motion_weight + odometry_weight));
+  timing.offset += difference * odometry_weight / (motion_weight + odometry_weight);
+  // The odometry improves the offset during `part` only; elsewhere the uncertainty of the skew remains.
+  timing.stddev = timing.skew != 0.0 ? std::max(combined, timing.stddev) : combined;
   timing.found_by = "image motion and odometry";
 }
 
 }  // namespace
 
 StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part) {
-  const double each = timing.deviation / std::sqrt(2.0);
+  const double each = timing.stddev / std::sqrt(2.0);
   VideoFileTime left_time;
-  left_time.deviation = each;
+  left_time.stddev = each;
   left_time.from = part.from;
   left_time.to = part.to;
   left_time.origin_ns = VideoFileSource(videos.left, {}).creationNs();
@@ -107,11 +111,11 @@ VideoTiming findVideoTiming(const VideoPair& videos, const Rig& rig, const Video
   const std::size_t expected = left.expectedPictures() + right.expectedPictures();
   std::size_t pictures = 0;
   const auto count = [&] { progress(++pictures, expected); };
-  const ImageMotion left_motion = motionOf(left, count);
-  const ImageMotion right_motion = motionOf(right, count);
-  const PictureOffset found = findOffset(left_motion, right_motion);
-  VideoTiming timing{found.offset, found.skew, found.deviation, "image motion", found.agreement};
-  refine(videos, liveliestPart(left_motion, kLivelyPart), rig, timing);
+  const ImageMotion left_motion = measureImageMotion(left, count);
+  const ImageMotion right_motion = measureImageMotion(right, count);
+  const PictureOffset found = findPictureOffset(left_motion, right_motion);
+  VideoTiming timing{found.offset, found.skew, found.stddev, "image motion", found.agreement};
+  refine(videos, partWithMostMotion(left_motion, kRefinementDuration), rig, timing);
   return timing;
 }
 

@@ -1,3 +1,5 @@
+// Draws diagrams as SVG.
+
 #include "tools/report/diagram.hpp"
 
 #include <algorithm>
@@ -15,7 +17,7 @@ std::string format(const char* pattern, auto... values) {
   return text;
 }
 
-/// Maps values to the pixels of a diagram's frame.
+/// Maps values to pixels inside a diagram's frame.
 struct Axes {
   const Diagram& frame;
   double x_low = 0.0, x_high = 1.0;
@@ -30,8 +32,8 @@ struct Axes {
         y_high = std::max(y_high, point.y);
       }
     }
-    constexpr double kLeast = 1e-6;
-    y_low = std::pow(10.0, std::floor(std::log10(std::max(y_low, kLeast))));
+    constexpr double kMinValue = 1e-6;
+    y_low = std::pow(10.0, std::floor(std::log10(std::max(y_low, kMinValue))));
     y_high = std::pow(10.0, std::ceil(std::log10(std::max(y_high, 1.01 * y_low))));
   }
 

@@ -1,4 +1,4 @@
-// Tables for terminals and documents.
+// Formats tables as text and Markdown.
 #include "tools/report/table.hpp"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace cartvo {
 namespace {
 
-/// Characters, not bytes: continuation bytes of UTF-8 take no place.
+/// Number of characters: does not count continuation bytes of UTF-8.
 std::size_t width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -34,8 +34,8 @@ std::string line(const std::vector<std::string>& cells, const std::vector<std::s
 
 void Table::add(std::vector<std::string> row) {
   if (row.size() != header_.size()) {
-    throw std::invalid_argument("a row of " + std::to_string(row.size()) + " cells in a table of " +
-                                std::to_string(header_.size()) + " columns");
+    throw std::invalid_argument("Table::add: a row of " + std::to_string(row.size()) +
+                                " cells in a table of " + std::to_string(header_.size()) + " columns");
   }
   rows_.push_back(std::move(row));
 }
@@ -43,7 +43,7 @@ void Table::add(std::vector<std::string> row) {
 std::vector<std::size_t> Table::widths() const {
   std::vector<std::size_t> widths;
   for (std::size_t column = 0; column < header_.size(); ++column) {
-    widths.push_back(std::max<std::size_t>(3, width(header_[column])));  // Markdown's rule takes three
+    widths.push_back(std::max<std::size_t>(3, width(header_[column])));  // a Markdown rule needs three
     for (const std::vector<std::string>& row : rows_)
       widths.back() = std::max(widths.back(), width(row[column]));
   }

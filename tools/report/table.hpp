@@ -8,24 +8,24 @@ namespace cartvo {
 
 enum class ReportFormat : std::uint8_t { text, markdown, json };
 
-/// What stands in a cell whose value does not apply or is not known.
+/// Text of a cell whose value does not apply or is unknown.
 inline constexpr const char* kNoValue = "–";
 
-/// Rows of text under a header, UTF-8.
+/// Table of UTF-8 text with a header.
 class Table {
  public:
   explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
 
-  /// Throws std::invalid_argument unless there is a cell for each column.
+  /// Adds a row. Throws std::invalid_argument unless it has one cell for each column.
   void add(std::vector<std::string> row);
 
-  /// Columns aligned: the first to the left, the others to the right.
+  /// Text with aligned columns: the first to the left, the others to the right.
   std::string text() const;
 
-  /// GitHub's Markdown, aligned in the source as well.
+  /// GitHub's Markdown, also aligned in its source text.
   std::string markdown() const;
 
-  /// Either of the two; not for JSON.
+  /// Text or Markdown; not for JSON.
   std::string as(ReportFormat format) const;
 
  private:
@@ -35,10 +35,10 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// printf's %.*f.
+/// Formats like printf's %.*f.
 std::string fixed(double value, int decimals);
 
-/// Three significant digits, without an exponent where that is not needed: 0.0123, 1.23, 123.
+/// Formats with three significant digits without an exponent: 0.0123, 1.23, 123.
 std::string significant(double value);
 
 }  // namespace cartvo

@@ -1,4 +1,4 @@
-// Two simulated cameras that see one drive.
+// Runs two simulated cameras that show one drive on a common clock.
 #include "tools/simulate/camera_pair_simulation.hpp"
 
 #include <algorithm>
@@ -15,8 +15,9 @@ std::int64_t nowNs() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// One turn of the content, the same for both cameras: their offset is the same in each turn.
-std::int64_t turnNs(const EncodedPair& streams) {
+// Period of the repeated content, ns: the same for both cameras, so that their time offset is the same in
+// each repetition.
+std::int64_t contentPeriodNs(const EncodedPair& streams) {
   const auto span = [](const EncodedStream& stream) {
     return stream.units.back().instant_ns - stream.units.front().instant_ns +
            std::llround(1e9 / stream.frame_rate);
@@ -32,7 +33,7 @@ SimulatedCameraSettings cameraSettings(const CameraPairSettings& settings, const
           .password = settings.password,
           .switched_on_ns = switched_on_ns,
           .latency = settings.latency,
-          .repeat_after_ns = settings.end == ContentEnd::repeat ? turnNs(streams) : 0};
+          .repeat_after_ns = settings.end == ContentEnd::repeat ? contentPeriodNs(streams) : 0};
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ void CameraPairSimulation::update() {
   if (epoch_ns_) return;
   const bool watched = left_.playingClients() > 0 && right_.playingClients() > 0;
   if (settings_.start == ContentStart::when_watched && !watched) return;
-  epoch_ns_ = frameInstantFrom(switched_on_ns_, frame_rate_, nowNs() + settings_.lead_in.count());
+  epoch_ns_ = nextFrameInstant(switched_on_ns_, frame_rate_, nowNs() + settings_.lead_in.count());
   left_.startContent(*epoch_ns_);
   right_.startContent(*epoch_ns_);
 }

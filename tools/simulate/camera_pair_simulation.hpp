@@ -11,50 +11,52 @@
 
 namespace cartvo::simulate {
 
-/// When the content begins.
+/// Condition for the start of the content.
 enum class ContentStart : std::uint8_t {
-  at_once,       ///< a lead-in after the cameras are switched on
-  when_watched,  ///< a lead-in after both cameras are being played
+  at_once,       ///< one lead-in after the cameras are switched on
+  when_watched,  ///< one lead-in after clients play both cameras
 };
 
-/// What comes after the content.
+/// Behaviour at the end of the content.
 enum class ContentEnd : std::uint8_t { stop, repeat };
 
+/// Address and port of a camera's RTSP server.
 struct Endpoint {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;  ///< 0: one that is free
+  std::uint16_t port = 0;  ///< 0: any free port
 };
 
-/// ADDRESS:PORT. Throws std::invalid_argument naming the text.
+/// Parses ADDRESS:PORT. Throws std::invalid_argument that quotes the text.
 Endpoint parseEndpoint(const std::string& text);
 
+/// Settings of the two simulated cameras.
 struct CameraPairSettings {
   Endpoint left{.port = 8554};
   Endpoint right{.port = 8555};
   std::string user = "admin";
   std::string password;
-  /// The first pictures stand still this long, so that receivers have their first key frame and sender
-  /// report.
+  /// The lead-in shows the first picture for this long, so that receivers get a key frame and a sender report
+  /// first.
   std::chrono::nanoseconds lead_in = std::chrono::seconds(3);
-  std::chrono::nanoseconds latency{0};  ///< from a picture's exposure to its sending
+  std::chrono::nanoseconds latency{0};  ///< from the exposure of a picture to its sending
   ContentStart start = ContentStart::at_once;
   ContentEnd end = ContentEnd::stop;
 };
 
-/// The two simulated cameras on one clock: content instant 0 is the same moment for both.
+/// Two simulated cameras on one clock: content instant 0 is the same system time for both.
 class CameraPairSimulation {
  public:
-  /// Both cameras send from now on. Throws what SimulatedCamera throws.
+  /// Starts both cameras, which send at once. Throws what SimulatedCamera throws.
   CameraPairSimulation(const std::shared_ptr<const EncodedPair>& streams, const CameraPairSettings& settings);
 
-  /// To be called some ten times a second: starts the content when its time has come.
+  /// Starts the content when its start condition holds; to be called about ten times a second.
   void update();
 
-  /// The instant of content time 0 (ns since the Unix epoch), once it is known.
+  /// System time of content instant 0, ns since the Unix epoch; none before the content is started.
   std::optional<std::int64_t> epoch() const { return epoch_ns_; }
 
-  /// Whether both cameras have sent all their content.
-  bool finished() const { return left_.finished() && right_.finished(); }
+  /// Whether both cameras have sent all of their content.
+  bool isFinished() const { return left_.isFinished() && right_.isFinished(); }
 
   const SimulatedCamera& left() const { return left_; }
   const SimulatedCamera& right() const { return right_; }

@@ -1,4 +1,4 @@
-// Hands the simulated camera's pictures to the pipelines of its clients.
+// Feeds the pictures of a simulated camera to the GStreamer pipelines of its clients.
 #include "tools/simulate/client_feeds.hpp"
 
 #include <utility>
@@ -10,11 +10,11 @@
 namespace cartvo::simulate {
 namespace {
 
-constexpr guint64 kMostQueuedBytes = 4'000'000;  // per client; some seconds of video
+constexpr guint64 kMaxQueuedBytes = 4'000'000;  // per client: several seconds of video
 
 using SharedFeeds = std::shared_ptr<ClientFeeds>;
 
-// Connects a signal to a callback that gets a SharedFeeds*, which lives as long as the connection.
+// Connects a signal to a callback whose data is a SharedFeeds*, which lives as long as the connection.
 void connect(gpointer object, const char* signal, GCallback callback, SharedFeeds feeds) {
   g_signal_connect_data(
       object, signal, callback, new SharedFeeds(std::move(feeds)),
@@ -26,7 +26,7 @@ GstBuffer* wrap(const std::shared_ptr<const EncodedStream>& stream, const Access
                 std::int64_t instant_ns) {
   using Owner = std::shared_ptr<const EncodedStream>;
   const auto bytes = stream->data(unit);
-  // GStreamer takes a pointer to non-const, but does not write into read-only memory.
+  // The interface needs a pointer to non-const; GStreamer does not write into read-only memory.
   GstBuffer* buffer = gst_buffer_new_wrapped_full(
       GST_MEMORY_FLAG_READONLY, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), 0, bytes.size(),
       new Owner(stream), [](gpointer owner) { delete static_cast<Owner*>(owner); });
@@ -35,10 +35,10 @@ GstBuffer* wrap(const std::shared_ptr<const EncodedStream>& stream, const Access
   return buffer;
 }
 
-// A client whose pipeline has nothing to send yet waits for its first picture, and the server's loop with it:
-// an end of stream would not wake it, an error does.
-void end(GstElement* source, bool begun) {
-  if (begun) {
+// Ends a client's pipeline. A pipeline without a first picture still blocks the server's loop in its
+// preparation; an end of stream would not unblock it, an error does.
+void end(GstElement* source, bool has_sent_picture) {
+  if (has_sent_picture) {
     gst_app_src_end_of_stream(GST_APP_SRC(source));
   } else {
     GST_ELEMENT_ERROR(source, RESOURCE, NOT_FOUND, ("the camera has no more pictures"), (nullptr));
@@ -47,7 +47,7 @@ void end(GstElement* source, bool begun) {
 
 }  // namespace
 
-void ClientFeeds::watch(GstRTSPClient* client) {
+void ClientFeeds::addClient(GstRTSPClient* client) {
   using Request = void (*)(GstRTSPClient*, GstRTSPContext*, gpointer);
   const Request played = [](GstRTSPClient* from, GstRTSPContext*, gpointer feeds) {
     (*static_cast<SharedFeeds*>(feeds))->setPlaying(from);
@@ -63,11 +63,11 @@ void ClientFeeds::watch(GstRTSPClient* client) {
   connect(client, "closed", G_CALLBACK(closed), shared_from_this());
 }
 
-void ClientFeeds::add(GstRTSPMedia* media) {
+void ClientFeeds::addMedia(GstRTSPMedia* media) {
   const GPointer<GstElement> element(gst_rtsp_media_get_element(media));
   GPointer<GstElement> source(gst_bin_get_by_name(GST_BIN(element.get()), "source"));
   const auto unprepared =
-      +[](GstRTSPMedia* gone, gpointer feeds) { (*static_cast<SharedFeeds*>(feeds))->remove(gone); };
+      +[](GstRTSPMedia* gone, gpointer feeds) { (*static_cast<SharedFeeds*>(feeds))->removeMedia(gone); };
   connect(media, "unprepared", G_CALLBACK(unprepared), shared_from_this());
 
   const std::lock_guard lock(mutex_);
@@ -75,7 +75,7 @@ void ClientFeeds::add(GstRTSPMedia* media) {
   feeds_.push_back({.media = media, .source = std::move(source)});
 }
 
-void ClientFeeds::remove(const GstRTSPMedia* media) {
+void ClientFeeds::removeMedia(const GstRTSPMedia* media) {
   const std::lock_guard lock(mutex_);
   std::erase_if(feeds_, [media](const Feed& feed) { return feed.media == media; });
 }
@@ -90,7 +90,7 @@ void ClientFeeds::setStopped(const GstRTSPClient* client) {
   playing_.erase(client);
 }
 
-int ClientFeeds::playing() const {
+int ClientFeeds::playingCount() const {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(playing_.size());
 }
@@ -99,11 +99,11 @@ void ClientFeeds::send(const std::shared_ptr<const EncodedStream>& stream, const
                        std::int64_t instant_ns) {
   const std::lock_guard lock(mutex_);
   for (Feed& feed : feeds_) {
-    if (!feed.running && !unit.key_frame) continue;
+    if (!feed.is_streaming && !unit.key_frame) continue;
     auto* source = GST_APP_SRC(feed.source.get());
-    feed.running = gst_app_src_get_current_level_bytes(source) + unit.size <= kMostQueuedBytes &&
-                   gst_app_src_push_buffer(source, wrap(stream, unit, instant_ns)) == GST_FLOW_OK;
-    feed.begun = feed.begun || feed.running;
+    feed.is_streaming = gst_app_src_get_current_level_bytes(source) + unit.size <= kMaxQueuedBytes &&
+                        gst_app_src_push_buffer(source, wrap(stream, unit, instant_ns)) == GST_FLOW_OK;
+    feed.has_sent_picture = feed.has_sent_picture || feed.is_streaming;
   }
 }
 
@@ -111,7 +111,7 @@ void ClientFeeds::sendEnd() {
   const std::lock_guard lock(mutex_);
   if (std::exchange(ended_, true)) return;
   for (const Feed& feed : feeds_)
-    end(feed.source.get(), feed.begun);
+    end(feed.source.get(), feed.has_sent_picture);
 }
 
 }  // namespace cartvo::simulate

@@ -12,43 +12,43 @@
 
 namespace cartvo::simulate {
 
+/// Deleter and owning pointer for GObject types.
 struct GObjectUnref {
   void operator()(gpointer object) const { g_object_unref(object); }
 };
 template <class T>
 using GPointer = std::unique_ptr<T, GObjectUnref>;
 
-/// The clients of one simulated camera: who is playing, and the entrance (an appsrc) of each one's pipeline.
-/// Outlives the server where a client's threads still hold it.
+/// The clients of one simulated camera: which of them are playing, and the appsrc of each client's pipeline.
+/// Thread-safe. Threads of clients share ownership, so it can outlive the server.
 class ClientFeeds : public std::enable_shared_from_this<ClientFeeds> {
  public:
-  /// Follows what a client asks for, until it is gone.
-  void watch(GstRTSPClient* client);
+  /// Tracks the requests of a client until it disconnects.
+  void addClient(GstRTSPClient* client);
 
-  /// Feeds a pipeline that holds an appsrc named "source", until it is unprepared.
-  void add(GstRTSPMedia* media);
+  /// Adds a pipeline with an appsrc named "source"; it is fed until it is unprepared.
+  void addMedia(GstRTSPMedia* media);
 
-  /// Clients that have said PLAY and are still there.
-  int playing() const;
+  /// Number of connected clients that have sent PLAY.
+  int playingCount() const;
 
-  /// Hands one picture to every client; `stream` owns the bytes. A client gets its first at a key frame. One
-  /// that does not take its pictures loses those up to a later key frame.
+  /// Sends one picture to every client; `stream` owns the bytes. A client starts at a key frame. A client
+  /// whose queue is full loses pictures up to a later key frame.
   void send(const std::shared_ptr<const EncodedStream>& stream, const AccessUnit& unit,
             std::int64_t instant_ns);
 
-  /// Tells all clients that nothing more follows, and refuses those that come later. Only the first call
-  /// counts.
+  /// Ends the streams of all clients and of clients that connect later. Repeated calls have no effect.
   void sendEnd();
 
  private:
   struct Feed {
-    const GstRTSPMedia* media = nullptr;  ///< only compared
+    const GstRTSPMedia* media = nullptr;  ///< for comparison only
     GPointer<GstElement> source;
-    bool begun = false;    ///< has got a picture
-    bool running = false;  ///< has got a key frame, and everything since
+    bool has_sent_picture = false;  ///< has received a picture
+    bool is_streaming = false;      ///< has received a key frame and all pictures since
   };
 
-  void remove(const GstRTSPMedia* media);
+  void removeMedia(const GstRTSPMedia* media);
   void setPlaying(const GstRTSPClient* client);
   void setStopped(const GstRTSPClient* client);
 

@@ -10,8 +10,8 @@
 
 namespace cartvo::simulate {
 
-/// What a pair of simulated cameras sees: a rendered world or a recorded image sequence. Instants are ns
-/// since the content's start; each camera has its own.
+/// What a pair of simulated cameras shows: a rendered world or a recorded image sequence. Instants are
+/// exposures in ns since the start of the content, separate for each camera.
 class Content {
  public:
   virtual ~Content() = default;
@@ -22,19 +22,19 @@ class Content {
   virtual std::int64_t leftInstant(int index) const = 0;
   virtual std::int64_t rightInstant(int index) const = 0;
 
-  /// The images (CV_8UC1, raw: distorted as the rig says) at `index`, each at its camera's own instant. May
-  /// use all cores. Deterministic.
+  /// The images at `index` (CV_8UC1, raw, i.e. distorted by the rig's lenses), each at its camera's own
+  /// instant. Deterministic; may use all cores.
   virtual void images(int index, cv::Mat& left, cv::Mat& right) const = 0;
 
-  /// Whether the cameras may have stood before the first picture for any time. Else they see nothing until it
-  /// comes: who showed it as standing would let them jump to a speed.
-  virtual bool beginsStanding() const { return true; }
+  /// Whether the cart is at standstill in the first picture. If not, the lead-in is blank: a repeated first
+  /// picture would be a standstill followed by a jump to full speed.
+  virtual bool startsAtStandstill() const { return true; }
 
-  /// T_world_body at the left instants, exact or as recorded; empty if unknown. World: the body axes at the
+  /// T_world_body at the left instants, exact or as recorded; empty if unknown. World: body axes at the
   /// start.
   virtual Trajectory truth() const = 0;
 
-  /// Names everything the images depend on, so that an encoded copy can be cached under it.
+  /// Key of everything that the images depend on, for caching encoded streams.
   virtual std::string cacheKey() const = 0;
 };
 

@@ -1,4 +1,4 @@
-// A content's images, instants, rig and truth as files.
+// Writes images, instants, rig and ground truth of a content as files.
 #include "tools/simulate/content_files.hpp"
 
 #include <cstdio>
@@ -64,7 +64,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   fs::path partial = fs::absolute(folder).lexically_normal();
   if (!partial.has_filename()) partial = partial.parent_path();
   partial += ".partial";
-  fs::remove_all(partial);  // left by a run that was stopped
+  fs::remove_all(partial);  // from an interrupted run
   fs::create_directories(partial / "image_0");
   fs::create_directories(partial / "image_1");
 

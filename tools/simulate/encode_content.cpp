@@ -1,4 +1,4 @@
-// From a content's pictures to the two streams that the simulated cameras send.
+// Encodes a content to the two streams that the simulated cameras send.
 #include "tools/simulate/encode_content.hpp"
 
 #include <algorithm>
@@ -17,12 +17,12 @@ AccessUnit append(EncodedStream& stream, const EncodedPicture& picture, std::int
   return unit;
 }
 
-/// One camera's stream in the making.
+/// Builds the stream of one camera.
 class StreamWriter {
  public:
   StreamWriter(const EncoderSettings& settings, cv::Size size, const Content& content)
       : settings_(settings),
-        begins_standing_(content.beginsStanding()),
+        starts_at_standstill_(content.startsAtStandstill()),
         encoder_(settings, size, content.frameRate()) {
     stream_.size = size;
     stream_.frame_rate = content.frameRate();
@@ -31,26 +31,26 @@ class StreamWriter {
   void add(const cv::Mat& image, std::int64_t instant_ns) {
     constexpr double kGrey = 128;
     if (stream_.units.empty())
-      addLeadIn(begins_standing_ ? image : cv::Mat(image.size(), CV_8UC1, cv::Scalar(kGrey)));
+      addLeadIn(starts_at_standstill_ ? image : cv::Mat(image.size(), CV_8UC1, cv::Scalar(kGrey)));
     stream_.units.push_back(append(stream_, encoder_.encode(image), instant_ns));
   }
 
-  EncodedStream take() { return std::move(stream_); }
+  EncodedStream releaseStream() { return std::move(stream_); }
 
  private:
-  // Exactly from one key frame to the next, so that it can be repeated.
+  // Encodes one key-frame interval of `image`, so that it can be repeated.
   void addLeadIn(const cv::Mat& image) {
-    StreamEncoder still(settings_, stream_.size, stream_.frame_rate);
+    StreamEncoder standstill_encoder(settings_, stream_.size, stream_.frame_rate);
     const int count =
         std::max(1, static_cast<int>(std::lround(settings_.key_frame_interval * stream_.frame_rate)));
     for (int index = 0; index < count; ++index) {
       stream_.lead_in.push_back(
-          append(stream_, still.encode(image), std::llround(index * 1e9 / stream_.frame_rate)));
+          append(stream_, standstill_encoder.encode(image), std::llround(index * 1e9 / stream_.frame_rate)));
     }
   }
 
   EncoderSettings settings_;
-  bool begins_standing_;
+  bool starts_at_standstill_;
   StreamEncoder encoder_;
   EncodedStream stream_;
 };
@@ -72,7 +72,7 @@ EncodedPair encodeContent(const Content& content, const EncoderSettings& setting
     right_writer.add(right, content.rightInstant(index));
     if (progress) progress(index + 1, count);
   }
-  return {.left = left_writer.take(), .right = right_writer.take()};
+  return {.left = left_writer.releaseStream(), .right = right_writer.releaseStream()};
 }
 
 }  // namespace cartvo::simulate

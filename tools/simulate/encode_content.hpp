@@ -8,12 +8,12 @@
 
 namespace cartvo::simulate {
 
-/// Told after each pair: how many are done, of how many. May throw to give up.
+/// Called after each pair with the number done and the total. May throw to cancel.
 using Progress = std::function<void(int done, int total)>;
 
-/// Encodes both cameras' pictures, each behind a lead-in: of its first one standing still, or blank where the
-/// content does not begin standing. Throws
-/// std::invalid_argument if the content has no pair or pictures of another size than its rig says.
+/// Encodes the pictures of both cameras, each after a lead-in: the first picture, or a blank one if the
+/// content does not start at standstill. Throws std::invalid_argument if the content has no pair or if the
+/// size of its pictures differs from the rig's.
 EncodedPair encodeContent(const Content& content, const EncoderSettings& settings, const Progress& progress);
 
 }  // namespace cartvo::simulate

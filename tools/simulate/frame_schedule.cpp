@@ -1,4 +1,4 @@
-// When a simulated camera sends which picture.
+// Determines which picture a simulated camera sends next, and when.
 #include "tools/simulate/frame_schedule.hpp"
 
 #include <cmath>
@@ -8,15 +8,16 @@
 namespace cartvo::simulate {
 namespace {
 
-std::int64_t afterFrames(std::int64_t count, double frame_rate) {
+/// Duration of `count` frame periods, ns.
+std::int64_t framesToNs(std::int64_t count, double frame_rate) {
   return std::llround(static_cast<double>(count) * 1e9 / frame_rate);
 }
 
 }  // namespace
 
-std::int64_t frameInstantFrom(std::int64_t switched_on_ns, double frame_rate, std::int64_t not_before_ns) {
+std::int64_t nextFrameInstant(std::int64_t switched_on_ns, double frame_rate, std::int64_t not_before_ns) {
   const double frames = static_cast<double>(not_before_ns - switched_on_ns) * 1e-9 * frame_rate;
-  return switched_on_ns + afterFrames(std::llround(std::ceil(frames)), frame_rate);
+  return switched_on_ns + framesToNs(std::llround(std::ceil(frames)), frame_rate);
 }
 
 FrameSchedule::FrameSchedule(std::shared_ptr<const EncodedStream> stream, std::int64_t switched_on_ns,
@@ -33,14 +34,14 @@ void FrameSchedule::startContent(std::int64_t epoch_ns) {
 
 std::int64_t FrameSchedule::leadInInstant() const {
   return switched_on_ns_ + stream_->units.front().instant_ns +
-         afterFrames(lead_in_count_, stream_->frame_rate);
+         framesToNs(lead_in_count_, stream_->frame_rate);
 }
 
 bool FrameSchedule::inLeadIn() const {
   if (content_count_ > 0) return false;
   if (!epoch_ns_) return true;
-  // A picture of the lead-in that would come less than half a period before the content is left out.
-  return leadInInstant() + afterFrames(1, stream_->frame_rate) / 2 <=
+  // Skips a lead-in picture less than half a period before the content.
+  return leadInInstant() + framesToNs(1, stream_->frame_rate) / 2 <=
          *epoch_ns_ + stream_->units.front().instant_ns;
 }
 
@@ -49,12 +50,12 @@ std::optional<ScheduledUnit> FrameSchedule::next() const {
     const auto index = static_cast<std::size_t>(lead_in_count_) % stream_->lead_in.size();
     return ScheduledUnit{.unit = &stream_->lead_in[index], .instant_ns = leadInInstant()};
   }
-  const std::size_t turn = content_count_ / stream_->units.size();
-  if (turn > 0 && repeat_after_ns_ == 0) return std::nullopt;
+  const std::size_t repetition = content_count_ / stream_->units.size();
+  if (repetition > 0 && repeat_after_ns_ == 0) return std::nullopt;
   const AccessUnit& unit = stream_->units[content_count_ % stream_->units.size()];
   return ScheduledUnit{
       .unit = &unit,
-      .instant_ns = *epoch_ns_ + static_cast<std::int64_t>(turn) * repeat_after_ns_ + unit.instant_ns};
+      .instant_ns = *epoch_ns_ + static_cast<std::int64_t>(repetition) * repeat_after_ns_ + unit.instant_ns};
 }
 
 void FrameSchedule::advance() {

@@ -1,4 +1,4 @@
-// The simulated cameras' password: never on a command line, never in a file that others can read.
+// Generates the simulated cameras' password: neither on a command line nor in a file that others can read.
 #include "tools/simulate/generated_password.hpp"
 
 #include <cerrno>

@@ -1,5 +1,4 @@
-// What has to be taught to GStreamer's RTSP server so that its RTCP sender reports are those of a good
-// camera.
+// Adapts GStreamer's RTSP server so that RTCP sender reports carry exposure instants.
 #include "tools/simulate/rtsp_media.hpp"
 
 namespace cartvo::simulate {
@@ -8,7 +7,7 @@ namespace {
 constexpr GstClockTime kFrom1900To1970 = 2'208'988'800ULL * GST_SECOND;  // RFC 868
 constexpr std::uint64_t kRtpClockRate = 90'000;                          // RFC 6184, 8.2.1
 constexpr guint64 kSenderReportInterval = GST_SECOND / 2;
-constexpr int kNtpTimeIsClockTime = 3;  // GST_RTP_NTP_TIME_SOURCE_CLOCK_TIME, which no public header names
+constexpr int kNtpTimeIsClockTime = 3;  // GST_RTP_NTP_TIME_SOURCE_CLOCK_TIME, not in a public header
 
 void onElementAdded(GstBin* /*rtpbin*/, GstElement* element, gpointer /*unused*/) {
   if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "rtcp-min-interval") != nullptr) {

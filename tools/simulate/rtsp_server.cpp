@@ -1,4 +1,4 @@
-// The simulated camera's RTSP side, on GStreamer's RTSP server.
+// The simulated camera's RTSP server, on GStreamer's RTSP server.
 #include "tools/simulate/rtsp_server.hpp"
 
 #include <mutex>
@@ -9,7 +9,7 @@
 namespace cartvo::simulate {
 namespace {
 
-// The paths of a Hikvision camera's main and sub stream.
+// Paths of the main and sub stream, as on Hikvision cameras.
 constexpr const char* kPaths[] = {"/Streaming/Channels/101", "/Streaming/Channels/102"};
 constexpr const char* kViewer = "viewer";
 constexpr guint kSessionCleanupSeconds = 2;
@@ -36,7 +36,7 @@ void initialiseGStreamer() {
   });
 }
 
-// Running time is then the clock's time itself, so that a buffer's time stamp can be its instant of exposure.
+// Makes running time equal to clock time, so that a buffer's timestamp can be its exposure.
 void useClockTime(GstRTSPMedia* media) {
   const GPointer<GstElement> element(gst_rtsp_media_get_element(media));
   const GPointer<GstObject> pipeline(gst_object_get_parent(GST_OBJECT(element.get())));
@@ -50,11 +50,11 @@ RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
   initialiseGStreamer();
   clock_.reset(newNtpClock());
   server_.reset(gst_rtsp_server_new());
-  serveClientsInTheLoop();
+  disableClientThreads();
   setAuthentication(settings);
   addMountPoints();
   const auto connected = +[](GstRTSPServer*, GstRTSPClient* client, gpointer clients) {
-    static_cast<ClientFeeds*>(clients)->watch(client);
+    static_cast<ClientFeeds*>(clients)->addClient(client);
   };
   g_signal_connect(server_.get(), "client-connected", G_CALLBACK(connected), clients_.get());
   listen(settings);
@@ -65,9 +65,9 @@ RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
   });
 }
 
-// Nothing of a client may be touched beside the loop that serves it, and a request that is being answered has
-// to come to its end: so all goes from within the loop. The end of the pictures wakes a request that waits
-// for one. A client that is closed brings its pipeline to NULL and waits for that.
+// Clients may be accessed only from the loop that serves them, and a request in progress must finish, so the
+// shutdown runs inside the loop. The end of the pictures unblocks a request that waits for one. Closing a
+// client sets its pipeline to NULL and waits for it.
 RtspServer::~RtspServer() {
   clients_->sendEnd();
   GSource* shutdown = g_idle_source_new();
@@ -96,9 +96,8 @@ void RtspServer::disconnectAll() {
       nullptr);
 }
 
-// The clients' requests are answered in the server's own loop, not in threads of the pool, which nobody can
-// wait for.
-void RtspServer::serveClientsInTheLoop() {
+// Answers clients' requests in the server's own loop: pool threads cannot be joined.
+void RtspServer::disableClientThreads() {
   const GPointer<GstRTSPThreadPool> threads(gst_rtsp_server_get_thread_pool(server_.get()));
   gst_rtsp_thread_pool_set_max_threads(threads.get(), 0);
 }
@@ -129,7 +128,7 @@ void RtspServer::addMountPoints() {
                                     nullptr);
     const auto configure = +[](GstRTSPMediaFactory*, GstRTSPMedia* media, gpointer clients) {
       useClockTime(media);
-      static_cast<ClientFeeds*>(clients)->add(media);
+      static_cast<ClientFeeds*>(clients)->addMedia(media);
     };
     g_signal_connect(factory, "media-configure", G_CALLBACK(configure), clients_.get());
     gst_rtsp_mount_points_add_factory(mount_points.get(), path, factory);
@@ -148,12 +147,13 @@ void RtspServer::listen(const SimulatedCameraSettings& settings) {
     const std::string reason = error != nullptr ? error->message : "unknown reason";
     g_clear_error(&error);
     throw std::runtime_error("a simulated camera cannot listen on " + settings.address + ":" +
-                             std::to_string(settings.port) + ": " + reason);
+                             std::to_string(settings.port) + ": " + reason +
+                             "; give another port with --left or --right");
   }
   g_source_attach(listener_.get(), context_.get());
   port_ = static_cast<std::uint16_t>(gst_rtsp_server_get_bound_port(server_.get()));
 
-  // Sessions of clients that vanished without a word (UDP) have to be looked for.
+  // Sessions of UDP clients that disappear without TEARDOWN must be removed by a timer.
   GSource* cleanup = g_timeout_source_new_seconds(kSessionCleanupSeconds);
   g_source_set_callback(
       cleanup,

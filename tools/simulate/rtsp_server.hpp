@@ -11,12 +11,12 @@
 
 namespace cartvo::simulate {
 
-/// One camera's network side: a GStreamer RTSP server in a thread of its own. Every client has its own
-/// pipeline, so that it can begin at a key frame. When it is destroyed, every pipeline has stopped; a thread
-/// of GStreamer's may let go of a picture, which it owns with others, an instant later.
+/// The RTSP server of one simulated camera (GStreamer), in its own thread. Every client has its own pipeline,
+/// so that it can start at a key frame. After destruction all pipelines have stopped; a GStreamer thread may
+/// release its shared ownership of a picture slightly later.
 class RtspServer {
  public:
-  /// Throws std::runtime_error if it cannot listen.
+  /// Throws std::runtime_error if it cannot listen on the address and port.
   explicit RtspServer(const SimulatedCameraSettings& settings);
   ~RtspServer();
   RtspServer(const RtspServer&) = delete;
@@ -27,7 +27,7 @@ class RtspServer {
   const ClientFeeds& clients() const { return *clients_; }
 
  private:
-  void serveClientsInTheLoop();
+  void disableClientThreads();
   void setAuthentication(const SimulatedCameraSettings& settings);
   void addMountPoints();
   void listen(const SimulatedCameraSettings& settings);

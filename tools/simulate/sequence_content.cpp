@@ -1,4 +1,4 @@
-// Real image sequences as what the simulated cameras see.
+// Makes recorded image sequences available as content of the simulated cameras.
 #include "tools/simulate/sequence_content.hpp"
 
 #include <algorithm>
@@ -24,14 +24,14 @@ void truncate(ImageSequence& sequence, std::size_t count) {
   sequence.instants_ns.resize(count);
 }
 
-// Pairs whose left instant is less than `seconds` after the first.
-std::size_t pairsWithin(const ImageSequence& left, double seconds) {
+// Number of pairs whose left instant is less than `seconds` after the first; at least 1.
+std::size_t countPairsWithin(const ImageSequence& left, double seconds) {
   const std::int64_t end = left.instants_ns.front() + std::llround(seconds * 1e9);
   const auto after = std::lower_bound(left.instants_ns.begin(), left.instants_ns.end(), end);
   return std::max<std::size_t>(1, static_cast<std::size_t>(after - left.instants_ns.begin()));
 }
 
-std::string fileStamp(const fs::path& file) {
+std::string fileSignature(const fs::path& file) {
   return file.filename().string() + " " + std::to_string(fs::file_size(file)) + " " +
          std::to_string(fs::last_write_time(file).time_since_epoch().count());
 }
@@ -40,24 +40,24 @@ std::string fileStamp(const fs::path& file) {
 
 SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings& settings)
     : folder_(readImageFolder(folder)), settings_(settings) {
-  if (folder_.left.images.empty()) throw std::runtime_error(folder.string() + ": it holds no image pair");
+  if (folder_.left.images.empty()) throw std::runtime_error(folder.string() + ": contains no image pair");
   readTruth(folder_.folder / "poses.txt");
   const std::int64_t period = nominalPeriodNs(folder_.left);
   frame_rate_ = period > 0 ? 1e9 / static_cast<double>(period) : 10.0;
   if (settings_.seconds > 0.0) {
-    const std::size_t count = pairsWithin(folder_.left, settings_.seconds);
+    const std::size_t count = countPairsWithin(folder_.left, settings_.seconds);
     truncate(folder_.left, count);
     truncate(folder_.right, count);
     if (!truth_.empty()) truth_.resize(count);
   }
-  readRigOf(readGreyImage(folder_.left.images.front()).size());
+  readRigFor(readGreyImage(folder_.left.images.front()).size());
   truth_ = bodyTrajectory(truth_, rig_);
   for (std::size_t index = 0; index < truth_.size(); ++index) {
     truth_[index].time_ns = leftInstant(static_cast<int>(index));
   }
 }
 
-void SequenceContent::readRigOf(cv::Size image_size) {
+void SequenceContent::readRigFor(cv::Size image_size) {
   if (!folder_.rig_file.empty()) {
     rig_ = readRig(folder_.rig_file);
   } else if (!folder_.calib_file.empty()) {
@@ -66,11 +66,11 @@ void SequenceContent::readRigOf(cv::Size image_size) {
     rig_ = readEurocRig(folder_.sensor_files[0], folder_.sensor_files[1]);
   } else {
     throw std::runtime_error(folder_.folder.string() +
-                             ": nothing says what the cameras are: calib.txt (KITTI) or rig.yaml is missing");
+                             ": no calibration found; expected calib.txt (KITTI) or rig.yaml");
   }
   if (rig_.left.size != image_size) {
     throw std::runtime_error(folder_.left.images.front().string() + ": " + sizeText(image_size) +
-                             " pixels, but the rig is for " + sizeText(rig_.left.size));
+                             " pixels, but the rig file is for " + sizeText(rig_.left.size));
   }
   rig_.left.size = evenSize(rig_.left.size);
   rig_.right.size = evenSize(rig_.right.size);
@@ -79,7 +79,7 @@ void SequenceContent::readRigOf(cv::Size image_size) {
 void SequenceContent::readTruth(const fs::path& poses) {
   if (!fs::exists(poses)) return;
   if (!isKittiTrajectory(poses))
-    throw std::runtime_error(poses.string() + ": rows of 12 numbers (KITTI) were expected");
+    throw std::runtime_error(poses.string() + ": expected rows of 12 numbers (KITTI)");
   truth_ = readTrajectory(poses);
   if (truth_.size() != folder_.left.images.size()) {
     throw std::runtime_error(poses.string() + ": " + std::to_string(truth_.size()) + " poses for " +
@@ -102,7 +102,7 @@ void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
   const auto read = [&](const fs::path& file, cv::Size even) {
     const cv::Mat image = readGreyImage(file);
     if (evenSize(image.size()) != even) {
-      throw std::runtime_error(file.string() + ": its size differs from the sequence's");
+      throw std::runtime_error(file.string() + ": its size differs from that of the first image");
     }
     return image(cv::Rect({0, 0}, even)).clone();
   };
@@ -114,8 +114,8 @@ std::string SequenceContent::cacheKey() const {
   std::string key = "sequence behind a blank " + fs::canonical(folder_.folder).string() + "\n";
   for (int index = 0; index < pairCount(); ++index) {
     const auto at = static_cast<std::size_t>(index);
-    key += fileStamp(folder_.left.images[at]) + " " + std::to_string(leftInstant(index)) + " " +
-           fileStamp(folder_.right.images[at]) + " " + std::to_string(rightInstant(index)) + "\n";
+    key += fileSignature(folder_.left.images[at]) + " " + std::to_string(leftInstant(index)) + " " +
+           fileSignature(folder_.right.images[at]) + " " + std::to_string(rightInstant(index)) + "\n";
   }
   return key;
 }

@@ -7,19 +7,19 @@
 
 namespace cartvo::simulate {
 
-/// Which part of a recorded sequence is shown, and how its right camera's clock is shifted.
+/// Part of a recorded sequence to show, and the shift of the right camera's clock.
 struct SequenceSettings {
-  double seconds = 0.0;           ///< from its start; 0: all of it
-  double offset_s = 0.0;          ///< added to the right camera's instants; its pictures stay what they are
-  double offset_drift_ppm = 0.0;  ///< the right camera's period is longer by this, 1e-6
+  double seconds = 0.0;           ///< length from the start; 0: all
+  double offset_s = 0.0;          ///< added to the right camera's instants; the pictures do not change
+  double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
 };
 
-/// A recorded image sequence (KITTI's or EuRoC's layout) as content. An odd last column or row is left out:
-/// H.264 in 4:2:0 has none. Truth comes from poses.txt (KITTI: left camera relative to the first one), if
-/// there is one.
+/// A recorded image sequence (KITTI or EuRoC layout) as content. An odd last column or row is cropped,
+/// because H.264 4:2:0 needs even sizes. The truth is poses.txt (KITTI: left camera relative to the first
+/// pose), if it exists.
 class SequenceContent final : public Content {
  public:
-  /// Throws std::runtime_error naming the file for anything missing, unreadable or contradictory.
+  /// Throws std::runtime_error that names the file if something is missing, unreadable or inconsistent.
   SequenceContent(const std::filesystem::path& folder, const SequenceSettings& settings);
 
   Rig rig() const override { return rig_; }
@@ -28,13 +28,13 @@ class SequenceContent final : public Content {
   std::int64_t leftInstant(int index) const override;
   std::int64_t rightInstant(int index) const override;
   void images(int index, cv::Mat& left, cv::Mat& right) const override;
-  /// Most are cut out of a drive.
-  bool beginsStanding() const override { return false; }
+  /// False: most sequences start within a drive.
+  bool startsAtStandstill() const override { return false; }
   Trajectory truth() const override { return truth_; }
   std::string cacheKey() const override;
 
  private:
-  void readRigOf(cv::Size image_size);
+  void readRigFor(cv::Size image_size);
   void readTruth(const std::filesystem::path& poses);
 
   ImageFolder folder_;

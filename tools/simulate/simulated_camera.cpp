@@ -1,4 +1,4 @@
-// One simulated IP camera: a clock that sends each picture when it is due.
+// One simulated IP camera: sends each picture when it is due.
 #include "tools/simulate/simulated_camera.hpp"
 
 #include <condition_variable>
@@ -15,7 +15,7 @@ namespace {
 
 using SystemClock = std::chrono::system_clock;
 
-SimulatedCameraSettings checked(SimulatedCameraSettings settings) {
+SimulatedCameraSettings validated(SimulatedCameraSettings settings) {
   if (settings.password.empty()) throw std::invalid_argument("a simulated camera needs a password");
   if (settings.switched_on_ns == 0) {
     settings.switched_on_ns = std::chrono::nanoseconds(SystemClock::now().time_since_epoch()).count();
@@ -28,11 +28,11 @@ SimulatedCameraSettings checked(SimulatedCameraSettings settings) {
 class SimulatedCamera::Implementation {
  public:
   Implementation(std::shared_ptr<const EncodedStream> stream, const SimulatedCameraSettings& settings)
-      : settings_(checked(settings)),
+      : settings_(validated(settings)),
         stream_(std::move(stream)),
         schedule_(stream_, settings_.switched_on_ns, settings_.repeat_after_ns),
         server_(settings_),
-        thread_([this] { sendWhenDue(); }) {}
+        thread_([this] { sendScheduledPictures(); }) {}
 
   ~Implementation() {
     {
@@ -51,7 +51,7 @@ class SimulatedCamera::Implementation {
     changed_.notify_all();
   }
 
-  bool finished() const {
+  bool isFinished() const {
     const std::lock_guard lock(mutex_);
     return finished_;
   }
@@ -65,12 +65,12 @@ class SimulatedCamera::Implementation {
         std::chrono::nanoseconds(next.instant_ns) + settings_.latency));
   }
 
-  void sendWhenDue() {
+  void sendScheduledPictures() {
     std::unique_lock lock(mutex_);
     while (!stopping_) {
       const std::optional<ScheduledUnit> next = schedule_.next();
       if (!next) break;
-      // Woken early, by a start of the content: what comes next may have changed.
+      // Notified early: startContent() may have changed the next picture.
       if (changed_.wait_until(lock, due(*next)) == std::cv_status::no_timeout) continue;
       schedule_.advance();
       lock.unlock();
@@ -114,11 +114,11 @@ void SimulatedCamera::startContent(std::int64_t epoch_ns) {
 }
 
 int SimulatedCamera::playingClients() const {
-  return implementation_->server().clients().playing();
+  return implementation_->server().clients().playingCount();
 }
 
-bool SimulatedCamera::finished() const {
-  return implementation_->finished();
+bool SimulatedCamera::isFinished() const {
+  return implementation_->isFinished();
 }
 
 }  // namespace cartvo::simulate

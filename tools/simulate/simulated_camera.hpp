@@ -9,24 +9,23 @@
 
 namespace cartvo::simulate {
 
+/// Settings of one simulated camera.
 struct SimulatedCameraSettings {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;  ///< 0: one that is free
+  std::uint16_t port = 0;  ///< 0: any free port
   std::string user = "admin";
-  std::string password;  ///< asked for by Digest authentication; never empty
-  std::int64_t switched_on_ns =
-      0;  ///< the instants of the lead-in are counted from here (Unix epoch); 0: now
-  std::chrono::nanoseconds latency{0};  ///< from a picture's exposure to its sending
-  std::int64_t repeat_after_ns = 0;     ///< length of one turn of the content if it is repeated; 0: it ends
+  std::string password;                 ///< for Digest authentication; must not be empty
+  std::int64_t switched_on_ns = 0;      ///< start of the lead-in, ns since the Unix epoch; 0: now
+  std::chrono::nanoseconds latency{0};  ///< from the exposure of a picture to its sending
+  std::int64_t repeat_after_ns = 0;     ///< period of the content if it is repeated; 0: it ends
 };
 
-/// An IP camera as the real ones behave: an RTSP server (GStreamer's) with Digest authentication that sends
-/// H.264 in real time over TCP or UDP, and RTCP sender reports that relate its RTP clock to the instants of
-/// exposure. Sends its lead-in until `startContent`. Any number of clients; each
-/// begins at a key frame, may leave and may return.
+/// A simulated IP camera: an RTSP server (GStreamer) with Digest authentication that sends H.264 in real time
+/// over TCP or UDP, with RTCP sender reports that relate its RTP clock to exposures. Sends its lead-in until
+/// startContent(). Any number of clients may connect, disconnect and reconnect; each starts at a key frame.
 class SimulatedCamera {
  public:
-  /// Listens and sends from now on. Throws std::runtime_error if it cannot listen there,
+  /// Starts to listen and to send. Throws std::runtime_error if it cannot listen on the address and port,
   /// std::invalid_argument for an empty stream or password.
   SimulatedCamera(std::shared_ptr<const EncodedStream> stream, const SimulatedCameraSettings& settings);
 
@@ -37,17 +36,17 @@ class SimulatedCamera {
 
   std::uint16_t port() const;
 
-  /// rtsp://ADDRESS:PORT/Streaming/Channels/101; no credentials.
+  /// rtsp://ADDRESS:PORT/Streaming/Channels/101, without credentials.
   std::string url() const;
 
-  /// The content's instant 0 becomes `epoch_ns` (ns since the Unix epoch). Only the first call counts.
+  /// Sets the system time of content instant 0, ns since the Unix epoch. Only the first call has an effect.
   void startContent(std::int64_t epoch_ns);
 
-  /// Clients that have said PLAY and are still there.
+  /// Number of connected clients that have sent PLAY.
   int playingClients() const;
 
-  /// Whether the content's last picture was sent. The clients were told so (RTCP BYE).
-  bool finished() const;
+  /// Whether the last picture of the content was sent; clients have then received RTCP BYE.
+  bool isFinished() const;
 
  private:
   class Implementation;

@@ -1,4 +1,4 @@
-// Keeps encoded streams on disk, so that a drive is rendered and encoded only once.
+// Caches encoded streams on disk, so that a drive is rendered and encoded only once.
 #include "tools/simulate/stream_cache.hpp"
 
 #include <algorithm>
@@ -24,8 +24,8 @@ constexpr const char* kExtension = ".streams";
 
 }  // namespace
 
-StreamCache::StreamCache(fs::path folder, std::uint64_t most_bytes)
-    : folder_(std::move(folder)), most_bytes_(most_bytes) {}
+StreamCache::StreamCache(fs::path folder, std::uint64_t max_bytes)
+    : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
 fs::path StreamCache::defaultFolder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
@@ -52,10 +52,11 @@ std::optional<EncodedPair> StreamCache::load(const std::string& key) const {
   std::error_code ignored;
   try {
     EncodedPair pair = parseStreamFile(contents, key);
-    fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);  // used: the last to go
+    fs::last_write_time(file, fs::file_time_type::clock::now(),
+                        ignored);  // for the least-recently-used order
     return pair;
   } catch (const std::runtime_error& error) {
-    spdlog::warn("{} is made anew: {}", file.string(), error.what());
+    spdlog::warn("{}: cached streams are removed and made again: {}", file.string(), error.what());
     fs::remove(file, ignored);
     return std::nullopt;
   }
@@ -64,9 +65,9 @@ std::optional<EncodedPair> StreamCache::load(const std::string& key) const {
 void StreamCache::store(const std::string& key, const EncodedPair& pair) const {
   fs::create_directories(folder_);
   const std::string contents = streamFileContents(pair, key);
-  if (contents.size() > most_bytes_) {
-    spdlog::warn("these streams of {} MB are not kept: the cache may take {} MB", contents.size() / 1'000'000,
-                 most_bytes_ / 1'000'000);
+  if (contents.size() > max_bytes_) {
+    spdlog::warn("streams of {} MB are not cached: the limit of the cache is {} MB",
+                 contents.size() / 1'000'000, max_bytes_ / 1'000'000);
     return;
   }
   makeRoomFor(contents.size());
@@ -75,19 +76,19 @@ void StreamCache::store(const std::string& key, const EncodedPair& pair) const {
 
 void StreamCache::makeRoomFor(std::uint64_t bytes) const {
   std::vector<fs::directory_entry> files;
-  std::uint64_t taken = bytes;
+  std::uint64_t total_bytes = bytes;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-    // With what follows the extension: a temporary file that a killed run has left.
+    // Also counts temporary files of killed runs, whose names continue after the extension.
     if (!entry.is_regular_file() || entry.path().filename().string().find(kExtension) == std::string::npos)
       continue;
-    taken += entry.file_size();
+    total_bytes += entry.file_size();
     files.push_back(entry);
   }
   std::sort(files.begin(), files.end(),
             [](const auto& a, const auto& b) { return a.last_write_time() < b.last_write_time(); });
   for (const fs::directory_entry& entry : files) {
-    if (taken <= most_bytes_) break;
-    taken -= entry.file_size();
+    if (total_bytes <= max_bytes_) break;
+    total_bytes -= entry.file_size();
     fs::remove(entry.path());
   }
 }

@@ -1,4 +1,4 @@
-// The simulated cameras' H.264 encoder: libx264 through libavcodec.
+// H.264 encoder of the simulated cameras: libx264 through libavcodec.
 #include "tools/simulate/stream_encoder.hpp"
 
 #include <algorithm>
@@ -55,7 +55,7 @@ AvPointer<AVCodecContext> openEncoder(const EncoderSettings& settings, cv::Size 
   AvPointer<AVCodecContext> context(avcodec_alloc_context3(codec));
   if (!context) throw std::bad_alloc();
 
-  context->log_level_offset = AV_LOG_ERROR;  // only errors: its information would look like warnings
+  context->log_level_offset = AV_LOG_ERROR;  // errors only
   context->width = size.width;
   context->height = size.height;
   context->pix_fmt = AV_PIX_FMT_YUVJ420P;
@@ -112,8 +112,8 @@ class StreamEncoder::Implementation {
     }
     fill(image);
     frame_->pts = next_pts_++;
-    require(avcodec_send_frame(context_.get(), frame_.get()), "a picture was refused");
-    require(avcodec_receive_packet(context_.get(), packet_.get()), "a picture was held back");
+    require(avcodec_send_frame(context_.get(), frame_.get()), "a picture was rejected");
+    require(avcodec_receive_packet(context_.get(), packet_.get()), "no packet for a picture");
     EncodedPicture picture{.data = {packet_->data, packet_->data + packet_->size},
                            .key_frame = (packet_->flags & AV_PKT_FLAG_KEY) != 0};
     av_packet_unref(packet_.get());

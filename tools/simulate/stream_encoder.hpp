@@ -9,24 +9,24 @@
 
 namespace cartvo::simulate {
 
-/// How a camera's encoder is set; the defaults are those of a well-configured surveillance camera.
+/// Encoder settings; the defaults are those of a well-configured surveillance camera.
 struct EncoderSettings {
   int bitrate_kbps = 4000;          ///< constant bit rate, with a buffer of half a second
   double key_frame_interval = 1.0;  ///< s
   int slices = 1;                   ///< per picture
 };
 
-/// Names everything the encoded bytes depend on beside the pictures.
+/// Cache key of everything that the encoded bytes depend on besides the pictures.
 std::string encoderKey(const EncoderSettings& settings);
 
-/// A picture's bytes in annex B format; a key frame starts with its parameter sets.
+/// An encoded picture in annex B format; a key frame starts with its parameter sets.
 struct EncodedPicture {
   std::vector<std::uint8_t> data;
   bool key_frame = false;
 };
 
-/// H.264 main profile as cameras make it: no B-frames, no look-ahead, each picture out as soon as it is in.
-/// The same pictures give the same bytes: libx264 runs in one thread.
+/// H.264 main profile as in IP cameras: no B-frames, no look-ahead, no delay. The same pictures give the same
+/// bytes, because libx264 runs in one thread.
 class StreamEncoder {
  public:
   /// Throws std::invalid_argument for a size with an odd side (4:2:0 chroma) or settings out of range.
@@ -35,8 +35,7 @@ class StreamEncoder {
   StreamEncoder(const StreamEncoder&) = delete;
   StreamEncoder& operator=(const StreamEncoder&) = delete;
 
-  /// `image` (CV_8UC1, of the encoder's size) becomes the luma plane as it is (full range); chroma is
-  /// neutral.
+  /// Encodes `image` (CV_8UC1, of the encoder's size) as luma plane in full range; chroma is neutral.
   EncodedPicture encode(const cv::Mat& image);
 
  private:

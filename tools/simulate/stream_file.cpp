@@ -1,4 +1,4 @@
-// The format that encoded streams are cached in.
+// Reads and writes the file format of cached streams.
 #include "tools/simulate/stream_file.hpp"
 
 #include <bit>
@@ -49,7 +49,7 @@ class Writer {
 
   void raw(std::string_view bytes) { contents_.append(bytes); }
   const std::string& contents() const { return contents_; }
-  std::string take() { return std::move(contents_); }
+  std::string releaseContents() { return std::move(contents_); }
 
  private:
   std::string contents_;
@@ -60,7 +60,7 @@ class Reader {
   explicit Reader(std::string_view rest) : rest_(rest) {}
 
   std::string_view raw(std::uint64_t size) {
-    if (size > rest_.size()) throw std::runtime_error("it is cut short");
+    if (size > rest_.size()) throw std::runtime_error("it is truncated");
     const std::string_view bytes = rest_.substr(0, static_cast<std::size_t>(size));
     rest_.remove_prefix(bytes.size());
     return bytes;
@@ -100,7 +100,7 @@ class Reader {
     for (const auto* list : {&stream.lead_in, &stream.units}) {
       for (const AccessUnit& unit : *list) {
         if (unit.begin > stream.bytes.size() || unit.size > stream.bytes.size() - unit.begin) {
-          throw std::runtime_error("a picture lies outside of it");
+          throw std::runtime_error("a picture lies outside of the stream's bytes");
         }
       }
     }
@@ -122,14 +122,14 @@ std::string streamFileContents(const EncodedPair& pair, std::string_view key) {
   writer.stream(pair.left);
   writer.stream(pair.right);
   writer.number<std::uint64_t>(XXH3_64bits(writer.contents().data(), writer.contents().size()));
-  return writer.take();
+  return writer.releaseContents();
 }
 
 EncodedPair parseStreamFile(std::string_view contents, std::string_view key) {
   constexpr std::size_t kChecksumSize = sizeof(std::uint64_t);
   if (!contents.starts_with(kMagic))
     throw std::runtime_error("it is not a file of encoded streams in this format");
-  if (contents.size() < kMagic.size() + kChecksumSize) throw std::runtime_error("it is cut short");
+  if (contents.size() < kMagic.size() + kChecksumSize) throw std::runtime_error("it is truncated");
   const std::string_view body = contents.substr(0, contents.size() - kChecksumSize);
   if (Reader(contents.substr(body.size())).number<std::uint64_t>() != XXH3_64bits(body.data(), body.size())) {
     throw std::runtime_error("its checksum is wrong");

@@ -7,13 +7,14 @@
 
 namespace cartvo::simulate {
 
-// Encoded streams as one file: a line that names the format, the key they were made for, both streams, and an
-// XXH3 checksum of all that. Little-endian, as every machine that cartvo runs on.
+// File format of cached streams: a line that names the format, the cache key, both streams, and an XXH3
+// checksum of all that. Little-endian, like every machine that cartvo supports.
 
+/// Serialises the streams with their cache key.
 std::string streamFileContents(const EncodedPair& pair, std::string_view key);
 
-/// The reverse. Throws std::runtime_error saying what is wrong if the contents are damaged, cut short, of
-/// another format or made for another key.
+/// Parses the contents of a file. Throws std::runtime_error with the reason if they are damaged, truncated,
+/// of another format or for another key.
 EncodedPair parseStreamFile(std::string_view contents, std::string_view key);
 
 }  // namespace cartvo::simulate

@@ -1,12 +1,11 @@
-// Changes between the two ways that ground truth is written in.
+// Converts ground truth between body poses and left-camera poses.
 #include "tools/simulate/truth.hpp"
 
 namespace cartvo::simulate {
 namespace {
 
-// Poses relative to the first one, carried over to another frame fixed to the same body: T_to_from says
-// where.
-Trajectory seenFrom(const Trajectory& poses, const Eigen::Isometry3d& T_to_from) {
+// Poses relative to the first one, of another frame on the same rigid body.
+Trajectory changeBodyFrame(const Trajectory& poses, const Eigen::Isometry3d& T_to_from) {
   Trajectory result;
   result.reserve(poses.size());
   for (const StampedPose& stamped : poses) {
@@ -19,11 +18,11 @@ Trajectory seenFrom(const Trajectory& poses, const Eigen::Isometry3d& T_to_from)
 }  // namespace
 
 Trajectory bodyTrajectory(const Trajectory& camera_poses, const Rig& rig) {
-  return seenFrom(camera_poses, rig.T_body_camera);
+  return changeBodyFrame(camera_poses, rig.T_body_camera);
 }
 
 Trajectory cameraTrajectory(const Trajectory& body_poses, const Rig& rig) {
-  return seenFrom(body_poses, rig.T_body_camera.inverse());
+  return changeBodyFrame(body_poses, rig.T_body_camera.inverse());
 }
 
 Trajectory shifted(Trajectory trajectory, std::int64_t by_ns) {

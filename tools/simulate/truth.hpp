@@ -7,13 +7,15 @@
 
 namespace cartvo::simulate {
 
-// The cart's motion as poses of its body (T_world_body, world: the body axes at the start) and as poses of
-// its left camera relative to the first one (KITTI), in the rig's own axes. Instants are kept.
+// Conversions between body poses (T_world_body; world: body axes at the start) and KITTI poses of the left
+// camera relative to the first one, in the rig's own axes. Timestamps are kept.
 
+/// Body poses of the left camera's KITTI poses.
 Trajectory bodyTrajectory(const Trajectory& camera_poses, const Rig& rig);
+/// KITTI poses of the left camera of body poses.
 Trajectory cameraTrajectory(const Trajectory& body_poses, const Rig& rig);
 
-/// The same poses, `by_ns` later.
+/// The same poses with `by_ns` added to their timestamps.
 Trajectory shifted(Trajectory trajectory, std::int64_t by_ns);
 
 }  // namespace cartvo::simulate

@@ -9,27 +9,29 @@
 
 namespace cartvo {
 
+/// Current system time, us since the Unix epoch.
 inline std::int64_t nowUtime() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
-/// A controller's turn, without end: waits for odometry and prints, a line each, what `command` makes of a
-/// usable message, or `fallback`, what the controller does without one. `command` is a `std::string(const
-/// odometry_t&)`. Returns the program's exit code if LCM cannot be reached.
+/// Endless control loop: waits for odometry and prints one line per message: `command(message)` if the
+/// message is usable, else `fallback`, the action without odometry. `command` has type `std::string(const
+/// odometry_t&)`. Returns, with the program's exit code, only if LCM cannot be reached.
 template <typename Command>
 int runController(const std::string& lcm_url, const char* fallback, Command command) {
-  constexpr int kSilence_ms = 500;  // nine frames at 18 fps: the daemon is dead
+  constexpr int kSilenceTimeout_ms = 500;  // nine frames at 18 fps
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   lcm::LCM lcm(lcm_url);
   if (!lcm.good()) {
-    std::fprintf(stderr, "no LCM at %s: is there a multicast route? See cartvod(8)\n", lcm_url.c_str());
+    std::fprintf(stderr, "cannot open LCM at %s: check that a multicast route exists, see cartvod(8)\n",
+                 lcm_url.c_str());
     return 1;
   }
   LatestOdometry odometry(lcm);
   for (;;) {
-    if (!odometry.update(kSilence_ms)) {
-      std::printf("silence: cartvod is not running; %s\n", fallback);
+    if (!odometry.update(kSilenceTimeout_ms)) {
+      std::printf("no message for %d ms, cartvod is not running; %s\n", kSilenceTimeout_ms, fallback);
       continue;
     }
     const odometry_t& message = odometry.message();

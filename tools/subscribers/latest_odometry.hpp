@@ -10,16 +10,16 @@
 
 namespace cartvo {
 
-/// What a controller wants of CARTVO_ODOMETRY: the newest message, nothing older. LCM keeps the *old*
-/// messages when a subscriber is slow and drops the new ones, so each update drains the queue.
+/// Subscriber to CARTVO_ODOMETRY that keeps only the newest message. If a subscriber is slow, LCM keeps the
+/// old messages and drops the new ones; therefore each update drains the queue.
 class LatestOdometry {
  public:
   explicit LatestOdometry(lcm::LCM& lcm) : lcm_(lcm) {
     lcm_.subscribe("CARTVO_ODOMETRY", &LatestOdometry::onMessage, this);
   }
 
-  /// Waits up to `timeout_ms` for a message, then takes all that wait. False if there was none: what LCM
-  /// handles may be of another channel, such as the self-test of a program that starts.
+  /// Waits up to `timeout_ms` for an odometry message, then handles all queued ones. Returns whether there
+  /// was one. Messages of other channels, such as LCM's self-test at a program's start, do not count.
   bool update(int timeout_ms) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(timeout_ms);
@@ -34,13 +34,15 @@ class LatestOdometry {
     return received_ != before;
   }
 
+  /// The newest message; default-initialised before the first.
   const odometry_t& message() const { return message_; }
 
-  /// Messages of this daemon run that never arrived.
+  /// Number of messages lost since the first one of this daemon run.
   std::int64_t lost() const { return lost_; }
 
-  /// Whether the message may be acted on at `now_utime` (us since the Unix epoch): valid, not too old, and
-  /// not from the future, where a clock that was set back would make it last.
+  /// Whether a controller may use the message at `now_utime` (us since the Unix epoch): it is valid, not
+  /// older than its time to live, and not further in the future than that. A future message would stay fresh
+  /// after the clock is set back.
   bool isUsable(std::int64_t now_utime) const {
     const std::int64_t age = now_utime - message_.utime;
     return message_.status == odometry_t::VALID && age <= message_.time_to_live_us &&

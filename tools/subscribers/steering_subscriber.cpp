@@ -1,5 +1,5 @@
-// What a steering controller would start from: speed and yaw rate from CARTVO_ODOMETRY, used only while valid
-// and fresh. Usage: steering_subscriber [LCM-URL]
+// Example of a steering controller: speed and yaw rate from CARTVO_ODOMETRY, used only while valid and fresh.
+// Usage: steering_subscriber [LCM-URL]
 
 #include <array>
 

@@ -1,5 +1,5 @@
-// What a suspension controller would start from: vertical velocity, pitch and roll rates from
-// CARTVO_ODOMETRY, used only while valid and fresh. Usage: suspension_subscriber [LCM-URL]
+// Example of a suspension controller: vertical velocity, pitch rate and roll rate from CARTVO_ODOMETRY, used
+// only while valid and fresh. Usage: suspension_subscriber [LCM-URL]
 
 #include <array>
 

@@ -1,3 +1,5 @@
+// Reads and writes trajectories in TUM and KITTI format.
+
 #include "tools/trajectory/trajectory.hpp"
 
 #include <charconv>
@@ -17,7 +19,7 @@ namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::size_t kTumNumbers = 8, kKittiNumbers = 12;
 
-/// One line of a trajectory file, its words, and where it stands.
+/// One line of a trajectory file: its place and its words.
 struct Row {
   std::string place;  ///< "FILE:LINE: "
   std::vector<std::string> words;
@@ -37,21 +39,22 @@ double number(const Row& row, std::size_t index) {
   return value;
 }
 
-/// In metres: what no vehicle reaches is not written back as it was read either.
+/// Coordinate in metres. Rejects larger values than 1e9 m, which could not be written back with nine
+/// decimals.
 double coordinate(const Row& row, std::size_t index) {
-  constexpr double kFarthest = 1e9;
+  constexpr double kMaxCoordinate = 1e9;
   const double value = number(row, index);
-  if (std::abs(value) > kFarthest)
+  if (std::abs(value) > kMaxCoordinate)
     fail(row, "expected metres in column " + std::to_string(index + 1) + ", at most 1e9");
   return value;
 }
 
-/// Decimal seconds as ns, exactly: a double holds instants since 1970 only to 0.2 us.
+/// Parses decimal seconds to ns exactly: a double resolves times since 1970 only to 0.2 us.
 std::int64_t nanoseconds(const Row& row) {
   const std::string& word = row.words.front();
   const double seconds = number(row, 0);
-  constexpr double kMostSeconds = 9e9;  // what int64 ns can hold
-  if (std::abs(seconds) > kMostSeconds) fail(row, "expected an instant in seconds, found '" + word + "'");
+  constexpr double kMaxSeconds = 9e9;  // limit of ns in an int64
+  if (std::abs(seconds) > kMaxSeconds) fail(row, "expected an instant in seconds, found '" + word + "'");
   const std::size_t point = word.find('.');
   const std::string_view whole = std::string_view(word).substr(0, point);
   std::int64_t value = 0;
@@ -95,7 +98,7 @@ StampedPose readKittiRow(const Row& row, std::size_t index) {
   return stamped;
 }
 
-/// The rows that hold something, comments left out.
+/// Reads all rows that are not empty, without comments.
 std::vector<Row> readRows(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream || std::filesystem::is_directory(file)) {
@@ -121,7 +124,7 @@ std::vector<Row> readRows(const std::filesystem::path& file) {
     }
     rows.push_back(std::move(row));
   }
-  if (rows.empty()) throw std::runtime_error(file.string() + ": holds no poses");
+  if (rows.empty()) throw std::runtime_error(file.string() + ": contains no poses");
   return rows;
 }
 

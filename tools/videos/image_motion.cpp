@@ -1,3 +1,4 @@
+// Measures the global motion of a camera's images: phase correlation, refined by least squares.
 #include "tools/videos/image_motion.hpp"
 
 #include <algorithm>
@@ -8,14 +9,15 @@
 namespace cartvo {
 namespace {
 
-constexpr int kWidth = 128;  // px, of the part that is looked at
+constexpr int kWidth = 128;  // px, width of the reduced image
 constexpr int kRefinements = 4;
-constexpr double kLargestStep = 2.0;    // px; beyond it the images have too little in common
-constexpr double kLeastTexture = 1e-3;  // of the determinant
+constexpr double kMaxStep = 2.0;  // px; a larger step means that the images do not overlap enough
+constexpr double kMinTexture =
+    1e-3;  // smallest determinant of the normal equations relative to the product of the diagonal
 constexpr double kSideMargin = 0.1;
-constexpr double kTopMargin = 0.15;  // cameras write the time there, and their name below
+constexpr double kTopMargin = 0.15;  // cameras overlay the time at the top and their name at the bottom
 
-cv::Mat reduced(const cv::Mat& image) {
+cv::Mat cropAndReduce(const cv::Mat& image) {
   const cv::Rect middle(cvRound(kSideMargin * image.cols), cvRound(kTopMargin * image.rows),
                         cvRound((1.0 - 2.0 * kSideMargin) * image.cols),
                         cvRound((1.0 - 2.0 * kTopMargin) * image.rows));
@@ -26,9 +28,9 @@ cv::Mat reduced(const cv::Mat& image) {
   return small;
 }
 
-/// The shift that makes the second image the first one: phase correlation finds it to a pixel, but draws what
-/// is less than one towards zero; least squares on the grey values (Lucas and Kanade's) do not.
-cv::Point2d shiftBetween(const cv::Mat& first, const cv::Mat& second, const cv::Mat& window) {
+/// The shift of the second image relative to the first, px. Phase correlation finds it to a pixel, but is
+/// biased towards zero below one pixel; Lucas-Kanade least squares on the grey values is not.
+cv::Point2d estimateShift(const cv::Mat& first, const cv::Mat& second, const cv::Mat& window) {
   cv::Point2d shift = cv::phaseCorrelate(first, second, window);
   cv::Mat across, down;
   cv::Sobel(first, across, CV_32F, 1, 0, 3, 1.0 / 8.0);
@@ -37,7 +39,7 @@ cv::Point2d shiftBetween(const cv::Mat& first, const cv::Mat& second, const cv::
   const cv::Mat weighted_down = down.mul(window);
   const double xx = weighted_across.dot(across), xy = weighted_across.dot(down), yy = weighted_down.dot(down);
   const double determinant = xx * yy - xy * xy;
-  if (determinant <= kLeastTexture * xx * yy || xx * yy <= 0.0) return shift;
+  if (determinant <= kMinTexture * xx * yy || xx * yy <= 0.0) return shift;
   for (int i = 0; i < kRefinements; ++i) {
     const cv::Matx23d back(1.0, 0.0, shift.x, 0.0, 1.0, shift.y);
     cv::Mat moved;
@@ -46,7 +48,7 @@ cv::Point2d shiftBetween(const cv::Mat& first, const cv::Mat& second, const cv::
     const cv::Mat difference = first - moved;
     const double bx = weighted_across.dot(difference), by = weighted_down.dot(difference);
     const cv::Point2d step((yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant);
-    if (cv::norm(step) > kLargestStep) break;
+    if (cv::norm(step) > kMaxStep) break;
     shift += step;
   }
   return shift;
@@ -54,12 +56,12 @@ cv::Point2d shiftBetween(const cv::Mat& first, const cv::Mat& second, const cv::
 
 }  // namespace
 
-void ImageMotionTracker::add(double time, const cv::Mat& image) {
+void ImageMotionTracker::addImage(double time, const cv::Mat& image) {
   if (!motion_.times.empty() && time <= motion_.times.back()) return;
-  cv::Mat small = reduced(image);
+  cv::Mat small = cropAndReduce(image);
   cv::Point2d position(0.0, 0.0);
   if (small.size() == last_.size()) {
-    position = motion_.positions.back() + shiftBetween(last_, small, window_) / kWidth;
+    position = motion_.positions.back() + estimateShift(last_, small, window_) / kWidth;
   } else {
     cv::createHanningWindow(window_, small.size(), CV_32F);
     if (!motion_.positions.empty()) position = motion_.positions.back();
@@ -69,11 +71,11 @@ void ImageMotionTracker::add(double time, const cv::Mat& image) {
   motion_.positions.push_back(position);
 }
 
-ImageMotion motionOf(VideoFileSource& video, const std::function<void()>& progress) {
+ImageMotion measureImageMotion(VideoFileSource& video, const std::function<void()>& progress) {
   ImageMotionTracker tracker;
   Frame frame;
   while (video.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame) {
-    tracker.add(video.fileTime(), frame.image);
+    tracker.addImage(video.fileTime(), frame.image);
     progress();
   }
   return tracker.motion();

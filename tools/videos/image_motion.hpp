@@ -11,18 +11,18 @@
 
 namespace cartvo {
 
-/// How the picture of one camera moved as a whole: its position over time, summed up from picture to picture.
+/// Global image motion of one camera: position over time, accumulated from picture to picture.
 struct ImageMotion {
   std::vector<double> times;           ///< s, increasing
-  std::vector<cv::Point2d> positions;  ///< widths of the image, right and down
+  std::vector<cv::Point2d> positions;  ///< right and down, in widths of the cropped image
 };
 
-/// Sums up the shift from picture to picture, by phase correlation and least squares, at a resolution of 128
-/// px, over the middle of the image, where no text is laid over it.
+/// Accumulates the shift from picture to picture, by phase correlation and least squares, at a width of 128
+/// px. Uses the middle of the image, which has no text overlay.
 class ImageMotionTracker {
  public:
-  /// A picture (CV_8UC1) of that time; one that is not later than the one before is left out.
-  void add(double time, const cv::Mat& image);
+  /// Adds a picture (CV_8UC1) at `time`, s. A picture that is not later than the previous one is ignored.
+  void addImage(double time, const cv::Mat& image);
 
   const ImageMotion& motion() const { return motion_; }
 
@@ -32,7 +32,7 @@ class ImageMotionTracker {
   ImageMotion motion_;
 };
 
-/// Of a whole video; `progress` is told of each picture.
-ImageMotion motionOf(VideoFileSource& video, const std::function<void()>& progress);
+/// Measures the image motion of a whole video; calls `progress` after each picture.
+ImageMotion measureImageMotion(VideoFileSource& video, const std::function<void()>& progress);
 
 }  // namespace cartvo

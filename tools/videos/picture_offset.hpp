@@ -4,19 +4,19 @@
 
 namespace cartvo {
 
-/// How the times of two videos belong together: left time = offset + (1 + skew) * right time.
+/// Relation of the file times of two videos: left time = offset + (1 + skew) * right time.
 struct PictureOffset {
   double offset = 0.0;     ///< s
-  double skew = 0.0;       ///< of the right file's clock; 0 where the videos are too short to tell
-  double deviation = 0.0;  ///< standard deviation of the sum, over the time that both cover, s
-  double agreement = 0.0;  ///< correlation of the two motions, 1: the same
+  double skew = 0.0;       ///< of the right file's clock; 0 if the videos are too short to estimate it
+  double stddev = 0.0;     ///< s, of the left time, over the common duration
+  double agreement = 0.0;  ///< correlation of the two image motions; 1: equal
 };
 
-/// From what both cameras saw: turning and bumps move both images alike. First the correlation of the two
-/// motions over all shifts by which the videos still overlap by a third of the shorter one (and 5 s), then,
-/// in parts of 20 s, the shift that explains the right motion best by the left one between its pictures. The
-/// parts tell the skew, if there are a minute of them, and by their scatter how well all is known. Throws
-/// std::runtime_error if the motions do not tell it: no motion, or another shift would do as well.
-PictureOffset findOffset(const ImageMotion& left, const ImageMotion& right);
+/// Estimates the relation from image motion: turns and bumps move both images alike. First correlates the
+/// motions over all shifts with an overlap of at least 5 s and a third of the shorter video. Then, in
+/// segments of 20 s, fits the right motion by the interpolated left one. The segments give the skew, if they
+/// span a minute, and their scatter gives the standard deviation. Throws std::runtime_error if the result is
+/// not unique: no motion, or another shift fits as well.
+PictureOffset findPictureOffset(const ImageMotion& left, const ImageMotion& right);
 
 }  // namespace cartvo

@@ -1,5 +1,4 @@
-// What `cartvo watch` says at its end, computed from the messages alone.
-
+// Computes the summary of `cartvo watch` from the messages alone.
 #include "tools/watch/odometry_statistics.hpp"
 
 #include <algorithm>
@@ -10,11 +9,11 @@ namespace cartvo {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// Pictures wait for the next one until it is known how the cameras cut them into packets.
-constexpr std::int64_t kSettling_ns = 2 * kSecond_ns;
-constexpr double kLongestLatency_ms = 60'000.0;  // no pair waits so long in a pipeline that drops what is old
+// Startup time: pictures are delayed by one until the camera's packetisation is known.
+constexpr std::int64_t kSettlingTime_ns = 2 * kSecond_ns;
+constexpr double kMaxLatency_ms = 60'000.0;  // longer in no live pipeline; recordings exceed it
 
-/// Nearest rank; NaN of nothing.
+/// Percentile by nearest rank; NaN for an empty list.
 double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double rank = std::ceil(fraction * static_cast<double>(values.size())) - 1.0;
@@ -36,10 +35,10 @@ StampedPose pose(const odometry_t& message) {
 
 std::optional<double> latencyMs(const odometry_t& message) {
   const double latency = static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3;
-  return std::abs(latency) < kLongestLatency_ms ? std::optional(latency) : std::nullopt;
+  return std::abs(latency) < kMaxLatency_ms ? std::optional(latency) : std::nullopt;
 }
 
-void OdometryStatistics::count(const odometry_t& message) {
+void OdometryStatistics::countMessage(const odometry_t& message) {
   ++counts_.messages;
   if (message.sequence <= last_sequence_) ++counts_.restarts;
   if (last_sequence_ >= 0 && message.sequence > last_sequence_)
@@ -51,8 +50,8 @@ void OdometryStatistics::count(const odometry_t& message) {
   last_sequence_ = message.sequence;
 }
 
-void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_ns) {
-  count(message);
+void OdometryStatistics::addMessage(const odometry_t& message, std::int64_t reception_ns) {
+  countMessage(message);
   const bool same_epoch = last_was_valid_ && message.reset_counter == last_reset_counter_;
   last_reset_counter_ = message.reset_counter;
   last_was_valid_ = message.status == odometry_t::VALID;
@@ -63,7 +62,7 @@ void OdometryStatistics::add(const odometry_t& message, std::int64_t reception_n
   receptions_ns_.push_back(reception_ns);
   if (const auto latency = latencyMs(message)) {
     latencies_ms_.push_back(*latency);
-    if (reception_ns - receptions_ns_.front() >= kSettling_ns) settled_latencies_ms_.push_back(*latency);
+    if (reception_ns - receptions_ns_.front() >= kSettlingTime_ns) settled_latencies_ms_.push_back(*latency);
     ages_ms_.push_back(static_cast<double>(reception_ns - message.utime * 1000) * 1e-6);
   }
   offsets_ms_.push_back(static_cast<double>(message.offset_us) * 1e-3);

@@ -1,5 +1,4 @@
-// `cartvo watch`: listens as any controller would, and shows people what it hears.
-
+// `cartvo watch`: receives odometry like a controller and prints a live line and a summary.
 #include "tools/watch/watch.hpp"
 
 #include <array>
@@ -25,66 +24,66 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr int kPoll_ms = 50;
-constexpr int kQueue = 1000;
+constexpr int kQueueCapacity = 1000;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Draws the live line: over itself on a terminal, else a new one each second.
+/// Prints the live line: redrawn in place on a terminal, else one line per second.
 class LiveLine {
  public:
   explicit LiveLine(const WatchSettings& settings)
-      : over_itself_(!settings.plain && isatty(STDOUT_FILENO) != 0) {}
+      : redraws_(!settings.plain && isatty(STDOUT_FILENO) != 0) {}
   ~LiveLine() {
-    if (over_itself_ && drawn_) std::puts("");
+    if (redraws_ && drawn_) std::puts("");
   }
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
   void draw(const odometry_t& message, const OdometryStatistics& statistics, const std::string& clocks) {
-    if (drawn_ && secondsSince(last_) < (over_itself_ ? 0.2 : 1.0)) return;
+    if (drawn_ && secondsSince(last_) < (redraws_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
     const std::string line = liveLine(message, statistics.currentFrameRate(hostNow())) + clocks;
-    std::printf(over_itself_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+    std::printf(redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stdout);
   }
 
-  /// A line of its own, where it is another than the last one.
-  void say(const std::string& text) {
-    if (text == said_) return;
-    said_ = text;
-    if (over_itself_ && drawn_) std::puts("");
-    std::printf("%s\n", text.empty() ? "nothing to mend any more" : text.c_str());
+  /// Prints `text` on a line of its own if it differs from the last one.
+  void printAdvice(const std::string& text) {
+    if (text == last_advice_) return;
+    last_advice_ = text;
+    if (redraws_ && drawn_) std::puts("");
+    std::printf("%s\n", text.empty() ? "no problem any more" : text.c_str());
     std::fflush(stdout);
   }
 
  private:
-  std::string said_;
-  bool over_itself_;
+  std::string last_advice_;
+  bool redraws_;
   bool drawn_ = false;
   Clock::time_point last_;
 };
 
-/// The receiving end: every message in order, its reception beside it.
-class Listener {
+/// Receives odometry and health messages in order.
+class OdometryReceiver {
  public:
-  explicit Listener(lcm::LCM& lcm) : lcm_(lcm) {
-    lcm.subscribe(kOdometryChannel, &Listener::onMessage, this)->setQueueCapacity(kQueue);
-    lcm.subscribe(kHealthChannel, &Listener::onHealth, this)->setQueueCapacity(kQueue);
+  explicit OdometryReceiver(lcm::LCM& lcm) : lcm_(lcm) {
+    lcm.subscribe(kOdometryChannel, &OdometryReceiver::onMessage, this)->setQueueCapacity(kQueueCapacity);
+    lcm.subscribe(kHealthChannel, &OdometryReceiver::onHealth, this)->setQueueCapacity(kQueueCapacity);
   }
 
-  /// Waits up to 50 ms; true if a message came.
+  /// Waits up to 50 ms; returns whether an odometry message arrived.
   bool receive() {
     received_ = false;
-    if (lcm_.handleTimeout(kPoll_ms) < 0) throw std::runtime_error("LCM: receiving failed");
+    if (lcm_.handleTimeout(kPoll_ms) < 0) throw std::runtime_error("LCM: cannot receive messages");
     return received_;
   }
   const odometry_t& last() const { return last_; }
-  /// What the daemon says should be mended; empty if all is well.
+  /// Problem and self-check of the last health message; empty if there is none.
   const std::string& advice() const { return advice_; }
-  /// By what a pair's offset is known, and how well; empty before the first health message.
+  /// Source and standard deviation of the time offset; empty before the first health message.
   const std::string& clocks() const { return clocks_; }
 
  private:
@@ -107,16 +106,16 @@ class Listener {
   bool received_ = false;
 };
 
-[[noreturn]] void failUnheard(const WatchSettings& settings) {
+[[noreturn]] void failWithoutMessages(const WatchSettings& settings) {
   const MulticastRoute route = findMulticastRoute(settings.url);
   throw std::runtime_error(
       fmt::format("no message on {} within {:.0f} s.\n"
                   "  Is the daemon running?      systemctl status cartvod; it publishes at the full rate "
                   "even without cameras\n"
-                  "  Does it use the same URL?   here: {}; there: lcm.url in its configuration\n"
-                  "  The same route?             here through {}; see 'ip route get {}' on both sides\n"
-                  "  On another host?            then the daemon needs ttl=1 in lcm.url, and the network "
-                  "must pass multicast",
+                  "  Does it use the same URL?   here: {}; daemon: lcm.url in its configuration\n"
+                  "  Is the route the same?      here: {}; compare 'ip route get {}' on both computers\n"
+                  "  Is it on another computer?  the daemon needs ttl=1 in lcm.url, and the network must "
+                  "forward multicast",
                   kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
 }
 
@@ -140,29 +139,29 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
   if (const std::string warning = multicastWarning(findMulticastRoute(settings.url)); !warning.empty()) {
     std::fprintf(stderr, "cartvo watch: %s\n", warning.c_str());
   }
-  Listener listener(*lcm);
+  OdometryReceiver receiver(*lcm);
   LiveLine line(settings);
   OdometryStatistics statistics;
   Clock::time_point first = Clock::now();
   Clock::time_point last_pair = first;
-  bool heard = false;
+  bool has_message = false;
   while (!signals.wait(std::chrono::nanoseconds(0))) {
-    if (listener.receive()) {
-      const odometry_t& message = listener.last();
-      if (!heard) first = last_pair = Clock::now();
-      heard = true;
-      statistics.add(message, hostNow());
+    if (receiver.receive()) {
+      const odometry_t& message = receiver.last();
+      if (!has_message) first = last_pair = Clock::now();
+      has_message = true;
+      statistics.addMessage(message, hostNow());
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
-      line.draw(message, statistics, listener.clocks());
+      line.draw(message, statistics, receiver.clocks());
     }
-    line.say(listener.advice());
-    if (!heard && secondsSince(first) > settings.first_message) failUnheard(settings);
-    if (heard && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;
+    line.printAdvice(receiver.advice());
+    if (!has_message && secondsSince(first) > settings.first_message) failWithoutMessages(settings);
+    if (has_message && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;
     if (statistics.hasPairs() && settings.until_silent > 0.0 &&
         secondsSince(last_pair) >= settings.until_silent)
       break;
   }
-  if (!heard) failUnheard(settings);
+  if (!has_message) failWithoutMessages(settings);
   return statistics;
 }
 
@@ -198,7 +197,7 @@ std::string summaryText(const OdometrySummary& summary) {
   std::string text = fmt::format("messages          {} ({} lost, {} without a pair)\n", summary.messages,
                                  summary.lost, summary.no_pair);
   if (pairs == 0)
-    return text + "no pair of frames came: 'journalctl -u cartvod' names the camera and what to mend\n";
+    return text + "no pair of frames came: 'journalctl -u cartvod' names the camera and the cause\n";
   return text + fmt::format(
                     "valid             {} ({:.1f} % of the pairs)\n"
                     "frame rate        {:.2f} pairs/s over {:.1f} s\n"

@@ -1,3 +1,4 @@
+// Builds the meshes of houses: walls with windows and doors, plinth and roof.
 #include "tools/world/building.hpp"
 
 #include <algorithm>
@@ -13,20 +14,20 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float kStorey = 3.1F;        // m
-constexpr float kRecess = 0.14F;       // m, from the wall to the pane
-constexpr float kWindowHeight = 1.5F;  // m, as the window's texture has it
+constexpr float kStorey = 3.1F;        // m, height of one storey
+constexpr float kRecess = 0.14F;       // m, from the wall's face to the pane
+constexpr float kWindowHeight = 1.5F;  // m, equal to the height in the window texture
 constexpr float kSillHeight = 0.95F;   // m above the floor
 constexpr float kDoorWidth = 1.0F;
 constexpr float kDoorHeight = 2.1F;
 
-/// One wall: a vertical plane with its own coordinates, u along, v up, w into the house.
+/// A wall as a vertical plane with coordinates u along it, v up and w into the house, m.
 struct WallFrame {
   Vector3f origin;
   Vector3f along;
   Vector3f inward;
   float length = 0.0F;
-  float texture_offset = 0.0F;  ///< walls of one house continue each other's texture
+  float texture_offset = 0.0F;  ///< m; continues the texture of the wall before
 
   Vector3f at(float u, float v, float w) const {
     return origin + u * along + v * Vector3f::UnitZ() + w * inward;
@@ -47,7 +48,7 @@ void addWallPiece(Mesh& mesh, const WallFrame& wall, const Rectangle& r, const F
                finish);
 }
 
-/// The four faces between the wall and what is set back in its opening, and that itself.
+/// Adds an opening: its recessed inset and the four reveal faces between the wall and the inset.
 void addOpening(Mesh& mesh, const WallFrame& wall, const Rectangle& r, const Finish& inset,
                 const Finish& reveal) {
   mesh.addPlane({wall.at(r.left, r.bottom, kRecess), wall.at(r.right, r.bottom, kRecess),
@@ -68,14 +69,15 @@ void addSill(Mesh& mesh, const WallFrame& wall, const Rectangle& r, const Finish
   const float e = r.right + 0.06F;
   const float top = r.bottom;
   const float low = r.bottom - 0.07F;
-  constexpr float kOut = -0.06F;
-  mesh.addPlane({wall.at(l, low, kOut), wall.at(e, low, kOut), wall.at(e, top, kOut), wall.at(l, top, kOut)},
+  constexpr float kOutward = -0.06F;
+  mesh.addPlane({wall.at(l, low, kOutward), wall.at(e, low, kOutward), wall.at(e, top, kOutward),
+                 wall.at(l, top, kOutward)},
+                finish);
+  mesh.addPlane({wall.at(l, top, kOutward), wall.at(e, top, kOutward), wall.at(e, top + 0.01F, 0),
+                 wall.at(l, top + 0.01F, 0)},
                 finish);
   mesh.addPlane(
-      {wall.at(l, top, kOut), wall.at(e, top, kOut), wall.at(e, top + 0.01F, 0), wall.at(l, top + 0.01F, 0)},
-      finish);
-  mesh.addPlane({wall.at(l, low, kOut), wall.at(e, low, kOut), wall.at(e, low, 0), wall.at(l, low, 0)},
-                finish);
+      {wall.at(l, low, kOutward), wall.at(e, low, kOutward), wall.at(e, low, 0), wall.at(l, low, 0)}, finish);
 }
 
 void addWall(Mesh& mesh, const WallFrame& wall, const Building& house, float height, std::uint32_t salt) {

@@ -1,4 +1,4 @@
-// Where things stand: along the road by its arc length, elsewhere by chance, never in each other's way.
+// Lays out the campus: objects along the road by arc length, others at random positions, without collisions.
 #include "tools/world/campus.hpp"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kNear = 28.0;  // m from the road: trees beyond show no single leaves
-constexpr double kOpen = 45.0;  // m from the cart's line: nothing nearer where the land is open
+constexpr double kLeafDetailRange = 28.0;  // m from the path; farther trees use sprays of leaves
+constexpr double kOpenClearance = 45.0;    // m from the path; open land has no objects nearer
 
 std::vector<Vector2d> loopPolygon(Scenario scenario) {
   if (scenario == Scenario::turns) {
@@ -42,7 +42,7 @@ double cornerRadius(Scenario scenario) {  // m
   return scenario == Scenario::motorway ? 200.0 : 11.5;
 }
 
-/// Fills a campus step by step, remembering what is taken.
+/// Adds objects to a campus and keeps the ground plans of its buildings to avoid collisions.
 class Layout {
  public:
   Layout(const Path& path, const WorldSettings& settings, Campus& campus)
@@ -69,9 +69,9 @@ class Layout {
   }
   Mesh& fixed() { return campus_.meshes.front(); }
 
-  /// Whether a disc lies outside road and pavements.
+  /// Whether a disc at `place` lies outside road and pavements.
   bool clearOfRoad(const Vector2d& place, double radius) const {
-    if (open_ && distanceToPath(place) < kOpen + radius) return false;
+    if (open_ && distanceToPath(place) < kOpenClearance + radius) return false;
     for (const PathPoint& p : samples_) {
       const Vector2d offset = place - p.position;
       if (offset.squaredNorm() > 900.0) continue;
@@ -87,11 +87,11 @@ class Layout {
     return std::none_of(buildings_.begin(), buildings_.end(),
                         [&](const Building& b) { return covers(b, place, margin); });
   }
-  bool fits(const Building& house) const;
-  void tryBuilding(const Vector2d& centre, double yaw, int most_storeys);
+  bool hasRoom(const Building& house) const;
+  void tryBuilding(const Vector2d& centre, double yaw, int max_storeys);
   void place(std::uint32_t mesh, const Vector2d& at, double yaw, double scale);
-  Vector2d anywhere(double margin);
-  static Eigen::Affine3f standing(const Vector2d& at, double yaw);
+  Vector2d randomPosition(double margin);
+  static Eigen::Affine3f placementOnGround(const Vector2d& at, double yaw);
   double distanceToPath(const Vector2d& at) const {
     double nearest = 1e9;
     for (const PathPoint& p : samples_)
@@ -102,13 +102,13 @@ class Layout {
   const Path& path_;
   Campus& campus_;
   Random random_;
-  bool sparse_;  ///< few things
-  bool open_;    ///< and none near the road
+  bool sparse_;  ///< few objects
+  bool open_;    ///< no objects within kOpenClearance of the path
   std::vector<PathPoint> samples_;
   std::vector<Building> buildings_;
 };
 
-Vector2d Layout::anywhere(double margin) {
+Vector2d Layout::randomPosition(double margin) {
   Eigen::AlignedBox2d bounds;
   for (const PathPoint& p : samples_)
     bounds.extend(p.position);
@@ -116,7 +116,7 @@ Vector2d Layout::anywhere(double margin) {
           random_.uniform(bounds.min().y() - margin, bounds.max().y() + margin)};
 }
 
-bool Layout::fits(const Building& house) const {
+bool Layout::hasRoom(const Building& house) const {
   const Vector2d x(std::cos(house.yaw), std::sin(house.yaw));
   const Vector2d y(-x.y(), x.x());
   for (const double a : stepsBelow(0.51, -0.5, 0.125)) {
@@ -128,18 +128,18 @@ bool Layout::fits(const Building& house) const {
   return true;
 }
 
-void Layout::tryBuilding(const Vector2d& centre, double yaw, int most_storeys) {
+void Layout::tryBuilding(const Vector2d& centre, double yaw, int max_storeys) {
   Building house;
   house.centre = centre;
   house.yaw = yaw;
   house.length = random_.uniform(11.0, 24.0);
   house.depth = random_.uniform(8.0, 13.0);
-  house.storeys = 1 + random_.below(most_storeys);
+  house.storeys = 1 + random_.below(max_storeys);
   const double kind = random_.uniform(0.0, 1.0);
   house.wall = kind < 0.5 ? Material::brick : kind < 0.75 ? Material::plaster : Material::concrete;
   if (sparse_) house.wall = Material::plaster;
   house.seed = random_.bits();
-  if (!fits(house)) return;
+  if (!hasRoom(house)) return;
   buildings_.push_back(house);
   addBuilding(fixed(), house);
 }
@@ -163,7 +163,7 @@ void Layout::addBuildings() {
     }
   }
   for (int i = 0; i < (sparse_ ? 60 : 260); ++i) {
-    tryBuilding(anywhere(75.0), random_.uniform(0.0, std::numbers::pi), 6);
+    tryBuilding(randomPosition(75.0), random_.uniform(0.0, std::numbers::pi), 6);
   }
 }
 
@@ -178,7 +178,7 @@ void Layout::addBorders() {
       const PathPoint a = path_.at(s);
       const PathPoint b = path_.at(s + length);
       s += length + random_.uniform(0.5, 7.0);
-      // A straight piece must not cut a bend.
+      // Borders are straight: skip bends.
       if (a.tangent.dot(b.tangent) < 0.995) continue;
       const Vector2d from = a.beside(lateral);
       const Vector2d to = b.beside(lateral);
@@ -197,7 +197,7 @@ void Layout::addBorders() {
   }
 }
 
-Eigen::Affine3f Layout::standing(const Vector2d& at, double yaw) {
+Eigen::Affine3f Layout::placementOnGround(const Vector2d& at, double yaw) {
   const Eigen::Vector3d foot(at.x(), at.y(), terrainHeight(at.x(), at.y()) - 0.08);
   return Eigen::Translation3f(foot.cast<float>()) *
          Eigen::Affine3f(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
@@ -206,7 +206,7 @@ Eigen::Affine3f Layout::standing(const Vector2d& at, double yaw) {
 void Layout::place(std::uint32_t mesh, const Vector2d& at, double yaw, double scale) {
   Instance instance;
   instance.mesh = mesh;
-  instance.placement = standing(at, yaw) * Eigen::Scaling(static_cast<float>(scale));
+  instance.placement = placementOnGround(at, yaw) * Eigen::Scaling(static_cast<float>(scale));
   instance.seed = random_.bits();
   instance.tone_shift = static_cast<float>(random_.uniform(-0.3, 0.3));
   campus_.instances.push_back(instance);
@@ -230,7 +230,7 @@ void Layout::addTrees() {
   };
   const auto plant_tree = [&](const Vector2d& at, double from, double to) {
     if (!has_room(at, 2.3)) return;
-    const bool near = distanceToPath(at) < kNear;
+    const bool near = distanceToPath(at) < kLeafDetailRange;
     place((near ? near_trees : far_trees)[random_.below(kKinds)], at, random_.uniform(0.0, 6.28),
           random_.uniform(from, to));
   };
@@ -239,7 +239,8 @@ void Layout::addTrees() {
     if (!has_room(at, room)) return;
     const auto scale = static_cast<float>(random_.uniform(from, to));
     fixed().addMesh(kinds[random_.below(kKinds)],
-                    standing(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale), random_.bits());
+                    placementOnGround(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale),
+                    random_.bits());
   };
   const double density = sparse_ ? 0.12 : 1.0;
   for (const double s : stepsBelow(path_.length(), 0.0, 1.0)) {
@@ -255,13 +256,13 @@ void Layout::addTrees() {
     }
   }
   for (int i = 0; i < static_cast<int>(170 * density); ++i)
-    plant_tree(anywhere(60.0), 0.8, 1.5);
-  for (int i = 0; i < 240; ++i) {  // a belt of wood all around
+    plant_tree(randomPosition(60.0), 0.8, 1.5);
+  for (int i = 0; i < 240; ++i) {  // a belt of trees around the campus
     const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random_.uniform(170.0, 230.0);
-    plant_tree(
-        open_ ? anywhere(120.0) : Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)),
-        1.0, 1.9);
+    plant_tree(open_ ? randomPosition(120.0)
+                     : Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)),
+               1.0, 1.9);
   }
 }
 
@@ -280,9 +281,9 @@ void Layout::addStreetFurniture() {
       const PathPoint p = path_.at(s + random_.uniform(-0.8, 0.8));
       const double kerb = side > 0.0 ? campus_.road.left_kerb : campus_.road.right_kerb;
       const double inner = side > 0.0 ? campus_.road.leftBorder() : campus_.road.rightBorder();
-      const Vector2d at = p.beside(keptWithinBend(p, kerb + side * 0.4));
-      const Vector2d behind = p.beside(keptWithinBend(p, inner - side * 0.35));
-      if (!clearOfBuildings(at, 0.5)) continue;  // below a bridge
+      const Vector2d at = p.beside(clampWithinBend(p, kerb + side * 0.4));
+      const Vector2d behind = p.beside(clampWithinBend(p, inner - side * 0.35));
+      if (!clearOfBuildings(at, 0.5)) continue;  // inside an underpass
       const double toward = std::atan2(p.tangent.y(), p.tangent.x()) - side * 0.5 * std::numbers::pi;
       const double kind = random_.uniform(0.0, 1.0);
       if (kind < 0.09) place(lamp, at, toward, 1.0);
@@ -332,7 +333,8 @@ Path campusPath(const WorldSettings& settings) {
   std::vector<Vector2d> polygon = loopPolygon(settings.scenario);
   const double reach = settings.scenario == Scenario::turns ? 1.0 : 4.0;
   for (Vector2d& corner : polygon) {
-    const double north = random.uniform(-reach, reach);  // one by one: compilers order arguments as they like
+    const double north =
+        random.uniform(-reach, reach);  // drawn first: the evaluation order of arguments is unspecified
     corner += Vector2d(random.uniform(-reach, reach), north);
   }
   return Path(polygon, cornerRadius(settings.scenario));

@@ -11,26 +11,26 @@
 
 namespace cartvo::world {
 
-/// A mesh put somewhere, with its own colours.
+/// One placement of a mesh on the campus, with its own texture seed and brightness.
 struct Instance {
-  std::uint32_t mesh = 0;  ///< index
-  Eigen::Affine3f placement = Eigen::Affine3f::Identity();
-  std::uint32_t seed = 0;   ///< mixed into the seeds of its surfaces
-  float tone_shift = 0.0F;  ///< of paint, cloth and leaves
+  std::uint32_t mesh = 0;                                   ///< index into Campus::meshes
+  Eigen::Affine3f placement = Eigen::Affine3f::Identity();  ///< mesh to campus, m
+  std::uint32_t seed = 0;   ///< mixed into the seeds of its surfaces; 0: unchanged
+  float tone_shift = 0.0F;  ///< added to the tone of paint, cloth and leaves
   bool moving = false;
 };
 
-/// Everything that stands still: the ground with its road, houses, trees, fences, parked cars.
+/// The static scene: the ground with its road, houses, trees, fences, parked cars.
 struct Campus {
   RoadProfile road;
-  std::vector<Mesh> meshes;  ///< the first holds all that is there once
+  std::vector<Mesh> meshes;  ///< the first holds everything that occurs once
   std::vector<Instance> instances;
 };
 
-/// The line that the cart's rear axle follows, closed.
+/// The closed path that the cart's rear axle follows.
 Path campusPath(const WorldSettings& settings);
 
-/// Lays out a campus along the path.
+/// Builds the campus of the scenario and seed along `path`.
 Campus buildCampus(const Path& path, const WorldSettings& settings);
 
 }  // namespace cartvo::world

@@ -1,3 +1,4 @@
+// Integrates the cart's speed and spring-mass model once and keeps the result as splines over time.
 #include "tools/world/drive.hpp"
 
 #include <array>
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kWheelbase = 1.65;  // m
 constexpr double kTrack = 0.9;       // m
-constexpr int kSubsteps = 4;         // of the springs' integration in one kSpeedStep
+constexpr int kSubsteps = 4;         // integration steps of the springs in one kSpeedStep
 
 /// A damped spring that follows `target`: x'' = w^2 (target - x) - 2 d w x'.
 struct Spring {
@@ -29,7 +30,7 @@ struct Spring {
   }
 };
 
-/// Height of the road below a wheel, m.
+/// Deviation of the road's height below a wheel, m, `distance` m along the path and `lateral` m to its left.
 double roughness(double distance, double lateral, double amplitude, std::uint32_t seed) {
   return amplitude *
          noise(static_cast<float>(distance), static_cast<float>(lateral), 0.3F, {9.6F, 0.6F, 0.62F}, seed);
@@ -45,8 +46,8 @@ double roughnessAmplitude(Scenario scenario) {
 
 Drive::Drive(const Path& path, const WorldSettings& settings)
     : path_(path), speed_(kSpeedStep, speedProfile(path, settings)) {
-  constexpr double kPitchPerAcceleration = -0.011;  // rad/(m/s^2): the nose rises when pulling away
-  constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): leans outward in a bend
+  constexpr double kPitchPerAcceleration = -0.011;  // rad/(m/s^2): the nose rises under acceleration
+  constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): the body rolls outward in a bend
   const auto seed = hashOf({static_cast<std::uint32_t>(settings.seed), 501U});
   const double amplitude = roughnessAmplitude(settings.scenario);
   const auto wheel_height = [&](double distance, int wheel) {

@@ -8,18 +8,18 @@
 
 namespace cartvo::world {
 
-/// How the cart moves: along a path, at a speed that its scenario, its brakes and the bends allow, on springs
-/// that answer to the road's roughness and to acceleration. Every quantity is twice continuously
-/// differentiable in time.
+/// The cart's motion: along a path, at the scenario's speed limited by bends, motor and brakes, on springs
+/// excited by the road's roughness and by acceleration. All quantities are twice continuously differentiable
+/// in time.
 class Drive {
  public:
   /// `path` must outlive the drive.
   Drive(const Path& path, const WorldSettings& settings);
 
-  double distance(double seconds) const { return speed_.integral(seconds); }  ///< along the path, m
+  double distance(double seconds) const { return speed_.integral(seconds); }  ///< m along the path
   double speed(double seconds) const { return speed_.value(seconds); }        ///< m/s, negative: backward
 
-  /// Body axes (REP-103, origin on the ground below the rear axle) in the campus' axes.
+  /// Pose of the body (REP-103 axes, origin on the ground below the rear axle) in campus axes, at `seconds`.
   Eigen::Isometry3d T_map_body(double seconds) const;
 
  private:

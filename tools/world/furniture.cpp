@@ -1,3 +1,4 @@
+// Builds the meshes of street furniture, fences and garden walls.
 #include "tools/world/furniture.hpp"
 
 #include <algorithm>

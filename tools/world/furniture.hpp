@@ -7,17 +7,17 @@
 
 namespace cartvo::world {
 
-/// Things along the street, each with its foot at the origin.
+/// Street furniture; the foot of each mesh is the origin.
 Mesh makeLampPost();
 Mesh makeSign(std::uint32_t seed);
 Mesh makeBollard();
 Mesh makeBench();
 Mesh makeBin();
 
-/// A picket fence from `from` to `to`.
+/// Adds a picket fence from `from` to `to`, campus coordinates in m.
 void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
 
-/// A garden wall of brick with a coping.
+/// Adds a brick garden wall with a coping from `from` to `to`.
 void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
 
 }  // namespace cartvo::world

@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <initializer_list>
 
-// Numbers that look random and are a function of their arguments alone: the campus is the same on each run.
+// Hash functions and a random generator: pseudo-random numbers that depend on their arguments alone, so that
+// a campus is the same in each run.
 namespace cartvo::world {
 
-/// A bijection of 32 bits without visible pattern (C. Wellons, "Prospecting for hash functions": lowbias32).
+/// Bijective hash of 32 bits: lowbias32 of C. Wellons, "Prospecting for hash functions".
 constexpr std::uint32_t mixBits(std::uint32_t x) {
   x ^= x >> 16U;
   x *= 0x7feb352dU;
@@ -16,6 +17,7 @@ constexpr std::uint32_t mixBits(std::uint32_t x) {
   return x;
 }
 
+/// Hash of a sequence of values; depends on their order.
 constexpr std::uint32_t hashOf(std::initializer_list<std::uint32_t> values) {
   std::uint32_t h = 0x9e3779b9U;
   for (const std::uint32_t value : values)
@@ -23,17 +25,17 @@ constexpr std::uint32_t hashOf(std::initializer_list<std::uint32_t> values) {
   return h;
 }
 
-/// [0, 1)
+/// Maps the upper 24 bits to [0, 1).
 constexpr float unitFloat(std::uint32_t bits) {
   return static_cast<float>(bits >> 8U) * 0x1p-24F;
 }
 
-/// [-1, 1)
+/// Maps the upper 24 bits to [-1, 1).
 constexpr float signedFloat(std::uint32_t bits) {
   return 2.0F * unitFloat(bits) - 1.0F;
 }
 
-/// A sequence of numbers from a seed (S. Vigna, splitmix64).
+/// Pseudo-random generator splitmix64 (S. Vigna).
 class Random {
  public:
   explicit constexpr Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ULL + 1) {}

@@ -1,3 +1,4 @@
+// Brown's lens model, its inverse, and the rig of the simulated cart.
 #include "tools/world/lens.hpp"
 
 #include <cmath>
@@ -8,7 +9,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The distorted point on the plane z = 1.
+/// The distorted point on the plane z = 1 of an undistorted one.
 Eigen::Vector2d distortNormalized(const CameraModel& camera, const Eigen::Vector2d& p) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
   const double r2 = p.squaredNorm();
@@ -20,7 +21,7 @@ Eigen::Vector2d distortNormalized(const CameraModel& camera, const Eigen::Vector
 
 CameraModel cameraLike(const WorldSettings& settings, double focal_factor,
                        const Eigen::Vector2d& centre_shift, const std::array<double, 8>& distortion) {
-  // The centre's shift and the lens belong to a sensor of 680 px: other sizes scale it.
+  // centre_shift is given for a sensor 680 px wide; other sizes scale it.
   const double scale = settings.image_size.width / 680.0;
   CameraModel camera;
   camera.size = settings.image_size;
@@ -73,7 +74,7 @@ Rig simulatedRig(const WorldSettings& settings) {
   rig.left = cameraLike(settings, 1.0011, {5.3, -3.8}, {-0.302, 0.094, 0.0004, -0.0003, 0.0, 0.0, 0.0, 0.0});
   rig.right = cameraLike(settings, 0.9978, {-4.1, 2.6}, {-0.297, 0.089, -0.0005, 0.0004, 0.0, 0.0, 0.0, 0.0});
 
-  // Left camera: on the roof's front edge, looking ahead and a little down.
+  // Left camera: on the roof's front edge, looking ahead and 7 degrees down.
   Eigen::Matrix3d forward;  // camera axes (x right, y down, z ahead) in body axes
   forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   rig.T_body_camera.linear() =

@@ -9,20 +9,20 @@
 
 namespace cartvo::world {
 
-/// From a point on the plane z = 1 to its pixel, by Brown's model as cartvo::CameraModel says.
+/// The pixel of a point on the plane z = 1, by the rational Brown model of cartvo::CameraModel.
 Eigen::Vector2d distort(const CameraModel& camera, const Eigen::Vector2d& normalized);
 
-/// The reverse, by Newton's method, to below 1e-10 px within the image.
+/// The point on the plane z = 1 of a pixel: inverse of distort() by Newton's method, error below 1e-10 px
+/// within the image.
 Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
-/// Where every ray of a camera goes: exact at the pixels' corners, linear in between (the error is below 1e-6
-/// px).
+/// Table of a camera's ray directions: exact at pixel corners, bilinear in between (error below 1e-6 px).
 class RayTable {
  public:
   explicit RayTable(const CameraModel& camera);
 
-  /// The ray's meeting point with the plane z = 1; pixel centres at integers, valid half a pixel beyond the
-  /// image.
+  /// Intersection of the ray through (x, y) with the plane z = 1. Pixel centres are integers; valid up to
+  /// half a pixel outside the image.
   Eigen::Vector2f direction(float x, float y) const {
     const float gx = x + 0.5F;
     const float gy = y + 0.5F;
@@ -42,7 +42,7 @@ class RayTable {
   std::vector<Eigen::Vector2f> corners_;
 };
 
-/// The two cameras on the cart's roof: unlike each other and not quite straight, as real ones are.
+/// The rig of the simulated cart: two cameras on the roof with different lenses and imperfect alignment.
 Rig simulatedRig(const WorldSettings& settings);
 
 }  // namespace cartvo::world

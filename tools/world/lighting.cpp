@@ -1,3 +1,4 @@
+// Sun, sky, clouds and distant hills.
 #include "tools/world/lighting.hpp"
 
 #include <algorithm>
@@ -12,25 +13,25 @@ namespace {
 
 constexpr float kSunRadius = 0.0047F;  // rad
 
-/// The sun's disc and the bright haze around it; `width`: of the pixel, rad.
+/// Radiance of the sun's disc and the bright haze around it; `width`: the pixel's angle, rad.
 float sunRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float width) {
   const float angle = (direction - lighting.to_sun).norm();
-  // A disc as large as the pixel, if need be, with as much less light.
+  // The disc is drawn at least as large as the pixel, with the same total light.
   const float radius = std::max(kSunRadius, 0.56F * width);
   const float share = std::clamp((radius - angle) / width + 0.5F, 0.0F, 1.0F);
-  const float disc = lighting.sun / (radius * radius);  // pi E over the solid angle
+  const float disc = lighting.sun / (radius * radius);  // pi times irradiance over the solid angle
   const float haze = 2.5F * std::exp(-angle / 0.05F) + 1.2F * std::exp(-angle / 0.25F);
   return share * disc + lighting.sky * haze;
 }
 
 }  // namespace
 
-Lighting lightingOf(const WorldSettings& settings, const Path& path) {
+Lighting buildLighting(const WorldSettings& settings, const Path& path) {
   Lighting lighting;
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 601U}));
   double azimuth = random.uniform(0.0, 6.28);
   double elevation = random.uniform(0.60, 0.95);
-  if (settings.scenario == Scenario::glare) {  // over the road that the cart sets out on
+  if (settings.scenario == Scenario::glare) {  // the sun stands low over the first stretch of road
     const Eigen::Vector2d ahead = path.at(30.0).tangent;
     azimuth = std::atan2(ahead.y(), ahead.x()) + 0.08 * (azimuth - 3.14);
     elevation = 0.15 + 0.1 * (elevation - 0.60);
@@ -48,7 +49,7 @@ Lighting lightingOf(const WorldSettings& settings, const Path& path) {
     lighting.sky *= kDim;
     lighting.ground *= kDim;
   }
-  if (settings.scenario == Scenario::low_texture) {  // an overcast day: hardly a shadow to see
+  if (settings.scenario == Scenario::low_texture) {  // overcast: almost no shadows
     lighting.sun = 0.15F;
     lighting.sky = 0.6F;
     lighting.ground = 0.15F;
@@ -58,7 +59,7 @@ Lighting lightingOf(const WorldSettings& settings, const Path& path) {
 
 float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint) {
   const Eigen::Vector3f d = direction.normalized();
-  // The clouds' layer curves away toward the horizon.
+  // The cloud layer is curved, so that it stays finite at the horizon.
   const float height = std::max(d.z(), 0.0F) + 0.09F;
   const float x = d.x() / height;
   const float y = d.y() / height;
@@ -73,7 +74,7 @@ float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, fl
   if (d.z() - footprint > kAboveHills) return radiance;
   const float azimuth = std::atan2(d.y(), d.x());
   const float along = 4.0F * azimuth;
-  const auto ridge = plainNoises(along, 0.3F, {1.9F, 0.61F, 0.13F, 0.033F}, lighting.seed + 1U);
+  const auto ridge = unfadedNoises(along, 0.3F, {1.9F, 0.61F, 0.13F, 0.033F}, lighting.seed + 1U);
   const float crest = 0.035F + 0.022F * ridge[0] + 0.008F * ridge[1] + 0.003F * ridge[2] + 0.0012F * ridge[3];
   const float wooded = 1.0F - filteredStep(crest, d.z(), std::max(footprint, 1e-4F));
   if (wooded > 0.0F) {

@@ -10,20 +10,20 @@
 
 namespace cartvo::world {
 
-/// Light on the campus; unit: what a white surface facing the midday sun sends back.
+/// Light sources of the campus. Unit of radiance: a white surface that faces the midday sun is 1.
 struct Lighting {
-  /// Unit length after lightingOf(). Shadows are hard: the few rays that a picture can afford would make
-  /// grain of a penumbra, and grain moves with no surface.
+  /// Direction to the sun; unit length after buildLighting(). Shadows are hard: with few rays per pixel a
+  /// penumbra would become grain, and grain moves with no surface.
   Eigen::Vector3f to_sun{0.45F, 0.55F, 0.70F};
-  float sun = 0.85F;     ///< direct light on a surface facing it; 0: no shadows
-  float sky = 0.23F;     ///< from above, on a level surface
-  float ground = 0.06F;  ///< sent back by the ground, on a downward surface
-  float clouds = 0.5F;   ///< 0..1
+  float sun = 0.85F;     ///< direct light on a surface that faces the sun; 0: no shadows
+  float sky = 0.23F;     ///< light of the sky on a level surface
+  float ground = 0.06F;  ///< light reflected by the ground onto a downward surface
+  float clouds = 0.5F;   ///< cloud cover, 0..1
   std::uint32_t seed = 0;
-  bool glare = false;                  ///< the sun's disc and the bright sky around it can be seen
-  std::vector<Underpass> underpasses;  ///< where less of the sky is seen
+  bool glare = false;                  ///< whether the sun's disc and its bright haze are drawn
+  std::vector<Underpass> underpasses;  ///< attenuate the light of the sky
 
-  /// The share of sky and ground that is seen from a place.
+  /// Fraction of the light of sky and ground that reaches `place`, 0..1.
   float openness(const Eigen::Vector3f& place) const {
     float share = 1.0F;
     for (const Underpass& underpass : underpasses)
@@ -38,10 +38,11 @@ struct Lighting {
   }
 };
 
-Lighting lightingOf(const WorldSettings& settings, const Path& path);
+/// The light of a scenario and seed; `path` gives the direction of the glare and the underpasses.
+Lighting buildLighting(const WorldSettings& settings, const Path& path);
 
-/// What is seen along `direction` (need not be of unit length) where nothing stands: clouds and, near the
-/// horizon, far wooded hills; at infinity. `footprint`: the pixel's angle, rad.
+/// Radiance of the background at infinity along `direction` (any length): clouds and, near the horizon,
+/// wooded hills. `footprint`: the pixel's angle, rad.
 float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint);
 
 }  // namespace cartvo::world

@@ -1,3 +1,4 @@
+// Dispatches reflectance() to the texture of each material.
 #include "tools/world/material.hpp"
 
 #include "tools/world/material_textures.hpp"

@@ -4,7 +4,7 @@
 
 namespace cartvo::world {
 
-/// What surfaces are made of. Each has a procedural texture in its surface's own coordinates.
+/// Surface materials. Each has a procedural texture in surface coordinates.
 enum class Material : std::uint8_t {
   asphalt,
   kerb,
@@ -27,27 +27,27 @@ enum class Material : std::uint8_t {
   sign,
 };
 
-/// Where a material is looked at: the centre of a box on its surface.
+/// A box-shaped sample on a surface: its centre and size.
 struct SurfacePoint {
-  float u = 0.0F;  ///< surface coordinates, m (asphalt: along and left of the road's guide line)
+  float u = 0.0F;  ///< surface coordinates, m (asphalt: along the path and to its left)
   float v = 0.0F;
-  float x = 0.0F;  ///< position on the campus, m (of use for what is fixed only)
+  float x = 0.0F;  ///< position on the campus, m (meaningful for static surfaces only)
   float y = 0.0F;
   float z = 0.0F;
-  float footprint = 0.01F;  ///< the box' mean width, m
-  float width_u = 0.01F;    ///< and its widths along u and v, m
+  float footprint = 0.01F;  ///< mean width of the box, m
+  float width_u = 0.01F;    ///< widths of the box along u and v, m
   float width_v = 0.01F;
   std::uint32_t seed = 0;
   float tone = 0.5F;
 };
 
-/// How rich the textures are: 1 as in life; less for the scenario that starves the odometry.
+/// Strength of all textures.
 struct TextureStyle {
-  float contrast = 1.0F;
+  float contrast = 1.0F;  ///< 1: natural; less for scenarios with little texture
   std::uint32_t seed = 0;
 };
 
-/// The share of light that the surface sends back, 0..1, averaged over the point's box.
+/// Reflectance of the material, 0..1, averaged over the box of `point`.
 float reflectance(Material material, const SurfacePoint& point, const TextureStyle& style);
 
 }  // namespace cartvo::world

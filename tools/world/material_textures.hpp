@@ -8,8 +8,8 @@
 #include "tools/world/material.hpp"
 #include "tools/world/noise.hpp"
 
-// The textures behind reflectance(), a family to a file. Shared rules: brightness varies by factors, as it
-// does in nature (the logarithm is what is about normal), and every term fades with the pixel's footprint.
+// The textures behind reflectance(), one file per family. Brightness varies by factors whose logarithm is
+// about normal, as in nature; every term fades out with the pixel's footprint.
 namespace cartvo::world::textures {
 
 float asphalt(const SurfacePoint& point, const TextureStyle& style);
@@ -34,9 +34,10 @@ float rubber(const SurfacePoint& point, const TextureStyle& style);
 float cloth(const SurfacePoint& point, const TextureStyle& style);
 float sign(const SurfacePoint& point, const TextureStyle& style);
 
-/// exp(exponent), kept within what paint and dirt can do. A whole power of two by the float's exponent, the
-/// rest by a polynomial: within 3e-6, at a fraction of the library's price.
-inline float factor(float exponent) {
+/// exp(exponent) with the exponent limited to [-2, 1.2], the range of paint and dirt. The integer power of
+/// two goes into the float's exponent, the rest through a polynomial: relative error below 3e-6, faster than
+/// expf.
+inline float clampedExp(float exponent) {
   const float power = 1.44269504F * std::clamp(exponent, -2.0F, 1.2F);
   const auto whole = static_cast<std::int32_t>(power + 8.5F) - 8;  // to the nearest
   const float x = 0.69314718F * (power - static_cast<float>(whole));
@@ -45,11 +46,14 @@ inline float factor(float exponent) {
   return rest * std::bit_cast<float>((whole + 127) << 23);
 }
 
-/// A factor that varies over the surface with relative deviation `contrast`.
-inline float varied(const SurfacePoint& point, const NoiseBand& band, float contrast, std::uint32_t salt) {
-  return factor(contrast * noise(point.u, point.v, point.footprint, band, point.seed * 0x9e3779b1U + salt));
+/// A noise factor on the reflectance whose logarithm has standard deviation `contrast` over the surface.
+inline float noiseFactor(const SurfacePoint& point, const NoiseBand& band, float contrast,
+                         std::uint32_t salt) {
+  return clampedExp(contrast *
+                    noise(point.u, point.v, point.footprint, band, point.seed * 0x9e3779b1U + salt));
 }
 
+/// Linear interpolation from `a` to `b`.
 inline float mix(float a, float b, float share_of_b) {
   return a + (b - a) * share_of_b;
 }

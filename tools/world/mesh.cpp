@@ -1,3 +1,4 @@
+// Quadrilateral meshes and their texture gradients.
 #include "tools/world/mesh.hpp"
 
 #include <cmath>
@@ -8,7 +9,7 @@
 namespace cartvo::world {
 namespace {
 
-/// The direction a surface faces, coarsely: two quads of a wall agree, two faces of a box do not.
+/// Quantised normal: equal for two quadrilaterals of a wall, different for two faces of a box.
 std::uint32_t facing(const Eigen::Vector3f& normal) {
   const auto coarse = [](float x) { return static_cast<std::uint32_t>(std::lround(x * 3.0F) + 8); };
   return coarse(normal.x()) | coarse(normal.y()) << 8U | coarse(normal.z()) << 16U;
@@ -20,7 +21,7 @@ void Mesh::addQuad(const Corners& corners, const Coordinates& uv, const Finish& 
   QuadShading shading;
   shading.uv = uv;
   shading.finish = finish;
-  // Least squares over the diagonals: exact for a parallelogram, a fair mean for a bent one.
+  // Least squares over the diagonals: exact for a parallelogram, a mean for others.
   const Eigen::Vector3f d1 = corners[2] - corners[0];
   const Eigen::Vector3f d2 = corners[3] - corners[1];
   const Eigen::Vector2f t1 = uv[2] - uv[0];

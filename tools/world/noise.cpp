@@ -1,4 +1,4 @@
-// Eight octaves are evaluated at once, one in each lane of a vector register.
+// Gradient noise, evaluated for eight octaves at once, one in each lane of a vector register.
 #include "tools/world/noise.hpp"
 
 #include <algorithm>
@@ -18,18 +18,19 @@ struct Eight {
   using Words = std::uint32_t __attribute__((vector_size(32)));
 };
 
-constexpr float kInverseDeviation = 4.4F;  // of one octave: measured 1 / standard deviation
+constexpr float kInverseStddev = 4.4F;  // 1 / standard deviation of one octave, measured
 
-// Newer processors get their own copies, chosen when the program is loaded; what they call must be inlined to
-// become part of the copy.
+// Compiles a function also for newer processors; the loader selects the copy. Callees must be inlined to be
+// compiled for the same target.
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define CARTVO_EACH_PROCESSOR __attribute__((target_clones("default", "arch=x86-64-v3")))
+#define CARTVO_TARGET_CLONES __attribute__((target_clones("default", "arch=x86-64-v3")))
 #else
-#define CARTVO_EACH_PROCESSOR
+#define CARTVO_TARGET_CLONES
 #endif
 #define CARTVO_INLINE [[gnu::always_inline]] inline
 
-/// The corner's gradient times the way to it: both components are taken from the hash.
+/// Dot product of a lattice corner's gradient and the vector to it; the hash `h` gives both gradient
+/// components.
 template <typename Lanes>
 CARTVO_INLINE auto cornerTerm(typename Lanes::Words h, const typename Lanes::Floats& dx,
                               const typename Lanes::Floats& dy) {
@@ -80,33 +81,33 @@ CARTVO_INLINE auto gradientNoise(const typename Lanes::Floats& x, const typename
 
 }  // namespace
 
-CARTVO_EACH_PROCESSOR float noise(float x, float y, float footprint, const NoiseBand& band,
-                                  std::uint32_t seed) {
+CARTVO_TARGET_CLONES float noise(float x, float y, float footprint, const NoiseBand& band,
+                                 std::uint32_t seed) {
   using Floats = Eight::Floats;
   using Words = Eight::Words;
-  // Each octave's lattice is turned by another angle, so that their axes do not add up to a grid.
+  // The lattices of successive octaves are rotated, so that their axes do not form a visible grid.
   constexpr Floats kCosine{1.0F, 0.80F, 0.28F, -0.352F, 1.0F, 0.80F, 0.28F, -0.352F};
   constexpr Floats kSine{0.0F, 0.60F, 0.96F, 0.936F, 0.0F, 0.60F, 0.96F, 0.936F};
   constexpr Floats kDoubling{1.0F, 2.0F, 4.0F, 8.0F, 16.0F, 32.0F, 64.0F, 128.0F};
   constexpr Words kSeeds{0x68bc21ebU, 0xd17843d6U, 0x3a3465c1U, 0xa2f087acU,
                          0xcbe80796U, 0x34a42981U, 0x9d604b6cU, 0x061c6d57U};
-  // An octave is full below 0.3 cycles a pixel and gone at 0.75.
-  constexpr float kGone = 0.75F;
-  constexpr float kFadeSlope = 1.0F / (kGone - 0.3F);
+  // An octave has its full amplitude below 0.3 cycles per pixel and none above 0.75.
+  constexpr float kFadeEnd = 0.75F;
+  constexpr float kFadeSlope = 1.0F / (kFadeEnd - 0.3F);
   const float g = band.gain;
   const float g2 = g * g;
   const float g4 = g2 * g2;
   const Floats gains{1.0F, g, g2, g2 * g, g4, g4 * g, g4 * g2, g4 * g2 * g};
   const Floats none{};
   const Floats whole = none + 1.0F;
-  const float last = std::min(1.01F / band.shortest, kGone / footprint);
+  const float last = std::min(1.01F / band.shortest, kFadeEnd / footprint);
   float frequency = 1.0F / band.longest;
-  float amplitude = band.first_amplitude * kInverseDeviation;
+  float amplitude = band.first_amplitude * kInverseStddev;
   float sum = 0.0F;
   for (; frequency <= last; frequency *= 256.0F, amplitude *= g4 * g4, seed += 0xc657cb56U) {
     const Floats f = frequency * kDoubling;
     const Floats a = f <= last ? amplitude * gains : none;
-    Floats kept = (kGone - f * footprint) * kFadeSlope;
+    Floats kept = (kFadeEnd - f * footprint) * kFadeSlope;
     kept = kept > whole ? whole : kept;
     const Floats value =
         a * kept *
@@ -116,9 +117,9 @@ CARTVO_EACH_PROCESSOR float noise(float x, float y, float footprint, const Noise
   return sum;
 }
 
-CARTVO_EACH_PROCESSOR std::array<float, 4> plainNoises(float x, float y,
-                                                       const std::array<float, 4>& wavelengths,
-                                                       std::uint32_t seed) {
+CARTVO_TARGET_CLONES std::array<float, 4> unfadedNoises(float x, float y,
+                                                        const std::array<float, 4>& wavelengths,
+                                                        std::uint32_t seed) {
   using Floats = Four::Floats;
   using Words = Four::Words;
   constexpr Floats kCosine{1.0F, 0.80F, 0.28F, -0.352F};

@@ -1,4 +1,4 @@
-// One packet of rays from the camera to the surfaces, from there to the sun, and the light they bring back.
+// Renders one packet of rays: camera rays, surface identification, sun rays, shading.
 #include "tools/world/packet_renderer.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr float kShadowReach = 400.0F;  // m
+constexpr float kShadowReach = 400.0F;  // m, length of a sun ray
 
 }  // namespace
 
@@ -51,72 +51,74 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  // Neighbouring pixels' single rays go side by side; those of pixels picked for their edges part at once.
+  // Single rays of neighbouring pixels are coherent; rays of scattered edge pixels are not.
   context.flags = samples == 1 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(valid_.data(), scene_.handle(), &context, &packet_);
 }
 
-void PacketRenderer::nameSurfaces(int rays) {
+void PacketRenderer::identifySurfaces(int rays) {
   for (int lane = 0; lane < rays; ++lane) {
     const std::uint32_t instance = packet_.hit.instID[0][lane];
     surface_[lane] = 0;
-    sun_known_[lane] = instance == kSky || lighting_.sun <= 0.0F;
+    sun_is_known_[lane] = instance == kSky || lighting_.sun <= 0.0F;
     sunlit_[lane] = 0.0F;
-    recalled_[lane] = -1.0F;
+    reused_radiance_[lane] = -1.0F;
     if (instance == kSky) continue;
     const QuadShading& quad = scene_.shading(instance, packet_.hit.primID[lane]);
     surface_[lane] = mixBits(instance * 0x9e3779b1U ^ quad.surface) << 2U;
-    if (quad.finish.material == Material::leaf) surface_[lane] |= SurfaceName::kLeaf;
+    if (quad.finish.material == Material::leaf) surface_[lane] |= SurfaceId::kLeaf;
     Eigen::Vector3f n(packet_.hit.Ng_x[lane], packet_.hit.Ng_y[lane], packet_.hit.Ng_z[lane]);
     n = (scene_.directions(instance) * n).normalized();
     if (n.dot(direction_[lane]) > 0.0F) n = -n;
     normal_[lane] = n;
     position_[lane] = view_.T_map_camera.translation() + packet_.ray.tfar[lane] * direction_[lane];
-    if (sunFactor(quad.finish.material, n, lighting_.to_sun) <= 0.0F) sun_known_[lane] = true;
+    if (sunFactor(quad.finish.material, n, lighting_.to_sun) <= 0.0F) sun_is_known_[lane] = true;
   }
 }
 
-/// Where the pixels around show the same surface, and all of them in the same light, the sample is in that
-/// light too; what the pixel's own centre shows need not be shaded again, nor a leaf, which has one tone.
-/// A leaf that was not seen before is taken to be in the light of the leaf at the centre.
-void PacketRenderer::recall(std::span<const Pixel> pixels, int samples, const FirstLook& known) {
+/// Copies results of the first pass. Where the surrounding pixels show the sample's surface and agree on
+/// whether the sun reaches it, the sample has the same sunlight. The surface at the pixel's own centre is not
+/// shaded again, nor is a leaf, which has one tone. A leaf that the first pass did not see gets the sunlight
+/// of the leaf at the centre.
+void PacketRenderer::reuseFirstPass(std::span<const Pixel> pixels, int samples, const FirstPass& first_pass) {
   int lane = 0;
   for (const Pixel& pixel : pixels) {
     const int left = std::max(pixel.x - 1, 0);
-    const int right = std::min(pixel.x + 1, known.surface.cols - 1);
+    const int right = std::min(pixel.x + 1, first_pass.surface.cols - 1);
     const int top = std::max(pixel.y - 1, 0);
-    const int bottom = std::min(pixel.y + 1, known.surface.rows - 1);
-    const auto own_name = static_cast<std::uint32_t>(known.surface.at<std::int32_t>(pixel.y, pixel.x));
+    const int bottom = std::min(pixel.y + 1, first_pass.surface.rows - 1);
+    const auto own_surface =
+        static_cast<std::uint32_t>(first_pass.surface.at<std::int32_t>(pixel.y, pixel.x));
     for (int sample = 0; sample < samples; ++sample, ++lane) {
       if (surface_[lane] == 0) continue;
       std::uint32_t lights_seen = 0;  // bit 0: in shadow, bit 1: in the sun
       const float* radiance = nullptr;
       for (int y = top; y <= bottom; ++y) {
-        const auto* row = known.surface.ptr<std::int32_t>(y);
+        const auto* row = first_pass.surface.ptr<std::int32_t>(y);
         for (int x = left; x <= right; ++x) {
-          const auto name = static_cast<std::uint32_t>(row[x]);
-          if (((name ^ surface_[lane]) & ~SurfaceName::kSunlit) != 0) continue;
-          lights_seen |= 1U << (name & SurfaceName::kSunlit);
+          const auto surface = static_cast<std::uint32_t>(row[x]);
+          if (((surface ^ surface_[lane]) & ~SurfaceId::kSunlit) != 0) continue;
+          lights_seen |= 1U << (surface & SurfaceId::kSunlit);
           const bool own = x == pixel.x && y == pixel.y;
-          if (own || (radiance == nullptr && (name & SurfaceName::kLeaf) != 0))
-            radiance = known.radiance.ptr<float>(y) + x;
+          if (own || (radiance == nullptr && (surface & SurfaceId::kLeaf) != 0))
+            radiance = first_pass.radiance.ptr<float>(y) + x;
         }
       }
-      if (lights_seen == 0 && (surface_[lane] & own_name & SurfaceName::kLeaf) != 0)
-        lights_seen = 1U << (own_name & SurfaceName::kSunlit);
+      if (lights_seen == 0 && (surface_[lane] & own_surface & SurfaceId::kLeaf) != 0)
+        lights_seen = 1U << (own_surface & SurfaceId::kSunlit);
       if (lights_seen != 1 && lights_seen != 2) continue;
-      sun_known_[lane] = true;
+      sun_is_known_[lane] = true;
       sunlit_[lane] = lights_seen == 2 ? 1.0F : 0.0F;
-      if (radiance != nullptr) recalled_[lane] = *radiance;
+      if (radiance != nullptr) reused_radiance_[lane] = *radiance;
     }
   }
 }
 
-void PacketRenderer::lookAtSunTogether(int rays) {
+void PacketRenderer::castSunPacket(int rays) {
   valid_.fill(0);
   bool any = false;
   for (int lane = 0; lane < rays; ++lane) {
-    if (sun_known_[lane]) continue;
+    if (sun_is_known_[lane]) continue;
     const Eigen::Vector3f origin = sunRayOrigin(lane);
     shadow_.org_x[lane] = origin.x();
     shadow_.org_y[lane] = origin.y();
@@ -136,14 +138,14 @@ void PacketRenderer::lookAtSunTogether(int rays) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags =
-      RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to hang
+      RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to stall
   rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
   for (int lane = 0; lane < rays; ++lane) {
     if (valid_[lane] != 0 && shadow_.tfar[lane] >= 0.0F) sunlit_[lane] = 1.0F;
   }
 }
 
-bool PacketRenderer::seesSun(int lane) const {
+bool PacketRenderer::isSunlit(int lane) const {
   const Eigen::Vector3f origin = sunRayOrigin(lane);
   RTCRay ray{};
   ray.org_x = origin.x();
@@ -160,29 +162,28 @@ bool PacketRenderer::seesSun(int lane) const {
   return ray.tfar >= 0.0F;
 }
 
-/// A packet pays where most lanes take part; of the second look's rays few need the sun, and those few are
-/// far apart.
+/// Casts the missing sun rays: as one packet in the first pass, where most lanes need one; one by one in the
+/// second pass, where few do and those are far apart.
 void PacketRenderer::castSunRays(int rays, int samples) {
   if (samples == 1) {
-    lookAtSunTogether(rays);
+    castSunPacket(rays);
   } else {
     for (int lane = 0; lane < rays; ++lane) {
-      if (!sun_known_[lane] && seesSun(lane)) sunlit_[lane] = 1.0F;
+      if (!sun_is_known_[lane] && isSunlit(lane)) sunlit_[lane] = 1.0F;
     }
   }
   for (int lane = 0; lane < rays; ++lane) {
-    if (sunlit_[lane] > 0.0F) surface_[lane] |= SurfaceName::kSunlit;
+    if (sunlit_[lane] > 0.0F) surface_[lane] |= SurfaceId::kSunlit;
   }
 }
 
-/// A lone ray that does not pass through the pixel's centre found the surface; shade it where the centre
-/// meets it.
+/// Moves a single ray's hit to where the ray through the pixel's centre meets the surface.
 void PacketRenderer::moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const {
   const Eigen::Vector2f d = view_.rays->direction(static_cast<float>(pixel.x), static_cast<float>(pixel.y));
   direction = view_.T_map_camera.linear() * Eigen::Vector3f(d.x(), d.y(), 1.0F);
   const Eigen::Vector3f origin = view_.T_map_camera.translation();
   const float depth = (hit.position - origin).dot(hit.normal) / direction.dot(hit.normal);
-  if (!(std::abs(depth - hit.depth) < 0.2F * hit.depth)) return;  // grazing: stay
+  if (!(std::abs(depth - hit.depth) < 0.2F * hit.depth)) return;  // grazing view: keep the hit
   const Eigen::Vector3f shift = origin + depth * direction - hit.position;
   const Eigen::Vector3f in_object = scene_.directions(hit.instance).transpose() * shift;
   const QuadShading& quad = scene_.shading(hit.instance, hit.quad);
@@ -191,18 +192,18 @@ void PacketRenderer::moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Ve
   hit.depth = depth;
 }
 
-/// The mean of the samples that found the same surface as lane `first` does, from there on; marks them done.
+/// Averages the samples in [first, end) that hit the surface of lane `first` and marks them done.
 PacketRenderer::Piece PacketRenderer::collect(int first, int end, std::array<bool, kLanes>& done) const {
   Piece piece;
   const std::uint32_t instance = packet_.hit.instID[0][first];
-  const std::uint32_t name = surface_[first] & ~SurfaceName::kSunlit;
+  const std::uint32_t surface = surface_[first] & ~SurfaceId::kSunlit;
   piece.hit.instance = instance;
   piece.hit.quad = packet_.hit.primID[first];
   piece.hit.position.setZero();
   piece.hit.normal.setZero();
   piece.hit.depth = 0.0F;
   for (int j = first; j < end; ++j) {
-    if (done[j] || (surface_[j] & ~SurfaceName::kSunlit) != name) continue;
+    if (done[j] || (surface_[j] & ~SurfaceId::kSunlit) != surface) continue;
     done[j] = true;
     ++piece.count;
     piece.direction += direction_[j];
@@ -234,10 +235,10 @@ PixelLight PacketRenderer::gather(const Pixel& pixel, int first, int samples) co
   const float weight = 1.0F / static_cast<float>(samples);
   for (int i = first; i < first + samples; ++i) {
     light.mixed = light.mixed || surface_[i] != light.surface;
-    light.foliage = light.foliage && (surface_[i] & SurfaceName::kLeaf) != 0;
+    light.foliage = light.foliage && (surface_[i] & SurfaceId::kLeaf) != 0;
     if (done[i]) continue;
-    if (recalled_[i] >= 0.0F) {
-      light.radiance += weight * recalled_[i];
+    if (reused_radiance_[i] >= 0.0F) {
+      light.radiance += weight * reused_radiance_[i];
       done[i] = true;
       continue;
     }

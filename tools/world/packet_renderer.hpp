@@ -12,40 +12,41 @@
 
 namespace cartvo::world {
 
-constexpr int kLanes = 16;                               ///< of a ray packet
-constexpr std::uint32_t kSky = RTC_INVALID_GEOMETRY_ID;  ///< the instance of a ray that met nothing
+constexpr int kLanes = 16;                               ///< rays in a packet
+constexpr std::uint32_t kSky = RTC_INVALID_GEOMETRY_ID;  ///< instance of a ray without a hit
 
-/// A pixel's place in the image.
+/// Image coordinates of a pixel.
 struct Pixel {
   int x = 0;
   int y = 0;
 };
 
-/// A surface's name with whether the sun reaches it and whether it is a leaf; 0: sky.
-struct SurfaceName {
-  static constexpr std::uint32_t kSunlit = 1;
-  static constexpr std::uint32_t kLeaf = 2;
+/// A surface identifier is a hash with two flag bits; 0: sky.
+struct SurfaceId {
+  static constexpr std::uint32_t kSunlit = 1;  ///< the sun reaches the surface
+  static constexpr std::uint32_t kLeaf = 2;    ///< the surface is a leaf
 };
 
-/// What some rays through a pixel brought back.
+/// Result of several rays through a pixel.
 struct PixelLight {
   float radiance = 0.0F;
   bool mixed = false;         ///< more than one surface, or partly in shadow
-  bool foliage = true;        ///< nothing but leaves
-  std::uint32_t surface = 0;  ///< of the first ray, see SurfaceName
+  bool foliage = true;        ///< only leaves
+  std::uint32_t surface = 0;  ///< surface of the first ray, see SurfaceId
 };
 
-/// One ray a pixel: a picture that is right where the surroundings are of one surface, and the surfaces.
-struct FirstLook {
+/// Result of the first pass, one ray per pixel: correct where a pixel's neighbourhood shows one surface.
+struct FirstPass {
   cv::Mat radiance;  ///< CV_32FC1
-  cv::Mat surface;   ///< CV_32SC1, see SurfaceName
+  cv::Mat surface;   ///< CV_32SC1, see SurfaceId
 };
 
-/// Fills one lane with a ray that has met nothing yet.
+/// Initialises one lane of a packet with a ray that has no hit yet.
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
                 const Eigen::Vector3f& direction);
 
-/// Renders pixels in packets of sixteen rays, all near `middle`: they take the size of their pixels from it.
+/// Renders pixels in packets of sixteen rays. The pixel size at `middle` is used for all of them, so they
+/// must be near it.
 class PacketRenderer {
  public:
   PacketRenderer(const Scene& scene, const Lighting& lighting, const TextureStyle& style, const View& view,
@@ -57,13 +58,13 @@ class PacketRenderer {
         patterns_(patterns),
         pixel_angle_(pixelAngle(middle)) {}
 
-  /// Up to 16 / `samples` pixels, `samples` rays through each. `salt` picks other patterns for another pass.
-  /// What `known` (null: nothing) already tells of the surfaces that the rays find is not worked out again.
-  void render(std::span<const Pixel> pixels, int samples, std::uint32_t salt, const FirstLook* known,
+  /// Renders up to 16 / `samples` pixels with `samples` rays each. `salt` selects the sample patterns of the
+  /// pass. Results of `first_pass` (null: none) are reused where they apply.
+  void render(std::span<const Pixel> pixels, int samples, std::uint32_t salt, const FirstPass* first_pass,
               std::span<PixelLight> light) {
     castCameraRays(pixels, samples, salt);
-    nameSurfaces(static_cast<int>(pixels.size()) * samples);
-    if (known != nullptr) recall(pixels, samples, *known);
+    identifySurfaces(static_cast<int>(pixels.size()) * samples);
+    if (first_pass != nullptr) reuseFirstPass(pixels, samples, *first_pass);
     castSunRays(static_cast<int>(pixels.size()) * samples, samples);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       light[i] = gather(pixels[i], static_cast<int>(i) * samples, samples);
@@ -72,15 +73,15 @@ class PacketRenderer {
 
  private:
   void castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt);
-  void nameSurfaces(int rays);
-  void recall(std::span<const Pixel> pixels, int samples, const FirstLook& known);
+  void identifySurfaces(int rays);
+  void reuseFirstPass(std::span<const Pixel> pixels, int samples, const FirstPass& first_pass);
   void castSunRays(int rays, int samples);
   Eigen::Vector3f sunRayOrigin(int lane) const {
     return position_[lane] + (0.002F + 2e-4F * packet_.ray.tfar[lane]) * normal_[lane];
   }
-  void lookAtSunTogether(int rays);
-  bool seesSun(int lane) const;
-  /// What several samples of a pixel saw of one surface.
+  void castSunPacket(int rays);
+  bool isSunlit(int lane) const;
+  /// Mean of the samples of a pixel that hit one surface.
   struct Piece {
     SurfaceHit hit;
     Eigen::Vector3f direction{0, 0, 0};
@@ -108,9 +109,9 @@ class PacketRenderer {
   std::array<Eigen::Vector3f, kLanes> position_;
   std::array<Eigen::Vector3f, kLanes> normal_;
   std::array<float, kLanes> sunlit_{};
-  std::array<bool, kLanes> sun_known_{};
+  std::array<bool, kLanes> sun_is_known_{};
   std::array<std::uint32_t, kLanes> surface_{};
-  std::array<float, kLanes> recalled_{};  ///< radiance that the first look found for the surface; < 0: none
+  std::array<float, kLanes> reused_radiance_{};  ///< radiance copied from the first pass; < 0: none
   alignas(64) std::array<int, kLanes> valid_{};
 };
 

@@ -6,7 +6,7 @@
 
 namespace cartvo::world {
 
-/// Calls work(i) for each i in [0, count) on `threads` threads; returns when all is done.
+/// Calls work(i) for each i in [0, count) on `threads` threads and returns when all calls have ended.
 template <typename Work>
 void parallelFor(int count, int threads, const Work& work) {
   std::atomic<int> next{0};

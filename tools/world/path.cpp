@@ -1,3 +1,4 @@
+// Closed cubic B-spline with arc-length parametrisation.
 #include "tools/world/path.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ constexpr int kSubdivision = 16;
 constexpr double kControlSpacing = 2.5;  // m
 constexpr int kSmoothingPasses = 3;
 
-/// The polygon with each corner replaced by points on an arc.
+/// The polygon with each corner replaced by points on an arc of `radius`.
 std::vector<Eigen::Vector2d> roundCorners(const std::vector<Eigen::Vector2d>& polygon, double radius) {
   std::vector<Eigen::Vector2d> line;
   const std::size_t n = polygon.size();
@@ -30,7 +31,7 @@ std::vector<Eigen::Vector2d> roundCorners(const std::vector<Eigen::Vector2d>& po
   return line;
 }
 
-/// Points at equal distances along a closed line.
+/// Points at equal distances of about `spacing` along a closed line.
 std::vector<Eigen::Vector2d> resample(const std::vector<Eigen::Vector2d>& line, double spacing) {
   double total = 0.0;
   for (std::size_t i = 0; i < line.size(); ++i)
@@ -99,7 +100,7 @@ PathPoint Path::at(double distance) const {
   const auto k = static_cast<double>(std::max<std::ptrdiff_t>(above - arc_length_.begin() - 1, 0));
   const double start = k / kSubdivision;
   double parameter = start;
-  // Newton's method on the arc length within the interval (Simpson's rule again: consistent with the table).
+  // Newton's method on the arc length within the interval; Simpson's rule, as in the table.
   for (int i = 0; i < 4; ++i) {
     const double mid = 0.5 * (start + parameter);
     const double speed = derivative(parameter, 1).norm();

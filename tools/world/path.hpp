@@ -6,28 +6,28 @@
 
 namespace cartvo::world {
 
-/// A place on a path.
+/// Position, direction and curvature at a point of a path.
 struct PathPoint {
-  Eigen::Vector2d position;  ///< m
+  Eigen::Vector2d position;  ///< m, campus axes
   Eigen::Vector2d tangent;   ///< unit length
   double curvature = 0.0;    ///< 1/m, positive to the left
 
-  /// `lateral` metres to the left of the path.
+  /// The point `lateral` m to the left of the path.
   Eigen::Vector2d beside(double lateral) const {
     return position + lateral * Eigen::Vector2d(-tangent.y(), tangent.x());
   }
 };
 
-/// A closed line in the plane, a periodic cubic B-spline measured by its length.
+/// A closed path in the plane: a periodic cubic B-spline parametrised by arc length.
 class Path {
  public:
-  /// A closed polygon with its corners rounded to arcs of `radius`, m, whose curvature begins and ends
-  /// gently.
+  /// Rounds the corners of a closed polygon to arcs of `radius`, m, and smooths the changes of curvature.
   Path(const std::vector<Eigen::Vector2d>& polygon, double radius);
 
+  /// Length of one lap, m.
   double length() const { return arc_length_.back(); }
 
-  /// At `distance` along it, m; any number, the path is gone round again.
+  /// The point at `distance` along the path, m; values outside [0, length()) wrap around.
   PathPoint at(double distance) const;
 
  private:

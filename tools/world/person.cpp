@@ -1,3 +1,4 @@
+// Builds the parts of a pedestrian and animates the walk.
 #include "tools/world/person.hpp"
 
 #include <cmath>
@@ -10,7 +11,7 @@ using Eigen::Vector3f;
 
 constexpr double kHip = 0.88;       // m above the ground
 constexpr double kShoulder = 1.42;  // m
-constexpr double kStride = 1.5;     // m, two steps
+constexpr double kStride = 1.5;     // m, length of two steps
 
 const Finish kCloth{Material::cloth, 1, 0.5F};
 const Finish kTrousers{Material::cloth, 2, 0.25F};
@@ -49,15 +50,15 @@ Mesh makeArm() {
 
 std::array<Eigen::Isometry3d, 5> limbPlacements(double walked) {
   const double phase = 2.0 * std::numbers::pi * walked / kStride;
-  const auto hung = [](double y, double z, double swing) {
+  const auto placedAtJoint = [](double y, double z, double swing) {
     Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
     placement.translation() = Eigen::Vector3d(0.0, y, z);
     placement.linear() = Eigen::AngleAxisd(swing, Eigen::Vector3d::UnitY()).toRotationMatrix();
     return placement;
   };
   const double swing = 0.42 * std::sin(phase);
-  return {Eigen::Isometry3d::Identity(), hung(0.09, kHip, swing), hung(-0.09, kHip, -swing),
-          hung(0.24, kShoulder, -0.8 * swing), hung(-0.24, kShoulder, 0.8 * swing)};
+  return {Eigen::Isometry3d::Identity(), placedAtJoint(0.09, kHip, swing), placedAtJoint(-0.09, kHip, -swing),
+          placedAtJoint(0.24, kShoulder, -0.8 * swing), placedAtJoint(-0.24, kShoulder, 0.8 * swing)};
 }
 
 }  // namespace cartvo::world

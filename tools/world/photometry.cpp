@@ -1,3 +1,4 @@
+// Camera photometry: automatic exposure, vignetting, sensor noise and tone curve.
 #include "tools/world/photometry.hpp"
 
 #include <algorithm>
@@ -10,14 +11,15 @@
 namespace cartvo::world {
 namespace {
 
-constexpr double kWantedMean = 0.22;   // of full scale, linear
-constexpr double kBaseExposure = 1.5;  // up to here the shutter does it; beyond it is gain, and noise
-constexpr double kMostGain = 12.0;
-constexpr double kLag = 1.5;           // s, the control's time constant
-constexpr float kElectrons = 9000.0F;  // at full scale without gain
-constexpr float kReadNoise = 0.0013F;  // of full scale without gain
+constexpr double kTargetMean = 0.22;   // fraction of full scale, linear
+constexpr double kBaseExposure = 1.5;  // by shutter up to here; beyond it by gain, which adds noise
+constexpr double kMaxGain = 12.0;
+constexpr double kControlTimeConstant = 1.5;   // s, the control's time constant
+constexpr float kFullWellElectrons = 9000.0F;  // electrons at full scale without gain
+constexpr float kReadNoise = 0.0013F;          // fraction of full scale without gain
 
-/// Exposure factor of the scenario's jumps: at rest, then to and fro by three stops each four seconds.
+/// Exposure factor of the scenario `exposure`: 1 for four seconds, then alternating by three stops every
+/// four.
 double jumpFactor(double seconds) {
   constexpr double kFirst = 4.0;
   constexpr double kPeriod = 4.0;
@@ -26,8 +28,8 @@ double jumpFactor(double seconds) {
   return phase % 2 == 0 ? std::exp2(-1.8) : std::exp2(1.2);
 }
 
-/// A camera's tone curve: gamma with a shoulder that saves the highlights. Table over the square root of the
-/// signal.
+/// A camera's tone curve: gamma with a shoulder that compresses highlights. Tabulated over the square root of
+/// the signal.
 class ToneCurve {
  public:
   ToneCurve() {
@@ -40,7 +42,7 @@ class ToneCurve {
     }
   }
   float level(float signal) const {
-    if (!(signal > 0.0F)) return levels_[0];  // also what is not a number
+    if (!(signal > 0.0F)) return levels_[0];  // also for NaN
     const float position = std::min(std::sqrt(signal) * (static_cast<float>(kSize) / kRange),
                                     static_cast<float>(kSize) - 0.001F);
     const int i = static_cast<int>(position);
@@ -53,7 +55,7 @@ class ToneCurve {
   std::array<float, kSize + 1> levels_{};
 };
 
-/// About normal with unit variance: the sum of four uniform bytes.
+/// About normal with unit variance: the scaled sum of four uniform bytes.
 float normalDeviate(std::uint32_t bits) {
   const std::uint32_t sum = (bits & 255U) + (bits >> 8U & 255U) + (bits >> 16U & 255U) + (bits >> 24U);
   return (static_cast<float>(sum) - 510.0F) * (1.0F / 147.8F);
@@ -67,8 +69,8 @@ ExposureControl::ExposureControl(const WorldSettings& settings, const std::vecto
   double state = 0.0;
   for (std::size_t i = 0; i < metered.size(); ++i) {
     const double wanted =
-        std::min(std::log2(kWantedMean / std::max(metered[i], 1e-6)), std::log2(kBaseExposure * kMostGain));
-    state = i == 0 ? wanted : state + (wanted - state) * (1.0 - std::exp(-kMeterStep / kLag));
+        std::min(std::log2(kTargetMean / std::max(metered[i], 1e-6)), std::log2(kBaseExposure * kMaxGain));
+    state = i == 0 ? wanted : state + (wanted - state) * (1.0 - std::exp(-kMeterStep / kControlTimeConstant));
     log2_exposure.push_back(state);
   }
   if (!log2_exposure.empty()) log2_exposure_ = UniformSpline(kMeterStep, std::move(log2_exposure));
@@ -84,7 +86,7 @@ cv::Mat exposeImage(const cv::Mat& radiance, double exposure, const SensorSettin
   cv::Mat image(radiance.size(), CV_8UC1);
   const auto scale = static_cast<float>(exposure) * sensor.gain;
   const auto gain = static_cast<float>(std::max(1.0, exposure / kBaseExposure));
-  const float shot = sensor.noise * sensor.noise * gain / kElectrons;
+  const float shot = sensor.noise * sensor.noise * gain / kFullWellElectrons;
   const float read = sensor.noise * sensor.noise * gain * gain * kReadNoise * kReadNoise;
   const float half_diagonal2 =
       0.25F * static_cast<float>(radiance.cols * radiance.cols + radiance.rows * radiance.rows);

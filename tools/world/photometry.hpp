@@ -10,34 +10,33 @@
 
 namespace cartvo::world {
 
-/// An automatic exposure: what the camera multiplies light with, over time.
+/// Automatic exposure control: the exposure factor over time.
 class ExposureControl {
  public:
-  static constexpr double kMeterStep = 0.5;  ///< s
+  static constexpr double kMeterStep = 0.5;  ///< s between measurements of the scene
 
-  /// `metered`: mean radiance of the scene each kMeterStep from time 0.
+  /// `metered`: mean radiance of the scene at 0, kMeterStep, 2 kMeterStep ...
   ExposureControl(const WorldSettings& settings, const std::vector<double>& metered);
 
-  /// Full scale of the sensor is 1 over this.
+  /// Factor on radiance at `seconds`; a product of 1 is the sensor's full scale.
   double exposure(double seconds) const;
 
  private:
   UniformSpline log2_exposure_;
-  bool jumps_ = false;  ///< the scenario's steps of three stops
+  bool jumps_ = false;  ///< scenario `exposure`: steps of three stops
 };
 
-/// What is particular to one camera of the two.
+/// Properties of one camera's lens and sensor.
 struct SensorSettings {
-  float gain = 1.0F;            ///< relative to the exposure control's wish
+  float gain = 1.0F;            ///< factor on the controlled exposure
   cv::Point2f vignette_centre;  ///< px
-  float vignette = 0.3F;        ///< share of light lost in the far corner
-  float lens_blur = 0.11F;      ///< share of a pixel's light that falls to each neighbour in a row
-  float noise = 1.0F;           ///< factor; 0: none
+  float vignette = 0.3F;        ///< fraction of light lost in the far corner
+  float lens_blur = 0.11F;      ///< fraction of a pixel's light that falls on each neighbour, per axis
+  float noise = 1.0F;           ///< factor on the noise; 0: none
 };
 
-/// From light to grey levels: the lens' blur and vignetting, the exposure, photon and read-out noise, the
-/// tone curve of a camera. `noise_seed` must differ from image to image. `radiance` is CV_32FC1; the result
-/// CV_8UC1.
+/// Converts radiance (CV_32FC1) to grey levels (CV_8UC1): lens blur, vignetting, exposure, photon and
+/// read-out noise, tone curve. `noise_seed` must differ from image to image.
 cv::Mat exposeImage(const cv::Mat& radiance, double exposure, const SensorSettings& sensor,
                     std::uint32_t noise_seed, int threads);
 

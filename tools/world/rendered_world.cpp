@@ -1,4 +1,4 @@
-// Puts the parts together: path, campus, drive, traffic, cameras, light.
+// Combines path, campus, drive, traffic, cameras and light into simulated images with ground truth.
 #include "tools/world/rendered_world.hpp"
 
 #include <array>
@@ -14,20 +14,20 @@
 #include "tools/world/drive.hpp"
 #include "tools/world/hash.hpp"
 #include "tools/world/lens.hpp"
-#include "tools/world/lens_scatter.hpp"
 #include "tools/world/photometry.hpp"
 #include "tools/world/renderer.hpp"
 #include "tools/world/scene.hpp"
 #include "tools/world/steps.hpp"
 #include "tools/world/traffic.hpp"
+#include "tools/world/veiling_glare.hpp"
 
 namespace cartvo::world {
 namespace {
 
-constexpr int kLook =
-    4;  ///< raised whenever the same settings give other images, so that cached streams expire
+/// Part of the cache key; to be raised whenever the same settings give other images.
+constexpr int kRenderVersion = 4;
 
-constexpr double kMeteredMost = 2.0;  ///< a pixel that is blinded says no more than this
+constexpr double kMaxMeteredRadiance = 2.0;  // saturated pixels count as this in metering
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("rendered world: " + what);
@@ -61,8 +61,9 @@ TextureStyle styleOf(const WorldSettings& settings) {
   return {smooth ? 0.3F : 1.0F, static_cast<std::uint32_t>(settings.seed) * 7919U};
 }
 
-/// Rounded to a hundredth of a millimetre and a microradian: a camera that stands still keeps its rays, so
-/// that nothing flickers before it; one that moves gets others with each image, so that no grid stands still.
+/// Seed of the sample patterns from the camera pose, rounded to 0.01 mm and 1 urad. A camera at standstill
+/// keeps its rays, so that the static scene does not flicker; a moving camera gets other rays in each image,
+/// so that sampling leaves no fixed pattern.
 std::uint32_t samplePatternSeed(const Eigen::Isometry3d& T_map_camera) {
   std::uint32_t seed = 0;
   const auto mix = [&](double value, double step) {
@@ -75,7 +76,7 @@ std::uint32_t samplePatternSeed(const Eigen::Isometry3d& T_map_camera) {
   return seed;
 }
 
-/// A camera that sees the same field in few pixels, for the exposure control.
+/// The camera with the same field of view in 34 px width, for exposure metering.
 CameraModel meterModel(const CameraModel& camera) {
   CameraModel model = camera;
   const double scale = 34.0 / camera.size.width;
@@ -96,7 +97,7 @@ class RenderedWorld::Implementation {
         rig(simulatedRig(settings)),
         path(campusPath(settings)),
         drive(path, settings),
-        lighting(lightingOf(settings, path)),
+        lighting(buildLighting(settings, path)),
         style(styleOf(settings)),
         rays{RayTable(rig.left), RayTable(rig.right)},
         meter_model(meterModel(rig.left)),
@@ -115,7 +116,7 @@ class RenderedWorld::Implementation {
 
   cv::Mat image(int index, CameraSide side) {
     const std::lock_guard lock(mutex);
-    meter();
+    meterExposure();
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
     const std::uint32_t image_seed =
@@ -133,7 +134,7 @@ class RenderedWorld::Implementation {
 
   cv::Mat radiance(int index, CameraSide side) {
     const std::lock_guard lock(mutex);
-    buildStage();
+    buildSceneState();
     return radianceAt(1e-9 * static_cast<double>(instantNs(index, side)), sideIndex(side));
   }
 
@@ -141,24 +142,24 @@ class RenderedWorld::Implementation {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    buildStage();
+    buildSceneState();
     moveTo(seconds);
     DepthImage result;
-    renderDepthAndMotion(stage->scene, RenderSettings{0, settings.threads},
+    renderDepthAndMotion(scene_state->scene, RenderSettings{0, settings.threads},
                          viewAt(seconds, rays[camera], camera), result.depth, result.moving);
     return result;
   }
 
-  double light(double seconds) {
+  double meanRadiance(double seconds) {
     const std::lock_guard lock(mutex);
-    buildStage();
-    return lightAt(seconds);
+    buildSceneState();
+    return meanRadianceAt(seconds);
   }
 
  private:
-  /// All that images need and truth does not.
-  struct Stage {
-    Stage(const Path& path, const Drive& drive, const WorldSettings& settings)
+  /// What images need and the truth does not; expensive to build.
+  struct SceneState {
+    SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
         : campus(buildCampus(path, settings)),
           traffic(path, drive, settings, campus),
           scene(campus.meshes, campus.instances) {}
@@ -168,13 +169,13 @@ class RenderedWorld::Implementation {
     Scene scene;
   };
 
-  void buildStage() {
-    if (stage == nullptr) stage = std::make_unique<Stage>(path, drive, settings);
+  void buildSceneState() {
+    if (scene_state == nullptr) scene_state = std::make_unique<SceneState>(path, drive, settings);
   }
 
   void moveTo(double seconds) {
-    stage->traffic.placeAt(seconds, stage->campus.instances);
-    stage->scene.update();
+    scene_state->traffic.placeAt(seconds, scene_state->campus.instances);
+    scene_state->scene.update();
   }
 
   View viewAt(double seconds, const RayTable& table, std::size_t camera) const {
@@ -191,29 +192,29 @@ class RenderedWorld::Implementation {
     moveTo(seconds);
     const RenderSettings sampling{settings.edge_samples, settings.threads};
     cv::Mat radiance =
-        renderRadiance(stage->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
-    scatterInLens(radiance, (camera == 0 ? rig.left : rig.right).fx);
+        renderRadiance(scene_state->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
+    addVeilingGlare(radiance, (camera == 0 ? rig.left : rig.right).fx);
     return radiance;
   }
 
-  /// The mean light of the left camera's view.
-  double lightAt(double seconds) {
+  /// Mean radiance of the left camera's view.
+  double meanRadianceAt(double seconds) {
     moveTo(seconds);
     View view = viewAt(seconds, meter_rays, 0);
     view.size = meter_model.size;
     cv::Mat radiance =
-        renderRadiance(stage->scene, lighting, style, RenderSettings{0, settings.threads}, view);
-    scatterInLens(radiance, meter_model.fx);
-    return cv::mean(cv::min(radiance, kMeteredMost))[0];
+        renderRadiance(scene_state->scene, lighting, style, RenderSettings{0, settings.threads}, view);
+    addVeilingGlare(radiance, meter_model.fx);
+    return cv::mean(cv::min(radiance, kMaxMeteredRadiance))[0];
   }
 
-  /// Builds the stage and meters the light over the drive.
-  void meter() {
-    buildStage();
+  /// Builds the scene and meters the radiance over the drive, once.
+  void meterExposure() {
+    buildSceneState();
     if (exposure) return;
     std::vector<double> metered;
     for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep))
-      metered.push_back(lightAt(t));
+      metered.push_back(meanRadianceAt(t));
     exposure.emplace(settings, metered);
   }
 
@@ -229,9 +230,9 @@ class RenderedWorld::Implementation {
   const RayTable meter_rays;
   const std::array<Eigen::Isometry3d, 2> T_body_camera;
   const Eigen::Isometry3d T_start_map;
-  std::unique_ptr<Stage> stage;             ///< built for the first image
-  std::optional<ExposureControl> exposure;  ///< metered for the first image
-  std::mutex mutex;                         ///< the scene is built once and moved to each image's instant
+  std::unique_ptr<SceneState> scene_state;  ///< built with the first image
+  std::optional<ExposureControl> exposure;  ///< metered with the first image
+  std::mutex mutex;  ///< guards scene_state and exposure; the scene is moved for each image
 };
 
 RenderedWorld::RenderedWorld(const WorldSettings& settings)
@@ -280,8 +281,8 @@ DepthImage RenderedWorld::renderDepth(int index, CameraSide side) const {
   return implementation_->depth(index, side);
 }
 
-double RenderedWorld::light(double seconds) const {
-  return implementation_->light(seconds);
+double RenderedWorld::meanRadiance(double seconds) const {
+  return implementation_->meanRadiance(seconds);
 }
 
 Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {
@@ -301,9 +302,9 @@ std::string RenderedWorld::cacheKey() const {
   const WorldSettings& s = implementation_->settings;
   std::ostringstream key;
   key.precision(17);
-  key << "world-" << kLook << '-' << scenarioName(s.scenario) << "-seed" << s.seed << '-' << s.seconds
-      << "s-lead" << s.lead_in_seconds << '-' << s.frame_rate << "Hz-offset" << s.offset_s << "s-drift"
-      << s.offset_drift_ppm << "ppm-" << s.image_size.width << 'x' << s.image_size.height << "-f"
+  key << "world-" << kRenderVersion << '-' << scenarioName(s.scenario) << "-seed" << s.seed << '-'
+      << s.seconds << "s-lead" << s.lead_in_seconds << '-' << s.frame_rate << "Hz-offset" << s.offset_s
+      << "s-drift" << s.offset_drift_ppm << "ppm-" << s.image_size.width << 'x' << s.image_size.height << "-f"
       << s.focal_length << "-b" << s.baseline << "-edge" << s.edge_samples << "-noise" << s.noise;
   return key.str();
 }

@@ -1,4 +1,4 @@
-// Whole images: the tiles, and which pixels deserve a second look.
+// Renders whole images in tiles: a first pass with one ray per pixel, a second pass with more rays at edges.
 #include "tools/world/renderer.hpp"
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 namespace cartvo::world {
 namespace {
 
-constexpr int kTile = 20;  // px
+constexpr int kTile = 20;  // px, width and height
 
-/// The first look: one ray a pixel, 4 by 4 pixels a packet.
-void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look) {
+/// First pass: one ray per pixel, a packet for each block of 4 by 4 pixels.
+void renderFirstPass(PacketRenderer& renderer, const cv::Rect& tile, FirstPass& first_pass) {
   constexpr int kBlock = 4;
   std::array<Pixel, kLanes> pixels;
   std::array<PixelLight, kLanes> light;
@@ -28,86 +28,89 @@ void renderFirst(PacketRenderer& renderer, const cv::Rect& tile, FirstLook& look
       }
       renderer.render({pixels.data(), count}, 1, 0, nullptr, light);
       for (std::size_t i = 0; i < count; ++i) {
-        look.radiance.at<float>(pixels[i].y, pixels[i].x) = light[i].radiance;
-        look.surface.at<std::int32_t>(pixels[i].y, pixels[i].x) = static_cast<std::int32_t>(light[i].surface);
+        first_pass.radiance.at<float>(pixels[i].y, pixels[i].x) = light[i].radiance;
+        first_pass.surface.at<std::int32_t>(pixels[i].y, pixels[i].x) =
+            static_cast<std::int32_t>(light[i].surface);
       }
     }
   }
 }
 
-/// What a pixel and its eight neighbours show.
-enum class Surroundings : std::uint8_t {
-  plain,   ///< one surface, in the same light
-  leaves,  ///< leaves, and what is seen between them
-  edge,
+/// What a pixel and its eight neighbours show in the first pass.
+enum class Neighbourhood : std::uint8_t {
+  plain,   ///< one surface with the same sunlight
+  leaves,  ///< leaves and the gaps between them
+  edge,    ///< several surfaces, or a shadow edge
 };
 
-Surroundings surroundings(const FirstLook& look, int x, int y) {
-  // What differs by less than the grey levels' own steps needs no second look.
-  constexpr float kSeen = 1.03F;
-  const std::int32_t own = look.surface.at<std::int32_t>(y, x);
+Neighbourhood neighbourhoodOf(const FirstPass& first_pass, int x, int y) {
+  // A smaller ratio of radiances is below one grey level.
+  constexpr float kMinVisibleRatio = 1.03F;
+  const std::int32_t own = first_pass.surface.at<std::int32_t>(y, x);
   bool plain = true;
   int leaves = 0;
-  float darkest = look.radiance.at<float>(y, x);
+  float darkest = first_pass.radiance.at<float>(y, x);
   float brightest = darkest;
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, look.surface.rows - 1); ++v) {
-    const auto* row = look.surface.ptr<std::int32_t>(v);
-    const auto* light = look.radiance.ptr<float>(v);
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, look.surface.cols - 1); ++u) {
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, first_pass.surface.rows - 1); ++v) {
+    const auto* row = first_pass.surface.ptr<std::int32_t>(v);
+    const auto* light = first_pass.radiance.ptr<float>(v);
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, first_pass.surface.cols - 1); ++u) {
       plain = plain && row[u] == own;
-      if ((static_cast<std::uint32_t>(row[u]) & SurfaceName::kLeaf) != 0) ++leaves;
+      if ((static_cast<std::uint32_t>(row[u]) & SurfaceId::kLeaf) != 0) ++leaves;
       darkest = std::min(darkest, light[u]);
       brightest = std::max(brightest, light[u]);
     }
   }
-  if (plain || brightest <= kSeen * darkest) return Surroundings::plain;
-  constexpr int kLeafy = 4;
-  return leaves >= kLeafy ? Surroundings::leaves : Surroundings::edge;
+  if (plain || brightest <= kMinVisibleRatio * darkest) return Neighbourhood::plain;
+  constexpr int kMinLeaves = 4;
+  return leaves >= kMinLeaves ? Neighbourhood::leaves : Neighbourhood::edge;
 }
 
-/// Casts `samples` rays through each of the pixels and mixes what they bring into `radiance`, of which they
-/// make up `share`. Returns the pixels that hold more than one surface,
-/// foliage aside, where nobody can tell.
-std::vector<Pixel> renderAgain(PacketRenderer& renderer, const std::vector<Pixel>& pixels, int samples,
-                               std::uint32_t salt, float share, const FirstLook& look, cv::Mat& radiance) {
+/// Casts `samples` rays through each of the pixels and blends the result into `radiance` with weight `share`.
+/// Returns the pixels that show more than one surface, except pixels of foliage only, where this is always
+/// so.
+std::vector<Pixel> addSamples(PacketRenderer& renderer, const std::vector<Pixel>& pixels, int samples,
+                              std::uint32_t salt, float share, const FirstPass& first_pass,
+                              cv::Mat& radiance) {
   std::vector<Pixel> mixed;
   std::array<PixelLight, kLanes> light;
   const auto per_packet = static_cast<std::size_t>(kLanes / samples);
   for (std::size_t i = 0; i < pixels.size(); i += per_packet) {
     const std::size_t count = std::min(per_packet, pixels.size() - i);
-    renderer.render({&pixels[i], count}, samples, salt, &look, light);
+    renderer.render({&pixels[i], count}, samples, salt, &first_pass, light);
     for (std::size_t k = 0; k < count; ++k) {
       const Pixel& pixel = pixels[i + k];
       float& value = radiance.at<float>(pixel.y, pixel.x);
       value += share * (light[k].radiance - value);
-      const auto first = static_cast<std::uint32_t>(look.surface.at<std::int32_t>(pixel.y, pixel.x));
+      const auto first = static_cast<std::uint32_t>(first_pass.surface.at<std::int32_t>(pixel.y, pixel.x));
       if (!light[k].foliage && (light[k].mixed || light[k].surface != first)) mixed.push_back(pixel);
     }
   }
   return mixed;
 }
 
-/// The second look at a tile: several rays where an edge is near, more where it passes through the pixel.
-void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& tile, const FirstLook& look,
-                 cv::Mat& radiance) {
+/// Second pass over a tile: several rays near an edge, more where the edge passes through the pixel.
+void renderSecondPass(PacketRenderer& renderer, int edge_samples, const cv::Rect& tile,
+                      const FirstPass& first_pass, cv::Mat& radiance) {
   constexpr int kStep = 2;  // rays at a time
   std::vector<Pixel> edges;
   std::vector<Pixel> leaves;
   for (int y = tile.y; y < tile.br().y; ++y) {
     for (int x = tile.x; x < tile.br().x; ++x) {
-      const Surroundings around = surroundings(look, x, y);
-      if (around == Surroundings::edge) edges.push_back({x, y});
-      if (around == Surroundings::leaves) leaves.push_back({x, y});
+      const Neighbourhood around = neighbourhoodOf(first_pass, x, y);
+      if (around == Neighbourhood::edge) edges.push_back({x, y});
+      if (around == Neighbourhood::leaves) leaves.push_back({x, y});
     }
   }
   constexpr float kLeavesShare = 2.0F / 3.0F;
-  renderAgain(renderer, leaves, kStep, 1U, kLeavesShare, look, radiance);
-  for (int samples = kStep; samples <= edge_samples; samples += kStep) {  // beside the first look's one
+  addSamples(renderer, leaves, kStep, 1U, kLeavesShare, first_pass, radiance);
+  for (int samples = kStep; samples <= edge_samples;
+       samples += kStep) {  // in addition to the ray of the first pass
     const float share = static_cast<float>(kStep) / static_cast<float>(samples + 1);
     std::vector<Pixel> mixed =
-        renderAgain(renderer, edges, kStep, static_cast<std::uint32_t>(samples), share, look, radiance);
-    // Few rays that agree with the first say little: a sliver of another surface is missed most times, and
-    // where it is not, it counts for too much.
+        addSamples(renderer, edges, kStep, static_cast<std::uint32_t>(samples), share, first_pass, radiance);
+    // Only after half of the rays: with fewer, agreement does not exclude a second surface. A narrow one is
+    // missed most of the time and weighs too much where it is hit.
     if (2 * samples >= edge_samples) edges = std::move(mixed);
   }
 }
@@ -117,7 +120,7 @@ void renderEdges(PacketRenderer& renderer, int edge_samples, const cv::Rect& til
 cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const TextureStyle& style,
                        const RenderSettings& settings, const View& view) {
   static const SamplePatterns patterns;
-  FirstLook look{cv::Mat(view.size, CV_32FC1), cv::Mat(view.size, CV_32SC1)};
+  FirstPass first_pass{cv::Mat(view.size, CV_32FC1), cv::Mat(view.size, CV_32SC1)};
   const int columns = (view.size.width + kTile - 1) / kTile;
   const int rows = (view.size.height + kTile - 1) / kTile;
   const auto for_each_tile = [&](const auto& work) {
@@ -129,11 +132,12 @@ cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const Textu
       work(renderer, tile);
     });
   };
-  for_each_tile([&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirst(renderer, tile, look); });
-  if (settings.edge_samples <= 0) return look.radiance;
-  cv::Mat radiance = look.radiance.clone();
+  for_each_tile(
+      [&](PacketRenderer& renderer, const cv::Rect& tile) { renderFirstPass(renderer, tile, first_pass); });
+  if (settings.edge_samples <= 0) return first_pass.radiance;
+  cv::Mat radiance = first_pass.radiance.clone();
   for_each_tile([&](PacketRenderer& renderer, const cv::Rect& tile) {
-    renderEdges(renderer, settings.edge_samples, tile, look, radiance);
+    renderSecondPass(renderer, settings.edge_samples, tile, first_pass, radiance);
   });
   return radiance;
 }

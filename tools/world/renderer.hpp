@@ -13,29 +13,28 @@
 
 namespace cartvo::world {
 
-/// How a picture is sampled.
+/// Sampling of an image.
 struct RenderSettings {
-  int edge_samples =
-      4;  ///< further rays where an edge is near; past the first four only where it is in the pixel
+  /// Additional rays per pixel near an edge; after half of them only where the pixel shows the edge.
+  int edge_samples = 4;
   int threads = 2;
 };
 
-/// A camera at an instant.
+/// A camera at one instant.
 struct View {
   const RayTable* rays = nullptr;
   cv::Size size;
   Eigen::Isometry3f T_map_camera = Eigen::Isometry3f::Identity();
-  std::uint32_t sample_seed = 0;  ///< which of the sample patterns each pixel takes
+  std::uint32_t sample_seed = 0;  ///< selects the sample pattern of each pixel
 };
 
-/// Light arriving at each pixel, CV_32FC1 (unit: see Lighting), by ray casting: several rays a pixel find the
-/// surfaces and the sun's shadows, and each surface is shaded once a pixel with its texture averaged in
-/// closed form.
+/// Radiance of each pixel, CV_32FC1 (unit: see Lighting), by ray casting. Several rays per pixel find the
+/// surfaces and shadows; each surface is shaded once per pixel, with its texture filtered in closed form.
 cv::Mat renderRadiance(const Scene& scene, const Lighting& lighting, const TextureStyle& style,
                        const RenderSettings& settings, const View& view);
 
-/// What the ray through each pixel's centre meets: CV_32FC1 depth (0: sky) and CV_8UC1 whether it moves
-/// (255).
+/// Writes the depth at each pixel's centre (CV_32FC1, m; 0: sky) and 255 where it shows a moving object
+/// (CV_8UC1).
 void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, const View& view,
                           cv::Mat& depth, cv::Mat& moving);
 

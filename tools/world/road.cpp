@@ -1,3 +1,4 @@
+// Builds the road with kerbs, pavements and verges, and the grassland around it.
 #include "tools/world/road.hpp"
 
 #include <Eigen/Geometry>
@@ -13,9 +14,9 @@ namespace {
 
 constexpr double kStep = 0.5;         // m along the path
 constexpr double kKerbHeight = 0.12;  // m
-constexpr double kGrassDepth = 0.10;  // m below the road, so that the two never cross
+constexpr double kGrassDepth = 0.10;  // m below the road, so that the surfaces do not intersect
 
-/// A point of the cross section; `finish` belongs to the strip from here to the next one.
+/// A point of the cross section, m; `finish` is that of the strip from this point to the next.
 struct ProfilePoint {
   double lateral = 0.0;
   double height = 0.0;
@@ -47,7 +48,7 @@ Eigen::Vector3f onGround(const Eigen::Vector2d& p, double height) {
   return Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) + height).cast<float>();
 }
 
-/// Grid lines of 3 m near the campus, of 40 m beyond.
+/// Grid coordinates: 3 m apart near the campus, 40 m apart beyond it.
 std::vector<double> gridLines(double from, double to) {
   std::vector<double> lines;
   for (const double x : stepsBelow(from, from - 640.0, 40.0))
@@ -61,7 +62,7 @@ std::vector<double> gridLines(double from, double to) {
 
 }  // namespace
 
-double keptWithinBend(const PathPoint& point, double lateral) {
+double clampWithinBend(const PathPoint& point, double lateral) {
   if (point.curvature * lateral <= 0.0) return lateral;
   const double radius = 1.0 / std::abs(point.curvature);
   return std::copysign(std::min(std::abs(lateral), 0.92 * radius), lateral);
@@ -80,11 +81,12 @@ void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile) {
     for (std::size_t k = 0; k + 1 < section.size(); ++k) {
       const ProfilePoint& a = section[k];
       const ProfilePoint& b = section[k + 1];
-      // The road's texture knows the lateral position; the others measure along their own section.
+      // v is the lateral position for asphalt, whose texture has lane markings, else the length along the
+      // section.
       const auto v0 = a.finish.material == Material::asphalt ? static_cast<float>(a.lateral) : v;
       const auto across = static_cast<float>(std::hypot(b.lateral - a.lateral, b.height - a.height));
       const auto corner = [](const PathPoint& at, const ProfilePoint& p) {
-        return onGround(at.beside(keptWithinBend(at, p.lateral)), p.height);
+        return onGround(at.beside(clampWithinBend(at, p.lateral)), p.height);
       };
       mesh.addQuad({corner(here, a), corner(next, a), corner(next, b), corner(here, b)},
                    {Eigen::Vector2f(u0, v0), Eigen::Vector2f(u1, v0), Eigen::Vector2f(u1, v0 + across),

@@ -1,3 +1,4 @@
+// Generates stratified sample patterns for 1 to 16 rays per pixel.
 #include "tools/world/sample_pattern.hpp"
 
 #include <numeric>
@@ -12,7 +13,8 @@ SamplePatterns::SamplePatterns() {
   for (std::size_t level = 0; level < patterns_.size(); ++level) {
     const int samples = 1 << level;
     for (int variant = 0; variant < kVariants; ++variant) {
-      // Latin hypercube with the best of a few permutations: each row and column once, points far apart.
+      // Latin hypercube (one point in each row and column) with the largest minimum distance of 12
+      // permutations.
       std::vector<Eigen::Vector2f> best;
       float best_distance = -1.0F;
       for (int attempt = 0; attempt < 12; ++attempt) {

@@ -7,16 +7,15 @@
 
 namespace cartvo::world {
 
-/// Where rays pass through pixels: stratified in each pixel, unlike from pixel to pixel and frame to frame,
-/// so that what sampling leaves undone looks like fine grain and not like a grid that stands still before the
-/// scene.
+/// Positions of rays within pixels: stratified in each pixel and different from pixel to pixel and frame to
+/// frame, so that the remaining sampling error looks like grain and not like a fixed grid.
 class SamplePatterns {
  public:
-  static constexpr int kMost = 16;  ///< samples in one pixel
+  static constexpr int kMaxPixelSamples = 16;  ///< samples per pixel
 
   SamplePatterns();
 
-  /// Offsets from the pixel's centre, [-0.5, 0.5). `samples`: 1, 2, 4, 8 or 16.
+  /// `samples` offsets from the pixel's centre, px, in [-0.5, 0.5). `samples`: 1, 2, 4, 8 or 16.
   const Eigen::Vector2f* offsets(int samples, std::uint32_t pixel_hash) const {
     return &patterns_[level(samples)][static_cast<std::size_t>(pixel_hash % kVariants) * samples];
   }

@@ -1,3 +1,4 @@
+// Builds the Embree scene of the campus and moves its instances.
 #include "tools/world/scene.hpp"
 
 #include <cstring>
@@ -8,12 +9,12 @@ namespace cartvo::world {
 namespace {
 
 void setTransform(RTCGeometry geometry, const Eigen::Affine3f& placement) {
-  const Eigen::Matrix4f& matrix = placement.matrix();  // column-major, as Embree wants it
+  const Eigen::Matrix4f& matrix = placement.matrix();  // column-major, as Embree expects
   rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix.data());
   rtcCommitGeometry(geometry);
 }
 
-/// Rotation over scale: turns the object's gradients into the campus'.
+/// Inverse transpose of the linear part: maps normals and texture gradients from mesh to campus axes.
 Eigen::Matrix3f inverseTransposed(const Eigen::Affine3f& placement) {
   return placement.linear().inverse().transpose();
 }

@@ -11,13 +11,13 @@
 
 namespace cartvo::world {
 
-/// Meshes and their instances as Embree traces them (https://www.embree.org, two levels).
+/// Meshes and their instances as a two-level Embree scene (https://www.embree.org) for ray tracing.
 class Scene {
  public:
-  /// Both must outlive the scene. Throws std::runtime_error if Embree does.
+  /// `meshes` and `instances` must outlive the scene. Throws std::runtime_error if Embree reports an error.
   Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& instances);
 
-  /// Takes over where the moving instances are now.
+  /// Applies the current placements of the moving instances.
   void update();
 
   RTCScene handle() const { return top_.get(); }
@@ -25,7 +25,7 @@ class Scene {
   const QuadShading& shading(std::uint32_t instance_id, std::uint32_t quad) const {
     return meshes_[instances_[instance_id].mesh].shading(quad);
   }
-  /// Directions of an instance's surfaces (normals, texture gradients) in campus axes.
+  /// Matrix that maps normals and texture gradients of an instance to campus axes.
   const Eigen::Matrix3f& directions(std::uint32_t id) const { return directions_[id]; }
 
  private:

@@ -1,3 +1,4 @@
+// Computes the cart's speed over time from scenario, bends, motor and brakes.
 #include "tools/world/speed_profile.hpp"
 
 #include <algorithm>
@@ -11,25 +12,26 @@ constexpr double kBraking = 1.6;              // m/s^2
 constexpr double kLateralAcceleration = 2.1;  // m/s^2
 constexpr double kYawRate = 0.47;             // rad/s: 27 deg/s
 constexpr double kTopSpeed = 6.0;             // m/s
-constexpr double kMotorwaySpeed = 20.0;       // m/s, from the first instant
-constexpr double kGrid = 0.5;                 // m along the path
+constexpr double kMotorwaySpeed = 20.0;       // m/s, from the start
+constexpr double kPathStep = 0.5;             // m along the path, grid of the speed limits
 
-/// The speed each kGrid of the path that its bends allow, slowing down early enough for them.
-std::vector<double> bendLimits(const Path& path) {
-  const int count = static_cast<int>(path.length() / kGrid);
+/// Speed limit at each kPathStep of the path, m/s: from lateral acceleration and yaw rate in bends, and lower
+/// before them so that braking suffices.
+std::vector<double> cornerSpeedLimits(const Path& path) {
+  const int count = static_cast<int>(path.length() / kPathStep);
   std::vector<double> limits(count);
   for (int i = 0; i < count; ++i) {
-    const double curvature = std::max(std::abs(path.at(kGrid * i).curvature), 1e-4);
+    const double curvature = std::max(std::abs(path.at(kPathStep * i).curvature), 1e-4);
     limits[i] = std::min({kTopSpeed, std::sqrt(kLateralAcceleration / curvature), kYawRate / curvature});
   }
-  for (int i = 2 * count - 1; i >= 0; --i) {  // twice round: the path is closed
+  for (int i = 2 * count - 1; i >= 0; --i) {  // two laps, because the path is closed
     const double ahead = limits[(i + 1) % count];
-    limits[i % count] = std::min(limits[i % count], std::sqrt(ahead * ahead + 1.4 * kBraking * kGrid));
+    limits[i % count] = std::min(limits[i % count], std::sqrt(ahead * ahead + 1.4 * kBraking * kPathStep));
   }
   return limits;
 }
 
-/// What the scenario asks for at `time` after the lead-in, m/s.
+/// Speed that the scenario demands at `time` s after the lead-in, m/s.
 double wantedSpeed(Scenario scenario, double time) {
   const double cruise = 5.3 + 0.6 * std::sin(0.31 * time) + 0.3 * std::sin(0.83 * time);
   switch (scenario) {
@@ -50,7 +52,7 @@ double wantedSpeed(Scenario scenario, double time) {
   }
 }
 
-/// A running mean over the last `count` values: never looks ahead, so a stand stays a stand.
+/// Running mean over the last `count` values; causal, so that a standstill keeps its start.
 void smoothCausally(std::vector<double>& values, int count) {
   const std::vector<double> raw = values;
   double sum = raw.front() * count;
@@ -66,15 +68,15 @@ void smoothCausally(std::vector<double>& values, int count) {
 std::vector<double> speedProfile(const Path& path, const WorldSettings& settings) {
   const int steps = static_cast<int>(std::ceil((settings.seconds + 2.0) / kSpeedStep));
   if (settings.scenario == Scenario::motorway) return std::vector<double>(steps, kMotorwaySpeed);
-  const std::vector<double> limits = bendLimits(path);
+  const std::vector<double> limits = cornerSpeedLimits(path);
   std::vector<double> speeds(steps, 0.0);
   double speed = 0.0;
   double distance = 0.0;
   for (int i = 0; i < steps; ++i) {
-    const double time =
-        (i - 3) * kSpeedStep - settings.lead_in_seconds;  // a spline's reach later: at rest till then
+    const double time = (i - 3) * kSpeedStep -
+                        settings.lead_in_seconds;  // later by the spline's support: at standstill until then
     if (time > 0.0) {
-      const auto cell = static_cast<std::ptrdiff_t>(std::floor(distance / kGrid));
+      const auto cell = static_cast<std::ptrdiff_t>(std::floor(distance / kPathStep));
       const auto count = static_cast<std::ptrdiff_t>(limits.size());
       double limit = limits[((cell % count) + count) % count];
       if (settings.scenario == Scenario::loop) {  // one lap

@@ -7,10 +7,10 @@
 
 namespace cartvo::world {
 
-constexpr double kSpeedStep = 0.02;  ///< s
+constexpr double kSpeedStep = 0.02;  ///< s, step of the profile
 
-/// The cart's speed each kSpeedStep, m/s: what the scenario wants, held to the bends, the motor and the
-/// brakes, and smoothed. Zero during the lead-in.
+/// The cart's speed at each kSpeedStep, m/s, negative backward: the scenario's speed limited by bends, motor
+/// and brakes, and smoothed. Zero during the lead-in.
 std::vector<double> speedProfile(const Path& path, const WorldSettings& settings);
 
 }  // namespace cartvo::world

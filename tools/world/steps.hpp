@@ -4,8 +4,8 @@
 
 namespace cartvo::world {
 
-/// from, from + step, from + 2 step ... as long as they are below `end`; summed up, so that the values are
-/// those of a counter in floating point. `step` > 0.
+/// The values from, from + step, from + 2 step ... below `end`, by repeated addition, so that they equal
+/// those of a floating-point loop counter. `step` > 0.
 inline std::vector<double> stepsBelow(double end, double from, double step) {
   std::vector<double> values;
   double value = from;

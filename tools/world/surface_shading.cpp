@@ -1,4 +1,4 @@
-// From a hit to light: the pixel's footprint on the surface, its texture averaged over it, sun and sky.
+// Shades a surface hit: pixel footprint on the surface, filtered texture, light of sun and sky.
 #include "tools/world/surface_shading.hpp"
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace cartvo::world {
 namespace {
 
-constexpr int kMostTaps = 2;         // along a slanted footprint
-constexpr float kMostSlant = 24.0F;  // length over width
+constexpr int kMaxTaps = 2;               // texture samples along the footprint's longer axis
+constexpr float kMaxAspectRatio = 24.0F;  // of a footprint, length over width
 
-/// Texture coordinates' change over the footprint's long and short axis.
+/// A pixel's footprint on a surface: its long and short axis in texture coordinates, m.
 struct Footprint {
   Eigen::Vector2f along{0, 0};
   Eigen::Vector2f across{0, 0};
@@ -28,7 +28,7 @@ Footprint footprintOf(const Scene& scene, const SurfaceHit& hit, const Eigen::Ve
   const QuadShading& quad = scene.shading(hit.instance, hit.quad);
   const Eigen::Matrix3f& turn = scene.directions(hit.instance);
   const Eigen::Vector3f d = direction.normalized();
-  const float facing = std::max(std::abs(d.dot(hit.normal)), 1.0F / kMostSlant);
+  const float facing = std::max(std::abs(d.dot(hit.normal)), 1.0F / kMaxAspectRatio);
   footprint.width = hit.depth * pixel_angle;
   footprint.length = footprint.width / facing;
   Eigen::Vector3f along = d - d.dot(hit.normal) * hit.normal;
@@ -49,7 +49,7 @@ float toneOf(const Finish& finish, const Instance& instance) {
   return own ? std::clamp(finish.tone + instance.tone_shift, 0.0F, 1.0F) : finish.tone;
 }
 
-/// Corners between wall and ground see less of the sky.
+/// Fraction of the ambient light that reaches the point; walls near the ground see less of the sky.
 float openness(const Finish& finish, const SurfaceHit& hit) {
   switch (finish.material) {
     case Material::brick:
@@ -81,13 +81,13 @@ float surfaceRadiance(const Scene& scene, const Lighting& lighting, const Textur
   const Footprint footprint = footprintOf(scene, hit, direction, pixel_angle);
   const bool plain = finish.material == Material::leaf || finish.material == Material::rubber;
   const float slant = footprint.length / footprint.width;
-  const int taps = plain ? 1 : std::clamp(static_cast<int>(std::lround(slant)), 1, kMostTaps);
+  const int taps = plain ? 1 : std::clamp(static_cast<int>(std::lround(slant)), 1, kMaxTaps);
   const float share = 1.0F / static_cast<float>(taps);
 
   SurfacePoint point;
   point.seed = instance.seed == 0 ? finish.seed : mixBits(finish.seed ^ instance.seed);
   point.tone = toneOf(finish, instance);
-  // The tap's own footprint: the texture's noise is faded by a mean that leans to the longer axis.
+  // Footprint of one tap for fading the noise: weighted mean of width and length, closer to the length.
   const float tap_length = footprint.length * share;
   point.footprint = std::max(footprint.width, 0.35F * footprint.width + 0.65F * tap_length);
   point.width_u = std::max(std::abs(footprint.along.x()) * share + std::abs(footprint.across.x()), 1e-5F);

@@ -1,3 +1,4 @@
+// Height of the ground and poses on it.
 #include "tools/world/terrain.hpp"
 
 #include <cmath>

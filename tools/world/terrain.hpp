@@ -6,11 +6,11 @@
 
 namespace cartvo::world {
 
-/// Height of the ground, m: long gentle waves, smooth everywhere. What stands on the campus stands on it.
+/// Height of the ground at campus position (x, y), m: a smooth sum of sines.
 double terrainHeight(double x, double y);
 
-/// On the ground at `point` of a path, `lateral` m to its left: x along the path, y left, z up from the
-/// ground, for what stands or drives there with its axles `wheelbase` m apart.
+/// Pose on the ground at `point` of a path, `lateral` m to its left, of a vehicle with axles `wheelbase` m
+/// apart: x along the path, y left, z up; origin below the rear axle.
 Eigen::Isometry3d groundPose(const PathPoint& point, double lateral, double wheelbase);
 
 }  // namespace cartvo::world

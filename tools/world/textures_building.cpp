@@ -1,4 +1,4 @@
-// What houses are built of. Texture coordinates: metres along the wall and up from the ground.
+// Textures of buildings. Texture coordinates: m along the wall and up from the ground.
 #include "tools/world/hash.hpp"
 #include "tools/world/material_textures.hpp"
 #include "tools/world/patterns.hpp"
@@ -6,11 +6,11 @@
 namespace cartvo::world::textures {
 namespace {
 
-/// Streaks and dirt that rain leaves on a wall: stretched along v, stronger below.
+/// Streaks and dirt by rain: stretched along v, stronger near the ground.
 float weathering(const SurfacePoint& p, float strength) {
   const float streaks = noise(p.u, 0.15F * p.v, p.footprint, {6.4F, 0.05F, 0.85F}, p.seed + 91U);
   const float splash = 1.0F - 0.3F * smoothStep(0.9F, 0.0F, p.v);
-  return factor(strength * streaks) * splash;
+  return clampedExp(strength * streaks) * splash;
 }
 
 }  // namespace
@@ -30,14 +30,14 @@ float brick(const SurfacePoint& p, const TextureStyle& style) {
       return signedFloat(h) + (unitFloat(mixBits(h)) > 0.93F ? -1.3F : 0.0F);
     };
     const float t = mix(tone(cell.first), tone(cell.second), cell.share_of_second);
-    const float face = factor(0.34F * style.contrast * cell.contrast * course.contrast * t);
+    const float face = clampedExp(0.34F * style.contrast * cell.contrast * course.contrast * t);
     return mix(face, 2.0F, filteredPulseTrain(0.045F, x, width_x));
   };
   float r = mix(course_tone(course.first), course_tone(course.second), course.share_of_second);
   r = mix(r, 2.0F, filteredPulseTrain(0.14F, y, width_y));
   const float base = 0.14F + 0.12F * p.tone;
   return base * r * weathering(p, 0.16F * style.contrast) *
-         varied(p, {8.0F, 0.015F, 0.85F}, 0.22F * style.contrast, 2U);
+         noiseFactor(p, {8.0F, 0.015F, 0.85F}, 0.22F * style.contrast, 2U);
 }
 
 float concrete(const SurfacePoint& p, const TextureStyle& style) {
@@ -52,16 +52,17 @@ float concrete(const SurfacePoint& p, const TextureStyle& style) {
     return mix(tone(column.first, j), tone(column.second, j), column.share_of_second);
   };
   const float t = mix(row_tone(row.first), row_tone(row.second), row.share_of_second);
-  float r = (0.26F + 0.2F * p.tone) * factor(0.16F * style.contrast * column.contrast * row.contrast * t);
+  float r = (0.26F + 0.2F * p.tone) * clampedExp(0.16F * style.contrast * column.contrast * row.contrast * t);
   r *= 1.0F - 0.7F * filteredPulseTrain(0.012F, p.u / kPanelU, p.width_u / kPanelU);
   r *= 1.0F - 0.7F * filteredPulseTrain(0.018F, p.v / kPanelV, p.width_v / kPanelV);
   return r * weathering(p, 0.28F * style.contrast) *
-         varied(p, {6.4F, 0.012F, 0.95F}, 0.24F * style.contrast, 3U);
+         noiseFactor(p, {6.4F, 0.012F, 0.95F}, 0.24F * style.contrast, 3U);
 }
 
 float plaster(const SurfacePoint& p, const TextureStyle& style) {
-  const float base = (0.38F + 0.3F * p.tone) * varied(p, {9.6F, 0.012F, 0.95F}, 0.20F * style.contrast, 4U);
-  const auto shape = plainNoises(p.u, p.v, {2.1F, 0.33F, 5.0F, 0.9F}, p.seed + 41U);
+  const float base =
+      (0.38F + 0.3F * p.tone) * noiseFactor(p, {9.6F, 0.012F, 0.95F}, 0.20F * style.contrast, 4U);
+  const auto shape = unfadedNoises(p.u, p.v, {2.1F, 0.33F, 5.0F, 0.9F}, p.seed + 41U);
   const float crack = filteredLine(shape[0] * 0.9F + 0.05F * shape[1], 0.008F, p.footprint);
   const float flaked = smoothStep(0.55F, 0.7F, shape[2] + 0.25F * shape[3] + 0.1F * shape[1]);
   const float worn = mix(base, 0.22F, 0.6F * flaked * style.contrast);
@@ -70,7 +71,7 @@ float plaster(const SurfacePoint& p, const TextureStyle& style) {
 }
 
 float window(const SurfacePoint& p, const TextureStyle& style) {
-  // p.u and p.v run over one pane with its frame, 0..tone-independent metres; the frame is 6 cm wide.
+  // p.u and p.v: m within one window including its frame, which is 6 cm wide.
   const float width = 1.0F + 0.6F * p.tone;
   const float height = 1.5F;
   const std::uint32_t h = hashOf({p.seed, 51U});
@@ -81,9 +82,9 @@ float window(const SurfacePoint& p, const TextureStyle& style) {
       unitFloat(mixBits(h + 1)) > 0.5F ? filteredLine(p.v - 0.68F * height, 0.05F, p.width_v) : 0.0F;
   const float frame = 1.0F - inside * (1.0F - post) * (1.0F - bar);
   const float frame_tone = unitFloat(h) > 0.35F ? 0.55F : 0.07F;
-  // Behind the glass: a dark room with shapes in it, and at times a blind let down to some height.
+  // Behind the glass: a dark room with shapes in it and, in some windows, a blind at some height.
   float room =
-      0.05F * factor(0.8F * style.contrast * noise(p.u, p.v, p.footprint, {1.6F, 0.05F, 0.75F}, h + 2));
+      0.05F * clampedExp(0.8F * style.contrast * noise(p.u, p.v, p.footprint, {1.6F, 0.05F, 0.75F}, h + 2));
   const float blind_bottom = height * (0.2F + 1.1F * unitFloat(mixBits(h + 3)));
   const float slats = 0.30F * (1.0F - 0.45F * filteredPulseTrain(0.3F, p.v / 0.06F, p.width_v / 0.06F));
   room = mix(room, slats, filteredStep(blind_bottom, p.v, p.width_v));
@@ -96,7 +97,7 @@ float door(const SurfacePoint& p, const TextureStyle& style) {
   const float handle =
       filteredPulse(0.86F, 0.96F, p.u, p.width_u) * filteredPulse(1.0F, 1.06F, p.v, p.width_v);
   const float leaf_tone = (0.08F + 0.3F * p.tone) * (1.0F - 0.3F * panel_u * panel_v);
-  return mix(leaf_tone, 0.7F, handle) * varied(p, {1.6F, 0.02F, 0.8F}, 0.15F * style.contrast, 5U);
+  return mix(leaf_tone, 0.7F, handle) * noiseFactor(p, {1.6F, 0.02F, 0.8F}, 0.15F * style.contrast, 5U);
 }
 
 float roof(const SurfacePoint& p, const TextureStyle& style) {
@@ -110,8 +111,8 @@ float roof(const SurfacePoint& p, const TextureStyle& style) {
           mix(tone(column.first, row.second), tone(column.second, row.second), column.share_of_second),
           row.share_of_second);
   const float shade = filteredPulseTrain(0.18F, p.v / 0.35F, p.width_v / 0.35F);
-  return (0.12F + 0.12F * p.tone) * factor(0.3F * column.contrast * row.contrast * t) *
-         (1.0F - 0.45F * shade) * varied(p, {9.6F, 0.05F, 0.9F}, 0.25F * style.contrast, 6U);
+  return (0.12F + 0.12F * p.tone) * clampedExp(0.3F * column.contrast * row.contrast * t) *
+         (1.0F - 0.45F * shade) * noiseFactor(p, {9.6F, 0.05F, 0.9F}, 0.25F * style.contrast, 6U);
 }
 
 }  // namespace cartvo::world::textures

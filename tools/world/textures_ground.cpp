@@ -1,4 +1,4 @@
-// What lies on the ground: asphalt with markings, patches and cracks; kerb stones; slabs; grass.
+// Textures of the ground: asphalt with markings, patches and cracks; kerb stones; slabs; grass.
 #include "tools/world/hash.hpp"
 #include "tools/world/material_textures.hpp"
 #include "tools/world/patterns.hpp"
@@ -6,15 +6,15 @@
 namespace cartvo::world::textures {
 namespace {
 
-// Lateral positions on the road, m left of the cart's line.
+// Lateral positions of the lane markings, m left of the path.
 constexpr float kLaneDivide = 1.7F;
 constexpr float kRightLine = -1.75F;
 
-/// A mended rectangle in some of the cells of 7 m along the road: its share of the pixel and its tone.
+/// A repaired rectangle of asphalt, in some of the cells of 7 m along the road.
 struct Patch {
-  float cover = 0.0F;
-  float seam = 0.0F;
-  float tone = 1.0F;
+  float cover = 0.0F;  ///< fraction of the pixel that is patch
+  float seam = 0.0F;   ///< fraction of the pixel that is its seam
+  float tone = 1.0F;   ///< factor on the reflectance
 };
 
 Patch patchAt(const SurfacePoint& p, std::uint32_t seed) {
@@ -38,7 +38,7 @@ Patch patchAt(const SurfacePoint& p, std::uint32_t seed) {
   return patch;
 }
 
-/// A round iron cover in some of the cells of 23 m: factor on the reflectance.
+/// Factor on the reflectance by a round iron cover, in some of the cells of 23 m along the road.
 float manhole(const SurfacePoint& p, std::uint32_t seed) {
   constexpr float kCell = 23.0F;
   const auto cell = static_cast<std::int32_t>(std::floor(p.u / kCell));
@@ -55,7 +55,7 @@ float manhole(const SurfacePoint& p, std::uint32_t seed) {
   return mix(1.0F, 0.55F + 0.5F * studs, disc) * (1.0F - 0.6F * std::clamp(rim, 0.0F, 1.0F));
 }
 
-/// The share of the pixel under white paint, wear aside.
+/// Fraction of the pixel under white paint, before wear.
 float markings(const SurfacePoint& p) {
   const float dashes = filteredPulseTrain(0.5F, p.u / 5.0F, p.width_u / 5.0F);
   return dashes * filteredLine(p.v - kLaneDivide, 0.12F, p.width_v) +
@@ -66,14 +66,14 @@ float markings(const SurfacePoint& p) {
 
 float asphalt(const SurfacePoint& p, const TextureStyle& style) {
   const float grain = noise(p.x, p.y, p.footprint, {25.6F, 0.012F, 1.0F}, style.seed + 11U);
-  float r = 0.17F * factor(0.42F * style.contrast * grain);
+  float r = 0.17F * clampedExp(0.42F * style.contrast * grain);
   const float ruts = filteredPulse(0.45F, 1.0F, std::abs(p.v), 0.5F);
   r *= 1.0F - 0.12F * ruts;
   if (style.contrast > 0.5F) {
     const Patch patch = patchAt(p, style.seed + 13U);
     r *= mix(1.0F, patch.tone, patch.cover) * (1.0F - 0.65F * patch.seam);
     if (p.footprint < 0.12F) {
-      const auto shape = plainNoises(p.x, p.y, {3.3F, 1.25F, 11.0F, 0.21F}, style.seed + 12U);
+      const auto shape = unfadedNoises(p.x, p.y, {3.3F, 1.25F, 11.0F, 0.21F}, style.seed + 12U);
       const float wide = filteredLine(shape[0] * 1.4F + 0.03F * shape[3], 0.016F, p.footprint);
       const float fine = filteredLine(shape[1] * 0.5F + 0.03F * shape[3], 0.009F, p.footprint);
       r *= (1.0F - 0.7F * wide * smoothStep(0.05F, 0.25F, shape[2])) *
@@ -85,7 +85,7 @@ float asphalt(const SurfacePoint& p, const TextureStyle& style) {
   if (painted > 0.0F) {
     const float wear = noise(p.x, p.y, p.footprint, {3.2F, 0.02F, 0.9F}, style.seed + 15U);
     const float kept = smoothStep(-1.6F, 0.1F, wear + 0.4F);
-    r = mix(r, 0.55F * factor(0.1F * wear), painted * (0.35F + 0.6F * kept));
+    r = mix(r, 0.55F * clampedExp(0.1F * wear), painted * (0.35F + 0.6F * kept));
   }
   return r;
 }
@@ -94,12 +94,12 @@ float kerb(const SurfacePoint& p, const TextureStyle& style) {
   const CellBlend stone = blendCells(p.u / 0.9F, p.width_u / 0.9F);
   const auto tone = [&](std::int32_t i) {
     return 0.36F *
-           factor(0.3F * stone.contrast * signedFloat(hashOf({p.seed, static_cast<std::uint32_t>(i)})));
+           clampedExp(0.3F * stone.contrast * signedFloat(hashOf({p.seed, static_cast<std::uint32_t>(i)})));
   };
   float r = mix(tone(stone.first), tone(stone.second), stone.share_of_second);
   const float joint = filteredPulseTrain(0.013F, p.u / 0.9F, p.width_u / 0.9F);
   r *= (1.0F - 0.7F * joint);
-  return r * varied(p, {3.2F, 0.012F, 0.9F}, 0.28F * style.contrast, 1U);
+  return r * noiseFactor(p, {3.2F, 0.012F, 0.9F}, 0.28F * style.contrast, 1U);
 }
 
 float pavement(const SurfacePoint& p, const TextureStyle& style) {
@@ -113,11 +113,12 @@ float pavement(const SurfacePoint& p, const TextureStyle& style) {
     };
     const float joint = filteredPulseTrain(0.02F, p.u / kSlab + shift, p.width_u / kSlab);
     const float t = mix(tone(slab.first), tone(slab.second), slab.share_of_second);
-    return factor(0.24F * style.contrast * slab.contrast * row.contrast * t) * (1.0F - 0.6F * joint);
+    return clampedExp(0.24F * style.contrast * slab.contrast * row.contrast * t) * (1.0F - 0.6F * joint);
   };
   float r = 0.33F * mix(row_tone(row.first), row_tone(row.second), row.share_of_second);
   r *= 1.0F - 0.6F * filteredPulseTrain(0.02F, p.v / kSlab, p.width_v / kSlab);
-  return r * factor(0.26F * style.contrast * noise(p.x, p.y, p.footprint, {12.8F, 0.012F, 0.92F}, p.seed));
+  return r *
+         clampedExp(0.26F * style.contrast * noise(p.x, p.y, p.footprint, {12.8F, 0.012F, 0.92F}, p.seed));
 }
 
 float grass(const SurfacePoint& p, const TextureStyle& style) {
@@ -126,8 +127,8 @@ float grass(const SurfacePoint& p, const TextureStyle& style) {
   const float bare =
       smoothStep(0.9F, 1.7F, noise(p.x, p.y, p.footprint, {9.0F, 0.5F, 0.7F}, style.seed + 33U));
   const float contrast = 0.35F + 0.65F * style.contrast;
-  return mix(0.15F * factor(contrast * (0.42F * blades + 0.28F * tufts)),
-             0.26F * factor(0.25F * contrast * blades), 0.7F * bare);
+  return mix(0.15F * clampedExp(contrast * (0.42F * blades + 0.28F * tufts)),
+             0.26F * clampedExp(0.25F * contrast * blades), 0.7F * bare);
 }
 
 }  // namespace cartvo::world::textures

@@ -1,3 +1,4 @@
+// Moves vehicles and pedestrians as functions of time.
 #include "tools/world/traffic.hpp"
 
 #include <array>
@@ -13,7 +14,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr double kOtherLane = 3.4;  // m left of the cart's line
+constexpr double kOtherLane = 3.4;  // m left of the path
 
 Instance moverInstance(std::uint32_t mesh, Random& random) {
   Instance instance;
@@ -24,7 +25,7 @@ Instance moverInstance(std::uint32_t mesh, Random& random) {
   return instance;
 }
 
-Eigen::Affine3f asAffine(const Eigen::Isometry3d& pose) {
+Eigen::Affine3f toAffine(const Eigen::Isometry3d& pose) {
   return Eigen::Affine3f(pose.matrix().cast<float>());
 }
 
@@ -103,11 +104,11 @@ void Traffic::addPedestrians(const WorldSettings& settings, Campus& campus) {
 }
 
 Eigen::Isometry3d Traffic::vehiclePose(const Vehicle& vehicle, double seconds) const {
-  const Eigen::AngleAxisd about(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  const Eigen::AngleAxisd half_turn(std::numbers::pi, Eigen::Vector3d::UnitZ());
   switch (vehicle.course) {
     case Course::oncoming:
       return groundPose(path_.at(vehicle.start - vehicle.speed * seconds), kOtherLane, vehicle.wheelbase) *
-             about;
+             half_turn;
     case Course::ahead: {
       const double distance =
           vehicle.start * (1.0 + vehicle.speed * std::sin(0.37 * seconds + vehicle.phase));
@@ -116,14 +117,14 @@ Eigen::Isometry3d Traffic::vehiclePose(const Vehicle& vehicle, double seconds) c
     case Course::overtaking:
       break;
   }
-  // The standing cart is at 0: vehicles come from behind in the other lane and pull in before it.
+  // The cart is at standstill at distance 0: vehicles come from behind in the other lane and pull in ahead of
+  // it.
   const double along = vehicle.start + vehicle.speed * seconds;
   const double from_cart = along - path_.length() * std::floor(along / path_.length() + 0.5);
   constexpr double kPullInFrom = 3.0;
   constexpr double kPullInTo = 16.0;
   const double t = std::clamp((from_cart - kPullInFrom) / (kPullInTo - kPullInFrom), 0.0, 1.0);
-  const double share =
-      t * t * t * (t * (6.0 * t - 15.0) + 10.0);  // zero velocity and acceleration at its ends
+  const double share = t * t * t * (t * (6.0 * t - 15.0) + 10.0);  // zero slope and curvature at both ends
   const double slope = 30.0 * t * t * (t - 1.0) * (t - 1.0) / (kPullInTo - kPullInFrom);
   const double heading = std::atan(-kOtherLane * slope);
   return groundPose(path_.at(along), kOtherLane * (1.0 - share), vehicle.wheelbase) *
@@ -132,22 +133,22 @@ Eigen::Isometry3d Traffic::vehiclePose(const Vehicle& vehicle, double seconds) c
 
 void Traffic::placeAt(double seconds, std::vector<Instance>& instances) const {
   for (const Vehicle& vehicle : vehicles_) {
-    instances[vehicle.instance].placement = asAffine(vehiclePose(vehicle, seconds));
+    instances[vehicle.instance].placement = toAffine(vehiclePose(vehicle, seconds));
   }
-  const Eigen::AngleAxisd about(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  const Eigen::AngleAxisd half_turn(std::numbers::pi, Eigen::Vector3d::UnitZ());
   for (const Pedestrian& person : pedestrians_) {
     const double walked = person.speed * seconds;
     const PathPoint at = path_.at(person.start + walked);
-    Eigen::Isometry3d pose = groundPose(at, keptWithinBend(at, person.lateral), 0.3);
+    Eigen::Isometry3d pose = groundPose(at, clampWithinBend(at, person.lateral), 0.3);
     const Eigen::Vector3d foot = pose.translation() + Eigen::Vector3d(0.0, 0.0, 0.12);
     pose = Eigen::Translation3d(foot) *
            Eigen::AngleAxisd(std::atan2(at.tangent.y(), at.tangent.x()), Eigen::Vector3d::UnitZ());
-    if (person.speed < 0.0) pose = pose * about;
+    if (person.speed < 0.0) pose = pose * half_turn;
     const auto limbs = limbPlacements(std::abs(walked) / person.scale);
     for (std::size_t i = 0; i < limbs.size(); ++i) {
-      Eigen::Affine3f placement = asAffine(pose);
+      Eigen::Affine3f placement = toAffine(pose);
       placement.scale(static_cast<float>(person.scale));
-      instances[person.first_instance + i].placement = placement * asAffine(limbs[i]);
+      instances[person.first_instance + i].placement = placement * toAffine(limbs[i]);
     }
   }
 }

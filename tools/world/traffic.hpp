@@ -10,35 +10,36 @@
 
 namespace cartvo::world {
 
-/// Vehicles and people that move. Where they are is a function of time alone, smooth in it.
+/// Moving vehicles and pedestrians. Their poses are smooth functions of time alone.
 class Traffic {
  public:
-  /// Appends the movers' meshes and instances to `campus`. `path` and `drive` must outlive this.
+  /// Appends the meshes and instances of the moving objects to `campus`. `path` and `drive` must outlive this
+  /// object.
   Traffic(const Path& path, const Drive& drive, const WorldSettings& settings, Campus& campus);
 
-  /// Moves the instances to where they are at `seconds`.
+  /// Sets the placements of the moving instances to those at `seconds`.
   void placeAt(double seconds, std::vector<Instance>& instances) const;
 
  private:
-  /// How a vehicle finds its place on the road.
+  /// Course of a vehicle relative to the cart.
   enum class Course : std::uint8_t {
     oncoming,    ///< against the cart's direction, in the other lane
-    ahead,       ///< in the cart's lane, at a distance that breathes
-    overtaking,  ///< past the standing cart and into its lane before it
+    ahead,       ///< in the cart's lane, at a distance that oscillates
+    overtaking,  ///< past the cart at standstill and into its lane ahead of it
   };
   struct Vehicle {
     std::uint32_t instance = 0;
     Course course = Course::oncoming;
-    double start = 0.0;  ///< m along the path at time 0, or the mean distance ahead
-    double speed = 0.0;  ///< m/s, or the share by which the distance ahead breathes
-    double phase = 0.0;
-    double wheelbase = 2.6;
+    double start = 0.0;      ///< m along the path at time 0; `ahead`: mean distance to the cart, m
+    double speed = 0.0;      ///< m/s; `ahead`: relative amplitude of the distance
+    double phase = 0.0;      ///< rad, of that oscillation
+    double wheelbase = 2.6;  ///< m
   };
   struct Pedestrian {
-    std::uint32_t first_instance = 0;  ///< of five
-    double start = 0.0;
-    double speed = 0.0;  ///< negative: against the path
-    double lateral = 0.0;
+    std::uint32_t first_instance = 0;  ///< of five: torso, legs, arms
+    double start = 0.0;                ///< m along the path at time 0
+    double speed = 0.0;                ///< m/s, negative: against the path
+    double lateral = 0.0;              ///< m left of the path
     double scale = 1.0;
   };
 

@@ -1,3 +1,4 @@
+// Places underpasses on straight stretches of the path, attenuates the light in them and builds their meshes.
 #include "tools/world/underpass.hpp"
 
 #include <algorithm>
@@ -14,22 +15,22 @@ using Eigen::Vector2d;
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr double kLength = 26.0;        // m
-constexpr double kFirst = 24.0;         // m from where the cart starts
-constexpr double kBetween = 40.0;       // m from one to the next
-constexpr double kStraight = 0.012;     // 1/m
-constexpr double kClearance = 3.9;      // m
-constexpr double kWall = 1.0;           // m, its thickness
-constexpr float kDeck = 1.5F;           // m, the bridge's thickness
-constexpr double kPiece = 2.0;          // m
-constexpr double kBeamSpacing = 4.0;    // m
-constexpr float kBeam = 0.35F;          // m
-constexpr std::uint32_t kSeed = 9001U;  // of its walls
+constexpr double kLength = 26.0;         // m
+constexpr double kFirstPosition = 24.0;  // m, earliest start along the path
+constexpr double kSpacing = 40.0;        // m between underpasses
+constexpr double kMaxCurvature = 0.012;  // 1/m, of a stretch that counts as straight
+constexpr double kClearance = 3.9;       // m, from the highest floor to the ceiling
+constexpr double kWallThickness = 1.0;   // m
+constexpr float kDeckThickness = 1.5F;   // m, of the bridge
+constexpr double kPieceLength = 2.0;     // m along the path
+constexpr double kBeamSpacing = 4.0;     // m
+constexpr float kBeamDepth = 0.35F;      // m, also its width
+constexpr std::uint32_t kSeed = 9001U;   // of its finishes
 
-bool straight(const Path& path, double from, double to) {
+bool isStraight(const Path& path, double from, double to) {
   const std::vector<double> places = stepsBelow(to, from, 1.0);
   return std::all_of(places.begin(), places.end(),
-                     [&](double s) { return std::abs(path.at(s).curvature) < kStraight; });
+                     [&](double s) { return std::abs(path.at(s).curvature) < kMaxCurvature; });
 }
 
 Underpass underpassAt(const Path& path, double from) {
@@ -45,7 +46,7 @@ Underpass underpassAt(const Path& path, double from) {
   underpass.left = static_cast<float>(road.leftBorder() - 0.3);
   underpass.right = static_cast<float>(road.rightBorder() + 0.3);
   double highest = -1e9;
-  for (const double s : stepsBelow(underpass.to, from, kPiece)) {
+  for (const double s : stepsBelow(underpass.to, from, kPieceLength)) {
     const Vector2d p = path.at(s).position;
     highest = std::max(highest, terrainHeight(p.x(), p.y()));
   }
@@ -53,17 +54,66 @@ Underpass underpassAt(const Path& path, double from) {
   return underpass;
 }
 
-/// Light from one end, `depth` m inside (negative: outside), as a round hole as large as the opening lets in.
+/// Fraction of light from one end at `depth` m inside (negative: outside): the solid angle of a round opening
+/// of the same size.
 float lightFromEnd(float depth) {
-  constexpr float kHole = 4.2F;
+  constexpr float kOpeningRadius = 4.2F;
   if (depth < 0.0F) return 1.0F - 0.5F * std::exp(depth / 0.8F);
-  return 0.5F * (1.0F - depth / std::sqrt(depth * depth + kHole * kHole));
+  return 0.5F * (1.0F - depth / std::sqrt(depth * depth + kOpeningRadius * kOpeningRadius));
+}
+
+/// The point at `s` along the path, `lateral` m to its left, at height `z`; campus axes, m.
+Vector3f pointAt(const Path& path, double s, double lateral, float z) {
+  const Vector2d p = path.at(s).beside(lateral);
+  return {static_cast<float>(p.x()), static_cast<float>(p.y()), z};
+}
+
+/// Height of a wall's foot, 0.4 m below the ground.
+float footHeight(const Path& path, double s, double lateral) {
+  const Vector2d p = path.at(s).beside(lateral);
+  return static_cast<float>(terrainHeight(p.x(), p.y()) - 0.4);
+}
+
+/// Adds the beams below the ceiling.
+void addBeams(Mesh& mesh, const Underpass& underpass, const Path& path, const Finish& deck) {
+  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
+  const double left = underpass.left;
+  const double right = underpass.right;
+  for (const double s : stepsBelow(underpass.to - 1.0, underpass.from + 2.0, kBeamSpacing)) {
+    const float low = underpass.ceiling - kBeamDepth;
+    mesh.addPlane({at(s, right, low), at(s, left, low), at(s, left, underpass.ceiling),
+                   at(s, right, underpass.ceiling)},
+                  deck);
+    mesh.addPlane({at(s + kBeamDepth, right, low), at(s + kBeamDepth, left, low),
+                   at(s + kBeamDepth, left, underpass.ceiling), at(s + kBeamDepth, right, underpass.ceiling)},
+                  deck);
+    mesh.addPlane(
+        {at(s, right, low), at(s, left, low), at(s + kBeamDepth, left, low), at(s + kBeamDepth, right, low)},
+        deck);
+  }
+}
+
+/// Adds the faces at both ends: pillars and the edge of the deck.
+void addEnds(Mesh& mesh, const Underpass& underpass, const Path& path, const Finish& face) {
+  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
+  const auto foot = [&](double s, double lateral) { return footHeight(path, s, lateral); };
+  const double left = underpass.left;
+  const double right = underpass.right;
+  const float top = underpass.ceiling + kDeckThickness;
+  for (const double s : {underpass.from, underpass.to}) {
+    const auto upright = [&](double from, double to, float z0, float z1) {
+      mesh.addPlane({at(s, from, z0), at(s, to, z0), at(s, to, z1), at(s, from, z1)}, face);
+    };
+    upright(left, left + kWallThickness, foot(s, left), underpass.ceiling);
+    upright(right - kWallThickness, right, foot(s, right), underpass.ceiling);
+    upright(right - kWallThickness, left + kWallThickness, underpass.ceiling, top);
+  }
 }
 
 }  // namespace
 
 float Underpass::openness(const Eigen::Vector3f& place) const {
-  constexpr float kReach = 4.0F;  // m, beyond which nothing is felt
+  constexpr float kReach = 4.0F;  // m outside the ends up to which light is reduced
   if (place.z() > ceiling + 0.05F) return 1.0F;
   const Vector2f offset = place.head<2>() - middle;
   const float u = offset.dot(along);
@@ -78,11 +128,11 @@ float Underpass::openness(const Eigen::Vector3f& place) const {
 std::vector<Underpass> underpasses(const Path& path, const WorldSettings& settings) {
   std::vector<Underpass> found;
   if (settings.scenario != Scenario::underpass) return found;
-  double next = kFirst;
-  for (const double s : stepsBelow(path.length() - kLength - kFirst, kFirst, 1.0)) {
-    if (s < next || !straight(path, s - 3.0, s + kLength + 3.0)) continue;
+  double next = kFirstPosition;
+  for (const double s : stepsBelow(path.length() - kLength - kFirstPosition, kFirstPosition, 1.0)) {
+    if (s < next || !isStraight(path, s - 3.0, s + kLength + 3.0)) continue;
     found.push_back(underpassAt(path, s));
-    next = s + kLength + kBetween;
+    next = s + kLength + kSpacing;
   }
   return found;
 }
@@ -91,15 +141,9 @@ void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path) {
   const Finish brick{Material::brick, kSeed, 0.35F};
   const Finish deck{Material::concrete, kSeed + 1, 0.6F};
   const Finish face{Material::concrete, kSeed + 2, 0.8F};
-  const float top = underpass.ceiling + kDeck;
-  const auto at = [&](double s, double lateral, float z) -> Vector3f {
-    const Vector2d p = path.at(s).beside(lateral);
-    return {static_cast<float>(p.x()), static_cast<float>(p.y()), z};
-  };
-  const auto foot = [&](double s, double lateral) {
-    const Vector2d p = path.at(s).beside(lateral);
-    return static_cast<float>(terrainHeight(p.x(), p.y()) - 0.4);
-  };
+  const float top = underpass.ceiling + kDeckThickness;
+  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
+  const auto foot = [&](double s, double lateral) { return footHeight(path, s, lateral); };
   const double left = underpass.left;
   const double right = underpass.right;
   const auto wall = [&](double s0, double s1, double lateral, float z, const Finish& finish) {
@@ -110,8 +154,8 @@ void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path) {
     mesh.addQuad({at(s0, lateral, f0), at(s1, lateral, f1), at(s1, lateral, z), at(s0, lateral, z)},
                  {Vector2f(u0, f0), Vector2f(u1, f1), Vector2f(u1, z), Vector2f(u0, z)}, finish);
   };
-  for (const double s : stepsBelow(underpass.to - 0.01, underpass.from, kPiece)) {
-    const double next = std::min(s + kPiece, underpass.to);
+  for (const double s : stepsBelow(underpass.to - 0.01, underpass.from, kPieceLength)) {
+    const double next = std::min(s + kPieceLength, underpass.to);
     const auto u0 = static_cast<float>(s);
     const auto u1 = static_cast<float>(next);
     const auto slab = [&](double from, double to, float z) {
@@ -122,30 +166,13 @@ void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path) {
     };
     wall(s, next, left, underpass.ceiling, brick);
     wall(s, next, right, underpass.ceiling, brick);
-    wall(s, next, left + kWall, top, face);
-    wall(s, next, right - kWall, top, face);
+    wall(s, next, left + kWallThickness, top, face);
+    wall(s, next, right - kWallThickness, top, face);
     slab(right, left, underpass.ceiling);
-    slab(right - kWall, left + kWall, top);
+    slab(right - kWallThickness, left + kWallThickness, top);
   }
-  for (const double s : stepsBelow(underpass.to - 1.0, underpass.from + 2.0, kBeamSpacing)) {
-    const float low = underpass.ceiling - kBeam;
-    mesh.addPlane({at(s, right, low), at(s, left, low), at(s, left, underpass.ceiling),
-                   at(s, right, underpass.ceiling)},
-                  deck);
-    mesh.addPlane({at(s + kBeam, right, low), at(s + kBeam, left, low),
-                   at(s + kBeam, left, underpass.ceiling), at(s + kBeam, right, underpass.ceiling)},
-                  deck);
-    mesh.addPlane({at(s, right, low), at(s, left, low), at(s + kBeam, left, low), at(s + kBeam, right, low)},
-                  deck);
-  }
-  for (const double s : {underpass.from, underpass.to}) {  // the ends: pillars and the deck's edge
-    const auto upright = [&](double from, double to, float z0, float z1) {
-      mesh.addPlane({at(s, from, z0), at(s, to, z0), at(s, to, z1), at(s, from, z1)}, face);
-    };
-    upright(left, left + kWall, foot(s, left), underpass.ceiling);
-    upright(right - kWall, right, foot(s, right), underpass.ceiling);
-    upright(right - kWall, left + kWall, underpass.ceiling, top);
-  }
+  addBeams(mesh, underpass, path, deck);
+  addEnds(mesh, underpass, path, face);
 }
 
 Building groundPlan(const Underpass& underpass) {
@@ -154,7 +181,7 @@ Building groundPlan(const Underpass& underpass) {
   plan.centre = (underpass.middle + 0.5F * (underpass.left + underpass.right) * across).cast<double>();
   plan.yaw = std::atan2(underpass.along.y(), underpass.along.x());
   plan.length = 2.0 * underpass.half_length;
-  plan.depth = underpass.left - underpass.right + 2.0 * kWall;
+  plan.depth = underpass.left - underpass.right + 2.0 * kWallThickness;
   return plan;
 }
 

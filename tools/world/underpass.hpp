@@ -11,28 +11,28 @@
 
 namespace cartvo::world {
 
-/// A stretch of the road below a broad bridge: dark inside, and light that comes in only at its ends.
+/// A stretch of road below a wide bridge; light enters only at its ends.
 struct Underpass {
-  double from = 0.0;  ///< m along the path
-  double to = 0.0;
-  Eigen::Vector2f middle{0, 0};  ///< on the campus, m
-  Eigen::Vector2f along{1, 0};   ///< unit length
+  double from = 0.0;             ///< start, m along the path
+  double to = 0.0;               ///< end, m along the path
+  Eigen::Vector2f middle{0, 0};  ///< m, campus axes
+  Eigen::Vector2f along{1, 0};   ///< direction of the road, unit length
   float half_length = 0.0F;      ///< m
-  float left = 0.0F;             ///< the walls, m left of the path
-  float right = 0.0F;
-  float ceiling = 0.0F;  ///< m above the campus' zero; the floor is nearly level
+  float left = 0.0F;             ///< left wall, m left of the path
+  float right = 0.0F;            ///< right wall, m left of the path (negative)
+  float ceiling = 0.0F;          ///< m, height in campus axes; the floor is nearly level
 
-  /// The share of the sky's and the ground's light that arrives at a place; 1 outside.
+  /// Fraction of the light of sky and ground that reaches `place`; 1 outside.
   float openness(const Eigen::Vector3f& place) const;
 };
 
-/// Where the scenario has them: on the path's straight stretches.
+/// The underpasses of the scenario, on straight stretches of the path; none in other scenarios.
 std::vector<Underpass> underpasses(const Path& path, const WorldSettings& settings);
 
-/// The walls, the ceiling, and the bridge above them.
+/// Adds the walls, the ceiling and the bridge to `mesh`.
 void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path);
 
-/// The ground that it takes.
+/// The ground plan of an underpass, for collision checks with buildings.
 Building groundPlan(const Underpass& underpass);
 
 }  // namespace cartvo::world

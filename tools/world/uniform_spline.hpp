@@ -7,11 +7,12 @@
 
 namespace cartvo::world {
 
-/// A uniform cubic B-spline over time: twice continuously differentiable, near its control values rather than
-/// through them. Constant before the first and after the last.
+/// A uniform cubic B-spline over time: twice continuously differentiable; it approximates its control values.
+/// Constant before the first and after the last value.
 class UniformSpline {
  public:
   UniformSpline() = default;
+  /// `values`: control values at times 0, `step`, 2 `step` ...
   UniformSpline(double step, std::vector<double> values) : step_(step), values_(std::move(values)) {
     integrals_.resize(values_.size() + 1, 0.0);
     for (int k = 0; k < static_cast<int>(values_.size()); ++k) {
@@ -27,7 +28,7 @@ class UniformSpline {
            6.0;
   }
 
-  /// From time 0, exact.
+  /// Exact integral from time 0 to `time`.
   double integral(double time) const {
     const auto [k, x] = locate(time);
     return integrals_[k] + step_ * segmentIntegral(k, x);

@@ -1,4 +1,4 @@
-// Foliage is geometry: each leaf (far off: each spray of leaves) is a quadrilateral of its own.
+// Builds trees, bushes, tufts and hedges; each leaf (far away: each spray of leaves) is a quadrilateral.
 #include "tools/world/vegetation.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ Vector3f randomDirection(Random& random) {
   return Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z).cast<float>();
 }
 
-/// A leaf: a kite around its mid rib, bent toward the light.
+/// Adds a leaf: a kite along its midrib, random orientation with a preference for facing up.
 void addLeaf(Mesh& mesh, const Vector3f& centre, float size, float tone, Random& random) {
   const Vector3f rib = (randomDirection(random) + Vector3f(0, 0, -0.25F)).normalized();
   const Vector3f facing = (randomDirection(random) + Vector3f(0, 0, 0.7F)).normalized();
@@ -38,7 +38,7 @@ void addLeaf(Mesh& mesh, const Vector3f& centre, float size, float tone, Random&
                {Material::leaf, random.bits(), tone});
 }
 
-/// Leaves in the outer part of a ball, darker inside.
+/// Adds leaves in the outer part of an ellipsoid; inner leaves are darker.
 void addFoliage(Mesh& mesh, const Vector3f& centre, const Vector3f& radii, int leaves, float leaf_size,
                 Random& random) {
   for (int i = 0; i < leaves; ++i) {
@@ -70,7 +70,7 @@ Mesh makeTree(std::uint32_t seed, Detail detail) {
   const int boughs = 11 + random.below(5);
   for (int i = 0; i < boughs; ++i) {
     const auto share = static_cast<float>((i + 0.5) / boughs);
-    const auto angle = static_cast<float>(i * 2.4 + random.uniform(-0.4, 0.4));  // the golden angle, about
+    const auto angle = static_cast<float>(i * 2.4 + random.uniform(-0.4, 0.4));  // about the golden angle
     const float reach =
         crown_radius * (0.35F + 0.65F * std::sin(std::numbers::pi_v<float> * (0.15F + 0.75F * share)));
     const Vector3f root = lean + share * (top - lean);
@@ -124,7 +124,7 @@ void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
     const Eigen::Vector2d p = from + u * along + w * across;
     return Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) - 0.1 + z).cast<float>();
   };
-  for (const double u : stepsBelow(length, 0.0, 1.5)) {  // a dark core that follows the ground
+  for (const double u : stepsBelow(length, 0.0, 1.5)) {  // dark core that follows the ground
     const double end = std::min(u + 1.5, length);
     const Finish core{Material::leaf, 7U, 0.0F};
     const double w = half_width - 0.12;

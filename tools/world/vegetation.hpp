@@ -7,22 +7,22 @@
 
 namespace cartvo::world {
 
-/// How closely a tree will ever be looked at.
+/// Level of detail of a tree.
 enum class Detail : std::uint8_t {
-  leaves,  ///< from near: single leaves
-  sprays,  ///< from afar: a quarter as many, each a spray of leaves
+  leaves,  ///< near the path: single leaves
+  sprays,  ///< far away: about a quarter as many leaves, each a spray of leaves
 };
 
-/// A tree with trunk, branches and leaves, its foot at the origin, about 8 m high.
+/// A tree of about 8 m with trunk, branches and leaves; its foot is the origin.
 Mesh makeTree(std::uint32_t seed, Detail detail);
 
-/// A bush of about 1.2 m.
+/// A bush of about 1.2 m; its foot is the origin.
 Mesh makeBush(std::uint32_t seed);
 
-/// A tuft of high grass and weeds, some 0.3 m high.
+/// A tuft of grass and weeds of about 0.3 m; its foot is the origin.
 Mesh makeTuft(std::uint32_t seed);
 
-/// A clipped hedge from `from` to `to`.
+/// Adds a clipped hedge from `from` to `to`, campus coordinates in m.
 void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
 
 }  // namespace cartvo::world

@@ -1,3 +1,4 @@
+// Builds the meshes of vehicles from their side outlines.
 #include "tools/world/vehicle.hpp"
 
 #include <array>
@@ -10,85 +11,100 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// A station of the body's outline seen from the side, rear to front over the top: the strip that begins
-/// here.
+/// A point of the body's side outline, in order from rear to front over the top, m.
 struct Station {
   float x, z;
   float half_width;
-  bool glass;  ///< the strip from here to the next station
+  bool glass;  ///< whether the strip from this station to the next is glass
 };
 
 struct Shape {
   std::vector<Station> outline;
-  float sill = 0.28F;  ///< underside, m
+  float sill = 0.28F;  ///< height of the underside, m
   float wheelbase = 2.6F;
   float wheel_radius = 0.31F;
   float half_width = 0.88F;
-  float waist = 0.9F;  ///< where the side windows begin, m
+  float waist = 0.9F;  ///< height of the side windows' lower edge, m
 };
+
+Shape hatchbackShape() {
+  return {{{-0.72F, 0.35F, 0.84F, false},
+           {-0.76F, 0.85F, 0.86F, true},
+           {-0.38F, 1.42F, 0.64F, false},
+           {0.45F, 1.50F, 0.66F, false},
+           {1.30F, 1.44F, 0.66F, true},
+           {2.10F, 0.98F, 0.80F, false},
+           {2.95F, 0.80F, 0.80F, false},
+           {3.22F, 0.62F, 0.78F, false},
+           {3.26F, 0.30F, 0.76F, false}},
+          0.25F,
+          2.45F,
+          0.30F,
+          0.86F,
+          0.92F};
+}
+
+Shape saloonShape() {
+  return {{{-1.02F, 0.36F, 0.84F, false},
+           {-1.06F, 0.92F, 0.84F, false},
+           {-0.42F, 0.99F, 0.82F, true},
+           {0.22F, 1.40F, 0.62F, false},
+           {0.80F, 1.45F, 0.64F, false},
+           {1.42F, 1.40F, 0.64F, true},
+           {2.25F, 0.97F, 0.82F, false},
+           {3.20F, 0.82F, 0.82F, false},
+           {3.52F, 0.62F, 0.80F, false},
+           {3.56F, 0.30F, 0.78F, false}},
+          0.24F,
+          2.72F,
+          0.32F,
+          0.89F,
+          0.95F};
+}
+
+Shape vanShape() {
+  return {{{-0.95F, 0.40F, 0.94F, false},
+           {-0.98F, 1.30F, 0.95F, true},
+           {-0.96F, 1.95F, 0.90F, false},
+           {-0.88F, 2.28F, 0.84F, false},
+           {2.30F, 2.32F, 0.84F, false},
+           {2.75F, 2.10F, 0.84F, true},
+           {3.55F, 1.28F, 0.92F, false},
+           {4.15F, 1.02F, 0.92F, false},
+           {4.32F, 0.35F, 0.90F, false}},
+          0.32F,
+          3.35F,
+          0.34F,
+          0.98F,
+          1.28F};
+}
+
+Shape busShape() {
+  return {{{-2.30F, 0.40F, 1.20F, false},
+           {-2.34F, 1.40F, 1.22F, true},
+           {-2.32F, 2.50F, 1.20F, false},
+           {-2.20F, 2.95F, 1.12F, false},
+           {6.20F, 2.98F, 1.12F, false},
+           {6.45F, 2.75F, 1.18F, true},
+           {6.62F, 1.15F, 1.22F, false},
+           {6.66F, 0.40F, 1.20F, false}},
+          0.34F,
+          4.40F,
+          0.46F,
+          1.24F,
+          1.30F};
+}
 
 Shape shapeOf(VehicleKind kind) {
   switch (kind) {
     case VehicleKind::hatchback:
-      return {{{-0.72F, 0.35F, 0.84F, false},
-               {-0.76F, 0.85F, 0.86F, true},
-               {-0.38F, 1.42F, 0.64F, false},
-               {0.45F, 1.50F, 0.66F, false},
-               {1.30F, 1.44F, 0.66F, true},
-               {2.10F, 0.98F, 0.80F, false},
-               {2.95F, 0.80F, 0.80F, false},
-               {3.22F, 0.62F, 0.78F, false},
-               {3.26F, 0.30F, 0.76F, false}},
-              0.25F,
-              2.45F,
-              0.30F,
-              0.86F,
-              0.92F};
+      return hatchbackShape();
     case VehicleKind::saloon:
-      return {{{-1.02F, 0.36F, 0.84F, false},
-               {-1.06F, 0.92F, 0.84F, false},
-               {-0.42F, 0.99F, 0.82F, true},
-               {0.22F, 1.40F, 0.62F, false},
-               {0.80F, 1.45F, 0.64F, false},
-               {1.42F, 1.40F, 0.64F, true},
-               {2.25F, 0.97F, 0.82F, false},
-               {3.20F, 0.82F, 0.82F, false},
-               {3.52F, 0.62F, 0.80F, false},
-               {3.56F, 0.30F, 0.78F, false}},
-              0.24F,
-              2.72F,
-              0.32F,
-              0.89F,
-              0.95F};
+      return saloonShape();
     case VehicleKind::van:
-      return {{{-0.95F, 0.40F, 0.94F, false},
-               {-0.98F, 1.30F, 0.95F, true},
-               {-0.96F, 1.95F, 0.90F, false},
-               {-0.88F, 2.28F, 0.84F, false},
-               {2.30F, 2.32F, 0.84F, false},
-               {2.75F, 2.10F, 0.84F, true},
-               {3.55F, 1.28F, 0.92F, false},
-               {4.15F, 1.02F, 0.92F, false},
-               {4.32F, 0.35F, 0.90F, false}},
-              0.32F,
-              3.35F,
-              0.34F,
-              0.98F,
-              1.28F};
+      return vanShape();
     case VehicleKind::bus:
-      return {{{-2.30F, 0.40F, 1.20F, false},
-               {-2.34F, 1.40F, 1.22F, true},
-               {-2.32F, 2.50F, 1.20F, false},
-               {-2.20F, 2.95F, 1.12F, false},
-               {6.20F, 2.98F, 1.12F, false},
-               {6.45F, 2.75F, 1.18F, true},
-               {6.62F, 1.15F, 1.22F, false},
-               {6.66F, 0.40F, 1.20F, false}},
-              0.34F,
-              4.40F,
-              0.46F,
-              1.24F,
-              1.30F};
+      return busShape();
   }
   return {};
 }
@@ -96,7 +112,7 @@ Shape shapeOf(VehicleKind kind) {
 void addSides(Mesh& mesh, const Shape& shape, float side) {
   const Finish paint{Material::paint, 1, 0.5F};
   const Finish glass{Material::glass, 2, 0.5F};
-  // The flank below the waist, in pieces from the sill up to the outline.
+  // The flank below the waist, in pieces from the sill to the outline.
   const auto& line = shape.outline;
   const auto flank = [&](float x, float z) { return Vector3f(x, side * shape.half_width, z); };
   for (std::size_t i = 1; i + 2 < line.size(); ++i) {
@@ -109,7 +125,7 @@ void addSides(Mesh& mesh, const Shape& shape, float side) {
                   Eigen::Vector2f(b.x, zb), Eigen::Vector2f(a.x, za)},
                  paint);
     if (a.z <= shape.waist && b.z <= shape.waist) continue;
-    // Above the waist: leaning in to the roof; windows between posts.
+    // Above the waist: inclined to the roof, with windows between posts.
     const Vector3f top_a(a.x, side * a.half_width, a.z);
     const Vector3f top_b(b.x, side * b.half_width, b.z);
     const Vector3f low_a = flank(a.x, za);
@@ -119,7 +135,7 @@ void addSides(Mesh& mesh, const Shape& shape, float side) {
     };
     mesh.addPlane({low_a, low_b, top_b, top_a}, paint);
     const int panes = std::max(1, static_cast<int>((b.x - a.x) / 1.3F));
-    for (int p = 0; p < panes; ++p) {  // a finger's breadth outside the body
+    for (int p = 0; p < panes; ++p) {  // 12 mm outside the body
       const float s0 = (static_cast<float>(p) + 0.06F) / static_cast<float>(panes);
       const float s1 = (static_cast<float>(p) + 0.94F) / static_cast<float>(panes);
       const Vector3f out(0.0F, side * 0.012F, 0.004F);
@@ -180,7 +196,7 @@ Mesh makeVehicle(VehicleKind kind) {
       addWheel(mesh, Vector3f(x, side * (shape.half_width - 0.06F), shape.wheel_radius), shape.wheel_radius,
                side);
     }
-    // Lamps, plates' height: front bright, rear dark.
+    // Lamps: front bright, rear dark.
     const Station& rear = line[1];
     const Station& front = line[line.size() - 2];
     mesh.addBox(Vector3f(front.x, side * 0.68F * front.half_width, front.z - 0.12F),

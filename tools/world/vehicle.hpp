@@ -10,11 +10,10 @@ enum class VehicleKind : std::uint8_t { hatchback, saloon, van, bus };
 
 constexpr int kVehicleKinds = 4;
 
-/// A vehicle on its wheels: x ahead, y left, z up, origin on the ground below its rear axle. Instances give
-/// the paint.
+/// A vehicle: x ahead, y left, z up, origin on the ground below the rear axle. Instances select the paint.
 Mesh makeVehicle(VehicleKind kind);
 
-/// Distance of its axles, m.
+/// Distance between the axles, m.
 double vehicleWheelbase(VehicleKind kind);
 
 }  // namespace cartvo::world

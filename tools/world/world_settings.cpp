@@ -1,3 +1,4 @@
+// Names of the scenarios.
 #include "tools/world/world_settings.hpp"
 
 #include <array>

@@ -9,48 +9,48 @@
 
 namespace cartvo::world {
 
-/// What happens during a drive. The comment of each says what is made hard.
+/// Scenario of a drive and what makes it difficult.
 enum class Scenario : std::uint8_t {
-  campus,       ///< a lap among buildings and trees, some traffic: the usual day
-  loop,         ///< the same on a loop of some 300 m; the cart stops where it began
-  turns,        ///< a winding lane: one tight turn after the other
-  traffic,      ///< vehicles ahead and oncoming; at times they cover some 40 % of the view
-  standing,     ///< the cart stands while vehicles pass and pull in before it
-  stop_and_go,  ///< pulls away and brakes to a stand, again and again
-  exposure,     ///< the cameras' exposure jumps by three stops, again and again
-  underpass,    ///< into dark underpasses and out again: the light falls and rises by several stops
-  glare,        ///< a low sun that often stands in the picture, with what it scatters in the lens
+  campus,       ///< a lap among buildings and trees with some traffic: the normal case
+  loop,         ///< the same on a loop of about 300 m; the cart stops at its start
+  turns,        ///< a winding lane with one tight turn after another
+  traffic,      ///< vehicles ahead and oncoming, which cover up to about 40 % of the view
+  standing,     ///< standstill while vehicles pass and pull in ahead
+  stop_and_go,  ///< repeated acceleration and braking to a standstill
+  exposure,     ///< repeated exposure jumps of three stops
+  underpass,    ///< dark underpasses: the light changes by several stops
+  glare,        ///< a low sun, often in the image, with veiling glare
   dusk,         ///< little light: high gain, strong sensor noise, no shadows
-  low_texture,  ///< fresh smooth asphalt, plain plaster, few things to see
-  bumpy,        ///< a road in bad repair: strong pitch, roll and heave
-  reversing,    ///< forward, a stand, backward, again and again
-  motorway,     ///< fast in a wide bend, on smooth asphalt, all else far away: hardly a near point
+  low_texture,  ///< smooth asphalt, plain plaster, few objects
+  bumpy,        ///< a rough road: strong pitch, roll and heave
+  reversing,    ///< repeated forward drive, standstill, backward drive
+  motorway,     ///< fast in a wide bend on smooth asphalt, all else far away: few near points
 };
 
-/// Every scenario in the order of the enumeration.
+/// All scenarios in the order of the enumeration.
 const std::vector<Scenario>& allScenarios();
 
-/// The name people type: that of the enumerator.
+/// Name of a scenario as on the command line: that of the enumerator.
 std::string_view scenarioName(Scenario scenario);
 
-/// The reverse. Throws std::invalid_argument naming the scenarios there are.
+/// The scenario of a name. Throws std::invalid_argument that lists all names if there is none.
 Scenario scenarioFromName(std::string_view name);
 
-/// One drive and the two cameras that see it. The same settings give the same bytes.
+/// Settings of a drive and its two cameras. The same settings give the same bytes.
 struct WorldSettings {
   Scenario scenario = Scenario::campus;
-  std::uint64_t seed = 1;         ///< of the campus, its traffic and the sensors' noise
+  std::uint64_t seed = 1;         ///< of campus, traffic and sensor noise
   double seconds = 60.0;          ///< length of the drive, s
-  double lead_in_seconds = 2.0;   ///< the cart stands still this long first, s
+  double lead_in_seconds = 2.0;   ///< standstill at the start, s
   double frame_rate = 18.0;       ///< of each camera, Hz
-  double offset_s = 0.0;          ///< right minus left instant at the start, s
-  double offset_drift_ppm = 0.0;  ///< the right camera's clock: its period is longer by this, 1e-6
+  double offset_s = 0.0;          ///< right minus left exposure at the start, s
+  double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
   cv::Size image_size{680, 420};  ///< px
-  double focal_length = 480.0;    ///< nominal, px; the two cameras differ from it by some tenths of a percent
+  double focal_length = 480.0;    ///< nominal, px; the two cameras differ from it by 0.1 to 0.2 %
   double baseline = 0.115;        ///< m
-  int edge_samples = 4;           ///< further rays through a pixel that holds an edge: 0 to 64, by 4
+  int edge_samples = 4;           ///< additional rays per pixel at edges: 0 to 64, multiple of 4
   double noise = 1.0;             ///< factor on the sensor noise; 0: none
-  int threads = 2;                ///< that render; the images do not depend on it
+  int threads = 2;                ///< for rendering; the images do not depend on it
 };
 
 }  // namespace cartvo::world

@@ -1,4 +1,4 @@
-// Variants that leave a part out, and the table that compares them.
+// Tests of the ablation variants and of the table that compares them.
 #include <algorithm>
 #include <numbers>
 
@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Ablation, TheUnchangedComesFirstWhetherNamedOrNot) {
+TEST(Ablation, ReferenceComesFirstEvenIfNotNamed) {
   OdometrySettings full;
   full.features = 700;
   const std::vector<OdometryVariant> variants = ablatedVariants(full, {"two-pairs"});
@@ -25,7 +25,7 @@ TEST(Ablation, TheUnchangedComesFirstWhetherNamedOrNot) {
   EXPECT_EQ(variants[1].odometry.features, 700);
 }
 
-TEST(Ablation, EachVariantIsOneTheOdometryTakes) {
+TEST(Ablation, EachVariantHasValidSettings) {
   for (const OdometryVariant& variant : ablatedVariants({}, ablationNames()))
     EXPECT_NO_THROW(validate(variant.odometry)) << variant.name;
 }
@@ -60,7 +60,8 @@ TEST(AblationTable, HasARowForEachVariantAndAColumnForEachSequence) {
   EXPECT_THAT(table, HasSubstr("end 1.20 mm / 0°"));
   EXPECT_THAT(table, HasSubstr("12.0 |"));
   EXPECT_THAT(table, HasSubstr("two-pairs: a window of two pairs"));
-  EXPECT_EQ(table.find("no-rig"), std::string::npos) << "what was not measured is not explained";
+  EXPECT_EQ(table.find("no-rig"), std::string::npos)
+      << "the legend must not describe variants that were not measured";
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// Tests of accuracy, consistency and rate errors on a synthetic drive with known errors.
 #include "tools/benchmark/accuracy.hpp"
 
 #include <algorithm>
@@ -13,19 +14,19 @@
 namespace cartvo::benchmark {
 namespace {
 
-constexpr std::int64_t kPeriod = 100'000'000;  // ns
+constexpr std::int64_t kPeriod = 100'000'000;  // ns, 10 Hz
 
-/// What the synthetic odometry does beside making noise.
+/// Errors of the synthetic odometry.
 struct Behaviour {
-  double noise = 1.0;        ///< factor on the noise that the covariances promise
-  std::size_t lost_at = 0;   ///< this pair and the next are invalid and a new epoch begins; 0: none
+  double noise = 1.0;        ///< factor on the standard deviations of the stated covariances
+  std::size_t lost_at = 0;   ///< this pair and the next are invalid, then a new epoch begins; 0: none
   std::size_t wrong_at = 0;  ///< this pair's motion is off by 20 cm; 0: none
 };
 
 Matrix6d motionCovariance() {
-  Vector6d deviations;
-  deviations << 0.01, 0.005, 0.02, 0.001, 0.002, 0.0005;
-  return deviations.cwiseAbs2().asDiagonal();
+  Vector6d stddevs;
+  stddevs << 0.01, 0.005, 0.02, 0.001, 0.002, 0.0005;
+  return stddevs.cwiseAbs2().asDiagonal();
 }
 
 Eigen::Isometry3d trueStep(std::size_t index) {
@@ -34,7 +35,7 @@ Eigen::Isometry3d trueStep(std::size_t index) {
   return motionFromVector(step);
 }
 
-/// A drive of `count` pairs whose odometry has known errors.
+/// A drive of `count` pairs with an odometry whose errors are known.
 struct SyntheticDrive {
   Replay replay;
   SequenceTruth truth;
@@ -56,7 +57,7 @@ struct SyntheticDrive {
       const bool is_lost = behaviour.lost_at > 0 && (i == behaviour.lost_at || i == behaviour.lost_at + 1);
       pair.valid = i > 0 && !is_lost;
       if (pair.valid && behaviour.lost_at > 0 &&
-          i == behaviour.lost_at + 2) {  // measured from the pair before
+          i == behaviour.lost_at + 2) {  // reference of the motion: the invalid pair before
         ++epoch;
         reference = i - 1;
         T_epoch_left.setIdentity();
@@ -68,9 +69,9 @@ struct SyntheticDrive {
       if (pair.valid) {
         const Eigen::Isometry3d motion = truth.left_camera[reference].pose.inverse() * stamped.pose;
         Vector6d error;
-        const Vector6d deviations = motionCovariance().diagonal().cwiseSqrt();
+        const Vector6d stddevs = motionCovariance().diagonal().cwiseSqrt();
         for (int k = 0; k < 6; ++k)
-          error[k] = behaviour.noise * deviations[k] * normal(generator);
+          error[k] = behaviour.noise * stddevs[k] * normal(generator);
         if (i == behaviour.wrong_at) error.z() += 0.2;
         pair.T_previous_current = motion * motionFromVector(error);
         pair.motion_covariance = motionCovariance();
@@ -101,62 +102,62 @@ SequenceAccuracy accuracyOf(std::size_t count, const Behaviour& behaviour) {
   return measureAccuracy(drive.replay, drive.truth);
 }
 
-TEST(Accuracy, OfAnHonestOdometryIsConsistentInMotionAndPose) {
+TEST(Accuracy, ConsistentOdometryIsInsideTheBands) {
   const SequenceAccuracy accuracy = accuracyOf(400, {});
   EXPECT_EQ(accuracy.pairs, 400u);
   EXPECT_EQ(accuracy.invalid + accuracy.lost + accuracy.resets + accuracy.wrong, 0u);
   EXPECT_EQ(accuracy.consistency.motion.groups(), 399u);
-  EXPECT_TRUE(accuracy.consistency.motion.band().holds(accuracy.consistency.motion.mean()))
+  EXPECT_TRUE(accuracy.consistency.motion.band().contains(accuracy.consistency.motion.mean()))
       << accuracy.consistency.motion.mean();
   EXPECT_EQ(accuracy.consistency.pose.groups(), 1u);
-  EXPECT_TRUE(accuracy.consistency.pose.band().holds(accuracy.consistency.pose.mean()))
+  EXPECT_TRUE(accuracy.consistency.pose.band().contains(accuracy.consistency.pose.mean()))
       << accuracy.consistency.pose.mean();
-  EXPECT_EQ(accuracy.consistency.velocity.groups(), 0u) << "this truth tells no twist";
+  EXPECT_EQ(accuracy.consistency.velocity.groups(), 0u) << "this truth has no twist";
   EXPECT_FALSE(accuracy.standing_end);
-  EXPECT_EQ(accuracy.times_ms.size(), 399u);
+  ASSERT_EQ(accuracy.times_ms.size(), 399u);
   EXPECT_DOUBLE_EQ(accuracy.times_ms.front(), 10.0) << "the first pair's time must not count";
 }
 
-TEST(Accuracy, OfAnOdometryThatPromisesTooMuchLeavesTheBand) {
+TEST(Accuracy, OverconfidentOdometryIsAboveTheBand) {
   const SequenceAccuracy accuracy = accuracyOf(400, {.noise = 1.5});
   EXPECT_GT(accuracy.consistency.motion.mean(), accuracy.consistency.motion.band().high);
 }
 
-TEST(Accuracy, CountsWhatIsWrongWhileValid) {
+TEST(Accuracy, CountsValidPairsWithWrongMotion) {
   EXPECT_EQ(accuracyOf(50, {.wrong_at = 20}).wrong, 1u);
 }
 
-TEST(Accuracy, AfterALossMeasuresThePoseFromWhereTheNewEpochBegan) {
+TEST(Accuracy, MeasuresPoseFromTheStartOfTheNewEpochAfterAReset) {
   const SequenceAccuracy accuracy = accuracyOf(400, {.lost_at = 200});
   EXPECT_EQ(accuracy.invalid, 2u);
   EXPECT_EQ(accuracy.resets, 1u);
   EXPECT_EQ(accuracy.wrong, 0u);
   EXPECT_EQ(accuracy.consistency.motion.groups(), 397u);
   EXPECT_EQ(accuracy.consistency.pose.groups(), 2u);
-  EXPECT_TRUE(accuracy.consistency.pose.band().holds(accuracy.consistency.pose.mean()))
+  EXPECT_TRUE(accuracy.consistency.pose.band().contains(accuracy.consistency.pose.mean()))
       << accuracy.consistency.pose.mean();
 }
 
-TEST(Accuracy, CountsPairsOfTheSequenceThatNeverCame) {
+TEST(Accuracy, CountsPairsThatWereNotFormed) {
   SyntheticDrive drive(20, {});
   drive.replay.pairs.pop_back();
   EXPECT_EQ(measureAccuracy(drive.replay, drive.truth).lost, 1u);
 }
 
-TEST(Accuracy, MeasuresVelocityAgainstTheTwistAtTheExposure) {
+TEST(Accuracy, ComparesVelocityWithTheTwistAtTheExposure) {
   SyntheticDrive drive(20, {.noise = 0.0});
   const Vector6d off = (Vector6d() << 1.0, 0, 0, 0, 0, 0).finished();
   for (std::size_t i = 0; i < drive.replay.pairs.size(); ++i) {
     Vector6d twist = Vector6d::Zero();
     if (i > 0) twist << drive.replay.pairs[i].velocity, drive.replay.pairs[i].angular_velocity;
-    drive.truth.body_twist.emplace_back(twist + off);  // 1 m/s off, of a deviation of 1 m/s
+    drive.truth.body_twist.emplace_back(twist + off);  // error of 1 m/s with a stddev of 1 m/s
   }
   const SequenceAccuracy accuracy = measureAccuracy(drive.replay, drive.truth);
   EXPECT_EQ(accuracy.consistency.velocity.groups(), 19u);
   EXPECT_NEAR(accuracy.consistency.velocity.mean(), 1.0 / 6.0, 1e-9);
 }
 
-TEST(Accuracy, OfACartThatStandsTellsItsEndAndHighestSpeed) {
+TEST(Accuracy, ReportsEndErrorAndHighestSpeedAtStandstill) {
   SyntheticDrive drive(10, {.noise = 0.0});
   for (StampedPose& stamped : drive.truth.left_camera)
     stamped.pose.setIdentity();
@@ -171,10 +172,10 @@ TEST(Accuracy, OfACartThatStandsTellsItsEndAndHighestSpeed) {
   EXPECT_NEAR(accuracy.standing_end->translation, 0.009, 1e-9);
   EXPECT_EQ(accuracy.standing, 9u);
   EXPECT_DOUBLE_EQ(accuracy.standing_speed, 0.03);
-  EXPECT_EQ(accuracy.consistency.motion.groups(), 0u) << "that the cart stands was declared, not measured";
+  EXPECT_EQ(accuracy.consistency.motion.groups(), 0u) << "zero-velocity updates are not measured motions";
 }
 
-TEST(Accuracy, IsWrongOnlyBeyondBothItsBoundAndItsCovariance) {
+TEST(Accuracy, MotionIsWrongOnlyBeyondBothLimitAndCovariance) {
   const Matrix6d small = 1e-4 * Matrix6d::Identity(), large = Matrix6d::Identity();
   Vector6d translation = Vector6d::Zero(), rotation = Vector6d::Zero();
   translation.x() = 0.06;
@@ -185,10 +186,10 @@ TEST(Accuracy, IsWrongOnlyBeyondBothItsBoundAndItsCovariance) {
   EXPECT_TRUE(isWrong(rotation, 1e-2 * small));
   EXPECT_FALSE(isWrong(rotation, large));
   EXPECT_FALSE(isWrong(0.8 * rotation, 1e-3 * small)) << "0.48 degrees";
-  EXPECT_TRUE(isWrong(translation, Matrix6d::Zero())) << "no covariance owns up to nothing";
+  EXPECT_TRUE(isWrong(translation, Matrix6d::Zero())) << "a singular covariance covers no error";
 }
 
-TEST(Accuracy, OfSeveralSequencesTogetherPoolsSegmentsAndMotions) {
+TEST(Accuracy, SummaryPoolsSegmentsAndMotions) {
   std::vector<SequenceAccuracy> both{accuracyOf(100, {}), accuracyOf(200, {.noise = 2.0})};
   both[0].standing_end = {0.01, 0.001};
   both[1].standing_end = {0.004, 0.002};
@@ -215,7 +216,7 @@ TEST(Accuracy, OfSeveralSequencesTogetherPoolsSegmentsAndMotions) {
               1e-12);
 }
 
-TEST(RateErrors, AreZeroForTheTruthAndTheNoiseOtherwise) {
+TEST(RateErrors, AreZeroForTheTruthAndEqualToTheNoiseOtherwise) {
   const SyntheticDrive exact(50, {.noise = 0.0});
   const RateErrors none = rateErrors(exact.replay, exact.truth);
   EXPECT_EQ(none.pairs, 49u);
@@ -223,10 +224,10 @@ TEST(RateErrors, AreZeroForTheTruthAndTheNoiseOtherwise) {
 
   const SyntheticDrive noisy(2000, {});
   const RateErrors errors = rateErrors(noisy.replay, noisy.truth);
-  // The camera's z is the body's x, its -x the body's y; over 0.1 s.
+  // Body x is camera z, body y is camera -x; the noise of a motion is divided by the step of 0.1 s.
   EXPECT_NEAR(errors.velocity.x(), 0.2, 0.02);
   EXPECT_NEAR(errors.velocity.y(), 0.1, 0.03);
-  // Pitch is the camera's rotation about x, yaw about y, roll about z.
+  // Pitch, yaw and roll are rotations about the x, y and z axes of the camera.
   EXPECT_NEAR(errors.pitch, 0.01, 0.001);
   EXPECT_NEAR(errors.yaw, 0.02, 0.002);
   EXPECT_NEAR(errors.roll, 0.005, 0.0005);

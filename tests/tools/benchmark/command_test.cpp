@@ -1,4 +1,4 @@
-// `cartvo benchmark` as people call it.
+// Tests of the command line of `cartvo benchmark`.
 #include <array>
 #include <fstream>
 #include <string>
@@ -16,22 +16,22 @@ namespace {
 
 using ::testing::HasSubstr;
 
-using test::Finished;
+using test::CommandResult;
 
-Finished runBenchmark(const std::string& arguments) {
+CommandResult runBenchmark(const std::string& arguments) {
   return test::runCartvo("benchmark " + arguments);
 }
 
-TEST(BenchmarkCommand, ExplainsItself) {
+TEST(BenchmarkCommand, HelpHasExamplesAndOptions) {
   for (const char* benchmark : {"accuracy", "ablation", "offset", "speed", "thesis"}) {
-    const Finished run = runBenchmark(std::string(benchmark) + " --help");
+    const CommandResult run = runBenchmark(std::string(benchmark) + " --help");
     EXPECT_EQ(run.exit_code, 0);
-    EXPECT_THAT(run.said, HasSubstr("Examples:"));
-    EXPECT_THAT(run.said, HasSubstr("--format"));
+    EXPECT_THAT(run.output, HasSubstr("Examples:"));
+    EXPECT_THAT(run.output, HasSubstr("--format"));
   }
 }
 
-TEST(BenchmarkCommand, RefusesWrongArguments) {
+TEST(BenchmarkCommand, RejectsInvalidArguments) {
   const std::array<std::pair<const char*, const char*>, 14> wrong{{
       {"", "subcommand"},
       {"accuracy --scenarios nowhere", "nowhere"},
@@ -49,14 +49,14 @@ TEST(BenchmarkCommand, RefusesWrongArguments) {
       {"speed --pairs 5", "--pairs"},
   }};
   for (const auto& [arguments, named] : wrong) {
-    const Finished run = runBenchmark(arguments);
+    const CommandResult run = runBenchmark(arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.said, HasSubstr(named));
+    EXPECT_THAT(run.output, HasSubstr(named));
   }
 }
 
-TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
-  for (const auto& [arguments, said] :
+TEST(BenchmarkCommand, ReportsImpossibleRequestsBeforeTheWork) {
+  for (const auto& [arguments, message] :
        {std::pair("accuracy --data /no/such/folder --scenarios none", "/no/such/folder: is no folder"),
         std::pair("accuracy --data none --scenarios none", "nothing to measure"),
         std::pair("accuracy --data none --output /no/such/folder/report",
@@ -66,33 +66,33 @@ TEST(BenchmarkCommand, SaysBeforeTheWorkWhatCannotBeDone) {
         std::pair("offset --data none --plot /no/such/folder/plot", "there is no folder /no/such/folder"),
         std::pair("offset --scenarios none --data . --plot plot", "--plot draws rendered worlds"),
         std::pair("speed --data none --sizes none", "nothing to time"),
-        std::pair("accuracy --data . --scenarios none", ".: holds no sequence"),
-        std::pair("ablation --data . --scenarios none", ".: holds no sequence"),
-        std::pair("offset --data . --scenarios none", ".: holds no sequence"),
-        std::pair("speed --data . --sizes none", ".: holds no sequence"),
-        std::pair("thesis --data .", ".: holds no sequence"),
+        std::pair("accuracy --data . --scenarios none", ".: contains no sequence"),
+        std::pair("ablation --data . --scenarios none", ".: contains no sequence"),
+        std::pair("offset --data . --scenarios none", ".: contains no sequence"),
+        std::pair("speed --data . --sizes none", ".: contains no sequence"),
+        std::pair("thesis --data .", ".: contains no sequence"),
         std::pair("thesis --data /no/such/folder", "/no/such/folder: is no folder")}) {
-    const Finished run = runBenchmark(arguments);
+    const CommandResult run = runBenchmark(arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;
-    EXPECT_THAT(run.said, HasSubstr(said));
+    EXPECT_THAT(run.output, HasSubstr(message));
   }
 }
 
-/// What the benchmark writes about a folder that holds but this sequence.
+/// The JSON report of the benchmark on a data folder that contains only this sequence.
 nlohmann::json reportOn(const std::filesystem::path& sequence, const std::string& arguments) {
   const test::TemporaryFolder folder;
   const std::filesystem::path data = folder / "data";
   std::filesystem::create_directory(data);
   std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), data / sequence.filename());
   const std::filesystem::path report = folder / "report.json";
-  const Finished run =
+  const CommandResult run =
       runBenchmark(arguments + " --format json --data " + data.string() + " --output " + report.string());
-  EXPECT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_EQ(run.exit_code, 0) << run.output;
   std::ifstream file(report);
   return nlohmann::json::parse(file, nullptr, false);
 }
 
-TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
+TEST(BenchmarkCommand, MeasuresRealSequenceAndWritesJson) {
   CARTVO_NEEDS_DATA(sequence, "kitti_00");
   const nlohmann::json json =
       reportOn(sequence, "accuracy --scenarios none --features 300 --estimators thesis");
@@ -102,26 +102,26 @@ TEST(BenchmarkCommand, MeasuresARealSequenceAndWritesJson) {
   EXPECT_EQ(json["sequences"][0]["sequence"], "kitti_00");
   EXPECT_EQ(json["sequences"][0]["pairs"], 21);
   EXPECT_NEAR(json["sequences"][0]["evaluation"]["path_length_m"], 17.3, 0.1);
-  EXPECT_TRUE(json["summaries"].empty()) << "there was no world";
+  EXPECT_TRUE(json["summaries"].empty()) << "no world was rendered";
 }
 
-TEST(BenchmarkCommand, TakesHalfOfARealSequenceForOneThatIsNotSynchronised) {
+TEST(BenchmarkCommand, OffsetUsesEverySecondImageOfARealSequence) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   const nlohmann::json json = reportOn(sequence, "offset --scenarios none --models two-instants");
   EXPECT_EQ(json["benchmark"], "offset");
   ASSERT_EQ(json["offsets"].size(), 2u);
-  const nlohmann::json& together = json["offsets"][0];
-  const nlohmann::json& apart = json["offsets"][1];
-  EXPECT_EQ(together["offset_ms"], 0.0);
-  EXPECT_NEAR(apart["offset_ms"].get<double>(), 103.8, 0.5);
-  EXPECT_EQ(together["pairs"], 26);
-  EXPECT_EQ(apart["pairs"], 25);
+  const nlohmann::json& synchronised = json["offsets"][0];
+  const nlohmann::json& unsynchronised = json["offsets"][1];
+  EXPECT_EQ(synchronised["offset_ms"], 0.0);
+  EXPECT_NEAR(unsynchronised["offset_ms"].get<double>(), 103.8, 0.5);
+  EXPECT_EQ(synchronised["pairs"], 26);
+  EXPECT_EQ(unsynchronised["pairs"], 25);
   for (const nlohmann::json& one : json["offsets"]) {
     EXPECT_EQ(one["invalid"], 0);
     EXPECT_EQ(one["resets"], 0);
   }
-  EXPECT_LT(apart["evaluation"]["final_drift_m"].get<double>(),
-            2.0 * together["evaluation"]["final_drift_m"].get<double>());
+  EXPECT_LT(unsynchronised["evaluation"]["final_drift_m"].get<double>(),
+            2.0 * synchronised["evaluation"]["final_drift_m"].get<double>());
 }
 
 }  // namespace

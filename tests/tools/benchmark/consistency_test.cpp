@@ -1,3 +1,4 @@
+// Tests of the normalised estimation error and its band.
 #include "tools/benchmark/consistency.hpp"
 
 #include <Eigen/Cholesky>
@@ -8,7 +9,7 @@
 namespace cartvo::benchmark {
 namespace {
 
-/// A covariance whose dimensions are of unlike size and depend on each other.
+/// A covariance with correlated dimensions of different size.
 Matrix6d exampleCovariance() {
   Matrix6d root = Matrix6d::Zero();
   for (int row = 0; row < 6; ++row) {
@@ -18,7 +19,7 @@ Matrix6d exampleCovariance() {
   return root * root.transpose();
 }
 
-/// Errors that truly have `covariance`.
+/// Random errors with the given covariance.
 class Errors {
  public:
   explicit Errors(const Matrix6d& covariance) : root_(covariance.llt().matrixL()) {}
@@ -36,7 +37,8 @@ class Errors {
   std::normal_distribution<double> normal_;
 };
 
-NormalisedErrors measured(const Matrix6d& stated, int count) {
+/// `count` errors of exampleCovariance, normalised by the `stated` covariance.
+NormalisedErrors measure(const Matrix6d& stated, int count) {
   Errors errors(exampleCovariance());
   NormalisedErrors normalised;
   for (int i = 0; i < count; ++i) {
@@ -46,26 +48,26 @@ NormalisedErrors measured(const Matrix6d& stated, int count) {
   return normalised;
 }
 
-TEST(NormalisedErrors, OfARightCovarianceAreAboutOneAndInsideTheirBand) {
-  const NormalisedErrors normalised = measured(exampleCovariance(), 2000);
+TEST(NormalisedErrors, AverageOneInsideTheBandWithTheTrueCovariance) {
+  const NormalisedErrors normalised = measure(exampleCovariance(), 2000);
   EXPECT_EQ(normalised.groups(), 2000u);
   EXPECT_NEAR(normalised.mean(), 1.0, 0.04);
-  EXPECT_TRUE(normalised.band().holds(normalised.mean())) << normalised.mean();
+  EXPECT_TRUE(normalised.band().contains(normalised.mean())) << normalised.mean();
 }
 
-TEST(NormalisedErrors, OfHalfTheCovarianceAreTwoAndAboveTheirBand) {
-  const NormalisedErrors normalised = measured(0.5 * exampleCovariance(), 100);
+TEST(NormalisedErrors, AverageTwoAboveTheBandWithHalfTheCovariance) {
+  const NormalisedErrors normalised = measure(0.5 * exampleCovariance(), 100);
   EXPECT_NEAR(normalised.mean(), 2.0, 0.3);
   EXPECT_GT(normalised.mean(), normalised.band().high);
 }
 
-TEST(NormalisedErrors, OfTwiceTheCovarianceAreAHalfAndBelowTheirBand) {
-  const NormalisedErrors normalised = measured(2.0 * exampleCovariance(), 100);
+TEST(NormalisedErrors, AverageOneHalfBelowTheBandWithTwiceTheCovariance) {
+  const NormalisedErrors normalised = measure(2.0 * exampleCovariance(), 100);
   EXPECT_NEAR(normalised.mean(), 0.5, 0.1);
   EXPECT_LT(normalised.mean(), normalised.band().low);
 }
 
-TEST(NormalisedErrors, OfAGroupCountAsOneSample) {
+TEST(NormalisedErrors, CountAGroupAsOneSample) {
   const Matrix6d identity = Matrix6d::Identity();
   NormalisedErrors normalised;
   normalised.beginGroup();
@@ -77,7 +79,7 @@ TEST(NormalisedErrors, OfAGroupCountAsOneSample) {
   EXPECT_DOUBLE_EQ(normalised.mean(), (1.0 + 4.0) / 2.0);
 }
 
-TEST(NormalisedErrors, WithoutAUsableCovarianceAreCountedAsSuch) {
+TEST(NormalisedErrors, CountUnusableCovariances) {
   NormalisedErrors normalised;
   normalised.beginGroup();
   normalised.add(Vector6d::Zero(), Matrix6d::Zero());
@@ -86,15 +88,15 @@ TEST(NormalisedErrors, WithoutAUsableCovarianceAreCountedAsSuch) {
   EXPECT_EQ(normalised.unusable(), 2u);
 }
 
-TEST(NormalisedErrors, OfSeveralSequencesAreTakenTogether) {
-  NormalisedErrors all = measured(exampleCovariance(), 10);
-  all.add(measured(exampleCovariance(), 30));
+TEST(NormalisedErrors, AddTheGroupsOfOtherSequences) {
+  NormalisedErrors all = measure(exampleCovariance(), 10);
+  all.add(measure(exampleCovariance(), 30));
   EXPECT_EQ(all.groups(), 40u);
 }
 
-// Quantiles of chi-square with 6, 60 and 6000 degrees of freedom, from tables and from the Wilson-Hilferty
-// approximation, which is exact to these digits for the last.
-TEST(ConsistencyBand, IsThatOfChiSquare) {
+// Quantiles of chi-square with 6, 60 and 6000 degrees of freedom: the first two from tables, the last from
+// the Wilson-Hilferty approximation, which is exact to these digits.
+TEST(ConsistencyBand, MatchesChiSquareQuantiles) {
   EXPECT_NEAR(consistencyBand(1).low, 1.237344 / 6.0, 1e-5);
   EXPECT_NEAR(consistencyBand(1).high, 14.449375 / 6.0, 1e-5);
   EXPECT_NEAR(consistencyBand(10).low, 40.48175 / 60.0, 1e-5);

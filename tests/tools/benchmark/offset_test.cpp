@@ -1,4 +1,4 @@
-// `cartvo benchmark offset`: clocks, runs, ratios, tables and the plot.
+// Tests of the offset benchmark: clocks, runs, ratios, tables and plot.
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -27,47 +27,49 @@ world::WorldSettings twentySecondsAtTwentyHertz() {
   return world;
 }
 
-TEST(RightClock, SweepsAcrossHalfAPeriodAtTheRateOfCrystals) {
+TEST(RightClock, SlowSweepCrossesHalfAPeriodAtCrystalDrift) {
   const RightClock slow = slowSweep(twentySecondsAtTwentyHertz());
   EXPECT_DOUBLE_EQ(slow.drift_ppm, 50.0);
   EXPECT_NEAR(slow.offset_s + 10.0 * 50e-6, 0.025, 1e-12) << "in the middle of the drive";
 }
 
-TEST(RightClock, SweepsThroughAllOffsetsWithinTheDrive) {
+TEST(RightClock, FastSweepCoversAllOffsetsWithinTheDrive) {
   const RightClock fast = fastSweep(twentySecondsAtTwentyHertz());
   EXPECT_LT(fast.offset_s, 0.0);
   EXPECT_NEAR(fast.offset_s + 5.0 * 1e-6 * fast.drift_ppm, 0.0, 1e-12) << "through zero";
   EXPECT_NEAR(fast.offset_s + 15.0 * 1e-6 * fast.drift_ppm, 0.025, 1e-12) << "through half a period";
 }
 
-TEST(OffsetModelNames, GoBothWays) {
+TEST(OffsetModelNames, AreParsedBack) {
   for (const std::string& name : offsetModelNames())
     EXPECT_EQ(offsetModelName(offsetModelNamed(name)), name);
   EXPECT_THROW(offsetModelNamed("guess"), std::invalid_argument);
 }
 
-TEST(AlternateFrames, AreHalfOfWhatTheCamerasTook) {
+TEST(AlternateFrames, AreEverySecondImageOfEachCamera) {
   CARTVO_NEEDS_DATA(folder, "kitti_06");
   const ImageFolder all = readImageFolder(folder);
   for (const RightFrames right : {RightFrames::same, RightFrames::next}) {
     StereoSource source = openAlternate(folder, right, false);
     const std::size_t first = right == RightFrames::next ? 1 : 0;
-    EXPECT_EQ(source.pairs, right == RightFrames::next ? 25u : 26u);
+    ASSERT_EQ(source.pairs, right == RightFrames::next ? 25u : 26u);
     Frame left_frame, right_frame;
     for (std::size_t i = 0; i < source.pairs; ++i) {
       ASSERT_EQ(source.left->read(left_frame, {}), ReadOutcome::frame);
       ASSERT_EQ(source.right->read(right_frame, {}), ReadOutcome::frame);
       EXPECT_EQ(left_frame.exposure_ns, all.left.instants_ns[2 * i]);
       EXPECT_EQ(right_frame.exposure_ns, all.right.instants_ns[2 * i + first]);
-      EXPECT_GT(source.period_ns / 2, right_frame.exposure_ns - left_frame.exposure_ns) << "they pair";
+      EXPECT_GT(source.period_ns / 2, right_frame.exposure_ns - left_frame.exposure_ns)
+          << "the frames must be within the pairing window";
     }
   }
 }
 
-TEST(AlternateFrames, ThatAreTakenAsSimultaneousPairAsBefore) {
+TEST(AlternateFrames, KeepTheirPairsWhenPlayedSimultaneously) {
   CARTVO_NEEDS_DATA(folder, "kitti_06");
   const ImageFolder all = readImageFolder(folder);
   StereoSource source = openAlternate(folder, RightFrames::next, true);
+  ASSERT_EQ(source.pairs, 25u);
   Frame left_frame, right_frame;
   for (std::size_t i = 0; i < source.pairs; ++i) {
     ASSERT_EQ(source.left->read(left_frame, {}), ReadOutcome::frame);
@@ -78,7 +80,7 @@ TEST(AlternateFrames, ThatAreTakenAsSimultaneousPairAsBefore) {
   }
 }
 
-TEST(OffsetBenchmark, MeasuresEachWorldWithEachClockByEachModel) {
+TEST(OffsetBenchmark, MeasuresEachWorldWithEachClockAndModel) {
   const test::TemporaryFolder cache;
   OffsetSettings settings;
   settings.worlds = {test::tinyWorld()};
@@ -94,7 +96,7 @@ TEST(OffsetBenchmark, MeasuresEachWorldWithEachClockByEachModel) {
   }
   EXPECT_EQ(accuracies[0].accuracy.evaluation.relative_translation,
             accuracies[1].accuracy.evaluation.relative_translation)
-      << "exposed at once, the models are the same";
+      << "without a time offset the models are the same";
   EXPECT_EQ(accuracies[2].clock, settings.clocks[1]);
   EXPECT_EQ(accuracies[3].model, OffsetModel::simultaneous);
   EXPECT_NE(accuracies[2].accuracy.evaluation.relative_translation,
@@ -114,8 +116,8 @@ OffsetAccuracy example(const std::string& sequence, const RightClock& clock, Off
   return one;
 }
 
-/// Two worlds at 0 and 25 ms: as good with two instants, ten times worse without, and one of a drifting
-/// clock.
+/// Two worlds, each with offsets of 0 and 25 ms and with a drifting clock. At 25 ms two-instants is as
+/// accurate as at 0 ms, simultaneous ten times worse.
 std::vector<OffsetAccuracy> examples() {
   std::vector<OffsetAccuracy> all;
   for (const char* world : {"campus", "turns"}) {
@@ -127,7 +129,7 @@ std::vector<OffsetAccuracy> examples() {
   return all;
 }
 
-TEST(OffsetTable, ComparesWithCamerasThatAreExposedAtOnce) {
+TEST(OffsetTable, HasRatiosToSynchronisedCameras) {
   const std::string table = offsetTable(examples(), ReportFormat::text);
   EXPECT_THAT(table, HasSubstr("1.23 / 0.00573"));
   EXPECT_THAT(table, HasSubstr("12.30 / 1.00"));
@@ -142,9 +144,9 @@ TEST(OffsetTable, HasNoRatioWithoutAReference) {
   EXPECT_THAT(offsetTable(alone, ReportFormat::text), Not(HasSubstr("all")));
 }
 
-TEST(OffsetJson, HasTheSameWithUnits) {
+TEST(OffsetJson, HasOneRowPerResultAndSummary) {
   const nlohmann::ordered_json json = offsetJson(examples());
-  ASSERT_EQ(json["offsets"].size(), 12u) << "eight, and four of both worlds";
+  ASSERT_EQ(json["offsets"].size(), 12u) << "eight results and four summaries of both worlds";
   const auto& late = json["offsets"][2];
   EXPECT_EQ(late["model"], "simultaneous");
   EXPECT_DOUBLE_EQ(late["offset_ms"], 25.0);
@@ -152,7 +154,7 @@ TEST(OffsetJson, HasTheSameWithUnits) {
   EXPECT_TRUE(late["nees_motion"].is_null());
 }
 
-TEST(OffsetPlot, HasALineForEachWorldAndModelAndOneForAll) {
+TEST(OffsetPlot, HasOneCurvePerWorldAndModelAndOnePerSummary) {
   const std::string svg = offsetPlot(examples());
   EXPECT_THAT(svg, ::testing::StartsWith("<svg"));
   EXPECT_THAT(svg, ::testing::EndsWith("</svg>\n"));
@@ -162,7 +164,7 @@ TEST(OffsetPlot, HasALineForEachWorldAndModelAndOneForAll) {
   std::size_t curves = 0;
   for (std::size_t at = 0; (at = svg.find("fill=\"none\"", at)) != std::string::npos; ++at)
     ++curves;
-  EXPECT_EQ(curves, 12u) << "two diagrams of two worlds and both together, by two models";
+  EXPECT_EQ(curves, 12u) << "two diagrams, each of two worlds and their summary with two models";
   EXPECT_THROW(offsetPlot({example("campus", {0.0, 50.0}, OffsetModel::two_instants, 0.1)}),
                std::invalid_argument);
 }

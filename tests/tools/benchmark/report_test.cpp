@@ -1,3 +1,4 @@
+// Tests of the tables and JSON reports of accuracy and of the thesis benchmark.
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ TEST(Table, AlignsColumnsByCharactersNotBytes) {
             "| é    |    – |\n");
 }
 
-TEST(Table, RefusesARowOfOtherColumns) {
+TEST(Table, RejectsRowWithWrongNumberOfColumns) {
   Table table({"one", "two"});
   EXPECT_THROW(table.add({"1"}), std::invalid_argument);
 }
@@ -42,7 +43,7 @@ TEST(Table, WritesThreeSignificantDigits) {
   EXPECT_EQ(significant(0.0), "0");
 }
 
-/// A world whose motions' covariances are right, or stated too small.
+/// A world whose motions have this normalised error: 1 is consistent, more is overconfident.
 SequenceAccuracy exampleWorld(double normalised_error) {
   SequenceAccuracy world;
   world.sequence = "campus 1";
@@ -83,7 +84,7 @@ SequenceAccuracy encodedAt(double bitrate_mbps, double translation) {
   return encoded;
 }
 
-TEST(AccuracyTable, HasARowForEachSequenceAndOneForAllWorlds) {
+TEST(AccuracyTable, HasOneRowPerSequenceAndOneForAllWorlds) {
   const std::string table = accuracyTable({exampleStanding(), exampleWorld(1.0)}, ReportFormat::text);
   EXPECT_THAT(table, HasSubstr("\neuroc_still"));
   EXPECT_THAT(table, HasSubstr("\ncampus 1"));
@@ -96,26 +97,26 @@ TEST(AccuracyTable, HasARowForEachSequenceAndOneForAllWorlds) {
   EXPECT_THAT(table, Not(HasSubstr("Mbit/s")));
 }
 
-TEST(AccuracyTable, MarksWhatIsOutsideItsBand) {
+TEST(AccuracyTable, MarksValuesOutsideTheBand) {
   EXPECT_THAT(accuracyTable({exampleWorld(2.0)}, ReportFormat::text), HasSubstr("2.00* [0.89, 1.12]"));
 }
 
-TEST(AccuracyTable, IsMarkdownWhereThatIsWanted) {
+TEST(AccuracyTable, IsWrittenAsMarkdown) {
   EXPECT_THAT(accuracyTable({exampleWorld(1.0)}, ReportFormat::markdown),
               ::testing::AllOf(::testing::StartsWith("| sequence"), HasSubstr("| ------")));
 }
 
-TEST(AccuracyTable, ComparesBitRatesWithThePicturesAsTheyAre) {
+TEST(AccuracyTable, ComparesBitRatesWithLosslessImages) {
   const std::vector<SequenceAccuracy> accuracies{exampleWorld(1.0), encodedAt(2.0, 0.006),
                                                  encodedAt(8.0, 0.0038)};
   const std::string table = accuracyTable(accuracies, ReportFormat::text);
   EXPECT_THAT(table, HasSubstr("campus 1, 2 Mbit/s"));
   EXPECT_THAT(table, HasSubstr("0.60 / 0.0057 (+50 %)"));
   EXPECT_THAT(table, HasSubstr("0.38 / 0.0057 (-5 %)"));
-  EXPECT_THAT(table, HasSubstr("all 1 worlds")) << "encoded ones are no further worlds";
+  EXPECT_THAT(table, HasSubstr("all 1 worlds")) << "encoded runs are not further worlds";
 }
 
-TEST(AccuracyJson, HasTheSameWithUnitsAndNullWhereNothingApplies) {
+TEST(AccuracyJson, HasUnitsInKeysAndNullForMissingValues) {
   const nlohmann::ordered_json json =
       accuracyJson({exampleStanding(), exampleWorld(1.0), encodedAt(2.0, 0.006)});
   ASSERT_EQ(json["sequences"].size(), 3u);
@@ -169,18 +170,18 @@ ThesisResults exampleResults() {
   return results;
 }
 
-TEST(ThesisTables, StandBesideTheThesisValuesAndADashForThoseNotKnown) {
+TEST(ThesisTables, HaveTheThesisValuesAndADashForUnknownOnes) {
   const std::string tables = thesisTables(exampleResults(), ReportFormat::text);
   EXPECT_THAT(tables, HasSubstr("0.9977"));
   EXPECT_THAT(tables, HasSubstr("0.9859"));
   EXPECT_THAT(tables, HasSubstr("+8.6 %"));
-  EXPECT_THAT(tables, HasSubstr("+50.0 %"));  // three depths within a tenth, of two before
+  EXPECT_THAT(tables, HasSubstr("+50.0 %"));  // three depths within 10 % instead of two
   EXPECT_THAT(tables, HasSubstr("25.91"));
-  EXPECT_THAT(tables, HasSubstr("24.00"));  // rectification added
+  EXPECT_THAT(tables, HasSubstr("24.00"));  // with the separately measured rectification
   EXPECT_THAT(tables, ::testing::ContainsRegex("\nthesis +–"));
 }
 
-TEST(ThesisJson, HasNullForWhatTheThesisSaysAndIsNotKnown) {
+TEST(ThesisJson, HasNullForUnknownThesisValues) {
   const nlohmann::ordered_json json = thesisJson(exampleResults());
   EXPECT_DOUBLE_EQ(json["table_5_1"]["thesis"]["r_squared_sub_pixel"], 0.9977);
   EXPECT_DOUBLE_EQ(json["table_5_1"]["measured"][0]["sub_pixel"]["r_squared"], 1.0);

@@ -1,4 +1,4 @@
-// Sequences, worlds and encoded streams as the benchmark takes them, and tiny runs over them.
+// Tests of real sequences, rendered worlds and encoded streams, and small benchmark runs on them.
 #include <cmath>
 #include <fstream>
 #include <vector>
@@ -25,7 +25,7 @@ namespace {
 using test::silent;
 using test::tinyWorld;
 
-TEST(RealSequences, AreTheImageFoldersWithATruth) {
+TEST(RealSequences, AreTheImageFoldersWithGroundTruth) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   CARTVO_NEEDS_DATA(still, "euroc_still");
   const std::vector<Sequence> sequences = realSequences(test::dataFolder());
@@ -46,7 +46,7 @@ TEST(RealSequences, AreTheImageFoldersWithATruth) {
   EXPECT_EQ(named("board_opencv"), sequences.end());
 }
 
-TEST(RealSequences, WithATruthOfAnotherLengthAreRefused) {
+TEST(RealSequences, WithWrongNumberOfPosesAreRejected) {
   const test::TemporaryFolder data;
   const std::filesystem::path folder = data / "drive";
   for (const char* camera : {"image_0", "image_1"}) {
@@ -60,7 +60,7 @@ TEST(RealSequences, WithATruthOfAnotherLengthAreRefused) {
               ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("1 poses for 2 images")));
 }
 
-TEST(WorldName, TellsScenarioSeedAndOffset) {
+TEST(WorldName, ContainsScenarioSeedAndOffset) {
   world::WorldSettings settings;
   settings.scenario = world::Scenario::stop_and_go;
   settings.seed = 3;
@@ -71,7 +71,7 @@ TEST(WorldName, TellsScenarioSeedAndOffset) {
   EXPECT_EQ(worldName(settings), "stop_and_go 3 -12.5 ms +50 ppm");
 }
 
-class BenchmarkOfATinyWorld : public ::testing::Test {
+class TinyWorldBenchmark : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { cache_ = std::make_unique<test::TemporaryFolder>(); }
   static void TearDownTestSuite() { cache_.reset(); }
@@ -79,14 +79,14 @@ class BenchmarkOfATinyWorld : public ::testing::Test {
   static inline std::unique_ptr<test::TemporaryFolder> cache_;
 };
 
-TEST_F(BenchmarkOfATinyWorld, RendersItOnceWithTheTruthOfEachInstant) {
+TEST_F(TinyWorldBenchmark, RendersOnceWithTruthAtEachInstant) {
   const WorldCache worlds(cache_->path() / "worlds");
   const Sequence sequence = renderedSequence(tinyWorld(), worlds, {});
   EXPECT_EQ(sequence.kind, SequenceKind::rendered);
   const world::RenderedWorld world(tinyWorld());
   ASSERT_EQ(static_cast<int>(sequence.truth.left_camera.size()), world.pairCount());
   ASSERT_EQ(sequence.truth.body_twist.size(), sequence.truth.left_camera.size());
-  // The twist carries one exact pose to the next, but for its change on the way.
+  // The mean twist over a step equals the exact motion, except for the change of the twist within the step.
   const Rig rig = world.rig();
   for (std::size_t i = 1; i < sequence.truth.left_camera.size(); ++i) {
     const double step = 1.0 / 9.0;
@@ -100,19 +100,19 @@ TEST_F(BenchmarkOfATinyWorld, RendersItOnceWithTheTruthOfEachInstant) {
   EXPECT_EQ(std::filesystem::last_write_time(sequence.folder / "poses.txt"), rendered_at);
 }
 
-TEST_F(BenchmarkOfATinyWorld, RendersOnlyTheRightImagesWhereOnlyTheRightCameraIsLater) {
+TEST_F(TinyWorldBenchmark, RendersOnlyRightImagesForAnotherTimeOffset) {
   const WorldCache worlds(cache_->path() / "worlds");
-  const std::filesystem::path at_once = renderedSequence(tinyWorld(), worlds, {}).folder;
-  // A picture that no renderer makes is recognised again.
+  const std::filesystem::path synchronised = renderedSequence(tinyWorld(), worlds, {}).folder;
+  // A uniform image, which the renderer never produces, shows that the left image was copied.
   const std::filesystem::path first = "image_0/000000.png";
-  const cv::Mat seen = cv::imread((at_once / first).string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat seen = cv::imread((synchronised / first).string(), cv::IMREAD_GRAYSCALE);
   const cv::Mat marked(seen.size(), CV_8UC1, cv::Scalar(77));
-  cv::imwrite((at_once / first).string(), marked);
+  cv::imwrite((synchronised / first).string(), marked);
   world::WorldSettings settings = tinyWorld();
   settings.offset_s = 0.02;
   const Sequence later = renderedSequence(settings, worlds, {});
   EXPECT_EQ(cv::norm(cv::imread((later.folder / first).string(), cv::IMREAD_GRAYSCALE), marked), 0.0);
-  cv::imwrite((at_once / first).string(), seen);
+  cv::imwrite((synchronised / first).string(), seen);
   const world::RenderedWorld world(settings);
   EXPECT_EQ(cv::norm(cv::imread((later.folder / "image_1/000003.png").string(), cv::IMREAD_GRAYSCALE),
                      world.image(3, CameraSide::right)),
@@ -120,7 +120,7 @@ TEST_F(BenchmarkOfATinyWorld, RendersOnlyTheRightImagesWhereOnlyTheRightCameraIs
   std::filesystem::remove_all(later.folder);
 }
 
-TEST_F(BenchmarkOfATinyWorld, MeasuresEachVariantLosslessAndEncoded) {
+TEST_F(TinyWorldBenchmark, MeasuresEachVariantLosslessAndEncoded) {
   AccuracySettings settings;
   settings.worlds = {tinyWorld()};
   OdometrySettings odometry;
@@ -144,10 +144,10 @@ TEST_F(BenchmarkOfATinyWorld, MeasuresEachVariantLosslessAndEncoded) {
   EXPECT_DOUBLE_EQ(accuracies[0].bitrate_mbps, 0.0);
   EXPECT_DOUBLE_EQ(accuracies[1].bitrate_mbps, 8.0);
   EXPECT_NE(accuracies[0].evaluation.final_drift, accuracies[1].evaluation.final_drift)
-      << "the encoded pictures cannot be the same";
+      << "encoding must change the result";
 }
 
-TEST_F(BenchmarkOfATinyWorld, DecodesTheStreamsPictureByPictureAtTheirInstants) {
+TEST_F(TinyWorldBenchmark, DecodesEachPictureWithItsInstant) {
   const WorldCache worlds(cache_->path() / "worlds");
   const Sequence sequence = renderedSequence(tinyWorld(), worlds, {});
   const simulate::SequenceContent content(sequence.folder, {});
@@ -167,7 +167,7 @@ TEST_F(BenchmarkOfATinyWorld, DecodesTheStreamsPictureByPictureAtTheirInstants) 
   EXPECT_EQ(source.right->read(frame, std::chrono::milliseconds(0)), ReadOutcome::ended);
 }
 
-TEST(DepthRegression, OfALineIsExactAndFallsWithScatter) {
+TEST(DepthRegression, IsExactForALineAndLowerWithScatter) {
   const DepthRegression line = regressDepth({{2.2, 2.0}, {4.2, 4.0}, {8.2, 8.0}});
   EXPECT_NEAR(line.r_squared, 1.0, 1e-12);
   EXPECT_NEAR(line.slope, 1.0, 1e-12);
@@ -180,7 +180,7 @@ TEST(DepthRegression, OfALineIsExactAndFallsWithScatter) {
 
 TEST(DepthRegression, IsBetterWithSubPixelDisparities) {
   world::WorldSettings world = tinyWorld();
-  world.baseline = 0.5;  // so that disparities are far above a pixel
+  world.baseline = 0.5;  // for disparities far above one pixel
   const DepthSamples samples = measureDepths(world, 2, 400, [](int, int) {});
   ASSERT_GT(samples.sub_pixel.size(), 50u);
   EXPECT_GE(samples.sub_pixel.size(), samples.whole_pixel.size());
@@ -191,18 +191,18 @@ TEST(DepthRegression, IsBetterWithSubPixelDisparities) {
   EXPECT_GE(closeDepths(samples.sub_pixel), closeDepths(samples.whole_pixel));
 }
 
-TEST(FeatureCounts, AreSteadierWithAdaptiveThresholds) {
+TEST(FeatureCounts, VaryLessWithAdaptiveThresholds) {
   CARTVO_NEEDS_DATA(sequence, "kitti_00");
   const DetectionSettings adaptive;
   const FeatureCountSeries with = countFeatures(sequence, adaptive, 1000);
   const FeatureCountSeries without = countFeatures(sequence, withFixedThreshold(adaptive), 1000);
   ASSERT_EQ(with.corners.size(), 21u);
-  EXPECT_LT(with.window_deviation / with.window_mean, without.window_deviation / without.window_mean);
+  EXPECT_LT(with.window_stddev / with.window_mean, without.window_stddev / without.window_mean);
   EXPECT_LT(with.starved, without.starved);
   EXPECT_GT(with.features_mean, 900.0);
 }
 
-TEST(StageTimes, AreMediansWithoutTheFirstPair) {
+TEST(StageTimes, AreMediansExceptTheFirstPair) {
   Replay replay;
   for (const double seconds : {9.0, 0.001, 0.003, 0.002}) {
     ReplayedPair pair;
@@ -211,7 +211,7 @@ TEST(StageTimes, AreMediansWithoutTheFirstPair) {
     replay.pairs.push_back(pair);
   }
   const StageMedians medians = stageMedians(replay);
-  EXPECT_DOUBLE_EQ(medians.of(Stage::detect), 2.0);
+  EXPECT_DOUBLE_EQ(medians.stage(Stage::detect), 2.0);
   EXPECT_DOUBLE_EQ(medians.total, 4.0);
   EXPECT_GT(rectificationMs({320, 200}), 0.0);
 }

@@ -4,7 +4,7 @@
 
 namespace cartvo::test {
 
-/// An observer of long work that says nothing.
+/// A work observer that prints nothing.
 inline benchmark::WorkObserver silent() {
   return {[](const std::string&) {}, [](int, int) {}};
 }

@@ -1,4 +1,4 @@
-// `cartvo benchmark speed`: what is made of times, and a tiny run.
+// Tests of the speed benchmark: statistics, reference work and small runs.
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -23,7 +23,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST(Distribution, IsOfNearestRanks) {
+TEST(Distribution, UsesNearestRanks) {
   std::vector<double> times(200);
   std::iota(times.begin(), times.end(), 1.0);
   const Distribution distribution = distributionOf(times);
@@ -32,39 +32,39 @@ TEST(Distribution, IsOfNearestRanks) {
   EXPECT_DOUBLE_EQ(distribution.maximum, 200.0);
 }
 
-TEST(Growth, IsTheExponent) {
+TEST(GrowthExponent, IsExactForPowers) {
   EXPECT_NEAR(growthExponent({1.0, 10.0, 100.0}, {2.0, 20.0, 200.0}), 1.0, 1e-12);
   EXPECT_NEAR(growthExponent({500.0, 2000.0}, {3.0, 6.0}), 0.5, 1e-12);
 }
 
-TEST(ReferenceWork, NeedsATexture) {
+TEST(ReferenceWork, RejectsImagesWithoutTexture) {
   const cv::Mat blank = cv::Mat::zeros(200, 300, CV_8UC1);
   EXPECT_THROW(ReferenceWork({blank, blank}), std::invalid_argument);
 }
 
-TEST(ReferenceWork, LeavesOutWhatHasNoTexture) {
+TEST(ReferenceWork, LeavesOutStepsWithoutTexture) {
   cv::Mat grey = cv::Mat::zeros(300, 400, CV_8UC1), noise = grey.clone();
   cv::randu(noise, 0, 255);
   EXPECT_EQ(ReferenceWork({noise, grey, noise, grey}).steps(), 2U);
 }
 
-TEST(ReferenceWork, TakesFiftyStepsAtMost) {
+TEST(ReferenceWork, UsesAtMostFiftySteps) {
   cv::Mat noise(300, 400, CV_8UC1);
   cv::randu(noise, 0, 255);
   EXPECT_EQ(ReferenceWork(std::vector<cv::Mat>(60, noise)).steps(), 50U);
 }
 
-TEST(ReferenceWork, NeedsTwoImages) {
+TEST(ReferenceWork, RejectsFewerThanTwoImages) {
   EXPECT_THROW(ReferenceWork({}), std::invalid_argument);
 }
 
-TEST(SpeedBenchmark, RefusesWhatLeavesNothingToTime) {
+TEST(SpeedBenchmark, RejectsSettingsWithNothingToTime) {
   SpeedSettings settings;
   settings.sizes = {{340, 210}};
   settings.features = {200};
   EXPECT_THROW(runSpeedBenchmark(settings, test::silent()), std::invalid_argument) << "no threads";
   settings.threads = {1};
-  settings.pairs = kWarmUp + 1;
+  settings.pairs = kWarmUpPairs + 1;
   EXPECT_THROW(runSpeedBenchmark(settings, test::silent()), std::invalid_argument) << "too few pairs";
 }
 
@@ -74,7 +74,7 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
   settings.sizes = {{340, 210}};
   settings.features = {100, 300};
   settings.threads = {1};
-  settings.pairs = kWarmUp + 2;
+  settings.pairs = kWarmUpPairs + 2;
   settings.repeats = 2;
   settings.cache = cache.path();
   const std::vector<SpeedResult> results = runSpeedBenchmark(settings, test::silent());
@@ -82,7 +82,7 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
   for (const SpeedResult& result : results) {
     EXPECT_EQ(result.drive, "campus");
     EXPECT_EQ(result.size, settings.sizes[0]);
-    EXPECT_EQ(result.pairs, 4u) << "but for those of the warm-up";
+    EXPECT_EQ(result.pairs, 4u) << "without the warm-up pairs";
     EXPECT_GT(result.rectified.median, 0.0);
     EXPECT_GT(result.raw.median, result.rectified.median) << "the lens is rectified";
     EXPECT_GT(result.stage(Stage::rectify), 0.0);
@@ -129,42 +129,42 @@ SpeedSettings realOnly(const std::filesystem::path& data) {
   settings.data = data;
   settings.features = {300};
   settings.threads = {1};
-  settings.pairs = kWarmUp + 2;
+  settings.pairs = kWarmUpPairs + 2;
   settings.repeats = 1;
   return settings;
 }
 
-TEST(SpeedBenchmark, TimesRealSequencesAndRectifiedOnesBehindLensesToo) {
+TEST(SpeedBenchmark, TimesRectifiedSequencesAlsoWithLensDistortion) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   const test::TemporaryFolder data;
-  linkedSequence(data, kitti, kWarmUp + 3);
+  linkedSequence(data, kitti, kWarmUpPairs + 3);
   const std::vector<SpeedResult> results = runSpeedBenchmark(realOnly(data.path()), test::silent());
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].drive, "short");
   EXPECT_EQ(results[1].drive, "short behind lenses");
   for (const SpeedResult& result : results) {
     EXPECT_EQ(result.size, cv::Size(1226, 370));
-    EXPECT_EQ(result.pairs, 2u) << "as many as asked for, but for those of the warm-up";
+    EXPECT_EQ(result.pairs, 2u) << "settings.pairs without the warm-up pairs";
     EXPECT_GT(result.used, 100.0) << "the odometry works";
     EXPECT_GT(result.reference.klt, 0.0);
   }
   EXPECT_GT(results[1].raw.median, results[1].rectified.median) << "the lenses are rectified";
 }
 
-TEST(ThroughLenses, ImagesAreRawAndRectifyToMuchTheSame) {
+TEST(ThroughLenses, RectificationRestoresTheImages) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   const DriveInMemory drive = loadDrive("kitti_06", kitti, 1);
   ASSERT_TRUE(isRectified(drive));
-  const DriveInMemory bent = throughLenses(drive);
-  EXPECT_FALSE(isRectified(bent));
-  const Rectifier rectifier(bent.rig, {}, buildTables(bent.rig, {}));
+  const DriveInMemory distorted = throughLenses(drive);
+  EXPECT_FALSE(isRectified(distorted));
+  const Rectifier rectifier(distorted.rig, {}, buildTables(distorted.rig, {}));
   const Rectification& rectification = rectifier.rectification();
-  // Where a pinhole's pixels lie in the rectified image: it sees the same rays by another focal length.
+  // The map from pinhole pixels to rectified pixels: the same rays with another focal length.
   const CameraModel& pinhole = drive.rig.left;
   const double scale = rectification.focal_length / pinhole.fx;
   const cv::Matx23d to_rectified(scale, 0, rectification.cx - scale * pinhole.cx, 0, scale,
                                  rectification.cy - scale * pinhole.cy);
-  const auto expect_much_the_same = [&](const cv::Mat& image, const cv::Mat& rectified) {
+  const auto expect_similar = [&](const cv::Mat& image, const cv::Mat& rectified) {
     cv::Mat expected;
     cv::warpAffine(image, expected, to_rectified, rectified.size(), cv::INTER_CUBIC);
     cv::Mat difference;
@@ -173,13 +173,13 @@ TEST(ThroughLenses, ImagesAreRawAndRectifyToMuchTheSame) {
     EXPECT_LT(cv::mean(difference(inner))[0], 3.0) << "grey values";
   };
   cv::Mat left, right;
-  rectifier.rectifyLeft(bent.pairs[0].left.image, left);
-  rectifier.rectifyRight(bent.pairs[0].right.image, right);
-  expect_much_the_same(drive.pairs[0].left.image, left);
-  expect_much_the_same(drive.pairs[0].right.image, right);
+  rectifier.rectifyLeft(distorted.pairs[0].left.image, left);
+  rectifier.rectifyRight(distorted.pairs[0].right.image, right);
+  expect_similar(drive.pairs[0].left.image, left);
+  expect_similar(drive.pairs[0].right.image, right);
 }
 
-TEST(SpeedBenchmark, NamesARealSequenceThatIsTooShort) {
+TEST(SpeedBenchmark, ErrorNamesTheSequenceThatIsTooShort) {
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   const test::TemporaryFolder data;
   const std::filesystem::path folder = linkedSequence(data, kitti, 5);

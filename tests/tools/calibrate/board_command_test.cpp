@@ -1,4 +1,4 @@
-// `cartvo calibrate board`, called as people do.
+// The command `cartvo calibrate board`.
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -12,26 +12,27 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(CalibrateBoardCommand, WritesABoardAndSaysWhatToDoWithIt) {
+TEST(CalibrateBoardCommand, WritesABoardAndPrintsInstructions) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "board.pdf";
-  const test::Finished run = test::runCartvo("calibrate board --board chessboard:9x6:0.025 --output " + file);
-  EXPECT_EQ(run.exit_code, 0) << run.said;
-  EXPECT_THAT(run.said, HasSubstr("chessboard:9x6:0.025, 250.0 x 175.0 mm on A4. Print it at 100 %"));
+  const test::CommandResult run =
+      test::runCartvo("calibrate board --board chessboard:9x6:0.025 --output " + file);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("chessboard:9x6:0.025, 250.0 x 175.0 mm on A4. Print it at 100 %"));
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-TEST(CalibrateBoardCommand, RefusesWhatCannotBePrinted) {
+TEST(CalibrateBoardCommand, RefusesBoardsThatCannotBePrinted) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "board.pdf";
-  const test::Finished large =
+  const test::CommandResult large =
       test::runCartvo("calibrate board --board charuco:11x8:0.03:0.022 --page A4 --output " + file);
   EXPECT_EQ(large.exit_code, 1);
-  EXPECT_THAT(large.said, HasSubstr("does not fit on A4"));
-  const test::Finished unknown =
+  EXPECT_THAT(large.output, HasSubstr("does not fit on A4"));
+  const test::CommandResult unknown =
       test::runCartvo("calibrate board --board circles:4x11:0.02 --output " + file);
   EXPECT_EQ(unknown.exit_code, 1);
-  EXPECT_THAT(unknown.said, HasSubstr("there is no kind 'circles'"));
+  EXPECT_THAT(unknown.output, HasSubstr("unknown kind 'circles'"));
   EXPECT_EQ(test::runCartvo("calibrate board --output " + file).exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(file));
 }

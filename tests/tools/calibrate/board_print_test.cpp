@@ -1,4 +1,4 @@
-// A printed board is found by OpenCV's detectors, each corner where its physical place says.
+// Printed boards: OpenCV's detectors find each corner at its specified position.
 #include "tools/calibrate/board_print.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 constexpr double kDotsPerInch = 100.0, kPixelsPerMm = kDotsPerInch / 25.4;
 constexpr double kTolerance = 0.15;  // px; 0.04 mm
 
-/// A board and the picture of its sheet, CV_8UC1.
+/// A board's sheet as an image (CV_8UC1).
 struct Picture {
   BoardSheet sheet;
   cv::Mat image;
@@ -30,7 +30,7 @@ struct Picture {
     image = cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_GRAYSCALE);
   }
 
-  /// Where a point of the board must appear; pixel centres at integers.
+  /// Expected pixel of a point of the board; pixel centres at integers.
   cv::Point2f expected(const Eigen::Vector2d& metres) const {
     return {static_cast<float>((sheet.pattern.x + 1000.0 * metres.x()) * kPixelsPerMm - 0.5),
             static_cast<float>((sheet.pattern.y + 1000.0 * metres.y()) * kPixelsPerMm - 0.5)};
@@ -61,7 +61,7 @@ Markers markersIn(const cv::Mat& image, const BoardSpec& board) {
   return found;
 }
 
-TEST(PrintedBoard, ChessboardIsFound) {
+TEST(PrintedBoard, ChessboardIsDetected) {
   const Picture picture("chessboard:9x6:0.025");
   std::vector<cv::Point2f> corners;
   ASSERT_TRUE(cv::findChessboardCorners(picture.image, {9, 6}, corners));
@@ -70,7 +70,7 @@ TEST(PrintedBoard, ChessboardIsFound) {
     picture.expectCorner(corners[static_cast<std::size_t>(id)], id);
 }
 
-TEST(PrintedBoard, CharucoIsFound) {
+TEST(PrintedBoard, CharucoIsDetected) {
   for (const char* board : {"charuco:9x6:0.028:0.021", "charuco:8x6:0.028:0.021:6x6"}) {
     const Picture picture(board);
     const auto& charuco = std::get<Charuco>(picture.sheet.board);
@@ -90,7 +90,7 @@ TEST(PrintedBoard, CharucoIsFound) {
   }
 }
 
-TEST(PrintedBoard, AprilGridIsFound) {
+TEST(PrintedBoard, AprilGridIsDetected) {
   const Picture picture("aprilgrid:5x4:0.04:0.3");
   Markers markers = markersIn(picture.image, picture.sheet.board);
   EXPECT_EQ(markers.ids.size(), 20u);
@@ -101,8 +101,8 @@ TEST(PrintedBoard, AprilGridIsFound) {
   }
 }
 
-/// That our layout is Kalibr's: on a photograph of a grid that Kalibr printed.
-TEST(PrintedBoard, AprilGridHasTheLayoutOfKalibrs) {
+/// Compares the layout with a photograph of a grid printed by Kalibr.
+TEST(PrintedBoard, AprilGridHasTheLayoutOfKalibr) {
   CARTVO_NEEDS_DATA(folder, "board_aprilgrid");
   const cv::Mat image = cv::imread((folder / "0_0.jpg").string(), cv::IMREAD_GRAYSCALE);
   const BoardSpec board = parseBoardSpec("aprilgrid:6x6:0.088:0.3");
@@ -122,10 +122,11 @@ TEST(PrintedBoard, AprilGridHasTheLayoutOfKalibrs) {
   std::vector<cv::Point2f> mapped;
   cv::perspectiveTransform(on_board, mapped, H);
   for (std::size_t i = 0; i < mapped.size(); ++i)
-    EXPECT_LT(cv::norm(mapped[i] - in_image[i]), 10.0) << "the lens bends; another order would be 35 px off";
+    EXPECT_LT(cv::norm(mapped[i] - in_image[i]), 10.0)
+        << "lens distortion; a different order would be off by 35 px";
 }
 
-TEST(PrintedBoard, HasTheSameBytesEachTime) {
+TEST(PrintedBoard, IsDeterministic) {
   const BoardSheet sheet = layOutBoard(parseBoardSpec("charuco:9x6:0.028:0.021"), "A4");
   for (const char* extension : {".pdf", ".png"}) {  // cairo numbers the SVGs of a process
     EXPECT_TRUE(printedBoard(sheet, extension, kDotsPerInch) == printedBoard(sheet, extension, kDotsPerInch))
@@ -141,7 +142,7 @@ TEST(PrintedBoard, IsTrueToScaleInPdfAndSvg) {
   EXPECT_THAT(svg, HasSubstr("width=\"297mm\" height=\"210mm\" viewBox=\"0 0 297 210\""));
 }
 
-TEST(PrintedBoard, OfAnotherKindOfFileIsRefused) {
+TEST(PrintedBoard, RefusesAnotherFileType) {
   const BoardSheet sheet = layOutBoard(parseBoardSpec("chessboard:9x6:0.025"), "A4");
   EXPECT_EQ(test::messageOf([&] { printBoard(sheet, "board.jpg", kDotsPerInch); }),
             "a board is written as .pdf, .svg or .png, not '.jpg'");

@@ -1,4 +1,4 @@
-// Where a board stands on its page.
+// Layout of boards on pages.
 #include "tools/calibrate/board_sheet.hpp"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ BoardSheet sheetOf(const char* board, const char* page) {
   return layOutBoard(parseBoardSpec(board), page);
 }
 
-TEST(BoardSheet, TakesTheSmallestPageThatDoesTurnedAsNeeded) {
+TEST(BoardSheet, UsesTheSmallestPageInTheFittingOrientation) {
   EXPECT_EQ(sheetOf("chessboard:9x6:0.025", "auto").page.name, "A4");
   EXPECT_EQ(sheetOf("chessboard:9x6:0.025", "auto").page.size, cv::Size2d(297, 210));
   EXPECT_EQ(sheetOf("chessboard:6x9:0.025", "auto").page.size, cv::Size2d(210, 297));
@@ -23,7 +23,7 @@ TEST(BoardSheet, TakesTheSmallestPageThatDoesTurnedAsNeeded) {
   EXPECT_EQ(sheetOf("aprilgrid:6x6:0.088:0.3", "auto").page.name, "A0");
 }
 
-TEST(BoardSheet, KeepsThePatternItsSizeAndClearOfAllElse) {
+TEST(BoardSheet, KeepsThePatternSizeAndSeparatesItFromTheRulers) {
   for (const char* page : {"auto", "A2", "700x900"}) {
     const BoardSheet sheet = sheetOf("chessboard:9x6:0.025", page);
     EXPECT_NEAR(sheet.pattern.width, 250.0, 1e-9);
@@ -38,7 +38,7 @@ TEST(BoardSheet, KeepsThePatternItsSizeAndClearOfAllElse) {
   }
 }
 
-TEST(BoardSheet, ThatIsTooSmallIsRefusedSayingHowMuchRoomThereIs) {
+TEST(BoardSheet, RefusesAPageThatIsTooSmallWithTheAvailableSize) {
   EXPECT_EQ(test::messageOf([] { sheetOf("charuco:11x8:0.03:0.022", "A4"); }),
             "the board is 330.0 x 240.0 mm and does not fit on A4, which has room for 273.0 x 178.0 mm");
   EXPECT_THAT(test::messageOf([] { sheetOf("aprilgrid:6x6:0.5:0.3", "auto"); }),

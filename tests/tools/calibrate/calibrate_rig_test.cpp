@@ -1,4 +1,4 @@
-// `cartvo calibrate SOURCE`, called as people do.
+// The command `cartvo calibrate SOURCE`.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -34,7 +34,7 @@ std::string chessboard(const fs::path& data) {
          " --left 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025";
 }
 
-/// The pairs of a chessboard in image_0 and image_1, to be spoiled.
+/// Copies the pairs of a chessboard into image_0 and image_1, to be modified.
 void layOut(const fs::path& data, const fs::path& folder, const char* left, const char* right) {
   fs::create_directories(folder / "image_0");
   fs::create_directories(folder / "image_1");
@@ -45,17 +45,17 @@ void layOut(const fs::path& data, const fs::path& folder, const char* left, cons
   }
 }
 
-TEST(CalibrateCommand, CalibratesAPairOfCamerasAndTellsHowWell) {
+TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
   CARTVO_NEEDS_DATA(data, "board_opencv");
   const test::TemporaryFolder folder;
   const fs::path output = folder / "rig.yaml", report = folder / "report";
-  const test::Finished run = test::runCartvo(chessboard(data) + " --free-scaling 0.2 --output " +
-                                             output.string() + " --report " + report.string());
-  ASSERT_EQ(run.exit_code, 0) << run.said;
-  EXPECT_THAT(run.said,
+  const test::CommandResult run = test::runCartvo(chessboard(data) + " --free-scaling 0.2 --output " +
+                                                  output.string() + " --report " + report.string());
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output,
               AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED"))));
   const Rig rig = readRig(output);
-  EXPECT_GE(rig.scale_deviation, 1e-3);
+  EXPECT_GE(rig.scale_stddev, 1e-3);
   EXPECT_EQ(rig.rectification.free_scaling, 0.2);
   EXPECT_NEAR(rig.left.fx, 534.0, 3.0);  // OpenCV's intrinsics.yml says 534.2
   const auto json = nlohmann::json::parse(textOf(report / "calibration.json"));
@@ -72,26 +72,26 @@ TEST(CalibrateCommand, CalibratesAPairOfCamerasAndTellsHowWell) {
                     Not(HasSubstr("http://127")), HasSubstr("</html>")));
 }
 
-TEST(CalibrateCommand, WritesTheSameBytesTwiceAndKeepsTheMount) {
+TEST(CalibrateCommand, IsDeterministicAndKeepsTheMount) {
   CARTVO_NEEDS_DATA(data, "board_opencv");
   const test::TemporaryFolder folder;
   const fs::path output = folder / "rig.yaml";
   const std::string command = chessboard(data) + " --model brown5 --json --output " + output.string();
-  const test::Finished first = test::runCartvo(command);
-  ASSERT_EQ(first.exit_code, 0) << first.said;
+  const test::CommandResult first = test::runCartvo(command);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
   Rig mounted = readRig(output);
   const std::string calibrated = rigText(mounted);
   mounted.T_body_camera.translation() = Eigen::Vector3d(0.9, 0.06, 1.85);
   writeRig(output, mounted);
-  const test::Finished second = test::runCartvo(command);
-  EXPECT_EQ(second.said, first.said);
+  const test::CommandResult second = test::runCartvo(command);
+  EXPECT_EQ(second.output, first.output);
   Rig again = readRig(output);
   EXPECT_EQ(again.T_body_camera.translation(), mounted.T_body_camera.translation());
   again.T_body_camera = forwardLookingMount();
   EXPECT_EQ(rigText(again), calibrated);
 }
 
-TEST(CalibrateCommand, FindsTheOwnersRigOfAnAprilGridWithTheOwnersModel) {
+TEST(CalibrateCommand, AgreesWithThePublishedEurocCalibration) {
   CARTVO_NEEDS_DATA(data, "board_aprilgrid");
   CARTVO_NEEDS_DATA(euroc, "euroc_still");
   const test::TemporaryFolder folder;
@@ -99,10 +99,10 @@ TEST(CalibrateCommand, FindsTheOwnersRigOfAnAprilGridWithTheOwnersModel) {
       "calibrate " + data.string() +
       " --left '*_0.jpg' --right '*_1.jpg' --board aprilgrid:6x6:0.088:0.3 --output " +
       (folder / "rig.yaml").string();
-  // A focal length means something else in another lens model, and the owners' is this one.
-  const test::Finished run =
+  // Focal lengths are comparable only within one lens model; the published calibration uses this one.
+  const test::CommandResult run =
       test::runCartvo(command + " --model brown4 --report " + (folder / "report").string());
-  ASSERT_EQ(run.exit_code, 0) << run.said;
+  ASSERT_EQ(run.exit_code, 0) << run.output;
   const auto json = nlohmann::json::parse(textOf(folder / "report/calibration.json"));
   nlohmann::json found;
   for (const auto& model : json["models"]) {
@@ -114,21 +114,22 @@ TEST(CalibrateCommand, FindsTheOwnersRigOfAnAprilGridWithTheOwnersModel) {
     }
     return 0.0;
   };
-  const Rig owners = readEurocRig(euroc / "mav0/cam0/sensor.yaml", euroc / "mav0/cam1/sensor.yaml");
-  EXPECT_NEAR(value("left fx"), owners.left.fx, 3e-3 * owners.left.fx);
-  EXPECT_NEAR(value("left fy"), owners.left.fy, 3e-3 * owners.left.fy);
-  EXPECT_NEAR(value("right fx"), owners.right.fx, 3e-3 * owners.right.fx);
-  EXPECT_NEAR(value("right fy"), owners.right.fy, 3e-3 * owners.right.fy);
-  EXPECT_NEAR(json["baseline_m"].get<double>(), owners.baseline(), 3e-4);
-  EXPECT_NEAR(json["baseline_m"].get<double>() / owners.baseline(), 1.0,
+  const Rig published = readEurocRig(euroc / "mav0/cam0/sensor.yaml", euroc / "mav0/cam1/sensor.yaml");
+  EXPECT_NEAR(value("left fx"), published.left.fx, 3e-3 * published.left.fx);
+  EXPECT_NEAR(value("left fy"), published.left.fy, 3e-3 * published.left.fy);
+  EXPECT_NEAR(value("right fx"), published.right.fx, 3e-3 * published.right.fx);
+  EXPECT_NEAR(value("right fy"), published.right.fy, 3e-3 * published.right.fy);
+  EXPECT_NEAR(json["baseline_m"].get<double>(), published.baseline(), 3e-4);
+  EXPECT_NEAR(json["baseline_m"].get<double>() / published.baseline(), 1.0,
               3.0 * json["scale_deviation"].get<double>());
   EXPECT_LE(found["held_out_rms_px"].get<double>(), 0.3);
   EXPECT_TRUE(json["passed"].get<bool>());
-  // With more of Brown's models to choose from it does no worse: at first, some fold within the image.
+  // The choice among all of Brown's models must succeed too, although some of them fold within the image at
+  // first.
   EXPECT_EQ(test::runCartvo(command + " --model brown").exit_code, 0);
 }
 
-TEST(CalibrateCommand, TakesTheWideModelForAFisheye) {
+TEST(CalibrateCommand, ChoosesTheWideModelForAFisheye) {
   CARTVO_NEEDS_DATA(data, "board_fisheye");
   const test::TemporaryFolder folder;
   const fs::path output = folder / "rig.yaml";
@@ -137,24 +138,25 @@ TEST(CalibrateCommand, TakesTheWideModelForAFisheye) {
       " --left 'board_L/*L.jpg' --right 'board_R/*R.jpg' --board chessboard:9x6:0.0345 "
       "--output " +
       output.string();
-  const test::Finished run = test::runCartvo(command);
-  ASSERT_EQ(run.exit_code, 0) << run.said;
+  const test::CommandResult run = test::runCartvo(command);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_EQ(readRig(output).left.lens, LensModel::wide);
-  EXPECT_THAT(run.said,
-              ::testing::ContainsRegex("brown4.*refused: it foretells held-out views [0-9.]+ times as "
-                                       "badly as wide"));
+  EXPECT_THAT(run.output,
+              ::testing::ContainsRegex("brown4.*refused: its error on held-out views is [0-9.]+ times that "
+                                       "of wide"));
 }
 
-TEST(CalibrateCommand, RefusesBadInputEachInItsOwnWordsAndLeavesTheOutputAsItWas) {
+TEST(CalibrateCommand, RefusesFaultyInputWithTheReasonAndKeepsTheOutput) {
   CARTVO_NEEDS_DATA(data, "board_opencv");
   const test::TemporaryFolder folder;
   const fs::path output = folder / "rig.yaml";
   const std::string before = rigText(test::cartRig());
   std::ofstream(output) << before;
   const auto expect = [&](const std::string& arguments, const std::string& words) {
-    const test::Finished run = test::runCartvo("calibrate " + arguments + " --output " + output.string());
-    EXPECT_EQ(run.exit_code, 1) << run.said;
-    EXPECT_THAT(run.said, HasSubstr(words));
+    const test::CommandResult run =
+        test::runCartvo("calibrate " + arguments + " --output " + output.string());
+    EXPECT_EQ(run.exit_code, 1) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(words));
     EXPECT_EQ(textOf(output), before);
   };
   const std::string board = " --board chessboard:9x6:0.025 --model brown2";
@@ -177,21 +179,21 @@ TEST(CalibrateCommand, RefusesBadInputEachInItsOwnWordsAndLeavesTheOutputAsItWas
     fs::remove(folder / "few/image_1" / name);
   expect((folder / "few").string() + board, "only 4 views show the board to both cameras");
 
-  expect((folder / "nothing").string() + board, "is no folder; expected image_0");
+  expect((folder / "nothing").string() + board, "is not a folder; expected image_0");
 
   std::ofstream(folder / "notes.txt") << "was here";
-  const test::Finished notes = test::runCartvo("calibrate " + (folder / "other").string() + board +
-                                               " --output " + (folder / "notes.txt").string());
-  EXPECT_THAT(notes.said, HasSubstr("would replace what is no rig file"));
+  const test::CommandResult notes = test::runCartvo("calibrate " + (folder / "other").string() + board +
+                                                    " --output " + (folder / "notes.txt").string());
+  EXPECT_THAT(notes.output, HasSubstr("exists and is not a rig file"));
   EXPECT_EQ(textOf(folder / "notes.txt"), "was here");
 }
 
-TEST(CalibrateCommand, WithAWrongCommandLineEndsWithTwo) {
+TEST(CalibrateCommand, ExitsWith2ForAWrongCommandLine) {
   EXPECT_EQ(test::runCartvo("calibrate").exit_code, 2);
   EXPECT_EQ(test::runCartvo("calibrate . --output rig.yaml").exit_code, 2);
-  const test::Finished board = test::runCartvo("calibrate . --output rig.yaml --board chessboard:9x6");
+  const test::CommandResult board = test::runCartvo("calibrate . --output rig.yaml --board chessboard:9x6");
   EXPECT_EQ(board.exit_code, 2);
-  EXPECT_THAT(board.said, HasSubstr("it has 2 parts"));
+  EXPECT_THAT(board.output, HasSubstr("it has 2 parts"));
   EXPECT_EQ(
       test::runCartvo("calibrate . --output r.yaml --board chessboard:9x6:0.025 --model flat").exit_code, 2);
   EXPECT_EQ(test::runCartvo("calibrate --help").exit_code, 0);

@@ -1,4 +1,4 @@
-// Whether a rig file is that of some pictures: pictures of a textured scene through a known rig.
+// `cartvo calibrate check` with rendered images of a known rig.
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A rendered street, one raw pair of it, and its rig.
-class CheckedPair : public ::testing::Test {
+class CalibrateCheckPair : public ::testing::Test {
  protected:
   void SetUp() override {
     world::WorldSettings settings;
@@ -36,7 +36,7 @@ class CheckedPair : public ::testing::Test {
 
   std::string file(const char* name) const { return (folder_ / name).string(); }
 
-  test::Finished check(const Rig& rig, const char* left, const char* right, const std::string& options) {
+  test::CommandResult check(const Rig& rig, const char* left, const char* right, const std::string& options) {
     writeRig(folder_ / "rig.yaml", rig);
     return test::runCartvo("calibrate check " + file("rig.yaml") + " " + file(left) + " " + file(right) +
                            " " + options);
@@ -46,45 +46,45 @@ class CheckedPair : public ::testing::Test {
   Rig rig_;
 };
 
-TEST_F(CheckedPair, PassesWithItsOwnRig) {
-  const test::Finished run = check(rig_, "left.png", "right.png", "--json");
-  ASSERT_EQ(run.exit_code, 0) << run.said;
-  const auto report = nlohmann::json::parse(run.said);
+TEST_F(CalibrateCheckPair, PassesWithTheCorrectRig) {
+  const test::CommandResult run = check(rig_, "left.png", "right.png", "--json");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto report = nlohmann::json::parse(run.output);
   EXPECT_TRUE(report["pass"]);
   EXPECT_FALSE(report["swapped"]);
   EXPECT_LT(report["vertical_disparity_px"]["rms"], 0.2);
   EXPECT_LT(report["vertical_disparity_px"]["p95"], 0.4);
   EXPECT_GT(report["matches"], 200);
-  EXPECT_THAT(check(rig_, "left.png", "right.png", "").said, HasSubstr("PASS: rows agree within 0.30 px"));
+  EXPECT_THAT(check(rig_, "left.png", "right.png", "").output, HasSubstr("PASS: rows agree within 0.30 px"));
 }
 
-TEST_F(CheckedPair, FailsWithARightCameraThatWasTurned) {
+TEST_F(CalibrateCheckPair, FailsWithARotatedRightCamera) {
   constexpr double kPitch = 0.002, kFocalLength = 480.0;  // rad, px
   Rig turned = rig_;
   turned.T_right_left.prerotate(Eigen::AngleAxisd(kPitch, Eigen::Vector3d::UnitX()));
-  const test::Finished run = check(turned, "left.png", "right.png", "--json");
-  EXPECT_EQ(run.exit_code, 1) << run.said;
-  const auto report = nlohmann::json::parse(run.said);
+  const test::CommandResult run = check(turned, "left.png", "right.png", "--json");
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  const auto report = nlohmann::json::parse(run.output);
   EXPECT_FALSE(report["pass"]);
   EXPECT_FALSE(report["swapped"]);
   EXPECT_NEAR(std::abs(report["vertical_disparity_px"]["median"].get<double>()), kPitch * kFocalLength, 0.2);
   EXPECT_LT(report["vertical_disparity_px"]["unexplained_rms"], 0.2);
 }
 
-TEST_F(CheckedPair, SaysThatTheImagesAreExchanged) {
-  const test::Finished run = check(rig_, "right.png", "left.png", "");
+TEST_F(CalibrateCheckPair, DetectsExchangedImages) {
+  const test::CommandResult run = check(rig_, "right.png", "left.png", "");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.said, HasSubstr("LEFT and RIGHT are exchanged"));
+  EXPECT_THAT(run.output, HasSubstr("LEFT and RIGHT are exchanged"));
 }
 
-TEST_F(CheckedPair, SaysThatThereIsNothingToSee) {
+TEST_F(CalibrateCheckPair, ReportsImagesWithoutTexture) {
   cv::imwrite(file("grey.png"), cv::Mat(420, 680, CV_8UC1, cv::Scalar(128)));
-  const test::Finished run = check(rig_, "grey.png", "grey.png", "");
+  const test::CommandResult run = check(rig_, "grey.png", "grey.png", "");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.said, HasSubstr("only 0 points were found"));
+  EXPECT_THAT(run.output, HasSubstr("only 0 consistent points were found"));
 }
 
-TEST(CalibrateCheckCommand, TakesAFolderOfPairs) {
+TEST(CalibrateCheckCommand, ChecksAFolderOfPairs) {
   CARTVO_NEEDS_DATA(folder, "euroc_still");
   const test::TemporaryFolder temporary;
   const std::string rig = (temporary / "rig.yaml").string(), mav = (folder / "mav0").string();
@@ -92,14 +92,14 @@ TEST(CalibrateCheckCommand, TakesAFolderOfPairs) {
                             "/cam1/sensor.yaml --output " + rig)
                 .exit_code,
             0);
-  const test::Finished run =
+  const test::CommandResult run =
       test::pipeCartvo("calibrate check " + rig + " " + folder.string() + " --pairs 3 --json");
-  ASSERT_EQ(run.exit_code, 0) << run.said;
-  EXPECT_EQ(nlohmann::json::parse(run.said)["pairs"], 3);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(nlohmann::json::parse(run.output)["pairs"], 3);
 }
 
-/// Without images: rows that a turned right camera makes, mismatches among them.
-TEST(RowCheck, LeavesMismatchesOutAndKeepsWhatIsWrong) {
+/// Synthetic matches with a row error, and mismatches among them.
+TEST(RowCheck, RejectsMismatchesAndMeasuresTheRowError) {
   Rectification rectification;
   rectification.size = {680, 420};
   rectification.focal_length = 480.0;

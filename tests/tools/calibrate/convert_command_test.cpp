@@ -1,4 +1,4 @@
-// `cartvo calibrate convert`, called as people do.
+// The command `cartvo calibrate convert`.
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -23,71 +23,71 @@ std::string in(const test::TemporaryFolder& folder, const char* name) {
 TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
   const test::TemporaryFolder folder;
   writeRig(folder / "rig.yaml", test::wideRig());
-  const test::Finished out = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                             " --to ros --output " + in(folder, "camera_info"));
-  ASSERT_EQ(out.exit_code, 0) << out.said;
-  EXPECT_THAT(out.said, HasSubstr("camera_info/right.yaml"));
-  EXPECT_THAT(out.said, HasSubstr("680x420 px, baseline 0.1150 m"));
-  const test::Finished back =
+  const test::CommandResult out = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                                  " --to ros --output " + in(folder, "camera_info"));
+  ASSERT_EQ(out.exit_code, 0) << out.output;
+  EXPECT_THAT(out.output, HasSubstr("camera_info/right.yaml"));
+  EXPECT_THAT(out.output, HasSubstr("680x420 px, baseline 0.1150 m"));
+  const test::CommandResult back =
       test::runCartvo("calibrate convert " + in(folder, "camera_info/left.yaml") + " " +
                       in(folder, "camera_info/right.yaml") + " --output " + in(folder, "back.yaml"));
-  ASSERT_EQ(back.exit_code, 0) << back.said;
+  ASSERT_EQ(back.exit_code, 0) << back.output;
   EXPECT_TRUE(readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
 }
 
-TEST(CalibrateConvertCommand, SaysWhatOtherFormatsLose) {
+TEST(CalibrateConvertCommand, WarnsThatOtherFormatsLoseTheScaleStddev) {
   const test::TemporaryFolder folder;
   Rig rig = test::rectifiedRig();
   const auto said_of = [&](const char* format) {
     writeRig(folder / "rig.yaml", rig);
     return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --to " + format + " --output " +
                            in(folder, "out.yaml"))
-        .said;
+        .output;
   };
   EXPECT_THAT(said_of("opencv"), Not(HasSubstr("scale")));
-  rig.scale_deviation = 0.002;
-  EXPECT_THAT(said_of("opencv"), HasSubstr("opencv does not say how well the scale is known"));
-  EXPECT_EQ(readRig(folder / "out.yaml").scale_deviation, 0.0) << "read as opencv's";
+  rig.scale_stddev = 0.002;
+  EXPECT_THAT(said_of("opencv"), HasSubstr("the format opencv cannot store the scale's uncertainty"));
+  EXPECT_EQ(readRig(folder / "out.yaml").scale_stddev, 0.0) << "read as opencv's";
   EXPECT_THAT(said_of("cartvo"), Not(HasSubstr("scale")));
-  EXPECT_EQ(readRig(folder / "out.yaml").scale_deviation, 0.002);
+  EXPECT_EQ(readRig(folder / "out.yaml").scale_stddev, 0.002);
 }
 
-TEST(CalibrateConvertCommand, ReadsEurocsAndKittis) {
+TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
   CARTVO_NEEDS_DATA(euroc, "euroc_still");
   CARTVO_NEEDS_DATA(kitti, "kitti_06");
   const test::TemporaryFolder folder;
   const std::string mav = (euroc / "mav0").string();
-  const test::Finished from_euroc =
+  const test::CommandResult from_euroc =
       test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
                       "/cam1/sensor.yaml --to kalibr --output " + in(folder, "camchain.yaml"));
-  EXPECT_EQ(from_euroc.exit_code, 0) << from_euroc.said;
+  EXPECT_EQ(from_euroc.exit_code, 0) << from_euroc.output;
   EXPECT_EQ(readRig(folder / "camchain.yaml").left.fx, 458.654);
   const std::string convert =
       "calibrate convert " + (kitti / "calib.txt").string() + " --output " + in(folder, "kitti.yaml");
-  EXPECT_THAT(test::runCartvo(convert).said, HasSubstr("give their size"));
+  EXPECT_THAT(test::runCartvo(convert).output, HasSubstr("give their size"));
   EXPECT_EQ(test::runCartvo(convert + " --size 1226x370").exit_code, 0);
 }
 
-TEST(CalibrateConvertCommand, LeavesWhatIsThereWhenItCannot) {
+TEST(CalibrateConvertCommand, KeepsTheOutputFileOnFailure) {
   const test::TemporaryFolder folder;
   writeRig(folder / "rig.yaml", test::cartRig());
   writeRig(folder / "out.yaml", test::rectifiedRig());
-  const test::Finished run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                             " --to kalibr --output " + in(folder, "out.yaml"));
+  const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                                  " --to kalibr --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.said, HasSubstr("Kalibr's radtan model holds the first 4"));
+  EXPECT_THAT(run.output, HasSubstr("Kalibr's radtan model holds the first 4"));
   EXPECT_EQ(readRig(folder / "out.yaml").name, "rectified");
 }
 
-TEST(CalibrateConvertCommand, SaysThatCamerasAreSwapped) {
+TEST(CalibrateConvertCommand, RefusesSwappedCameras) {
   const test::TemporaryFolder folder;
   Rig swapped = test::cartRig();
   swapped.T_right_left = swapped.T_right_left.inverse();
   writeRig(folder / "rig.yaml", swapped);
-  const test::Finished run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                             " --to opencv --output " + in(folder, "out.yaml"));
+  const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                                  " --to opencv --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.said, HasSubstr("the cameras are swapped"));
+  EXPECT_THAT(run.output, HasSubstr("the cameras are swapped"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.yaml"));
 }
 

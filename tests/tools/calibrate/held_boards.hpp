@@ -11,8 +11,8 @@
 
 namespace cartvo::test {
 
-/// Two small distorted cameras before which somebody holds a board: still for a second and a half, each time
-/// in another place.
+/// Content of two small distorted cameras in front of which a board is held still for 1.5 seconds in each of
+/// ten places.
 class HeldBoards : public simulate::Content {
  public:
   static constexpr double kFrameRate = 15.0;  // Hz
@@ -55,7 +55,7 @@ class HeldBoards : public simulate::Content {
   double frameRate() const override { return kFrameRate; }
   int pairCount() const override { return kPairs; }
   std::int64_t leftInstant(int index) const override { return std::llround(index * 1e9 / kFrameRate); }
-  /// The cameras run free: the right one is late.
+  /// The cameras are not synchronised: the right one is exposed 25 ms later.
   std::int64_t rightInstant(int index) const override { return leftInstant(index) + 25'000'000; }
   void images(int index, cv::Mat& left, cv::Mat& right) const override {
     const auto place = static_cast<std::size_t>(index / kPairsEach);
@@ -66,7 +66,7 @@ class HeldBoards : public simulate::Content {
   std::string cacheKey() const override { return "held boards"; }
 
  private:
-  /// Poses of which both cameras see the whole board, as a chessboard needs it.
+  /// Poses at which both cameras see the whole board, as the detection of a chessboard requires.
   static std::vector<Eigen::Isometry3d> wholePoses(const Rig& rig) {
     constexpr int kMany = 60;
     std::mt19937 random;

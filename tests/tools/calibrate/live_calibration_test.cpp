@@ -1,5 +1,5 @@
-// `cartvo calibrate live` before two simulated RTSP cameras, with its page; and `cartvo calibrate` of what
-// the recorder made of the same cameras meanwhile.
+// `cartvo calibrate live` with two simulated RTSP cameras and its page, and `cartvo calibrate` from a
+// recording of the same cameras.
 #include <array>
 #include <atomic>
 #include <fstream>
@@ -14,14 +14,14 @@
 #include "capture/rtsp_camera.hpp"
 #include "capture/stream_recorder.hpp"
 #include "held_boards.hpp"
-#include "support/patience.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/test_timeout.hpp"
 #include "tools/run_cartvo.hpp"
 #include "tools/running_cartvo.hpp"
 #include "tools/simulate/encode_content.hpp"
 #include "tools/simulate/simulated_camera.hpp"
 
-// It brings the resolver's macro _res, which Eigen's headers do not survive.
+// Included last: it defines the resolver's macro _res, which breaks Eigen's headers.
 #include <httplib.h>
 
 namespace cartvo {
@@ -38,7 +38,7 @@ constexpr const char* kBoard = " --board chessboard:8x5:0.05 --model brown2 ";
 
 /// Waits for what must come.
 bool comes(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + test::kPatience;
+  const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
   while (!condition() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   return condition();
@@ -51,11 +51,11 @@ std::unique_ptr<SimulatedCamera> switchOn(const simulate::EncodedStream& stream)
   return std::make_unique<SimulatedCamera>(std::make_shared<simulate::EncodedStream>(stream), settings);
 }
 
-/// What the daemon does to record: reads a camera, and hands all on to the recorder.
+/// Reads a camera and passes its stream to the recorder, like the daemon.
 class RecordedCamera {
  public:
   RecordedCamera(const SimulatedCamera& camera, StreamObserver& recorder) : camera_(settingsFor(camera)) {
-    camera_.observe(recorder);
+    camera_.setObserver(recorder);
     reader_ = std::thread([this] {
       Frame frame;
       while (camera_.read(frame, std::chrono::milliseconds(100)) != ReadOutcome::ended) {
@@ -96,7 +96,7 @@ class LiveCalibration : public ::testing::Test {
         << "rig: rig.yaml\n";
   }
 
-  /// The board is shown from when this many watch.
+  /// Starts the content when each camera has this many clients.
   void startContentFor(int clients) {
     ASSERT_TRUE(
         comes([&] { return left_->playingClients() == clients && right_->playingClients() == clients; }));
@@ -125,17 +125,17 @@ std::string pageOf(const std::string& said) {
   return end == std::string::npos ? std::string() : said.substr(url, end - url);
 }
 
-TEST_F(LiveCalibration, TakesViewsOverRtspAndShowsThemOnAPageAndSoDoesTheRecording) {
+TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   StreamRecorder recorder({.folder = folder_ / "recording", .configuration = "", .rig = ""});
   auto recorded_left = std::make_unique<RecordedCamera>(*left_, recorder.left());
   auto recorded_right = std::make_unique<RecordedCamera>(*right_, recorder.right());
   test::RunningCartvo cartvo("calibrate live --config " + (folder_ / "cartvod.yaml").string() + kBoard +
                                  "--page 0 --output " + (folder_ / "live.yaml").string(),
                              folder_ / "said");
-  ASSERT_TRUE(comes([&] { return !pageOf(cartvo.said()).empty(); })) << cartvo.said();
+  ASSERT_TRUE(comes([&] { return !pageOf(cartvo.output()).empty(); })) << cartvo.output();
   startContentFor(2);
 
-  httplib::Client browser(pageOf(cartvo.said()));
+  httplib::Client browser(pageOf(cartvo.output()));
   nlohmann::json state;
   const auto has_views = [&](std::size_t count) {
     const auto answer = browser.Get("/state.json");
@@ -143,7 +143,7 @@ TEST_F(LiveCalibration, TakesViewsOverRtspAndShowsThemOnAPageAndSoDoesTheRecordi
     state = nlohmann::json::parse(answer->body);
     return state["views"].size() >= count;
   };
-  ASSERT_TRUE(comes([&] { return has_views(2); })) << cartvo.said();
+  ASSERT_TRUE(comes([&] { return has_views(2); })) << cartvo.output();
   EXPECT_THAT(state["next"].get<std::string>(), HasSubstr("show the board in the"));
   EXPECT_THAT(state["left"]["coverage"].get<std::vector<int>>(), ::testing::Contains(::testing::Gt(0)));
   EXPECT_THAT(state.dump(), AllOf(Not(HasSubstr(kPassword)), Not(HasSubstr("rtsp:"))));
@@ -154,19 +154,19 @@ TEST_F(LiveCalibration, TakesViewsOverRtspAndShowsThemOnAPageAndSoDoesTheRecordi
     EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_GRAYSCALE).size(), cv::Size(320, 240)) << path;
   }
 
-  ASSERT_TRUE(comes([&] { return has_views(8); })) << cartvo.said();
+  ASSERT_TRUE(comes([&] { return has_views(8); })) << cartvo.output();
   cartvo.interrupt();
-  EXPECT_EQ(cartvo.wait(), 0) << cartvo.said();
-  EXPECT_THAT(cartvo.said(), AllOf(HasSubstr("view 8 taken at"), HasSubstr("the calibration passes")));
+  EXPECT_EQ(cartvo.wait(), 0) << cartvo.output();
+  EXPECT_THAT(cartvo.output(), AllOf(HasSubstr("view 8 taken at"), HasSubstr("the calibration passes")));
   expectTruth(readRig(folder_ / "live.yaml"));
 
   recorded_left.reset();
   recorded_right.reset();
   recorder.finish();
-  const test::Finished again =
+  const test::CommandResult again =
       test::runCartvo("calibrate " + (folder_ / "recording").string() + kBoard + "--output " +
                       (folder_ / "recorded.yaml").string() + " --report " + (folder_ / "report").string());
-  EXPECT_EQ(again.exit_code, 0) << again.said;
+  EXPECT_EQ(again.exit_code, 0) << again.output;
   expectTruth(readRig(folder_ / "recorded.yaml"));
 }
 

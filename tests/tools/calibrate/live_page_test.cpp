@@ -1,4 +1,4 @@
-// The page that is looked at while views are taken, asked as a browser asks.
+// The live calibration page, requested over HTTP.
 #include "tools/calibrate/live_page.hpp"
 
 #include <future>
@@ -25,7 +25,7 @@ class CalibrationPage : public ::testing::Test {
     progress_.right.image = progress_.left.image;
     progress_.left.corners = {{3, {10.0, 20.0}}};
     progress_.advice = "hold it still: 0.4 of 1 s";
-    progress_.what_to_show = "show the board in the upper left of the right image";
+    progress_.next_view_advice = "show the board in the upper left of the right image";
     progress_.so_far.views = {{"1 at 3.0 s", progress_.left.corners, {}}};
     progress_.so_far.rejected = {{"2 at 5.0 s", "left image: it is <blurred>"}};
   }
@@ -41,7 +41,7 @@ class CalibrationPage : public ::testing::Test {
   StreamProgress progress_;
 };
 
-TEST_F(CalibrationPage, IsCompleteInItself) {
+TEST_F(CalibrationPage, IsSelfContained) {
   const auto page = browser_.Get("/");
   ASSERT_TRUE(page);
   EXPECT_EQ(page->status, 200);
@@ -53,7 +53,7 @@ TEST_F(CalibrationPage, IsCompleteInItself) {
   EXPECT_THAT(script->body, AllOf(HasSubstr("/state.json"), Not(HasSubstr("innerHTML"))));
 }
 
-TEST_F(CalibrationPage, ShowsPicturesViewsReasonsAndWhatIsNext) {
+TEST_F(CalibrationPage, ShowsPicturesViewsRejectionsAndAdvice) {
   EXPECT_EQ(state()["has_pictures"], false);
   EXPECT_EQ(browser_.Get("/left.jpg")->status, 404);
   const std::uint64_t before = state()["number"];
@@ -63,7 +63,7 @@ TEST_F(CalibrationPage, ShowsPicturesViewsReasonsAndWhatIsNext) {
   EXPECT_EQ(shown["board"], "chessboard:9x6:0.025");
   EXPECT_EQ(shown["stage"], "views");
   EXPECT_EQ(shown["advice"], progress_.advice);
-  EXPECT_EQ(shown["next"], progress_.what_to_show);
+  EXPECT_EQ(shown["next"], progress_.next_view_advice);
   EXPECT_EQ(shown["left"]["corners"], 1);
   EXPECT_EQ(shown["views"][0]["name"], "1 at 3.0 s");
   EXPECT_EQ(shown["rejected"][0]["reason"], "left image: it is <blurred>");
@@ -72,7 +72,7 @@ TEST_F(CalibrationPage, ShowsPicturesViewsReasonsAndWhatIsNext) {
   EXPECT_THAT(picture->body, ::testing::StartsWith("\xff\xd8"));
 }
 
-TEST_F(CalibrationPage, WaitsUntilWhoIsLookingHasSeenTheVerdict) {
+TEST_F(CalibrationPage, WaitsUntilThePollingBrowserHasReadTheResult) {
   state();
   page_.showSolving();
   EXPECT_EQ(state()["stage"], "solving");
@@ -85,7 +85,7 @@ TEST_F(CalibrationPage, WaitsUntilWhoIsLookingHasSeenTheVerdict) {
   EXPECT_EQ(last["result"], "too few views");
 }
 
-TEST_F(CalibrationPage, AnswersOnlyWhoAsksItByItsNumberAndChangesNothing) {
+TEST_F(CalibrationPage, AnswersOnlyGetRequestsForANumericHostOrLocalhost) {
   const auto asked_as = [&](const std::string& host) {
     return browser_.Get("/state.json", httplib::Headers{{"Host", host}})->status;
   };
@@ -97,7 +97,7 @@ TEST_F(CalibrationPage, AnswersOnlyWhoAsksItByItsNumberAndChangesNothing) {
   EXPECT_EQ(browser_.Get("/../etc/passwd")->status, 404);
 }
 
-TEST_F(CalibrationPage, IsNotServedWhereAnotherOneIs) {
+TEST_F(CalibrationPage, ReportsAPortThatIsTaken) {
   const std::string url = urlWithoutSlash(page_);
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
   EXPECT_THAT(test::messageOf([&] {
@@ -106,7 +106,7 @@ TEST_F(CalibrationPage, IsNotServedWhereAnotherOneIs) {
               HasSubstr("is the port taken?"));
 }
 
-TEST(PageAddress, IsAPortOrAnAddressWithOne) {
+TEST(PageAddress, IsAPortOrAddressAndPort) {
   EXPECT_EQ(PageAddress::parse("81").port, 81);
   EXPECT_TRUE(PageAddress::parse("81").isLoopback());
   EXPECT_EQ(PageAddress::parse("0.0.0.0:81").address, "0.0.0.0");

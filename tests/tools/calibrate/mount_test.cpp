@@ -1,4 +1,4 @@
-// How a camera sits on the cart, from drives that are known exactly.
+// Mount estimation from simulated drives with known truth, and `cartvo calibrate mount`.
 #include "tools/calibrate/mount.hpp"
 
 #include <cmath>
@@ -36,16 +36,16 @@ Eigen::Isometry3d trueMount() {
   return T_body_camera;
 }
 
-/// What is known before: where the camera is along and across, and that it looks about forward.
+/// The mount as known before: x and y of the camera, looking forward.
 Eigen::Isometry3d knownMount() {
   Eigen::Isometry3d mount = forwardLookingMount();
   mount.translation() = Eigen::Vector3d(1.5, 0.1, 0.0);
   return mount;
 }
 
-/// Looks at the ground while the cart sways by some tenths of a degree, each eighth of a second.
-std::vector<GroundSighting> sightings(double seconds) {
-  std::vector<GroundSighting> all;
+/// Ground observations each eighth of a second, while the cart sways by some tenths of a degree.
+std::vector<GroundObservation> groundObservations(double seconds) {
+  std::vector<GroundObservation> all;
   const Eigen::Matrix3d R_camera_body = trueMount().linear().transpose();
   for (double t = 0.0; t < seconds; t += 0.125) {
     const Eigen::Matrix3d sway =
@@ -57,7 +57,7 @@ std::vector<GroundSighting> sightings(double seconds) {
   return all;
 }
 
-/// A body that moves without sideslip at its origin, at some speed and yaw rate; the camera is carried along.
+/// Twist of the camera on a body that moves without sideslip at its origin.
 CameraTwist twistAt(double seconds, double speed, double yaw_rate) {
   const Eigen::Isometry3d T_body_camera = trueMount();
   const Eigen::Vector3d omega(0.0, 0.0, yaw_rate);
@@ -72,12 +72,12 @@ void expectTrueAttitude(const Mount& mount, double tolerance) {
   EXPECT_LT(error.angle(), tolerance) << "about " << error.axis().transpose();
 }
 
-TEST(Mount, IsFoundFromADriveInBends) {
+TEST(Mount, IsEstimatedFromADriveInCurves) {
   std::vector<CameraTwist> motions;
   for (double t = 0.0; t < 20.0; t += 0.1)
     motions.push_back(twistAt(t, 4.0, 0.15 + 0.3 * std::sin(0.5 * t)));  // more to the left than to the right
-  motions.push_back({20.0, {5.0, 0.0, 3.0}, {0.0, 0.0, 0.0}});           // a wrong one
-  const Mount mount = measureMount(sightings(20.0), motions, knownMount());
+  motions.push_back({20.0, {5.0, 0.0, 3.0}, {0.0, 0.0, 0.0}});           // an outlier
+  const Mount mount = measureMount(groundObservations(20.0), motions, knownMount());
   expectTrueAttitude(mount, 0.05 * kDegree);
   EXPECT_NEAR(mount.height.value, 1.9, 0.005);
   ASSERT_TRUE(mount.yaw);
@@ -89,47 +89,47 @@ TEST(Mount, IsFoundFromADriveInBends) {
   EXPECT_EQ(mount.T_body_camera.translation().head<2>(), Eigen::Vector2d(1.5, 0.1));
 }
 
-TEST(Mount, IsFoundFromAStraightDriveForwardAndBack) {
+TEST(Mount, IsEstimatedFromAStraightDriveForwardAndBackward) {
   std::vector<CameraTwist> motions;
   for (double t = 0.0; t < 10.0; t += 0.1)
     motions.push_back(twistAt(t, t < 5.0 ? 3.0 : -2.0, 0.0));
-  const Mount mount = measureMount(sightings(10.0), motions, knownMount());
+  const Mount mount = measureMount(groundObservations(10.0), motions, knownMount());
   expectTrueAttitude(mount, 0.1 * kDegree);
   EXPECT_FALSE(mount.ahead_of_axle);
 }
 
-TEST(Mount, KeepsItsYawWithoutADrive) {
+TEST(Mount, KeepsTheKnownYawWithoutADrive) {
   std::vector<CameraTwist> motions;
   for (double t = 0.0; t < 10.0; t += 0.1)
     motions.push_back(twistAt(t, 0.01, 0.3));
   Eigen::Isometry3d known = knownMount();
   known.prerotate(Eigen::AngleAxisd(5.0 * kDegree, Eigen::Vector3d::UnitZ()));
-  const Mount mount = measureMount(sightings(10.0), motions, known);
+  const Mount mount = measureMount(groundObservations(10.0), motions, known);
   EXPECT_FALSE(mount.yaw);
   EXPECT_NEAR(mount.pitch.value, kPitch, 0.2 * kDegree);
   const Eigen::Vector3d axis = mount.T_body_camera.linear().col(2);
   EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 5.0 * kDegree, 0.2 * kDegree);
 }
 
-TEST(Mount, DeviationsSayHowFarValuesAreOff) {
+TEST(Mount, StddevsMatchTheErrors) {
   std::vector<CameraTwist> motions;
   for (double t = 0.0; t < 20.0; t += 0.1)
     motions.push_back(twistAt(t, 4.0 + std::sin(t), 0.02 * std::sin(3.0 * t)));
-  const Mount mount = measureMount(sightings(20.0), motions, knownMount());
-  EXPECT_LT(std::abs(mount.pitch.value - kPitch), 4.0 * mount.pitch.deviation);
-  EXPECT_LT(std::abs(mount.roll.value - kRoll), 4.0 * mount.roll.deviation);
-  EXPECT_LT(std::abs(mount.height.value - 1.9), 4.0 * mount.height.deviation);
-  EXPECT_GT(mount.pitch.deviation, 0.0);
-  EXPECT_LT(mount.pitch.deviation, 0.1 * kDegree);
+  const Mount mount = measureMount(groundObservations(20.0), motions, knownMount());
+  EXPECT_LT(std::abs(mount.pitch.value - kPitch), 4.0 * mount.pitch.stddev);
+  EXPECT_LT(std::abs(mount.roll.value - kRoll), 4.0 * mount.roll.stddev);
+  EXPECT_LT(std::abs(mount.height.value - 1.9), 4.0 * mount.height.stddev);
+  EXPECT_GT(mount.pitch.stddev, 0.0);
+  EXPECT_LT(mount.pitch.stddev, 0.1 * kDegree);
 }
 
-TEST(Mount, WithoutGroundIsRefused) {
+TEST(Mount, RefusesTooFewGroundObservations) {
   EXPECT_THAT(test::messageOf([] { measureMount({}, {}, knownMount()); }),
-              HasSubstr("the ground was seen in 0 pairs only"));
+              HasSubstr("the ground was found in 0 pairs only"));
 }
 
-/// The whole way: a rendered drive, whose rig file says nothing of the mount.
-TEST(CalibrateMountCommand, FindsTheMountOfARenderedCart) {
+/// End to end: a rendered drive whose rig file has no mount.
+TEST(CalibrateMountCommand, EstimatesTheMountOfARenderedCart) {
   world::WorldSettings settings = test::tinyWorld();
   settings.seconds = 4.0;
   const world::RenderedWorld world(settings);
@@ -139,16 +139,16 @@ TEST(CalibrateMountCommand, FindsTheMountOfARenderedCart) {
   Rig rig = world.rig();
   rig.T_body_camera = forwardLookingMount();
   writeRig(folder / "drive/rig.yaml", rig);
-  const test::Finished run =
+  const test::CommandResult run =
       test::pipeCartvo("calibrate mount " + (folder / "drive").string() + " --forward 1.55 --json --output " +
                        (folder / "out.yaml").string());
-  ASSERT_EQ(run.exit_code, 0) << run.said;
-  const auto report = nlohmann::json::parse(run.said);
-  EXPECT_NEAR(report["height_m"]["value"].get<double>(), 1.9, 0.03) << run.said;
-  // It pulls away for all of these seconds, and its nose rises.
-  EXPECT_NEAR(report["pitch_deg"]["value"].get<double>(), 7.0, 1.2) << run.said;
-  EXPECT_NEAR(report["roll_deg"]["value"].get<double>(), -0.2, 0.4) << run.said;
-  EXPECT_NEAR(report["yaw_deg"]["value"].get<double>(), 0.3, 0.3) << run.said;
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto report = nlohmann::json::parse(run.output);
+  EXPECT_NEAR(report["height_m"]["value"].get<double>(), 1.9, 0.03) << run.output;
+  // The cart accelerates all the time, which raises its nose.
+  EXPECT_NEAR(report["pitch_deg"]["value"].get<double>(), 7.0, 1.2) << run.output;
+  EXPECT_NEAR(report["roll_deg"]["value"].get<double>(), -0.2, 0.4) << run.output;
+  EXPECT_NEAR(report["yaw_deg"]["value"].get<double>(), 0.3, 0.3) << run.output;
   const Eigen::Isometry3d found = readRig(folder / "out.yaml").T_body_camera;
   EXPECT_LT(Eigen::AngleAxisd(truth.linear().transpose() * found.linear()).angle(), 1.3 * kDegree);
   EXPECT_NEAR(found.translation().z(), report["height_m"]["value"].get<double>(), 1e-9);

@@ -1,3 +1,4 @@
+// Board views from two simulated streams.
 #include "tools/calibrate/stream_views.hpp"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ const BoardSpec& board() {
   return spec;
 }
 
-/// A small image, moved by some pixels: what the camera sees of a board that somebody holds.
+/// The image, moved by some pixels: the view of a board that is moved.
 cv::Mat moved(const cv::Mat& image, double by) {
   const cv::Matx23d shift(1, 0, by, 0, 1, 0);
   cv::Mat result;
@@ -27,10 +28,10 @@ cv::Mat moved(const cv::Mat& image, double by) {
   return result;
 }
 
-constexpr double kLate = 4.0;  // s
+constexpr double kBlurStart = 4.0;  // s
 
-/// Frames of 10 Hz: `shift` (px) tells where the board is at an instant (s). This camera is late by `delay`,
-/// and sees its picture blurred by so many px from kLate on.
+/// A camera with 10 Hz. `shift`: position of the board (px) at a time (s). `delay`: time offset of the
+/// camera, s. `late_blur`: blur of the images from kBlurStart on, px.
 class HeldBoard : public CameraSource {
  public:
   HeldBoard(cv::Mat image, double delay, double (*shift)(double), double late_blur = 0.0)
@@ -41,7 +42,8 @@ class HeldBoard : public CameraSource {
     const double time = kPeriod * count_++ + delay_;
     if (time > kEnd) return ReadOutcome::ended;
     frame.image = moved(image_, shift_(time));
-    if (time >= kLate && late_blur_ > 0.0) cv::GaussianBlur(frame.image, frame.image, {0, 0}, late_blur_);
+    if (time >= kBlurStart && late_blur_ > 0.0)
+      cv::GaussianBlur(frame.image, frame.image, {0, 0}, late_blur_);
     frame.exposure_ns = 1'000'000'000 + static_cast<std::int64_t>(1e9 * time);
     return ReadOutcome::frame;
   }
@@ -68,12 +70,12 @@ StreamedViews viewsOf(double (*shift)(double)) {
   HeldBoard left(image, 0.0, shift), right(image, 0.04, shift);
   std::size_t views = 0;
   StreamedViews streamed = viewsFromStreams(
-      left, right, board(), {.most_seconds = 60.0, .stop_when_enough = false},
+      left, right, board(), {.max_seconds = 60.0, .stop_when_complete = false},
       [&views](const StreamProgress& progress) {
         views += progress.has_new_view ? 1 : 0;
         EXPECT_EQ(progress.so_far.views.size(), views);
         EXPECT_THAT(
-            progress.what_to_show,
+            progress.next_view_advice,
             ::testing::HasSubstr(views > 0 ? "show the board in the" : "show the board to both cameras"));
         EXPECT_THAT(progress.advice,
                     ::testing::ContainsRegex("hold it still: [01]|taken: move|only the left"));
@@ -83,8 +85,8 @@ StreamedViews viewsOf(double (*shift)(double)) {
   return streamed;
 }
 
-TEST(StreamViews, TakesAViewEachTimeTheBoardIsHeldStill) {
-  // Still until 2 s, then moved on within a second, then still.
+TEST(StreamViews, TakesAViewEachTimeTheBoardIsStill) {
+  // Still until 2 s, then moved for a second, then still.
   const StreamedViews streamed = viewsOf([](double time) { return 30.0 * std::clamp(time - 2.0, 0.0, 1.0); });
   ASSERT_EQ(streamed.views.size(), 2U);
   const auto& [first, second] = std::pair(streamed.views[0].view, streamed.views[1].view);
@@ -94,13 +96,13 @@ TEST(StreamViews, TakesAViewEachTimeTheBoardIsHeldStill) {
   EXPECT_NEAR(second.left[0].pixel.x() - first.left[0].pixel.x(), 30.0, 0.1);
 }
 
-TEST(StreamViews, RejectsABlurredViewAtOnceAndSaysWhy) {
+TEST(StreamViews, RejectsABlurredViewWithTheReason) {
   const cv::Mat image = seenBy(test::cartRig().left);
-  const auto shift = [](double time) { return time < 2.0 ? 0.0 : time < kLate ? 30.0 : 60.0; };
+  const auto shift = [](double time) { return time < 2.0 ? 0.0 : time < kBlurStart ? 30.0 : 60.0; };
   HeldBoard left(image, 0.0, shift, 3.0), right(image, 0.04, shift, 3.0);
   std::string rejection;
   std::size_t used = 0;
-  viewsFromStreams(left, right, board(), {.most_seconds = 60.0, .stop_when_enough = false},
+  viewsFromStreams(left, right, board(), {.max_seconds = 60.0, .stop_when_complete = false},
                    [&](const StreamProgress& progress) {
                      if (progress.has_new_view) rejection = progress.rejection;
                      used = progress.so_far.views.size();
@@ -109,21 +111,21 @@ TEST(StreamViews, RejectsABlurredViewAtOnceAndSaysWhy) {
   EXPECT_THAT(rejection, ::testing::HasSubstr("blurred"));
 }
 
-TEST(StreamViews, EndsWhenAsked) {
+TEST(StreamViews, StopsOnRequest) {
   const cv::Mat image = seenBy(test::cartRig().left);
   const auto held = [](double) { return 0.0; };
   HeldBoard left(image, 0.0, held), right(image, 0.04, held);
   double seconds = 0.0;
   viewsFromStreams(left, right, board(),
-                   {.most_seconds = 60.0,
-                    .stop_when_enough = false,
-                    .is_asked_to_stop = [&seconds] { return seconds > 2.0; }},
+                   {.max_seconds = 60.0,
+                    .stop_when_complete = false,
+                    .is_stop_requested = [&seconds] { return seconds > 2.0; }},
                    [&](const StreamProgress& progress) { seconds = progress.seconds; });
   EXPECT_GT(seconds, 2.0);
   EXPECT_LT(seconds, 3.0);
 }
 
-TEST(StreamViews, TakesNoneOfABoardThatMoves) {
+TEST(StreamViews, TakesNoViewOfAMovingBoard) {
   EXPECT_TRUE(viewsOf([](double time) { return 4.0 * time; }).views.empty());
 }
 

@@ -1,5 +1,4 @@
-// The simulated pair: where it listens, its password, and that both cameras start on one clock.
-
+// Tests of the simulated camera pair: endpoints, password file and the common start of the content.
 #include "tools/simulate/camera_pair_simulation.hpp"
 
 #include <chrono>
@@ -20,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Endpoint, IsAnAddressAndAPort) {
+TEST(Endpoint, ParsesAddressAndPort) {
   const Endpoint endpoint = parseEndpoint("127.0.0.2:8555");
   EXPECT_EQ(endpoint.address, "127.0.0.2");
   EXPECT_EQ(endpoint.port, 8555);
@@ -30,7 +29,7 @@ TEST(Endpoint, IsAnAddressAndAPort) {
   }
 }
 
-TEST(GeneratedPassword, IsMadeOnceAndForItsOwnerAlone) {
+TEST(GeneratedPassword, IsCreatedOnceAndReadableByOwnerOnly) {
   const test::TemporaryFolder folder;
   const std::string password = ensurePassword(folder / "password");
   EXPECT_GE(password.size(), 20U);
@@ -39,14 +38,14 @@ TEST(GeneratedPassword, IsMadeOnceAndForItsOwnerAlone) {
   EXPECT_EQ(readPasswordFile(folder / "password"), password);
 }
 
-TEST(GeneratedPassword, ReplacesOneThatOthersCouldRead) {
+TEST(GeneratedPassword, ReplacesPasswordThatOthersCanRead) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "password") << "known to all\n";
   fs::permissions(folder / "password", fs::perms::others_read, fs::perm_options::add);
   EXPECT_NE(ensurePassword(folder / "password"), "known to all");
 }
 
-TEST(GeneratedPassword, NamesTheFileThatCannotBeWritten) {
+TEST(GeneratedPassword, ErrorNamesFileThatCannotBeWritten) {
   const test::TemporaryFolder folder;
   try {
     ensurePassword(folder / "no folder/password");
@@ -57,7 +56,7 @@ TEST(GeneratedPassword, NamesTheFileThatCannotBeWritten) {
   }
 }
 
-class CameraPair : public testing::Test {
+class CameraPairSimulationTest : public testing::Test {
  protected:
   static CameraPairSettings settings() {
     CameraPairSettings settings;
@@ -73,7 +72,7 @@ class CameraPair : public testing::Test {
   }
 };
 
-TEST_F(CameraPair, StartsItsContentALeadInAfterItIsSwitchedOn) {
+TEST_F(CameraPairSimulationTest, StartsContentOneLeadInAfterBeingSwitchedOn) {
   CameraPairSimulation simulation(streams(), settings());
   EXPECT_NE(simulation.left().port(), simulation.right().port());
   const std::int64_t now =
@@ -83,25 +82,25 @@ TEST_F(CameraPair, StartsItsContentALeadInAfterItIsSwitchedOn) {
   EXPECT_GE(*simulation.epoch() - now, 200'000'000);
   const std::int64_t epoch = *simulation.epoch();
   simulation.update();
-  EXPECT_EQ(simulation.epoch(), epoch) << "once";
+  EXPECT_EQ(simulation.epoch(), epoch) << "the epoch is set only once";
 }
 
-TEST_F(CameraPair, WaitsUntilItIsWatchedIfTold) {
+TEST_F(CameraPairSimulationTest, WaitsForClientsWithStartWhenWatched) {
   CameraPairSettings waiting = settings();
   waiting.start = ContentStart::when_watched;
   CameraPairSimulation simulation(streams(), waiting);
   simulation.update();
   EXPECT_FALSE(simulation.epoch());
-  EXPECT_FALSE(simulation.finished());
+  EXPECT_FALSE(simulation.isFinished());
 }
 
-TEST_F(CameraPair, CanBeSwitchedOffAsSoonAsItIsOn) {
+TEST_F(CameraPairSimulationTest, CanBeDestroyedImmediately) {
   for (int i = 0; i < 50; ++i) {
     const CameraPairSimulation simulation(streams(), settings());
   }
 }
 
-TEST_F(CameraPair, SaysWhichPortItCannotHave) {
+TEST_F(CameraPairSimulationTest, ErrorNamesPortInUse) {
   const CameraPairSimulation first(streams(), settings());
   CameraPairSettings same = settings();
   same.left.port = first.left().port();

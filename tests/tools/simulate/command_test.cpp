@@ -1,4 +1,4 @@
-// `cartvo simulate` as people call it.
+// Tests of the command line of `cartvo simulate`.
 #include <array>
 #include <utility>
 
@@ -12,8 +12,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(SimulateCommand, RefusesWrongArguments) {
-  const std::array<std::pair<const char*, const char*>, 6> wrong{{
+TEST(SimulateCommand, RejectsInvalidArguments) {
+  const std::array<std::pair<const char*, const char*>, 6> invalid{{
       {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
       {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
       {"--left here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
@@ -21,10 +21,10 @@ TEST(SimulateCommand, RefusesWrongArguments) {
       {"--seconds -1", "--seconds"},
       {"--world campus --sequence folder", "--world excludes --sequence"},
   }};
-  for (const auto& [arguments, said] : wrong) {
-    const test::Finished run = test::runCartvo(std::string("simulate ") + arguments);
+  for (const auto& [arguments, message] : invalid) {
+    const test::CommandResult run = test::runCartvo(std::string("simulate ") + arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.said, HasSubstr(said));
+    EXPECT_THAT(run.output, HasSubstr(message));
   }
 }
 

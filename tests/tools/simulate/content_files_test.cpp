@@ -1,3 +1,4 @@
+// Tests of rendered image folders and of recorded sequences as content.
 #include "tools/simulate/content_files.hpp"
 
 #include <fstream>
@@ -23,7 +24,7 @@ std::string errorOf(const fs::path& folder) {
   return test::messageOf([&] { const SequenceContent content(folder, {}); });
 }
 
-TEST(RenderFolder, readsBackAsTheSameContent) {
+TEST(RenderFolder, ReadsBackAsTheSameContent) {
   const test::TemporaryFolder folder;
   const test::PatternContent pattern({.size = {64, 48}, .pairs = 4, .offset_s = 0.0125});
   renderFolder(folder / "drive", pattern, {});
@@ -47,7 +48,7 @@ TEST(RenderFolder, readsBackAsTheSameContent) {
   }
 }
 
-TEST(RenderFolder, writesOneTruthInTwoFormats) {
+TEST(RenderFolder, WritesTheSameTruthInTwoFormats) {
   const test::TemporaryFolder folder;
   const test::PatternContent pattern({.size = {64, 48}, .pairs = 4});
   renderFolder(folder / "drive", pattern, {});
@@ -56,20 +57,20 @@ TEST(RenderFolder, writesOneTruthInTwoFormats) {
 
   ASSERT_EQ(body.size(), 4U);
   ASSERT_EQ(camera.size(), 4U);
-  // 0.4 m/s to the right: -y of the body, x of the camera.
+  // The motion is 0.4 m/s to the right: -y in body axes, x in camera axes.
   EXPECT_EQ(body[3].time_ns, 150'000'000);
   EXPECT_TRUE(body[3].pose.translation().isApprox(Eigen::Vector3d(0.0, -0.06, 0.0), 1e-6));
   EXPECT_TRUE(camera[3].pose.translation().isApprox(Eigen::Vector3d(0.06, 0.0, 0.0), 1e-6));
 }
 
-TEST(RenderFolder, leavesAFolderThatIsNotEmptyAlone) {
+TEST(RenderFolder, RejectsFolderThatIsNotEmpty) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "notes.txt") << "mine\n";
   EXPECT_THROW(renderFolder(folder.path(), test::PatternContent({}), {}), std::runtime_error);
   EXPECT_TRUE(fs::exists(folder / "notes.txt"));
 }
 
-TEST(SequenceContent, saysWhatIsWrongWithAFolder) {
+TEST(SequenceContent, ErrorNamesFileAndProblem) {
   const test::TemporaryFolder folder;
   EXPECT_NE(errorOf(folder / "none").find((folder / "none").string()), std::string::npos);
 
@@ -82,7 +83,7 @@ TEST(SequenceContent, saysWhatIsWrongWithAFolder) {
   std::ofstream(folder / "b" / "image_0" / "000000.png") << "not a picture";
   EXPECT_EQ(errorOf(folder / "b"),
             (folder / "b" / "image_0" / "000000.png").string() +
-                ": not an image that can be read; expected a whole PNG or JPEG file, copy it anew");
+                ": cannot be decoded as an image; expected a complete PNG or JPEG file; copy it again");
 
   renderFolder(folder / "c", pattern, {});
   fs::remove(folder / "c" / "rig.yaml");
@@ -90,7 +91,7 @@ TEST(SequenceContent, saysWhatIsWrongWithAFolder) {
   EXPECT_NE(errorOf(folder / "c"), "");
 }
 
-TEST(SequenceContent, readsKittiAndLeavesAnOddColumnOut) {
+TEST(SequenceContent, ReadsKittiAndCropsOddColumn) {
   CARTVO_NEEDS_DATA(folder, "kitti_00");
   const SequenceContent content(folder, {.seconds = 1.0, .offset_s = 0.02});
   EXPECT_EQ(content.rig().left.size, cv::Size(1240, 376));

@@ -1,5 +1,4 @@
-// What a simulated camera sends when: the lead-in, then the content, without a gap or a step back between.
-
+// Tests of the schedule of pictures: lead-in, then content, without a gap or a step back in time.
 #include "tools/simulate/frame_schedule.hpp"
 
 #include <stdexcept>
@@ -13,7 +12,7 @@ constexpr double kFrameRate = 10.0;
 constexpr std::int64_t kPeriod_ns = 100'000'000;
 constexpr std::int64_t kSwitchedOn_ns = 5'000'000'000;
 
-/// A stream of three pictures whose first is exposed `offset_ns` after the content's start; a lead-in of two.
+/// A stream with a lead-in of two pictures and three content pictures, the first `offset_ns` after the start.
 std::shared_ptr<const EncodedStream> stream(std::int64_t offset_ns) {
   EncodedStream stream;
   stream.frame_rate = kFrameRate;
@@ -33,7 +32,7 @@ std::vector<std::int64_t> nextInstants(FrameSchedule& schedule, int count) {
   return instants;
 }
 
-TEST(FrameSchedule, RepeatsItsLeadInUntilTheContentIsStarted) {
+TEST(FrameSchedule, RepeatsLeadInUntilContentStarts) {
   const auto pictures = stream(0);
   FrameSchedule schedule(pictures, kSwitchedOn_ns, 0);
   for (int i = 0; i < 7; ++i) {
@@ -43,20 +42,20 @@ TEST(FrameSchedule, RepeatsItsLeadInUntilTheContentIsStarted) {
   }
 }
 
-TEST(FrameSchedule, GoesOverIntoItsContentWithoutAGap) {
+TEST(FrameSchedule, ContinuesFromLeadInToContentWithoutGap) {
   for (const std::int64_t offset : {std::int64_t{0}, kPeriod_ns / 4, -kPeriod_ns / 4}) {
     const auto pictures = stream(offset);
     FrameSchedule schedule(pictures, kSwitchedOn_ns, 0);
-    schedule.startContent(frameInstantFrom(kSwitchedOn_ns, kFrameRate, kSwitchedOn_ns + 250'000'000));
+    schedule.startContent(nextFrameInstant(kSwitchedOn_ns, kFrameRate, kSwitchedOn_ns + 250'000'000));
     const std::vector<std::int64_t> instants = nextInstants(schedule, 100);
-    ASSERT_EQ(instants.size(), 6U) << "three of the lead-in, three of the content";
+    ASSERT_EQ(instants.size(), 6U) << "three lead-in pictures and three content pictures";
     for (std::size_t i = 1; i < instants.size(); ++i)
       EXPECT_EQ(instants[i] - instants[i - 1], kPeriod_ns) << i << " with offset " << offset;
     EXPECT_EQ(instants.back(), kSwitchedOn_ns + 5 * kPeriod_ns + offset);
   }
 }
 
-TEST(FrameSchedule, NeverStepsBackWhereTheContentStartsBetweenTwoPictures) {
+TEST(FrameSchedule, StaysMonotonicWhenContentStartsBetweenTwoPictures) {
   for (std::int64_t shift = 0; shift < kPeriod_ns; shift += 7'000'000) {
     FrameSchedule schedule(stream(0), kSwitchedOn_ns, 0);
     schedule.startContent(kSwitchedOn_ns + 3 * kPeriod_ns + shift);
@@ -66,7 +65,7 @@ TEST(FrameSchedule, NeverStepsBackWhereTheContentStartsBetweenTwoPictures) {
   }
 }
 
-TEST(FrameSchedule, EndsAfterItsContentOrRepeatsIt) {
+TEST(FrameSchedule, EndsAfterContentOrRepeatsIt) {
   FrameSchedule once(stream(0), kSwitchedOn_ns, 0);
   once.startContent(kSwitchedOn_ns);
   EXPECT_EQ(nextInstants(once, 100).size(), 3U);
@@ -80,14 +79,16 @@ TEST(FrameSchedule, EndsAfterItsContentOrRepeatsIt) {
     EXPECT_EQ(instants[i] - instants[i - 1], kPeriod_ns);
 }
 
-TEST(FrameSchedule, IsStartedOnlyOnce) {
+TEST(FrameSchedule, IgnoresASecondStart) {
   FrameSchedule schedule(stream(0), kSwitchedOn_ns, 0);
   schedule.startContent(kSwitchedOn_ns);
   schedule.startContent(kSwitchedOn_ns + 100 * kPeriod_ns);
-  EXPECT_EQ(nextInstants(schedule, 1).front(), kSwitchedOn_ns);
+  const std::vector<std::int64_t> instants = nextInstants(schedule, 1);
+  ASSERT_FALSE(instants.empty());
+  EXPECT_EQ(instants.front(), kSwitchedOn_ns);
 }
 
-TEST(FrameSchedule, NeedsAPicture) {
+TEST(FrameSchedule, RejectsStreamWithoutPictures) {
   EXPECT_THROW(FrameSchedule(std::make_shared<const EncodedStream>(), 0, 0), std::invalid_argument);
 }
 

@@ -1,3 +1,4 @@
+// Tests of the simulated camera with a libavformat client: timing, authentication, clients, shutdown.
 #include "tools/simulate/simulated_camera.hpp"
 
 #include <chrono>
@@ -20,7 +21,7 @@ extern "C" {
 namespace cartvo::simulate {
 namespace {
 
-// Capital letters and a colon would break a client that pastes credentials together carelessly.
+// Capital letters and a hyphen, to detect clients that mishandle credentials.
 const std::string kPassword = "Right-1";
 
 constexpr std::int64_t kMicrosecond = 1'000;
@@ -44,21 +45,21 @@ std::shared_ptr<const EncodedStream> rightStream() {
   return {encodedPattern(), &encodedPattern()->right};
 }
 
-bool comesTrue(const std::function<bool()>& condition) {
+bool becomesTrue(const std::function<bool()>& condition) {
   const std::int64_t deadline = nowNs() + 5'000 * kMillisecond;
   while (!condition() && nowNs() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return condition();
 }
 
-// How far an instant is from the nearest one of a 20 Hz grid through `reference_ns`.
+// Distance of an instant to the nearest point of a 20 Hz grid through `reference_ns`, ns.
 std::int64_t distanceToGrid(std::int64_t instant_ns, std::int64_t reference_ns) {
   constexpr std::int64_t kPeriod = 50 * kMillisecond;
   const std::int64_t phase = ((instant_ns - reference_ns) % kPeriod + kPeriod) % kPeriod;
   return std::min(phase, kPeriod - phase);
 }
 
-TEST(SimulatedCamera, senderReportsCarryTheInstantsOfExposure) {
+TEST(SimulatedCamera, SenderReportsCarryExposureInstants) {
   SimulatedCamera camera(leftStream(), {.password = kPassword});
   const std::int64_t epoch = nowNs() + 2'500 * kMillisecond;
   camera.startContent(epoch);
@@ -67,14 +68,14 @@ TEST(SimulatedCamera, senderReportsCarryTheInstantsOfExposure) {
 
   ASSERT_EQ(received.open_error, 0);
   EXPECT_TRUE(received.ended);
-  EXPECT_TRUE(camera.finished());
+  EXPECT_TRUE(camera.isFinished());
   int with_instant = 0;
   int content = 0;
   for (const test::ReceivedPacket& packet : received.packets) {
     if (packet.instant_ns == 0) continue;
     ++with_instant;
     if (packet.instant_ns < epoch - 25 * kMillisecond) continue;
-    // RTP counts in steps of 11 us; the sender report's own step adds to that.
+    // The RTP clock has steps of 11 us; the rounding in the sender report adds to that.
     EXPECT_LE(distanceToGrid(packet.instant_ns, epoch), 20 * kMicrosecond);
     EXPECT_NEAR(static_cast<double>(packet.instant_ns - epoch), 50e6 * content, 20e3);
     EXPECT_GE(packet.arrival_ns, packet.instant_ns - 20 * kMicrosecond);
@@ -84,14 +85,14 @@ TEST(SimulatedCamera, senderReportsCarryTheInstantsOfExposure) {
   EXPECT_GT(with_instant, 50);
 }
 
-TEST(SimulatedCamera, asksForThePassword) {
+TEST(SimulatedCamera, RequiresThePassword) {
   const SimulatedCamera camera(leftStream(), {.password = kPassword});
 
   EXPECT_EQ(test::receive(camera.port(), "admin:wrong", 1).open_error, AVERROR_HTTP_UNAUTHORIZED);
   EXPECT_EQ(test::receive(camera.port(), "somebody:" + kPassword, 1).open_error, AVERROR_HTTP_UNAUTHORIZED);
 }
 
-TEST(SimulatedCamera, servesClientsThatComeLateLeaveAndReturnFromAKeyFrameOn) {
+TEST(SimulatedCamera, ServesReconnectingClientsFromAKeyFrame) {
   SimulatedCamera camera(leftStream(), {.password = kPassword});
   camera.startContent(nowNs());
   for (int visit = 0; visit < 2; ++visit) {
@@ -101,17 +102,17 @@ TEST(SimulatedCamera, servesClientsThatComeLateLeaveAndReturnFromAKeyFrameOn) {
   }
 }
 
-TEST(SimulatedCamera, countsThePlayingClients) {
+TEST(SimulatedCamera, CountsPlayingClients) {
   SimulatedCamera camera(leftStream(), {.password = kPassword});
   EXPECT_EQ(camera.playingClients(), 0);
 
   std::thread client([&camera] { test::receive(camera.port(), "admin:" + kPassword, 20); });
-  EXPECT_TRUE(comesTrue([&camera] { return camera.playingClients() == 1; }));
+  EXPECT_TRUE(becomesTrue([&camera] { return camera.playingClients() == 1; }));
   client.join();
-  EXPECT_TRUE(comesTrue([&camera] { return camera.playingClients() == 0; }));
+  EXPECT_TRUE(becomesTrue([&camera] { return camera.playingClients() == 0; }));
 }
 
-TEST(SimulatedCamera, isDoneWithItsPicturesWhenItIsSwitchedOffWhileClientsComePlayAndLeave) {
+TEST(SimulatedCamera, ReleasesItsStreamWhenDestroyedWithActiveClients) {
   const auto stream = std::make_shared<const EncodedStream>(*leftStream());
   for (const int packets : {1, 5, 1'000}) {
     auto camera = std::make_unique<SimulatedCamera>(stream, SimulatedCameraSettings{.password = kPassword});
@@ -119,40 +120,42 @@ TEST(SimulatedCamera, isDoneWithItsPicturesWhenItIsSwitchedOffWhileClientsComePl
     for (int i = 0; i < 3; ++i)
       clients.emplace_back(
           [packets, port = camera->port()] { test::receive(port, "admin:" + kPassword, packets); });
-    EXPECT_TRUE(comesTrue([&camera] { return camera->playingClients() > 0; }));
+    EXPECT_TRUE(becomesTrue([&camera] { return camera->playingClients() > 0; }));
     camera.reset();
-    // A thread of GStreamer's may let go of its last picture an instant later.
-    EXPECT_TRUE(comesTrue([&stream] { return stream.use_count() == 1; }));
+    // A GStreamer thread may release its last picture slightly later.
+    EXPECT_TRUE(becomesTrue([&stream] { return stream.use_count() == 1; }));
     for (std::thread& client : clients)
       client.join();
   }
 }
 
-TEST(SimulatedCamera, refusesClientsAtOnceWhenItsContentIsOver) {
+TEST(SimulatedCamera, RejectsClientsAfterTheContentHasEnded) {
   SimulatedCamera camera(leftStream(), {.password = kPassword});
   camera.startContent(nowNs() - 3'000 * kMillisecond);
-  ASSERT_TRUE(comesTrue([&camera] { return camera.finished(); }));
+  ASSERT_TRUE(becomesTrue([&camera] { return camera.isFinished(); }));
   EXPECT_EQ(test::receive(camera.port(), "admin:" + kPassword, 1).open_error, AVERROR_HTTP_SERVER_ERROR);
 }
 
-TEST(SimulatedCamera, twoCamerasKeepTheirOffset) {
+TEST(SimulatedCamera, TwoCamerasKeepTheirTimeOffset) {
   const std::int64_t switched_on = nowNs();
   const SimulatedCameraSettings settings{.password = kPassword, .switched_on_ns = switched_on};
   SimulatedCamera left(leftStream(), settings);
   SimulatedCamera right(rightStream(), settings);
 
-  const auto last = [](const SimulatedCamera& camera) {
-    return test::receive(camera.port(), "admin:" + kPassword, 30).packets.back().instant_ns;
-  };
-  EXPECT_LE(distanceToGrid(last(left), switched_on), 20 * kMicrosecond);
-  EXPECT_LE(distanceToGrid(last(right), switched_on + 12'500 * kMicrosecond), 20 * kMicrosecond);
+  const test::ReceivedStream from_left = test::receive(left.port(), "admin:" + kPassword, 30);
+  const test::ReceivedStream from_right = test::receive(right.port(), "admin:" + kPassword, 30);
+  ASSERT_FALSE(from_left.packets.empty());
+  ASSERT_FALSE(from_right.packets.empty());
+  EXPECT_LE(distanceToGrid(from_left.packets.back().instant_ns, switched_on), 20 * kMicrosecond);
+  EXPECT_LE(distanceToGrid(from_right.packets.back().instant_ns, switched_on + 12'500 * kMicrosecond),
+            20 * kMicrosecond);
 }
 
-TEST(SimulatedCamera, refusesAPortThatIsTaken) {
+TEST(SimulatedCamera, ErrorNamesPortInUse) {
   const SimulatedCamera camera(leftStream(), {.password = kPassword});
   try {
     const SimulatedCamera second(leftStream(), {.port = camera.port(), .password = kPassword});
-    FAIL() << "listens twice on one port";
+    FAIL() << "two cameras listen on one port";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what())
                   .find("a simulated camera cannot listen on 127.0.0.1:" + std::to_string(camera.port())),

@@ -1,3 +1,4 @@
+// Tests of the cache of encoded streams: round trip, damaged files, limit.
 #include "tools/simulate/stream_cache.hpp"
 
 #include <chrono>
@@ -28,7 +29,7 @@ EncodedPair smallPair() {
   return {.left = smallStream(1), .right = smallStream(2)};
 }
 
-TEST(StreamCache, givesBackTheSameBytes) {
+TEST(StreamCache, LoadsTheStoredStreams) {
   const test::TemporaryFolder folder;
   const StreamCache cache(folder / "cache", 1'000'000);
   EXPECT_FALSE(cache.load("drive"));
@@ -37,7 +38,7 @@ TEST(StreamCache, givesBackTheSameBytes) {
   EXPECT_FALSE(cache.load("another drive"));
 }
 
-TEST(StreamCache, noticesAndRemovesADamagedFile) {
+TEST(StreamCache, RemovesDamagedFile) {
   const test::TemporaryFolder folder;
   const StreamCache cache(folder.path(), 1'000'000);
   const fs::path file = cache.fileFor("drive");
@@ -54,7 +55,7 @@ TEST(StreamCache, noticesAndRemovesADamagedFile) {
   EXPECT_FALSE(cache.load("drive"));
 }
 
-TEST(StreamCache, makesRoomByRemovingWhatWasNotUsedForLongest) {
+TEST(StreamCache, RemovesLeastRecentlyUsedFiles) {
   const test::TemporaryFolder folder;
   const StreamCache cache(folder.path(), 2 * streamFileContents(smallPair(), "1").size() + 10);
   const auto age = [&cache](const char* key, int hours) {
@@ -64,7 +65,7 @@ TEST(StreamCache, makesRoomByRemovingWhatWasNotUsedForLongest) {
   age("1", 3);
   cache.store("2", smallPair());
   age("2", 2);
-  EXPECT_TRUE(cache.load("1"));  // used now: 2 is the older one
+  EXPECT_TRUE(cache.load("1"));  // now 2 is the least recently used
   cache.store("3", smallPair());
   EXPECT_TRUE(cache.load("1"));
   EXPECT_FALSE(cache.load("2"));

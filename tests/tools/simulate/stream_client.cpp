@@ -1,3 +1,4 @@
+// An RTSP client of the simulated camera, by libavformat.
 #include "tools/simulate/stream_client.hpp"
 
 #include <chrono>
@@ -7,7 +8,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
-#include "support/patience.hpp"
+#include "support/test_timeout.hpp"
 
 namespace cartvo::test {
 namespace {
@@ -36,7 +37,7 @@ std::int64_t instantOf(const AVPacket& packet) {
 
 ReceivedStream receive(std::uint16_t port, const std::string& user_and_password, int packets) {
   ReceivedStream received;
-  Deadline deadline{Clock::now() + kPatience};
+  Deadline deadline{Clock::now() + kTestTimeout};
   AVFormatContext* context = avformat_alloc_context();
   context->interrupt_callback = {.callback = isPast, .opaque = &deadline};
   AVDictionary* options = nullptr;
@@ -49,7 +50,7 @@ ReceivedStream receive(std::uint16_t port, const std::string& user_and_password,
 
   AVPacket* packet = av_packet_alloc();
   while (static_cast<int>(received.packets.size()) < packets) {
-    deadline.at = Clock::now() + kPatience;
+    deadline.at = Clock::now() + kTestTimeout;
     const int result = av_read_frame(context, packet);
     if (result < 0) {
       received.ended = result == AVERROR_EOF;

@@ -1,3 +1,4 @@
+// Tests of the H.264 encoder and of encodeContent, by decoding the streams.
 #include "tools/simulate/stream_encoder.hpp"
 
 #include <cmath>
@@ -18,13 +19,14 @@ extern "C" {
 namespace cartvo::simulate {
 namespace {
 
+/// A decoded picture with its type (I or P) and value range.
 struct DecodedPicture {
   cv::Mat luma;
   char type = '?';
   AVColorRange range = AVCOL_RANGE_UNSPECIFIED;
 };
 
-// Decodes what comes out, without delay: a stream with B-frames would need one.
+// Decodes `units` of a stream.
 std::vector<DecodedPicture> decode(const EncodedStream& stream, const std::vector<AccessUnit>& units) {
   AVCodecContext* context = avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_H264));
   context->thread_count = 1;
@@ -32,7 +34,7 @@ std::vector<DecodedPicture> decode(const EncodedStream& stream, const std::vecto
   AVPacket* packet = av_packet_alloc();
   AVFrame* frame = av_frame_alloc();
   std::vector<DecodedPicture> pictures;
-  const auto take = [&] {
+  const auto drain = [&] {
     while (avcodec_receive_frame(context, frame) == 0) {
       const cv::Mat luma(frame->height, frame->width, CV_8UC1, frame->data[0],
                          static_cast<std::size_t>(frame->linesize[0]));
@@ -45,10 +47,10 @@ std::vector<DecodedPicture> decode(const EncodedStream& stream, const std::vecto
     std::copy(bytes.begin(), bytes.end(), packet->data);
     avcodec_send_packet(context, packet);
     av_packet_unref(packet);
-    take();
+    drain();
   }
   avcodec_send_packet(context, nullptr);
-  take();
+  drain();
   av_frame_free(&frame);
   av_packet_free(&packet);
   avcodec_free_context(&context);
@@ -64,7 +66,7 @@ double peakSignalToNoise(const cv::Mat& a, const cv::Mat& b) {
   return 20.0 * std::log10(255.0 / rms);
 }
 
-TEST(StreamEncoder, decodesToTheSamePicturesWithoutBFramesAndAKeyFrameEachInterval) {
+TEST(StreamEncoder, HasNoBFramesAndAKeyFrameEachInterval) {
   const test::PatternContent content({.pairs = 25});
   const EncodedPair pair = encodeContent(content, {.bitrate_kbps = 4000}, {});
   const std::vector<DecodedPicture> decoded = decode(pair.left);
@@ -81,29 +83,33 @@ TEST(StreamEncoder, decodesToTheSamePicturesWithoutBFramesAndAKeyFrameEachInterv
   }
 }
 
-class MovingFromTheStart : public test::PatternContent {
+class MovingPatternContent : public test::PatternContent {
  public:
   using PatternContent::PatternContent;
-  bool beginsStanding() const override { return false; }
+  bool startsAtStandstill() const override { return false; }
 };
 
-TEST(StreamEncoder, showsTheFirstPictureBeforeTheContentOnlyIfTheCamerasStandThere) {
+TEST(StreamEncoder, LeadInShowsFirstPictureOnlyIfContentStartsAtStandstill) {
   const test::PatternSettings settings{.pairs = 2};
   const EncodedPair standing = encodeContent(test::PatternContent(settings), {}, {});
-  const EncodedPair moving = encodeContent(MovingFromTheStart(settings), {}, {});
-  const cv::Mat first = decode(standing.left).front().luma;
+  const EncodedPair moving = encodeContent(MovingPatternContent(settings), {}, {});
+  const std::vector<DecodedPicture> decoded = decode(standing.left);
+  ASSERT_FALSE(decoded.empty());
+  const cv::Mat first = decoded.front().luma;
   for (const DecodedPicture& picture : decode(standing.left, standing.left.lead_in))
     EXPECT_GT(peakSignalToNoise(picture.luma, first), 38.0);
   for (const DecodedPicture& picture : decode(moving.left, moving.left.lead_in)) {
-    double least = 0.0, most = 0.0;
-    cv::minMaxLoc(picture.luma, &least, &most);
-    EXPECT_LT(most - least, 3.0) << "nothing to see";
+    double darkest = 0.0, brightest = 0.0;
+    cv::minMaxLoc(picture.luma, &darkest, &brightest);
+    EXPECT_LT(brightest - darkest, 3.0) << "a blank lead-in";
   }
   EXPECT_EQ(moving.left.lead_in.size(), standing.left.lead_in.size());
-  EXPECT_GT(peakSignalToNoise(decode(moving.left).front().luma, first), 38.0);
+  const std::vector<DecodedPicture> decoded_moving = decode(moving.left);
+  ASSERT_FALSE(decoded_moving.empty());
+  EXPECT_GT(peakSignalToNoise(decoded_moving.front().luma, first), 38.0);
 }
 
-TEST(StreamEncoder, keepsItsBitRate) {
+TEST(StreamEncoder, KeepsTheBitRate) {
   const EncodedPair pair =
       encodeContent(test::PatternContent({.pairs = 60, .speed = 3.0}), {.bitrate_kbps = 600}, {});
   std::uint64_t bytes = 0;
@@ -112,12 +118,12 @@ TEST(StreamEncoder, keepsItsBitRate) {
   EXPECT_LT(static_cast<double>(bytes) * 8.0 / 3.0, 1.2 * 600e3);  // 60 pictures at 20 Hz: 3 s
 }
 
-TEST(StreamEncoder, givesTheSameBytesAgain) {
+TEST(StreamEncoder, IsDeterministic) {
   const test::PatternContent content({.pairs = 5, .offset_s = 0.01});
   EXPECT_EQ(encodeContent(content, {}, {}), encodeContent(content, {}, {}));
 }
 
-TEST(StreamEncoder, refusesWhatH264CannotHold) {
+TEST(StreamEncoder, RejectsInvalidSizesAndRates) {
   EXPECT_THROW(StreamEncoder({}, {641, 480}, 18.0), std::invalid_argument);
   EXPECT_THROW(StreamEncoder({}, {640, 480}, 0.0), std::invalid_argument);
   EXPECT_THROW(StreamEncoder({.bitrate_kbps = 1}, {640, 480}, 18.0), std::invalid_argument);

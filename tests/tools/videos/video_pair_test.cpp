@@ -1,3 +1,4 @@
+// Tests of two video files as a stereo pair: their time offset and their replay.
 #include "tools/replay/video_pair.hpp"
 
 #include <cmath>
@@ -34,14 +35,14 @@ void encode(const std::string& input, const fs::path& output) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
 }
 
-/// Looks around over a wide scene; px.
+/// Position of the camera's view in a wide scene at `time`, px.
 cv::Point2d lookingAround(double time) {
   return {400.0 + 120.0 * std::sin(0.9 * time) + 60.0 * std::sin(0.53 * time * time / 6.0) +
               8.0 * std::sin(7.1 * time),
           150.0 + 10.0 * std::sin(5.3 * time) + 6.0 * std::sin(9.7 * time + 1.0)};
 }
 
-/// What a camera sees that is switched on at `begin`, s.
+/// Writes the video of a camera that is switched on at `begin` for `duration`, s.
 void film(const fs::path& file, double begin, double duration) {
   cv::Mat scene(400, 900, CV_8UC1);
   cv::RNG random(3);
@@ -72,7 +73,7 @@ Rig smallRig() {
   return rig;
 }
 
-TEST(VideoPair, ThatWasStartedApartIsPutTogetherByItsPictures) {
+TEST(VideoPair, OffsetIsEstimatedFromTheImages) {
   const test::TemporaryFolder folder;
   film(folder / "left.mp4", 0.0, 12.0);
   film(folder / "right.mkv", 3.217, 8.0);
@@ -80,12 +81,12 @@ TEST(VideoPair, ThatWasStartedApartIsPutTogetherByItsPictures) {
   const VideoTiming timing = findVideoTiming({folder / "left.mp4", folder / "right.mkv"}, smallRig(),
                                              [&](std::size_t done, std::size_t) { pictures = done; });
   EXPECT_NEAR(timing.offset, 3.217, 5e-3);
-  EXPECT_NEAR(timing.offset, 3.217, 3.0 * timing.deviation);
-  EXPECT_LT(timing.deviation, 5e-3);
+  EXPECT_NEAR(timing.offset, 3.217, 3.0 * timing.stddev);
+  EXPECT_LT(timing.stddev, 5e-3);
   EXPECT_NEAR(static_cast<double>(pictures), 250.0, 2.0);
 }
 
-TEST(VideoPair, OfAnotherDriveIsRefused) {
+TEST(VideoPair, VideosOfDifferentDrivesAreRejected) {
   const test::TemporaryFolder folder;
   film(folder / "left.mp4", 0.0, 12.0);
   film(folder / "right.mp4", 100.0, 12.0);
@@ -96,7 +97,7 @@ TEST(VideoPair, OfAnotherDriveIsRefused) {
               HasSubstr("give --offset-ms"));
 }
 
-TEST(VideoPair, IsReplayedAsAFolderOfItsPicturesIs) {
+TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   constexpr int kPairs = 6;
   const test::TemporaryFolder folder;

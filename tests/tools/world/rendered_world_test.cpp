@@ -1,3 +1,4 @@
+// Tests of RenderedWorld: determinism, clocks, truth, lens model and settings.
 #include "tools/world/rendered_world.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ double meanDifference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
 }
 
-TEST(RenderedWorld, SameSettingsGiveTheSameBytesOnAnyNumberOfThreads) {
+TEST(RenderedWorld, SameSettingsGiveTheSameBytesWithAnyThreadCount) {
   WorldSettings settings = smallDrive();
   settings.threads = 1;
   const RenderedWorld one(settings);
@@ -41,14 +42,14 @@ TEST(RenderedWorld, SameSettingsGiveTheSameBytesOnAnyNumberOfThreads) {
   cv::Mat left[2];
   cv::Mat right[2];
   one.images(60, left[0], right[0]);
-  three.images(61, left[1], right[1]);  // an image does not depend on the ones before
+  three.images(61, left[1], right[1]);  // an image must not depend on images rendered before
   three.images(60, left[1], right[1]);
   EXPECT_EQ(cv::norm(left[0], left[1], cv::NORM_L1), 0.0);
   EXPECT_EQ(cv::norm(right[0], right[1], cv::NORM_L1), 0.0);
   EXPECT_EQ(one.cacheKey(), three.cacheKey());
 }
 
-TEST(RenderedWorld, AnotherSeedIsAnotherCampus) {
+TEST(RenderedWorld, DifferentSeedGivesDifferentCampus) {
   WorldSettings settings = smallDrive();
   const RenderedWorld first(settings);
   settings.seed = 2;
@@ -57,25 +58,25 @@ TEST(RenderedWorld, AnotherSeedIsAnotherCampus) {
   EXPECT_NE(first.cacheKey(), second.cacheKey());
 }
 
-TEST(RenderedWorld, NothingFlickersBeforeACartThatStands) {
+TEST(RenderedWorld, StaticSceneDoesNotFlickerAtStandstill) {
   WorldSettings settings = smallDrive(Scenario::standing);
   settings.noise = 0.0;
   const RenderedWorld world(settings);
-  const auto at_rest = [&](int index) -> cv::Mat {  // also away from the edges of what moves
+  const auto static_mask = [&](int index) -> cv::Mat {  // excludes moving objects and a margin of 2 px
     const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
     cv::Mat still;
     cv::erode(moving == 0, still, cv::Mat(), cv::Point(-1, -1), 2);
     return still;
   };
-  const cv::Mat still = at_rest(60) & at_rest(61);
+  const cv::Mat still = static_mask(60) & static_mask(61);
   cv::Mat change;
   cv::absdiff(world.image(60, CameraSide::left), world.image(61, CameraSide::left), change);
-  const int changed = cv::countNonZero((change > 1) & still);  // where shadows pass
+  const int changed = cv::countNonZero((change > 1) & still);  // moving shadows
   EXPECT_LT(changed, 0.015 * cv::countNonZero(still));
   EXPECT_GT(cv::countNonZero(still), 0.5 * static_cast<double>(still.total()));
 }
 
-TEST(RenderedWorld, EachCameraKeepsItsOwnClock) {
+TEST(RenderedWorld, RightCameraHasTimeOffsetAndDrift) {
   WorldSettings settings = smallDrive();
   settings.offset_s = 0.02;
   settings.offset_drift_ppm = 50.0;
@@ -85,23 +86,24 @@ TEST(RenderedWorld, EachCameraKeepsItsOwnClock) {
   EXPECT_EQ(world.pairCount(), 180);
 }
 
-TEST(RenderedWorld, TheRightImageIsWhatIsSeenAtItsOwnInstant) {
+TEST(RenderedWorld, RightImageShowsTheSceneAtItsOwnExposure) {
   WorldSettings settings = smallDrive();
   settings.noise = 0.0;
   const RenderedWorld simultaneous(settings);
-  settings.offset_s = 1.0 / settings.frame_rate;  // as late as the next frame
-  const RenderedWorld late(settings);
-  const cv::Mat image = late.image(100, CameraSide::right);
+  settings.offset_s = 1.0 / settings.frame_rate;  // one frame period
+  const RenderedWorld offset(settings);
+  const cv::Mat image = offset.image(100, CameraSide::right);
   const double to_next = meanDifference(image, simultaneous.image(101, CameraSide::right));
   const double to_same = meanDifference(image, simultaneous.image(100, CameraSide::right));
   EXPECT_LT(to_next, 0.5 * to_same);
 }
 
-TEST(RenderedWorld, TruthBeginsAtTheOriginAndIsSmooth) {
+TEST(RenderedWorld, TruthStartsAtTheOriginAndIsSmooth) {
   for (const Scenario scenario : world::allScenarios()) {
     SCOPED_TRACE(std::string(world::scenarioName(scenario)));
     const RenderedWorld world(smallDrive(scenario));
     EXPECT_TRUE(world.T_world_body(0.0).isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+    ASSERT_FALSE(world.truth().empty());
     EXPECT_TRUE(world.truth().front().pose.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
     constexpr double kStep = 0.005;
     for (const double t : world::stepsBelow(9.8, 0.1, kStep)) {
@@ -115,7 +117,7 @@ TEST(RenderedWorld, TruthBeginsAtTheOriginAndIsSmooth) {
   }
 }
 
-TEST(RenderedWorld, TheCartStandsStillDuringTheLeadIn) {
+TEST(RenderedWorld, LeadInIsAStandstill) {
   WorldSettings settings = smallDrive();
   settings.lead_in_seconds = 3.0;
   const RenderedWorld world(settings);
@@ -123,7 +125,7 @@ TEST(RenderedWorld, TheCartStandsStillDuringTheLeadIn) {
   EXPECT_GT(world.T_world_body(8.0).translation().norm(), 3.0);
 }
 
-TEST(RenderedWorld, LensesAreInvertedExactly) {
+TEST(RenderedWorld, UndistortInvertsDistort) {
   const Rig rig = world::simulatedRig(WorldSettings{});
   for (const CameraModel* camera : {&rig.left, &rig.right}) {
     for (const double y : world::stepsBelow(camera->size.height, -0.5, 20.0)) {
@@ -139,7 +141,7 @@ TEST(RenderedWorld, LensesAreInvertedExactly) {
             1e-6);
 }
 
-TEST(RenderedWorld, RefusesSettingsOutOfRange) {
+TEST(RenderedWorld, RejectsSettingsOutOfRange) {
   WorldSettings settings;
   settings.seconds = 0.0;
   EXPECT_THROW(RenderedWorld{settings}, std::invalid_argument);

@@ -1,4 +1,4 @@
-// What the scenarios promise, seen in their truth and in small pictures.
+// Verifies the properties of the scenarios on true poses and small images.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -31,9 +31,8 @@ double speedAt(const RenderedWorld& world, double t) {
   return (world.T_world_body(t + kStep).translation() - world.T_world_body(t).translation()).norm() / kStep;
 }
 
-/// The share of the left camera's view that moving objects cover, in every ninth image from `first` on,
-/// sorted.
-std::vector<double> movingShares(const RenderedWorld& world, int first) {
+/// Fraction of the left image that moving objects cover, for every ninth image from `first` on, sorted.
+std::vector<double> sortedMovingFractions(const RenderedWorld& world, int first) {
   std::vector<double> shares;
   for (int index = first; index < world.pairCount(); index += 9) {
     const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
@@ -43,25 +42,25 @@ std::vector<double> movingShares(const RenderedWorld& world, int first) {
   return shares;
 }
 
-TEST(RenderedWorldScenarios, AllShowSomethingEverywhere) {
+TEST(RenderedWorldScenarios, ImagesHaveContrastAndNoBlackPixels) {
   for (const Scenario scenario : world::allScenarios()) {
     SCOPED_TRACE(std::string(world::scenarioName(scenario)));
     WorldSettings settings = smallDrive(scenario, 4.0);
     settings.noise = 0.0;
     const cv::Mat image = RenderedWorld(settings).image(70, CameraSide::right);
-    double darkest = 0.0;  // what is not a number comes out black
+    double darkest = 0.0;  // NaN radiance becomes black
     cv::minMaxLoc(image, &darkest);
     EXPECT_GT(darkest, 0.0);
     cv::Scalar mean;
-    cv::Scalar deviation;
-    cv::meanStdDev(image, mean, deviation);
+    cv::Scalar stddev;
+    cv::meanStdDev(image, mean, stddev);
     EXPECT_GT(mean[0], 25.0);
     EXPECT_LT(mean[0], 200.0);
-    EXPECT_GT(deviation[0], 10.0);
+    EXPECT_GT(stddev[0], 10.0);
   }
 }
 
-TEST(RenderedWorldScenarios, LoopIsOneLapOfThreeHundredMetres) {
+TEST(RenderedWorldScenarios, LoopIsOneLapOf300Metres) {
   const RenderedWorld world(smallDrive(Scenario::loop, 85.0));
   double length = 0.0;
   for (const double t : world::stepsBelow(85.0, 0.0, 0.1))
@@ -74,21 +73,21 @@ TEST(RenderedWorldScenarios, LoopIsOneLapOfThreeHundredMetres) {
 
 TEST(RenderedWorldScenarios, ReversingDrivesBackward) {
   const RenderedWorld world(smallDrive(Scenario::reversing, 20.0));
-  double least_step = 0.0;
+  double min_step = 0.0;
   for (const double t : world::stepsBelow(19.0, 0.0, 0.5)) {
     const Eigen::Isometry3d step = world.T_world_body(t).inverse() * world.T_world_body(t + 0.5);
-    least_step = std::min(least_step, step.translation().x());
+    min_step = std::min(min_step, step.translation().x());
   }
-  EXPECT_LT(least_step, -0.5);
+  EXPECT_LT(min_step, -0.5);
 }
 
-TEST(RenderedWorldScenarios, MotorwayIsFastFromTheFirstInstant) {
+TEST(RenderedWorldScenarios, MotorwayStartsAtFullSpeed) {
   const RenderedWorld world(smallDrive(Scenario::motorway));
   EXPECT_NEAR(speedAt(world, 0.0), 20.0, 0.1);
   EXPECT_NEAR(speedAt(world, 9.0), 20.0, 0.1);
 }
 
-TEST(RenderedWorldScenarios, StopAndGoStopsAgainAndAgain) {
+TEST(RenderedWorldScenarios, StopAndGoStopsRepeatedly) {
   const RenderedWorld world(smallDrive(Scenario::stop_and_go, 26.0));
   int stops = 0;
   bool moving = false;
@@ -100,33 +99,37 @@ TEST(RenderedWorldScenarios, StopAndGoStopsAgainAndAgain) {
   EXPECT_GE(stops, 2);
 }
 
-TEST(RenderedWorldScenarios, ExposureJumpsFromOneImageToTheNext) {
+TEST(RenderedWorldScenarios, ExposureJumpsWithinTwoFrames) {
   const RenderedWorld world(smallDrive(Scenario::exposure));
   const double before = cv::mean(world.image(143, CameraSide::left))[0];  // the jump is at 8 s
   const double after = cv::mean(world.image(145, CameraSide::left))[0];
   EXPECT_GT(after, 2.0 * before);  // three stops are a factor of 2.6 in grey levels
 }
 
-TEST(RenderedWorldScenarios, TrafficCoversTwoFifthsOfTheView) {
-  const std::vector<double> shares = movingShares(RenderedWorld(smallDrive(Scenario::traffic, 30.0)), 36);
+TEST(RenderedWorldScenarios, TrafficCoversUpTo40PercentOfTheImage) {
+  const std::vector<double> shares =
+      sortedMovingFractions(RenderedWorld(smallDrive(Scenario::traffic, 30.0)), 36);
+  ASSERT_FALSE(shares.empty());
   EXPECT_GT(shares.back(), 0.4);
   EXPECT_GT(shares[shares.size() / 2], 0.2);
 }
 
-TEST(RenderedWorldScenarios, VehiclesPassTheStandingCartForTwentySeconds) {
+TEST(RenderedWorldScenarios, VehiclesPassTheCartAtStandstill) {
   const RenderedWorld world(smallDrive(Scenario::standing, 22.0));
   EXPECT_LT(world.T_world_body(21.5).translation().norm(), 1e-6);
-  const std::vector<double> shares = movingShares(world, 36);
+  const std::vector<double> shares = sortedMovingFractions(world, 36);
+  ASSERT_FALSE(shares.empty());
   EXPECT_GT(shares.back(), 0.3);
   EXPECT_GT(shares[shares.size() / 2], 0.02);
 }
 
-TEST(RenderedWorldScenarios, UnderpassTakesTheLightWithinASecondAndGivesItBack) {
+TEST(RenderedWorldScenarios, UnderpassDarkensAndBrightensWithinOneSecond) {
   const RenderedWorld world(smallDrive(Scenario::underpass, 20.0));
   std::vector<double> stops;
   constexpr double kStep = 0.25;
   for (const double t : world::stepsBelow(18.0, 2.0, kStep))
-    stops.push_back(std::log2(world.light(t)));
+    stops.push_back(std::log2(world.meanRadiance(t)));
+  ASSERT_FALSE(stops.empty());
   double fall = 0.0;
   double rise = 0.0;
   for (std::size_t i = 4; i < stops.size(); ++i) {
@@ -140,7 +143,7 @@ TEST(RenderedWorldScenarios, UnderpassTakesTheLightWithinASecondAndGivesItBack) 
   EXPECT_GT(*std::max_element(darkest, stops.end()) - *darkest, 3.5);
 }
 
-TEST(RenderedWorldScenarios, GlareBlindsAPartOfThePicture) {
+TEST(RenderedWorldScenarios, GlareSaturatesPartOfTheImage) {
   const RenderedWorld world(smallDrive(Scenario::glare));
   for (const int index : {20, 90, 140}) {
     SCOPED_TRACE(index);

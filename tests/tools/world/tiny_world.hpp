@@ -4,7 +4,7 @@
 
 namespace cartvo::test {
 
-/// A drive that is rendered in a few seconds: half the size, a picture each ninth of a second.
+/// A drive that renders in a few seconds: half the image size, 9 Hz, 0.7 s.
 inline world::WorldSettings tinyWorld() {
   world::WorldSettings settings;
   settings.image_size = {340, 210};

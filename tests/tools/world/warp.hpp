@@ -7,21 +7,21 @@
 
 namespace cartvo::test {
 
-/// One image as it was rendered: which camera, when.
+/// Identifies one rendered image: camera and frame index.
 struct Exposure {
   int index = 0;
   CameraSide side = CameraSide::left;
 };
 
-/// What is left between two images of a world once truth and rendered depth have carried one onto the other.
+/// Residual displacement of a patch after warping one image onto another by true poses and rendered depth.
 struct WarpResidual {
-  Eigen::Vector2d flow;      ///< where truth says the patch went, px
-  Eigen::Vector2d residual;  ///< how far from there it is found, px
+  Eigen::Vector2d flow;      ///< true displacement of the patch, px
+  Eigen::Vector2d residual;  ///< measured minus true displacement, px
 };
 
-/// Warps `to` onto `from` through `from`'s depth and the true poses and measures the displacement that
-/// remains, in floating point and in two steps, on patches that are static, seen by both, away from depth
-/// edges, and textured.
+/// Warps `to` onto `from` by `from`'s depth and the true poses and measures the remaining displacement in two
+/// Lucas-Kanade steps, in floating point, on textured static patches that both images show away from depth
+/// edges.
 std::vector<WarpResidual> warpResiduals(const world::RenderedWorld& world, const Exposure& from,
                                         const Exposure& to);
 

@@ -1,3 +1,4 @@
+// Verifies that rendered images agree with their ground truth to a fraction of a pixel.
 #include "tests/tools/world/warp.hpp"
 
 #include <cmath>
@@ -25,8 +26,8 @@ world::WorldSettings cleanDrive(world::Scenario scenario, std::uint64_t seed) {
 }
 
 struct Summary {
-  double mean = 0.0;   ///< of the residuals' length, px
-  double scale = 0.0;  ///< slope of the residual over the flow
+  double mean = 0.0;   ///< mean length of the residuals, px
+  double scale = 0.0;  ///< slope of the residual over the flow: relative scale error
 };
 
 Summary summarise(const std::vector<WarpResidual>& residuals) {
@@ -51,17 +52,17 @@ void expectExact(const std::vector<WarpResidual>& residuals) {
   EXPECT_LT(std::abs(summary.scale), 0.001);
 }
 
-/// A scenario and a seed.
+/// Parameters: a scenario and a seed.
 class RenderedWorldWarp : public testing::TestWithParam<std::tuple<world::Scenario, std::uint64_t>> {
  protected:
   const world::RenderedWorld world_{cleanDrive(std::get<0>(GetParam()), std::get<1>(GetParam()))};
 };
 
-TEST_P(RenderedWorldWarp, LeftMeetsRightThroughDepthAndTruth) {
+TEST_P(RenderedWorldWarp, RightImageMatchesLeftImageByDepthAndTruePoses) {
   expectExact(test::warpResiduals(world_, {130, CameraSide::left}, {130, CameraSide::right}));
 }
 
-TEST_P(RenderedWorldWarp, EachImageMeetsTheNextThroughDepthAndTruth) {
+TEST_P(RenderedWorldWarp, NextImageMatchesImageByDepthAndTruePoses) {
   expectExact(test::warpResiduals(world_, {90, CameraSide::left}, {91, CameraSide::left}));
 }
 

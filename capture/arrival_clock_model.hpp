@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+namespace cartvo {
+
+/// Clock model of a camera's RTP clock against the host's clock, from packet arrivals: the affine lower bound
+/// of all arrivals over RTP time. Its value is the arrival of a packet with the least network delay, its
+/// slope the skew of the RTP clock. Network delay is one-sided, so the fastest packets determine the bound to
+/// a fraction of the usual jitter. (S. Moon, P. Skelly, D. Towsley: "Estimation and removal of clock skew
+/// from network delay measurements", INFOCOM 1999.) Pure.
+class ArrivalClockModel {
+ public:
+  /// Adds a picture: RTP time `rtp_ns` (unwrapped, increasing) and arrival by the host's clock.
+  void add(std::int64_t rtp_ns, std::int64_t arrival_ns);
+
+  bool hasData() const { return !blocks_.empty(); }
+
+  /// Whether the model covers more than the first few seconds.
+  bool isSettled() const { return blocks_.size() > 2; }
+
+  /// Arrival at the least delay, ns since the Unix epoch, host's clock. Requires hasData().
+  std::int64_t at(std::int64_t rtp_ns) const;
+
+  /// Standard deviation of `at` for the latest pictures, ns.
+  double stddevNs() const { return stddev_ns_; }
+
+  /// Host seconds per second of RTP time, minus 1.
+  double skew() const { return slope_ * 1e-9; }
+
+  /// Number of restarts, because the host's clock was set or the camera's RTP clock jumped.
+  std::uint64_t restarts() const { return restarts_; }
+
+ private:
+  /// The fastest picture of a block of two seconds.
+  struct Point {
+    double time = 0.0;   ///< RTP, s from the first picture
+    double delay = 0.0;  ///< arrival minus RTP time, ns, relative to the first picture
+  };
+
+  double delayAt(double time) const { return intercept_ + slope_ * time; }
+  void begin(std::int64_t rtp_ns, std::int64_t arrival_ns);
+  void dropStaleBlocks();
+  void fit();
+  double hullSlope() const;
+  void updateStddev();
+
+  std::int64_t origin_rtp_ns_ = 0;
+  std::int64_t origin_arrival_ns_ = 0;
+  std::deque<Point> blocks_;
+  double intercept_ = 0.0;  ///< ns
+  double slope_ = 0.0;      ///< ns/s
+  double stddev_ns_ = 0.0;
+  std::uint64_t restarts_ = 0;
+};
+
+}  // namespace cartvo

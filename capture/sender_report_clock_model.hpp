@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+namespace cartvo {
+
+/// Clock model of a camera's RTP clock against the camera's own wall clock, from RTCP sender reports. A
+/// report is a noisy sample, because cameras put the time of sending into it. Offset and skew are fitted
+/// robustly over the latest ten minutes; a step of the wall clock restarts the fit. Pure.
+class SenderReportClockModel {
+ public:
+  /// `default_scatter_ns`: standard deviation of one report while there are too few to estimate it.
+  explicit SenderReportClockModel(double default_scatter_ns) : default_scatter_ns_(default_scatter_ns) {}
+
+  /// Adds a report: the picture with RTP time `rtp_ns` was exposed at `instant_ns` by the camera's wall
+  /// clock. `expected_skew`: skew of the RTP clock by another source; prior with a standard deviation of 20
+  /// ppm, because the wall clock follows true time about as well.
+  void add(std::int64_t rtp_ns, std::int64_t instant_ns, double expected_skew);
+
+  bool hasData() const { return !samples_.empty(); }
+
+  /// Camera's wall clock, ns since the Unix epoch. Requires hasData().
+  std::int64_t at(std::int64_t rtp_ns) const;
+
+  /// Standard deviation of `at`, ns, from the scatter of the reports. Excludes the error of the wall clock.
+  double stddevNs(std::int64_t rtp_ns) const;
+
+  /// Standard deviation of one report, ns.
+  double scatterNs() const { return scatter_ns_; }
+
+  /// Number of times the camera's wall clock was set.
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  struct Sample {
+    double time = 0.0;    ///< RTP, s from the first report
+    double offset = 0.0;  ///< instant minus RTP time, ns, relative to the first report
+  };
+
+  double secondsSince(std::int64_t rtp_ns) const;
+  double offsetAt(double time) const { return intercept_ + slope_ * (time - centre_); }
+  double variance(double time) const;
+  bool isOutlier(const Sample& sample);
+  void fit(double expected_slope);
+  void solveReweighted(double expected_slope);
+  double estimateScatter() const;
+
+  double default_scatter_ns_;
+  std::int64_t origin_rtp_ns_ = 0;
+  std::int64_t origin_instant_ns_ = 0;
+  std::deque<Sample> samples_;
+  std::deque<Sample> outliers_;  ///< the latest samples if they are outliers, all on one side of the model
+  double centre_ = 0.0;          ///< s; time of the latest report
+  double intercept_ = 0.0;       ///< ns, at the centre
+  double slope_ = 0.0;           ///< ns/s
+  double scatter_ns_ = 0.0;
+  double variances_[3] = {};  ///< of the intercept, covariance of both, of the slope
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace cartvo

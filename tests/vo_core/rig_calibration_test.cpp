@@ -1,0 +1,198 @@
+// Tests of the rig's self-calibration on rendered drives with a rotated or delayed right camera.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "vo_core/corridor_world.hpp"
+#include "vo_core/pitch_reinitialiser.hpp"
+#include "vo_core/rig_correction.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+namespace {
+
+const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+constexpr double kPeriod = 0.05;  // s
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kTolerance = 0.03 * kDegree;
+constexpr double kLightAtNight = 0.16, kNoiseAtNight = 2.0;  // share of daylight; grey values
+constexpr int kFeatures = 400, kFeaturesAtNight = 1000;
+constexpr int kPairs = 16;
+
+/// 3 m/s, swinging from side to side and nodding.
+Eigen::Isometry3d drive(double time) {
+  Vector6d vector;
+  vector << 0.0, 0.02 * std::sin(6.0 * time), 3.0 * time, 0.02 * std::sin(8.0 * time),
+      0.1 * std::sin(3.0 * time), 0.0;
+  return motionFromVector(vector);
+}
+
+/// Left images, rendered once.
+const cv::Mat& leftImage(const test::CorridorWorld& world, int i) {
+  static const std::vector<cv::Mat> images = [&world] {
+    std::vector<cv::Mat> rendered;
+    for (int frame = 0; frame < kPairs; ++frame)
+      rendered.push_back(world.view(kCamera, drive(frame * kPeriod)));
+    return rendered;
+  }();
+  return images[i];
+}
+
+/// Pairs of a right camera rotated by `turned` and exposed `late` s later than its timestamps.
+std::vector<StereoImages> drivenWith(const RigCorrection& turned, double late, int count) {
+  const test::CorridorWorld world(1);
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < count; ++i) {
+    const double time = i * kPeriod;
+    Eigen::Isometry3d right = drive(time + late) * Eigen::Translation3d(kCamera.baseline, 0.0, 0.0);
+    right.rotate(turned.rotation());
+    const std::int64_t stamp = std::llround(1e9 * time);
+    pairs.push_back({leftImage(world, i), world.view(kCamera, right), stamp, stamp});
+  }
+  return pairs;
+}
+
+struct Driven {
+  RigCalibrationError error;
+  double path = 0.0;  ///< m, estimated
+  std::vector<OdometryEstimate> estimates;
+};
+
+Driven estimated(const std::vector<StereoImages>& pairs, int features) {
+  OdometrySettings settings;
+  settings.features = features;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  Driven result;
+  for (const StereoImages& pair : pairs) {
+    const OdometryEstimate& estimate = result.estimates.emplace_back(odometry.process(pair, observer));
+    EXPECT_TRUE(estimate.rig.has_value());
+    result.error = estimate.rig.value_or(RigCalibrationError{});
+    result.path += estimate.T_previous_current.translation().norm();
+  }
+  return result;
+}
+
+Driven estimated(const std::vector<StereoImages>& pairs) {
+  return estimated(pairs, kFeatures);
+}
+
+Driven driven(const RigCorrection& turned, double late) {
+  return estimated(drivenWith(turned, late, kPairs));
+}
+
+constexpr double kTruePath = 3.0 * kPeriod * (kPairs - 1);  // m, without the swing
+
+TEST(RigCalibrationError, FindsAndCorrectsPitchAndRoll) {
+  const RigCorrection turned{.pitch = 0.3 * kDegree, .roll = -0.3 * kDegree};
+  const Driven result = driven(turned, 0.0);
+  EXPECT_NEAR(result.error.pitch.value, turned.pitch, kTolerance);
+  EXPECT_NEAR(result.error.roll.value, turned.roll, kTolerance);
+  EXPECT_NEAR(result.error.yaw.value, 0.0, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
+}
+
+TEST(RigCalibrationError, FindsAPitchThatPreventsMostMatches) {
+  // 0.5 degrees are 2.3 px, beyond the range of the search over rows.
+  const Driven result = driven({.pitch = -0.5 * kDegree}, 0.0);
+  EXPECT_NEAR(result.error.pitch.value, -0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
+}
+
+TEST(RigCalibrationError, FindsMostOfAYawWithinThreeMetres) {
+  const double yaw = -0.3 * kDegree;
+  const RigCalibrationError error = driven({.yaw = yaw}, 0.0).error;
+  EXPECT_LT(error.yaw.value, 0.6 * yaw);
+  EXPECT_GT(error.yaw.value, 1.1 * yaw);
+}
+
+/// The drive at night: a sixth of the light, and camera noise.
+std::vector<StereoImages> atNight(std::vector<StereoImages> pairs) {
+  cv::RNG random(7);
+  for (StereoImages& pair : pairs)
+    for (cv::Mat* image : {&pair.left, &pair.right}) {
+      cv::Mat noise(image->size(), CV_16SC1), dark;
+      random.fill(noise, cv::RNG::NORMAL, 0.0, kNoiseAtNight);
+      image->convertTo(dark, CV_16SC1, kLightAtNight, 16.0);
+      cv::Mat night;  // the day image is shared
+      cv::Mat(dark + noise).convertTo(night, CV_8UC1);
+      *image = night;
+    }
+  return pairs;
+}
+
+TEST(RigCalibrationError, FindsAPitchAtNight) {
+  const auto pairs = atNight(drivenWith({.pitch = 0.5 * kDegree}, 0.0, kPairs));
+  const Driven corrected = estimated(pairs, kFeaturesAtNight);
+  EXPECT_NEAR(corrected.error.pitch.value, 0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(corrected.path, kTruePath, 0.1 * kTruePath);
+}
+
+TEST(RigCalibrationError, FindsNoErrorOfACorrectRigAtNight) {
+  const auto pairs = atNight(drivenWith({}, 0.0, kPairs));
+  EXPECT_NEAR(estimated(pairs, kFeaturesAtNight).error.pitch.value, 0.0, kTolerance);
+}
+
+/// Pairs of different worlds, so that no motion is found; the right camera is rotated and, in the first pair,
+/// covered.
+std::vector<StereoImages> lostWith(const RigCorrection& turned, int count) {
+  Eigen::Isometry3d right(Eigen::Translation3d(kCamera.baseline, 0.0, 0.0));
+  right.rotate(turned.rotation());
+  std::vector<StereoImages> pairs;
+  for (int i = 0; i < count; ++i) {
+    const test::CorridorWorld world(i);
+    const std::int64_t stamp = std::llround(1e9 * i * kPeriod);
+    pairs.push_back(
+        {world.view(kCamera, Eigen::Isometry3d::Identity()), world.view(kCamera, right), stamp, stamp});
+  }
+  pairs.front().right = cv::Mat(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
+  return pairs;
+}
+
+TEST(RigCalibrationError, SearchesThePitchAtIntervalsWhileLost) {
+  constexpr int kSearchInterval = PitchReinitialiser::kSearchInterval;
+  // The first pair of the next epoch, whose estimate contains the result.
+  const int kNextEpoch = kSearchInterval + OdometrySettings{}.tracking.search_again + 1;
+  const double pitch = 0.55 * kDegree;
+  const auto estimates = estimated(lostWith({.pitch = pitch}, kNextEpoch + 1)).estimates;
+  for (const OdometryEstimate& estimate : estimates)
+    EXPECT_FALSE(estimate.valid);
+  for (int i = 0; i < kSearchInterval; ++i)
+    EXPECT_EQ(estimates[i].rig->pitch.value, 0.0) << i;
+  EXPECT_NEAR(estimates[kNextEpoch].rig->pitch.value, pitch, kTolerance)
+      << "and the pitch is kept until then";
+}
+
+TEST(RigCalibrationError, FindsAPitchAfterTheRightCameraWasCovered) {
+  std::vector<StereoImages> pairs = drivenWith({.pitch = 0.5 * kDegree}, 0.0, 4);
+  pairs.front().right = cv::Mat(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
+  EXPECT_NEAR(estimated(pairs).error.pitch.value, 0.5 * kDegree, kTolerance);
+}
+
+TEST(RigCalibrationError, FindsTheDelayOfTheRightCamera) {
+  for (const double late : {-0.003, 0.003}) {
+    const RigCalibrationError error = driven({}, late).error;
+    EXPECT_NEAR(error.delay.value, late, 0.001);
+    EXPECT_LT(error.delay.stddev, 0.001);
+  }
+}
+
+TEST(RigCalibrationError, IsEmptyWithoutRigRefinement) {
+  OdometrySettings settings;
+  settings.rig_refinement = RigRefinement::off;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  for (const StereoImages& pair : drivenWith({}, 0.0, 2))
+    EXPECT_FALSE(odometry.process(pair, observer).rig.has_value());
+}
+
+TEST(RigCalibrationError, FindsNoErrorOfACorrectRig) {
+  const RigCalibrationError error = driven({}, 0.0).error;
+  for (const EstimateWithStddev& angle : {error.pitch, error.yaw, error.roll})
+    EXPECT_LT(std::abs(angle.value), kTolerance);
+  EXPECT_LT(std::abs(error.delay.value), 0.5e-3);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms.
+
+Looks at identifiers, comments, texts and prose of all tracked sources, tests, scripts and documentation, or of the given
+files. docs/notebook (dated notes) and the glossary itself are left out. Identifiers are split into their words, so that
+`StandWitness` and `stand_witness` are found by `witness`. Prints FILE:LINE, the word, and what to say instead.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+# Pattern of one or more words (lower case) -> what to say instead.
+REJECTED = {
+    r"witness(es|ed)?|testif(y|ies|ied)": "detector, check, evidence",
+    r"foretells?|foretold": "predict, predicted",
+    r"own(s|ed|ing)? up": "inflate (a covariance)",
+    r"hangs|hanging": "frozen (camera, image), stalled (process, connection)",
+    r"nobody": "no (noun), unknown",
+    r"successors?|succession": "candidate track",
+    r"rival(s|led|ling)?": "ambiguous, second-best",
+    r"leaps?|leaping": "innovation, jump",
+    r"doubt(s|ed|ful)?": "inflation, uncertainty",
+    r"believes?|believed": "accept, valid",
+    r"keystone": "the x*y term of the rows (yaw + 2 p2)",
+    r"sightings?": "observation",
+    r"gentleness|hopeless": "name the quantity and its unit",
+    r"late right|by late": "time offset, sensitivity to the time offset",
+    r"aim at|aims at": "target (feature count)",
+    r"hears|heard": "receive, update",
+}
+# File format keys and other names that people already use.
+ALLOWED = {
+    "tools/cartvo/calibrate_mount.cpp": ("sightings",),  # JSON key of `cartvo calibrate mount`
+    "tests/system/in_vm.sh": ("nobody",),  # the system user
+}
+LEFT_OUT = ("docs/notebook/", "docs/glossary.md", "tools/check_language.py", "LICENSE")
+KINDS = (".cpp", ".hpp", ".md", ".py", ".sh", ".yaml", ".lcm", ".txt", ".1", ".5", ".8", ".in", ".cmake")
+PATTERN = re.compile("|".join(rf"(?P<g{i}>\b(?:{pattern})\b)" for i, pattern in enumerate(REJECTED)))
+
+
+def words_of(line: str) -> str:
+    """The line with identifiers split into lower-case words."""
+    return re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", line).replace("_", " ").lower()
+
+
+def findings(file: pathlib.Path) -> list[str]:
+    name = file.relative_to(ROOT).as_posix()
+    found = []
+    for number, line in enumerate((file.read_text(errors="replace") if file.exists() else "").splitlines(), 1):
+        for match in PATTERN.finditer(words_of(line)):
+            if match.group(0) in ALLOWED.get(name, ()):
+                continue
+            instead = list(REJECTED.values())[int(match.lastgroup[1:])]
+            found.append(f"{name}:{number}: \"{match.group(0)}\": say {instead} (docs/glossary.md)")
+    return found
+
+
+def main() -> int:
+    if {"-h", "--help"} & set(sys.argv[1:]):
+        print(__doc__.rstrip())
+        return 0
+    names = [str(pathlib.Path(name).resolve().relative_to(ROOT)) for name in sys.argv[1:]] or subprocess.run(
+        ["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=True).stdout.splitlines()
+    files = [ROOT / name for name in names if not name.startswith(LEFT_OUT)]
+    files = [file for file in files if file.is_file() and (file.suffix in KINDS or file.suffix == "")]
+    found = [line for file in files for line in findings(file)]
+    print("\n".join(found) if found else f"check_language: {len(files)} files: in order")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+#include "vo_core/key_frames.hpp"
+#include "vo_core/rig_calibration_error.hpp"
+#include "vo_core/rigid_motion.hpp"
+
+// Input and output of StereoOdometry: images in, motion and pose with covariances out.
+
+namespace cartvo {
+
+/// A rectified image pair and its exposure instants.
+struct StereoImages {
+  cv::Mat left;   ///< CV_8UC1, size of the camera
+  cv::Mat right;  ///< CV_8UC1, size of the camera
+  /// Instants of exposure, ns. Any epoch, the same for both cameras and for all pairs.
+  std::int64_t left_exposure_ns = 0;
+  std::int64_t right_exposure_ns = 0;
+  double offset_stddev = 0.0;  ///< s, standard deviation of the right exposure minus the left
+  KeyFrames key_frames{};      ///< which images are key frames of a video; none by default
+};
+
+/// Why an estimate is invalid or, for zero_velocity, how it was obtained. Unless stated otherwise an invalid
+/// estimate repeats the last pose, and the epoch goes on.
+enum class OdometryReason : std::uint8_t {
+  none,                 ///< the estimate is valid
+  first_pair,           ///< the first pair: no motion yet; the pose is the identity
+  too_few_features,     ///< fewer features than validity.minimum_features: too little texture
+  too_few_matches,      ///< fewer tracked features with a depth than validity.minimum_matches
+  too_few_inliers,      ///< no motion has enough inliers, or two motions fit the first two pairs
+  high_residual,        ///< the best motion fits badly; `estimator: thesis` only
+  time_step,            ///< the left exposure is not later than that of the previous pair, or by too much:
+                        ///< starts a new epoch. Or the exposures of the pair are too far apart: does not
+  implausible_motion,   ///< faster than validity.maximum_speed or validity.maximum_rate
+  degenerate_geometry,  ///< the features leave a direction of the motion undetermined
+  zero_velocity,        ///< valid: standstill was detected, the pose is kept
+  offset_uncertain,     ///< offset_stddev exceeds validity.maximum_offset_uncertainty
+  repeated_picture,     ///< a camera repeats its image while the cart moves (it is frozen). When it recovers
+                        ///< after an unknown distance, a new epoch starts
+};
+constexpr int kOdometryReasonCount = 12;
+
+/// Set of reasons. Only `estimator: thesis` sets more than one.
+class OdometryReasons {
+ public:
+  constexpr OdometryReasons() = default;
+  constexpr OdometryReasons(OdometryReason reason) { add(reason); }  // NOLINT(google-explicit-constructor)
+
+  constexpr void add(OdometryReason reason) {
+    if (reason != OdometryReason::none) set_ |= bitOf(reason);
+  }
+  constexpr bool has(OdometryReason reason) const { return (set_ & bitOf(reason)) != 0; }
+  constexpr bool operator==(const OdometryReasons&) const = default;
+
+ private:
+  static constexpr std::uint32_t bitOf(OdometryReason reason) { return 1U << static_cast<unsigned>(reason); }
+
+  std::uint32_t set_ = 0;
+};
+
+/// Numbers of features of a pair.
+struct FeatureCounts {
+  int detected = 0;  ///< in the left image, after detection
+  int tracked = 0;   ///< found again from the previous left image
+  int matched = 0;   ///< of the tracked, with a depth
+  int inliers = 0;   ///< of the matched, consistent with the motion
+  int stereo = 0;    ///< of the detected, found in the right image; not counted during a standstill
+};
+
+/// Result for one pair.
+///
+/// Frames: the rectified left camera, x right, y down, z forward. The world is the camera at the start of the
+/// epoch. T_a_b maps coordinates in b to coordinates in a.
+///
+/// Covariances: order (x, y, z, rotation about x, y, z), m and rad, of a perturbation on the right:
+/// T_true = T * motionFromVector(perturbation), in the axes of the current camera.
+///
+/// Reference: the motion is relative to the last pair with a valid pose, which is the previous pair unless
+/// that one was invalid. After an invalid pair lost features are searched for over `tracking.search_again`
+/// pairs. If they are found, the pose continues, and time_step and motion span the gap. Otherwise the next
+/// valid motion starts a new epoch: reset_counter increments, and the pose restarts from the identity at the
+/// pair before that motion.
+///
+/// Within an epoch the pose has no jumps: T_world_camera = reference pose * T_previous_current, up to what a
+/// pair corrects of its reference, which has already been published.
+struct OdometryEstimate {
+  std::int64_t exposure_ns = 0;     ///< of the left image
+  bool valid = false;               ///< whether a motion was measured
+  OdometryReasons reasons;          ///< empty if valid, except for zero_velocity
+  std::uint32_t reset_counter = 0;  ///< number of the epoch, from 0
+  double time_step = 0.0;           ///< s from the reference, left exposure to left exposure; 0 if invalid
+  /// Motion since the reference, whose pose is as estimated now (`estimator: thesis`: as published); identity
+  /// if invalid.
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  /// Error of the motion for a time offset that is wrong by one standard deviation. Its outer product is part
+  /// of motion_covariance. It is correlated between consecutive motions.
+  Vector6d motion_offset_error = Vector6d::Zero();
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the start of the epoch
+  FeatureCounts counts;
+  std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
+};
+
+}  // namespace cartvo

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "vo_core/odometry_estimate.hpp"
+
+namespace cartvo {
+
+/// Which images of a pair equal those of the previous pair byte for byte.
+struct ImageRepeats {
+  bool left = false, right = false;
+  bool while_moving = false;  ///< one of them has repeated since the cart was too fast to stop
+};
+
+/// Detects images that repeat while the cart moves: from a frozen camera that continues to send, or from one
+/// that fills gaps. Without it they would look like a sudden stop. The images of a stopped cart repeat too if
+/// the encoder suppresses noise, but a cart cannot stop from one pair to the next. Below the speed at which
+/// it can, the estimator has to detect a frozen camera itself.
+class RepeatedImageDetector {
+ public:
+  /// Compares the next pair with the previous one. `last`: estimate of the previous pair.
+  ImageRepeats update(const StereoImages& images, const OdometryEstimate& last);
+
+ private:
+  /// State of one camera.
+  struct Camera {
+    /// Stores sampled rows of the next image; returns whether they equal those of the previous one.
+    bool repeats(const cv::Mat& image);
+
+    std::vector<std::uint8_t> rows;
+    bool frozen = false;  ///< the image has repeated since the cart was too fast to stop
+  };
+
+  std::array<Camera, 2> cameras_;  ///< left and right
+};
+
+}  // namespace cartvo

@@ -1,0 +1,19 @@
+#pragma once
+
+namespace cartvo {
+
+/// An estimate with its standard deviation, both in the same unit.
+struct EstimateWithStddev {
+  double value = 0.0;
+  double stddev = 0.0;
+};
+
+/// Error of the rig's calibration estimated while driving, before correction. Angles of the right camera
+/// relative to the left one, rad, about the axes of the rectified right camera (x right, y down, z forward):
+/// pitch is positive if it looks too far up, yaw if too far right, roll if it is turned clockwise.
+struct RigCalibrationError {
+  EstimateWithStddev pitch, yaw, roll;
+  EstimateWithStddev delay;  ///< s, by which the right exposure is later than its timestamp
+};
+
+}  // namespace cartvo

@@ -1,87 +1,324 @@
 #!/usr/bin/env python3
-"""Holds the documentation to the tree: links resolve, named commands and files exist, man pages format cleanly.
+"""Checks the documentation against the tree and the programs.
 
-Usage: tools/check_docs.py [PATH-OF-CARTVO]   (default build/release/tools/cartvo/cartvo)
+Usage: tools/check_docs.py [PATH-OF-CARTVO [PATH-OF-CARTVOD]]
+       (default build/release/tools/cartvo/cartvo and, beside it, ../../daemon/cartvod)
+
+Every page: links resolve. Pages outside docs/notebook: commands parse (subcommands, options), paths exist, no issue
+number, no commit hash, and only docs/accuracy.md links to the notebook, once. docs/how-it-works.md: its length, and the
+code that it names exists. Man pages: they format cleanly, their examples parse, each command has one. Sources: the pages
+that they name exist.
 """
+import functools
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+NOTEBOOK = ROOT / "docs/notebook"
+NOTEBOOK_READER = ROOT / "docs/accuracy.md"  # the only page that links to it
+HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
+HOW_IT_WORKS_MOST_WORDS = 2000
+FOLDERS = ".ci|calib|capture|common|config|daemon|docs|systemd|tests|tools|vo_core"
+MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 
 
-def tracked(pattern):
-    names = subprocess.run(["git", "ls-files", pattern], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    return [ROOT / name for name in names.split()]
+def files(*patterns):
+    """The tree's files that match: tracked ones and new ones, without those that are ignored or deleted."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", *patterns]
+    names = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return sorted({ROOT / name for name in names.splitlines() if (ROOT / name).is_file()})
+
+
+# Links.
 
 
 def heading_anchor(heading):
     """GitHub's anchor of a Markdown heading."""
-    return re.sub(r"[^\w\- ]", "", heading.strip().lower().replace("`", "")).replace(" ", "-")
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+    return re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
+
+
+def without_code_blocks(text):
+    return re.sub(r"^ *```.*?^ *```", "", text, flags=re.M | re.S)
 
 
 def anchors_of(page):
-    return {heading_anchor(match) for match in re.findall(r"^#+ (.+)$", page.read_text(), re.M)}
+    return {heading_anchor(match) for match in re.findall(r"^#+ (.+)$", without_code_blocks(page.read_text()), re.M)}
 
 
-def broken_links(page):
-    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+def links_of(page):
+    """(target as written, file, anchor) of each link within the tree."""
+    text = without_code_blocks(page.read_text())
+    for target in re.findall(r"\]\(([^)\s]+)\)|^\[[^\]]+\]: (\S+)", text, re.M):
+        target = target[0] or target[1]
         if re.match(r"[a-z]+:", target):
             continue
         name, _, anchor = target.partition("#")
-        file = (page.parent / name).resolve() if name else page
+        yield target, (page.parent / name).resolve() if name else page, anchor
+
+
+def broken_links(page):
+    for target, file, anchor in links_of(page):
         if not file.exists():
-            yield f"{page.relative_to(ROOT)}: link to {target}: no such file"
+            yield f"link to {target}: no such file"
         elif anchor and file.suffix == ".md" and anchor not in anchors_of(file):
-            yield f"{page.relative_to(ROOT)}: link to {target}: no such heading"
+            yield f"link to {target}: no such heading"
 
 
-def missing_files(page):
-    """Paths of this repository named in `code` must exist."""
-    folders = "capture|calib|vo_core|daemon|systemd|config|tests|tools|docs"
-    for name in re.findall(rf"`((?:{folders})/[\w./-]+)`", page.read_text()):
-        if not (ROOT / name).exists():
-            yield f"{page.relative_to(ROOT)}: names {name}, which does not exist"
+def is_notebook(file):
+    return file == NOTEBOOK or NOTEBOOK in file.parents
 
 
-def subcommands_of(program):
-    text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
-    return set(re.findall(r"^  (\w+) ", text.partition("Subcommands:")[2], re.M))
+def notebook_links(page):
+    targets = [target for target, file, _ in links_of(page) if is_notebook(file)]
+    if page == NOTEBOOK_READER:
+        if len(targets) != 1:
+            yield f"links to the notebook {len(targets)} times: expected once"
+    else:
+        for target in targets:
+            yield f"link to {target}: only {NOTEBOOK_READER.relative_to(ROOT)} links to the notebook"
 
 
-def unknown_commands(page, known):
-    for block in re.findall(r"```(?:sh|console)?\n(.*?)```", page.read_text(), re.S):
-        for name in re.findall(r"(?:^|[\s/])cartvo (\w[\w-]*)", block):
-            if name not in known:
-                yield f"{page.relative_to(ROOT)}: names the command 'cartvo {name}', which does not exist"
+# Words.
 
 
-def undocumented_commands(known):
-    for name in known:
+def dated_references(text):
+    """What only makes sense beside this project's history."""
+    for match in re.findall(r"\bissues? #?\d+", text, re.I):
+        yield f"names '{match}'"
+    for match in re.findall(r"\b[0-9a-f]{7,40}\b", text):
+        if re.search("[0-9]", match) and re.search("[a-f]", match):
+            yield f"names what looks like a commit: {match}"
+
+
+def missing_paths(text):
+    """Paths of this tree, in code spans and blocks; those with wildcards or placeholders are left out."""
+    for code in re.findall(r"^ *```.*?^ *```|`[^`]+`", text, re.M | re.S):
+        for name in re.findall(rf"(?<![\w/.~$*-])((?:{FOLDERS})/[^\s`'\"(),:;|]*)", code):
+            name = name.rstrip(".")
+            if not re.search(r"[*<>{}$\[\]…]|\.\.\.|/[A-Z]+(/|$)", name) and not (ROOT / name).exists():
+                yield f"names {name}, which does not exist"
+
+
+def too_long(page):
+    words = len(page.read_text().split())
+    if words > HOW_IT_WORKS_MOST_WORDS:
+        yield f"has {words} words: at most {HOW_IT_WORKS_MOST_WORDS}"
+
+
+def missing_code(page):
+    """References of the form `file` / `Class::function`."""
+    sources = {}
+    for file in files("*.cpp", "*.hpp"):
+        if "tests" not in file.relative_to(ROOT).parts:
+            sources.setdefault(file.stem, []).append(file)
+    for stem, name in re.findall(r"`(\w+)`\s*/\s*`([\w:]+)`", page.read_text()):
+        text = "\n".join(file.read_text() for file in sources.get(stem, []))
+        *scopes, function = name.split("::")
+        if not text:
+            yield f"names the source {stem}, which does not exist"
+        elif not (re.search(rf"\b{function}\(", text) and all(re.search(rf"\b{scope}\b", text) for scope in scopes)):
+            yield f"names {name}, which is not in {stem}.hpp or {stem}.cpp"
+
+
+# Commands.
+
+
+class Program:
+    """A program's subcommands and options, by its --help."""
+
+    def __init__(self, path):
+        self.path = path
+
+    @functools.cache
+    def help(self, *chain):
+        command = [self.path, *chain, "--help"]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    def subcommands(self, *chain):
+        text = self.help(*chain).partition("\nSubcommands:\n")[2]
+        return set(re.findall(r"^  ([a-z][\w-]*)(?: |$)", text, re.M))
+
+    def options(self, *chain):
+        lines = re.findall(r"^ +(-\S+)", self.help(*chain), re.M)
+        return {name for names in lines for name in re.split(r"[,=]", names)}
+
+    def takes_positionals(self, *chain):
+        return "\nPositionals:\n" in self.help(*chain)
+
+    def misuse(self, arguments):
+        """What is wrong with a command line, placeholders (COMMAND, ...) aside."""
+        chain = ()
+        while arguments and arguments[0] in self.subcommands(*chain):
+            chain += (arguments[0],)
+            arguments = arguments[1:]
+        name = " ".join((self.path.name, *chain))
+        if arguments and self.subcommands(*chain) and not self.takes_positionals(*chain):
+            if not re.match(r"-|[A-Z]|\.\.\.|…|<", arguments[0]):
+                yield f"'{name}' has no subcommand {arguments[0]}"
+            elif not arguments[0].startswith("-"):
+                return  # a placeholder: which command's options follow is not known
+        for argument in arguments:
+            option = argument.partition("=")[0].strip("[]")
+            if re.fullmatch(r"--[a-z][\w-]*|-[A-Za-z]", option) and option not in self.options(*chain):
+                yield f"'{name}' has no option {option}"
+
+
+def script_misuse(path, arguments):
+    """The same of a script of this tree; options of one that hands its own on are not known."""
+    script = ROOT / path
+    if not script.is_file():
+        yield f"names the command {path}, which does not exist"
+        return
+    text = script.read_text()
+    for option in arguments:
+        option = option.partition("=")[0].strip("[]")
+        if re.fullmatch(r"--[a-z][\w-]*", option) and '"$@"' not in text and option not in text and option != "--help":
+            yield f"{path} has no option {option}"
+
+
+def simple_commands(line):
+    """The command lines that a line of shell holds, each a list of words: pipes, lists and redirections taken apart."""
+    lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
+    lexer.whitespace_split = True
+    words, skip = [], False
+    for token in lexer:
+        if set(token) <= set("();|&"):
+            yield words
+            words, skip = [], False
+        elif set(token) <= set("<>&|"):
+            if words and words[-1].isdigit():
+                words.pop()
+            skip = True
+        elif skip:
+            skip = False
+        else:
+            words.append(token)
+    yield words
+
+
+def without_prefix(words):
+    """A command without what runs it: keywords, variables, sudo, a namespace."""
+    while words:
+        if words[0] in ("do", "then", "else", "if", "while", "until", "time", "env", "exec", "!", "{", "sudo"):
+            words = words[1:]
+            while words and words[0].startswith("-"):  # of sudo, with a user
+                words = words[2:] if words[0] in ("-u", "-g") else words[1:]
+        elif re.match(r"\w+=", words[0]) or words[0] == "tools/in_network_namespace":
+            words = words[1:]
+        else:
+            break
+    return words
+
+
+def command_misuse(line, programs):
+    try:
+        commands = list(simple_commands(line))
+    except ValueError as error:
+        yield f"cannot be read as shell ({error}): {line.strip()}"
+        return
+    for words in map(without_prefix, commands):
+        if not words:
+            continue
+        name = pathlib.PurePath(words[0]).name
+        if name in programs:
+            yield from programs[name].misuse(words[1:])
+        elif re.match(r"(\./)?(tools|tests)/[a-z]", words[0]):
+            yield from script_misuse(words[0].removeprefix("./"), words[1:])
+
+
+def joined(text):
+    return re.sub(r"\\\n\s*", " ", text).splitlines()
+
+
+def commands_of_page(page):
+    """Lines of sh blocks, prompts of console blocks, and code spans that begin with one of our commands."""
+    text = page.read_text()
+    for language, block in re.findall(r"^ *```(sh|bash|console)\n(.*?)^ *```", text, re.M | re.S):
+        for line in joined(block):
+            if language != "console":
+                yield line
+            elif prompt := re.match(r"\s*[$#] (.+)", line):
+                yield prompt[1]
+    for span in re.findall(r"`([^`]+)`", without_code_blocks(text)):
+        if re.match(r"(cartvod?|tools/\w+)( |$)", span):
+            yield " ".join(span.split())
+
+
+def commands_of_man_page(page):
+    """Lines of the examples."""
+    examples = re.findall(r"^\.SH EXAMPLES?\n(.*?)(?=^\.SH|\Z)", page.read_text(), re.M | re.S)
+    for block in re.findall(r"^\.nf\n(.*?)^\.fi", "".join(examples), re.M | re.S):
+        text = re.sub(r"\\f[BIPR]|\\&", "", block)
+        text = text.replace(r"\-", "-").replace(r"\(aq", "'").replace(r"\e", "\\")
+        yield from (line for line in joined(text) if not line.startswith("."))
+
+
+def wrong_commands(lines, programs):
+    for line in lines:
+        yield from command_misuse(line, programs)
+
+
+# Man pages.
+
+
+def undocumented_commands(program):
+    for name in program.subcommands():
         if not (ROOT / f"docs/man/cartvo-{name}.1").exists():
             yield f"docs/man: cartvo-{name}.1 is missing"
 
 
 def man_page_warnings(page):
-    result = subprocess.run(["man", "--warnings", "--local-file", page], env={"MANWIDTH": "80", "LC_ALL": "C.UTF-8",
-                            "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}, capture_output=True, text=True)
-    for line in result.stderr.splitlines():
-        yield f"{page.relative_to(ROOT)}: {line}"
+    command = ["man", "--warnings", "--local-file", page]
+    result = subprocess.run(command, env=MAN_ENVIRONMENT, capture_output=True, text=True)
+    yield from result.stderr.splitlines()
+
+
+def problems_of_page(page, programs):
+    yield from broken_links(page)
+    if is_notebook(page):
+        return
+    text = page.read_text()
+    yield from notebook_links(page)
+    yield from dated_references(text)
+    yield from missing_paths(text)
+    yield from wrong_commands(commands_of_page(page), programs)
+    if page == HOW_IT_WORKS:
+        yield from too_long(page)
+        yield from missing_code(page)
+
+
+def problems_of_man_page(page, programs):
+    yield from man_page_warnings(page)
+    yield from dated_references(page.read_text())
+    yield from wrong_commands(commands_of_man_page(page), programs)
+
+
+def problems_of_source(source):
+    """Pages that a source or its help names."""
+    for name in sorted(set(re.findall(r"\bdocs/[\w/-]+\.md\b", source.read_text()))):
+        if not (ROOT / name).exists():
+            yield f"names {name}, which does not exist"
 
 
 def main():
-    program = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/tools/cartvo/cartvo")
-    known = subcommands_of(program)
-    problems = list(undocumented_commands(known))
-    pages = tracked("*.md")
-    for page in pages:
-        problems += [*broken_links(page), *missing_files(page), *unknown_commands(page, known)]
-    man_pages = tracked("docs/man/*")
-    for page in man_pages:
-        problems += man_page_warnings(page)
-    print("\n".join(problems) if problems else f"check_docs: {len(pages)} pages, {len(man_pages)} man pages, "
-          f"{len(known)} commands: in order")
+    cartvo = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/tools/cartvo/cartvo")
+    cartvod = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else cartvo.parent.parent.parent / "daemon/cartvod"
+    for program in (cartvo, cartvod):
+        if not program.is_file():
+            sys.exit(f"check_docs: {program} does not exist: build it (tools/build), or name it")
+    programs = {"cartvo": Program(cartvo), "cartvod": Program(cartvod)}
+    pages, man_pages = files("*.md"), files("docs/man/*")
+    problems = list(undocumented_commands(programs["cartvo"]))
+    for check, checked in ((lambda page: problems_of_page(page, programs), pages),
+                           (lambda page: problems_of_man_page(page, programs), man_pages),
+                           (problems_of_source, files("*.cpp", "*.hpp", "*.py", "*.yaml", "*.sh"))):
+        for file in checked:
+            problems += [f"{file.relative_to(ROOT)}: {problem}" for problem in check(file)]
+    print("\n".join(problems) if problems else f"check_docs: {len(pages)} pages, {len(man_pages)} man pages: in order")
     return 1 if problems else 0
 
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "calib/lens.hpp"
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {

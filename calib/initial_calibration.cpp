@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "calib/board_pose.hpp"
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {

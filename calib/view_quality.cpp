@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {

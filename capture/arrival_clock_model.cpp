@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture/median.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {
@@ -116,7 +116,7 @@ void ArrivalClockModel::updateStddev() {
   const double recent_delay =
       above.size() > kRecentBlocks ? *std::min_element(above.end() - latest, above.end()) : 0.0;
   const auto count = static_cast<double>(above.size());
-  const double scatter = 2.0 * upperMedian(std::move(above)) / std::sqrt(count);
+  const double scatter = 2.0 * medianOf(std::move(above)) / std::sqrt(count);
   stddev_ns_ = std::hypot(kMinStddev_ns, kBlockStddev_ns / count, std::hypot(scatter, recent_delay));
 }
 

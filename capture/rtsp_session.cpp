@@ -9,6 +9,7 @@
 #include "capture/ffmpeg.hpp"
 #include "capture/ffmpeg_log.hpp"
 #include "capture/tcp_connect.hpp"
+#include "daemon/host_clock.hpp"
 
 namespace cartvo {
 namespace {
@@ -188,9 +189,7 @@ RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_
     break;
   }
   const AVPacket& packet = *self.packet;
-  fragment.arrival_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                            std::chrono::system_clock::now().time_since_epoch())
-                            .count();
+  fragment.arrival_ns = hostNow();
   fragment.data = {packet.data, static_cast<std::size_t>(packet.size)};
   if (packet.pts != AV_NOPTS_VALUE)
     fragment.pts = packet.pts;  // else it belongs to the previous packet's picture

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture/median.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {
@@ -83,7 +83,7 @@ void SenderReportClockModel::fit(double expected_slope) {
   std::vector<double> offsets;
   for (const Sample& s : samples_)
     offsets.push_back(s.offset - expected_slope * (s.time - centre_));
-  intercept_ = upperMedian(std::move(offsets));
+  intercept_ = medianOf(std::move(offsets));
   slope_ = expected_slope;
   scatter_ns_ = estimateScatter();
   for (int i = 0; i < kIterations; ++i) {
@@ -136,7 +136,7 @@ double SenderReportClockModel::estimateScatter() const {
         samples_.size() == 2 ? 6.4 : 2.2;  // quantile of t over that of the normal, at 95 %
     return std::clamp(student * std::sqrt(sum / (count - 1.0)), kMinScatter_ns, default_scatter_ns_);
   }
-  return std::max(1.4826 * (1.0 + 4.0 / count) * upperMedian(std::move(sizes)), kMinScatter_ns);
+  return std::max(1.4826 * (1.0 + 4.0 / count) * medianOf(std::move(sizes)), kMinScatter_ns);
 }
 
 }  // namespace cartvo

@@ -15,6 +15,7 @@
 #include <variant>
 
 #include "capture/recording_writer.hpp"
+#include "daemon/host_clock.hpp"
 
 namespace cartvo {
 namespace {
@@ -34,12 +35,6 @@ struct Item {
     return unit != nullptr ? unit->data.size() : 0;
   }
 };
-
-std::int64_t nowNs() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 
@@ -69,7 +64,7 @@ struct StreamRecorder::Implementation {
   explicit Implementation(const RecordingSettings& recording)
       : settings(recording),
         writer(std::in_place, recording.folder,
-               RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, nowNs(), recording.configuration,
+               RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, hostNow(), recording.configuration,
                              recording.rig},
                recording.segment_length) {
     stopOnError([this] { requireQuota(); });

@@ -11,18 +11,13 @@
 #include "capture/ffmpeg_log.hpp"
 #include "capture/luma_plane.hpp"
 #include "capture/nal_units.hpp"
+#include "daemon/host_clock.hpp"
 
 namespace cartvo {
 namespace {
 
 /// Maximum number of frames in the decoder (H.264's largest decoded picture buffer).
 constexpr std::size_t kMaxPending = 64;
-
-std::int64_t nowNs() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::shared_ptr<AVFrame> makeFrame() {
   std::shared_ptr<AVFrame> frame(av_frame_alloc(), [](AVFrame* f) { av_frame_free(&f); });
@@ -160,7 +155,7 @@ std::optional<Frame> VideoDecoder::receive() {
     frame.exposure_stddev_ns = pending.exposure_stddev_ns;
     frame.min_delay_arrival_ns = pending.min_delay_arrival_ns;
     frame.arrival_ns = pending.arrival_ns;
-    frame.decoded_ns = nowNs();
+    frame.decoded_ns = hostNow();
     frame.sequence = pending.sequence;
     frame.order = pending.order;
     frame.instant_source = pending.instant_source;

@@ -13,6 +13,8 @@
 
 #include "calib/printable_text.hpp"
 #include "daemon/host_clock.hpp"
+#include "common/statistics.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
@@ -128,7 +130,6 @@ void setCounts(health_t& message, const PipelineCounts& counts) {
 }
 
 void setSelfCheck(health_t& message, const SelfCheck& check) {
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   constexpr EstimateWithStddev kNothing{kUnknown, kUnknown};
   const RigCalibrationError rig =
@@ -137,8 +138,8 @@ void setSelfCheck(health_t& message, const SelfCheck& check) {
   message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.stddev);
   const std::array<EstimateWithStddev, 3> angles{rig.pitch, rig.yaw, rig.roll};
   for (std::size_t i = 0; i < angles.size(); ++i) {
-    message.right_rotation_deg[i] = static_cast<float>(kDegrees * angles[i].value);
-    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegrees * angles[i].stddev);
+    message.right_rotation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].value);
+    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].stddev);
   }
   message.self_check = shortened(check.message());
 }
@@ -148,15 +149,6 @@ double decodeMilliseconds(const FrameInstants& frame) {
 }
 
 }  // namespace
-
-double percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = std::ceil(fraction * static_cast<double>(values.size())) - 1.0;
-  const auto nth = values.begin() +
-                   static_cast<std::ptrdiff_t>(std::clamp(rank, 0.0, static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(start) {}
 

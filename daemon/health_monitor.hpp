@@ -63,7 +63,4 @@ class HealthMonitor {
   SelfCheck self_check_;
 };
 
-/// Percentile by nearest rank: the value below which `fraction` of the values lie; NaN if there are none.
-double percentile(std::vector<double> values, double fraction);
-
 }  // namespace cartvo

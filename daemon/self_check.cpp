@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "common/units.hpp"
+
 namespace cartvo {
 namespace {
 
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr double kMinTimeOffset = 1e-3;                       // s; smaller ones are not reported
 constexpr double kMinAngle = 0.1 / kDegreesPerRadian;         // rad; smaller ones are not reported
 constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches

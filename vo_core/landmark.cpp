@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "vo_core/image_pyramid.hpp"
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {

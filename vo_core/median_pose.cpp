@@ -1,7 +1,7 @@
 // Component-wise median of poses, robust against a minority of wrong ones.
 #include "vo_core/median_pose.hpp"
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {

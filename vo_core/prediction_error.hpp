@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 #include "vo_core/reprojection_lanes.hpp"
 #include "vo_core/simd_groups.hpp"
 

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 

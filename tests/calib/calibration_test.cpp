@@ -12,6 +12,7 @@
 #include "calib/rectified_points.hpp"
 #include "calib/rigs.hpp"
 #include "support/error_message.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
@@ -46,8 +47,6 @@ struct Errors {
   double rotation = 0.0;         ///< degrees
   double rows = 0.0;             ///< vertical disparity of noise-free corners, px RMS
 };
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 Errors errorsOf(const Rig& found, const Rig& truth) {
   Errors errors;

@@ -5,13 +5,13 @@
 
 #include "daemon/self_check.hpp"
 
+#include "common/units.hpp"
+
 namespace cartvo {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 RigCalibrationError rigWith(EstimateWithStddev RigCalibrationError::*which, double value, double stddev) {
   constexpr EstimateWithStddev kNothing{0.0, 1e-5};
@@ -52,7 +52,7 @@ TEST(SelfCheck, IsEmptyForIntactOrUnobservedRig) {
   SelfCheck check;
   check.update(estimateWith(std::nullopt));
   EXPECT_EQ(check.message(), "");
-  check.update(estimateWith(rigWith(&RigCalibrationError::roll, 0.05 * kDegree, 1e-5)));
+  check.update(estimateWith(rigWith(&RigCalibrationError::roll, 0.05 * kRadiansPerDegree, 1e-5)));
   EXPECT_EQ(check.message(), "");
   EXPECT_FALSE(check.consumeChange());
 }
@@ -65,11 +65,11 @@ TEST(SelfCheck, ReportsTimeOffset) {
 }
 
 TEST(SelfCheck, ReportsRotationOfRightCamera) {
-  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::roll, 0.31 * kDegree, 0.01 * kDegree)),
+  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
               HasSubstr("turned by +0.31 ± 0.01 deg in roll against the rig file: calibrate again"));
-  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::pitch, -0.2 * kDegree, 0.01 * kDegree)),
+  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::pitch, -0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
               HasSubstr("-0.20 ± 0.01 deg in pitch"));
-  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::yaw, 0.2 * kDegree, 0.01 * kDegree)),
+  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::yaw, 0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
               HasSubstr("deg in yaw"));
 }
 
@@ -132,7 +132,7 @@ TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {
   SelfCheck check;
   drive(check, 1000, 13);
   OdometryEstimate estimate = pairWith(60, 1000, 13);
-  estimate.rig = rigWith(&RigCalibrationError::pitch, 0.3 * kDegree, 0.01 * kDegree);
+  estimate.rig = rigWith(&RigCalibrationError::pitch, 0.3 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
   check.update(estimate);
   EXPECT_THAT(check.message(), HasSubstr("+0.30 ± 0.01 deg in pitch"));
   EXPECT_THAT(check.message(), testing::Not(HasSubstr("hardly any")));
@@ -141,7 +141,7 @@ TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {
 TEST(SelfCheck, ReportsMissingMatchesIfAngleIsTooSmallToCauseThem) {
   SelfCheck check;
   OdometryEstimate estimate = pairWith(0, 1000, 400);
-  estimate.rig = rigWith(&RigCalibrationError::roll, 0.12 * kDegree, 0.01 * kDegree);
+  estimate.rig = rigWith(&RigCalibrationError::roll, 0.12 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
   estimate.rig->delay = {3e-3, 3e-4};
   check.update(estimate);
   EXPECT_THAT(check.message(), HasSubstr("+0.12"));

@@ -1,7 +1,6 @@
 // Evaluation of trajectories: association, error measures, alignment, report, plot.
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -15,6 +14,7 @@
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/plot.hpp"
 #include "tools/evaluate/report.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
@@ -22,7 +22,6 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr std::int64_t kPeriod = 100'000'000;  // ns
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 StampedPose poseAt(int index, const Eigen::Vector3d& position, double yaw) {
   StampedPose stamped;
@@ -88,7 +87,7 @@ TEST(Evaluation, ScaleErrorOfTwoPercentGivesTwoPercentOfEachSegment) {
 
 TEST(Evaluation, ConstantYawDriftGivesItsAnglePerMetre) {
   // The estimate turns by 0.01 deg/m although the path is straight.
-  const double step = 0.4999, drift = 0.01 * kDegree;
+  const double step = 0.4999, drift = 0.01 * kRadiansPerDegree;
   Trajectory estimate;
   const Trajectory truth = straight(2001, step);
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

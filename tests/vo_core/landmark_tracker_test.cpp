@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 #include "vo_core/synthetic_texture.hpp"
 
 namespace cartvo {

@@ -6,13 +6,14 @@
 
 #include <gtest/gtest.h>
 
+#include "common/units.hpp"
+
 namespace cartvo {
 namespace {
 
 using Vector = RowErrors::Vector;
 
 constexpr double kTimeStep = 0.055;  // s
-constexpr double kDegree = M_PI / 180.0;
 constexpr int kMinute = 1091;  // pairs
 
 /// Updates a filter with `pairs` pairs, each of which measures the errors precisely.
@@ -41,11 +42,11 @@ TEST(PitchRollFilter, CorrectsNothingInitially) {
 }
 
 TEST(PitchRollFilter, ConvergesToTheTruth) {
-  const Vector truth(0.3 * kDegree, -0.3 * kDegree, 2e-3, 3e-3);
+  const Vector truth(0.3 * kRadiansPerDegree, -0.3 * kRadiansPerDegree, 2e-3, 3e-3);
   const PitchRollFilter filter = filterAfter(truth, kMinute);
   EXPECT_LT((filter.estimate() - truth).norm(), 1e-5);
-  EXPECT_NEAR(filter.correction().pitch, truth[0], 0.01 * kDegree);
-  EXPECT_NEAR(filter.correction().roll, truth[1], 0.01 * kDegree);
+  EXPECT_NEAR(filter.correction().pitch, truth[0], 0.01 * kRadiansPerDegree);
+  EXPECT_NEAR(filter.correction().roll, truth[1], 0.01 * kRadiansPerDegree);
 }
 
 TEST(PitchRollFilter, StddevIncludesUnmodelledRows) {
@@ -68,9 +69,9 @@ TEST(PitchRollFilter, LimitsTheCorrection) {
 
 TEST(PitchRollFilter, FindsABumpWithinAMinuteAfterALongDrive) {
   PitchRollFilter filter = filterAfter(Vector::Zero(), 20 * kMinute);
-  const Vector bumped(0.3 * kDegree, 0.0, 0.0, 3e-3);
+  const Vector bumped(0.3 * kRadiansPerDegree, 0.0, 0.0, 3e-3);
   measure(filter, bumped, kMinute);
-  EXPECT_NEAR(filter.estimate()[RowErrors::kPitch], bumped[0], 0.03 * kDegree);
+  EXPECT_NEAR(filter.estimate()[RowErrors::kPitch], bumped[0], 0.03 * kRadiansPerDegree);
   EXPECT_NEAR(filter.estimate()[RowErrors::kDelay], bumped[3], 1e-3);
 }
 

@@ -8,14 +8,14 @@
 #include "vo_core/pitch_reinitialiser.hpp"
 #include "vo_core/rig_correction.hpp"
 #include "vo_core/stereo_odometry.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
 
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
-constexpr double kDegree = M_PI / 180.0;
-constexpr double kTolerance = 0.03 * kDegree;
+constexpr double kTolerance = 0.03 * kRadiansPerDegree;
 constexpr double kLightAtNight = 0.16, kNoiseAtNight = 2.0;  // share of daylight; grey values
 constexpr int kFeatures = 400, kFeaturesAtNight = 1000;
 constexpr int kPairs = 16;
@@ -85,7 +85,7 @@ Driven driven(const RigCorrection& turned, double late) {
 constexpr double kTruePath = 3.0 * kPeriod * (kPairs - 1);  // m, without the swing
 
 TEST(RigCalibrationError, FindsAndCorrectsPitchAndRoll) {
-  const RigCorrection turned{.pitch = 0.3 * kDegree, .roll = -0.3 * kDegree};
+  const RigCorrection turned{.pitch = 0.3 * kRadiansPerDegree, .roll = -0.3 * kRadiansPerDegree};
   const Driven result = driven(turned, 0.0);
   EXPECT_NEAR(result.error.pitch.value, turned.pitch, kTolerance);
   EXPECT_NEAR(result.error.roll.value, turned.roll, kTolerance);
@@ -95,13 +95,13 @@ TEST(RigCalibrationError, FindsAndCorrectsPitchAndRoll) {
 
 TEST(RigCalibrationError, FindsAPitchThatPreventsMostMatches) {
   // 0.5 degrees are 2.3 px, beyond the range of the search over rows.
-  const Driven result = driven({.pitch = -0.5 * kDegree}, 0.0);
-  EXPECT_NEAR(result.error.pitch.value, -0.5 * kDegree, kTolerance);
+  const Driven result = driven({.pitch = -0.5 * kRadiansPerDegree}, 0.0);
+  EXPECT_NEAR(result.error.pitch.value, -0.5 * kRadiansPerDegree, kTolerance);
   EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
 }
 
 TEST(RigCalibrationError, FindsMostOfAYawWithinThreeMetres) {
-  const double yaw = -0.3 * kDegree;
+  const double yaw = -0.3 * kRadiansPerDegree;
   const RigCalibrationError error = driven({.yaw = yaw}, 0.0).error;
   EXPECT_LT(error.yaw.value, 0.6 * yaw);
   EXPECT_GT(error.yaw.value, 1.1 * yaw);
@@ -123,9 +123,9 @@ std::vector<StereoImages> atNight(std::vector<StereoImages> pairs) {
 }
 
 TEST(RigCalibrationError, FindsAPitchAtNight) {
-  const auto pairs = atNight(drivenWith({.pitch = 0.5 * kDegree}, 0.0, kPairs));
+  const auto pairs = atNight(drivenWith({.pitch = 0.5 * kRadiansPerDegree}, 0.0, kPairs));
   const Driven corrected = estimated(pairs, kFeaturesAtNight);
-  EXPECT_NEAR(corrected.error.pitch.value, 0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(corrected.error.pitch.value, 0.5 * kRadiansPerDegree, kTolerance);
   EXPECT_NEAR(corrected.path, kTruePath, 0.1 * kTruePath);
 }
 
@@ -154,7 +154,7 @@ TEST(RigCalibrationError, SearchesThePitchAtIntervalsWhileLost) {
   constexpr int kSearchInterval = PitchReinitialiser::kSearchInterval;
   // The first pair of the next epoch, whose estimate contains the result.
   const int kNextEpoch = kSearchInterval + OdometrySettings{}.tracking.search_again + 1;
-  const double pitch = 0.55 * kDegree;
+  const double pitch = 0.55 * kRadiansPerDegree;
   const auto estimates = estimated(lostWith({.pitch = pitch}, kNextEpoch + 1)).estimates;
   for (const OdometryEstimate& estimate : estimates)
     EXPECT_FALSE(estimate.valid);
@@ -165,9 +165,9 @@ TEST(RigCalibrationError, SearchesThePitchAtIntervalsWhileLost) {
 }
 
 TEST(RigCalibrationError, FindsAPitchAfterTheRightCameraWasCovered) {
-  std::vector<StereoImages> pairs = drivenWith({.pitch = 0.5 * kDegree}, 0.0, 4);
+  std::vector<StereoImages> pairs = drivenWith({.pitch = 0.5 * kRadiansPerDegree}, 0.0, 4);
   pairs.front().right = cv::Mat(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(100));
-  EXPECT_NEAR(estimated(pairs).error.pitch.value, 0.5 * kDegree, kTolerance);
+  EXPECT_NEAR(estimated(pairs).error.pitch.value, 0.5 * kRadiansPerDegree, kTolerance);
 }
 
 TEST(RigCalibrationError, FindsTheDelayOfTheRightCamera) {

@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "vo_core/landmark_scene.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr int kLandmarks = 400;
 
 /// rad and s.
@@ -23,7 +23,7 @@ void expectErrors(const RowMeasurement& measurement, const RowErrors::Vector& tr
 }
 
 TEST(RowMeasurement, FindsTheRotationOfTheRightCamera) {
-  const RigCorrection rig{.yaw = 1e-3, .pitch = 0.3 * kDegree, .roll = -0.3 * kDegree};
+  const RigCorrection rig{.yaw = 1e-3, .pitch = 0.3 * kRadiansPerDegree, .roll = -0.3 * kRadiansPerDegree};
   for (const double offset : {0.0, 0.02, -0.02}) {
     const BundleProblem problem =
         test::simulateProblem({.landmarks = kLandmarks, .offset = offset, .rig = rig}, 1);
@@ -42,10 +42,10 @@ TEST(RowMeasurement, FindsTheDelayOfTheRightCamera) {
 
 TEST(RowMeasurement, IsRobustAgainstFalseMatches) {
   BundleProblem problem =
-      test::simulateProblem({.landmarks = kLandmarks, .noise = 1.0, .rig = {.roll = 0.2 * kDegree}}, 1);
+      test::simulateProblem({.landmarks = kLandmarks, .noise = 1.0, .rig = {.roll = 0.2 * kRadiansPerDegree}}, 1);
   for (std::size_t i = 0; i < problem.landmarks.size(); i += 5)
     problem.landmarks[i].observations.back().right.y() += 4.0;
-  EXPECT_NEAR(measureRows(problem).errors[RowErrors::kRoll], 0.2 * kDegree, 0.02 * kDegree);
+  EXPECT_NEAR(measureRows(problem).errors[RowErrors::kRoll], 0.2 * kRadiansPerDegree, 0.02 * kRadiansPerDegree);
 }
 
 TEST(RowMeasurement, ErrorsAgreeWithTheInformation) {

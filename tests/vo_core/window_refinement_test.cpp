@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_core/median.hpp"
+#include "common/statistics.hpp"
 #include "vo_core/motion_estimator.hpp"
 #include "vo_core/point_scene.hpp"
 

@@ -2,16 +2,14 @@
 #include "tools/benchmark/ablation_report.hpp"
 
 #include <algorithm>
-#include <numbers>
 
-#include "daemon/health_monitor.hpp"
+#include "common/statistics.hpp"
 #include "tools/benchmark/ablation_variants.hpp"
 #include "tools/benchmark/accuracy_report.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::benchmark {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The distinct values of one name field, in order of first occurrence.
 std::vector<std::string> distinctNames(const std::vector<SequenceAccuracy>& accuracies,
@@ -37,7 +35,7 @@ bool isDrive(const SequenceAccuracy& accuracy) {
 
 std::string segmentCell(const SequenceAccuracy& accuracy) {
   const SegmentErrors& errors = accuracy.evaluation.short_segments.all;
-  return significant(100.0 * errors.translation) + " / " + significant(kDegrees * errors.rotation);
+  return significant(100.0 * errors.translation) + " / " + significant(kDegreesPerRadian * errors.rotation);
 }
 
 std::string cell(const SequenceAccuracy& accuracy) {
@@ -46,7 +44,7 @@ std::string cell(const SequenceAccuracy& accuracy) {
     text = segmentCell(accuracy);
   } else if (accuracy.standing_end) {
     text = "end " + significant(1e3 * accuracy.standing_end->translation) + " mm / " +
-           significant(kDegrees * accuracy.standing_end->rotation) + "°";
+           significant(kDegreesPerRadian * accuracy.standing_end->rotation) + "°";
   }
   if (accuracy.invalid > 0) text += ", " + std::to_string(accuracy.invalid) + " invalid";
   if (accuracy.wrong > 0) text += ", " + std::to_string(accuracy.wrong) + " wrong";

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "tools/benchmark/true_motion.hpp"
 #include "tools/evaluate/association.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // A true motion between two pairs below both limits counts as standstill.
 constexpr double kStandingTranslation = 1e-4;  // m
 constexpr double kStandingRotation = 1e-4;     // rad
@@ -161,7 +160,7 @@ void Consistency::add(const Consistency& other) {
 }
 
 bool isWrong(const Vector6d& error, const Matrix6d& covariance) {
-  constexpr double kMinTranslation = 0.05, kMinRotation = 0.5 * kDegree, kMinStddevs = 5.0;  // m, rad
+  constexpr double kMinTranslation = 0.05, kMinRotation = 0.5 * kRadiansPerDegree, kMinStddevs = 5.0;  // m, rad
   const auto is_beyond = [&](int first, double limit) {
     const Eigen::Vector3d part = error.segment<3>(first);
     return part.norm() > limit &&

@@ -4,18 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <optional>
 
-#include "daemon/health_monitor.hpp"
+#include "common/statistics.hpp"
 #include "tools/evaluate/report.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string bitrateName(double bitrate_mbps) {
   char text[32];
@@ -25,7 +23,7 @@ std::string bitrateName(double bitrate_mbps) {
 
 std::string segmentCell(const SegmentErrors& errors) {
   if (errors.count == 0) return kNoValue;
-  return fixed(100.0 * errors.translation, 2) + " / " + fixed(kDegrees * errors.rotation, 4);
+  return fixed(100.0 * errors.translation, 2) + " / " + fixed(kDegreesPerRadian * errors.rotation, 4);
 }
 
 std::string driftCell(const Evaluation& evaluation) {
@@ -35,7 +33,7 @@ std::string driftCell(const Evaluation& evaluation) {
 
 std::string endCell(const std::optional<EndError>& end) {
   if (!end) return kNoValue;
-  return fixed(100.0 * end->translation, 2) + " / " + fixed(kDegrees * end->rotation, 3);
+  return fixed(100.0 * end->translation, 2) + " / " + fixed(kDegreesPerRadian * end->rotation, 3);
 }
 
 std::string consistencyCell(const NormalisedErrors& errors) {
@@ -53,7 +51,7 @@ std::vector<std::string> cells(const SequenceAccuracy& a) {
           fixed(e.path_length, 1),
           segmentCell(e.short_segments.all),
           segmentCell(e.long_segments.all),
-          fixed(e.relative_translation, 4) + " / " + fixed(kDegrees * e.relative_rotation, 4),
+          fixed(e.relative_translation, 4) + " / " + fixed(kDegreesPerRadian * e.relative_rotation, 4),
           driftCell(e),
           endCell(a.standing_end),
           a.standing > 0 ? fixed(a.standing_speed, 4) : kNoValue,
@@ -200,7 +198,7 @@ Json sequenceJson(const SequenceAccuracy& a) {
   if (a.standing > 0) json["standing_highest_speed_m_s"] = a.standing_speed;
   if (a.standing_end) {
     json["standing_end_m"] = a.standing_end->translation;
-    json["standing_end_deg"] = kDegrees * a.standing_end->rotation;
+    json["standing_end_deg"] = kDegreesPerRadian * a.standing_end->rotation;
   }
   if (!a.times_ms.empty()) {
     json["time_ms"] = {{"median", percentile(a.times_ms, 0.5)}, {"p99", percentile(a.times_ms, 0.99)}};

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <numbers>
 
 #include "tools/evaluate/report.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The result of two-instants on the same sequence without a time offset; null if it was not measured.
 const OffsetAccuracy* synchronisedReference(const OffsetAccuracy& one,
@@ -44,9 +42,9 @@ std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<Offs
       clockName(one.clock),
       offsetModelName(one.model),
       std::to_string(a.pairs),
-      segments.count == 0 ? kNoValue : pairOf(100.0 * segments.translation, kDegrees * segments.rotation),
+      segments.count == 0 ? kNoValue : pairOf(100.0 * segments.translation, kDegreesPerRadian * segments.rotation),
       ratios ? fixed(ratios->segment_translation, 2) + " / " + fixed(ratios->segment_rotation, 2) : kNoValue,
-      pairOf(1e3 * e.relative_translation, kDegrees * e.relative_rotation),
+      pairOf(1e3 * e.relative_translation, kDegreesPerRadian * e.relative_rotation),
       ratios ? fixed(ratios->relative_translation, 2) + " / " + fixed(ratios->relative_rotation, 2)
              : kNoValue,
       e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,

@@ -10,7 +10,7 @@
 #include "calib/image_size.hpp"
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
-#include "daemon/health_monitor.hpp"
+#include "common/statistics.hpp"
 #include "daemon/pair_processor.hpp"
 #include "tools/benchmark/drive_in_memory.hpp"
 #include "tools/benchmark/sequence.hpp"

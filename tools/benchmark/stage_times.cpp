@@ -8,7 +8,7 @@
 
 #include "calib/rectification_tables.hpp"
 #include "calib/rectifier.hpp"
-#include "daemon/health_monitor.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -2,18 +2,16 @@
 #include "tools/benchmark/thesis_report.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "calib/image_size.hpp"
 #include "tools/benchmark/thesis_values.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string percent(double fraction, int decimals) {
   return fixed(100.0 * fraction, decimals) + " %";
@@ -123,8 +121,8 @@ std::string rateTable(const ThesisResults& results, ReportFormat format) {
     const RateErrors& errors = result.errors;
     table.add({result.sequence, std::to_string(errors.pairs), fixed(errors.velocity.x(), 4),
                fixed(errors.velocity.y(), 4), fixed(errors.velocity.z(), 4),
-               fixed(kDegrees * errors.pitch, 3), fixed(kDegrees * errors.yaw, 3),
-               fixed(kDegrees * errors.roll, 3)});
+               fixed(kDegreesPerRadian * errors.pitch, 3), fixed(kDegreesPerRadian * errors.yaw, 3),
+               fixed(kDegreesPerRadian * errors.roll, 3)});
   }
   table.add({"thesis", kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue});
   return title + table.as(format) +
@@ -203,9 +201,9 @@ Json ratesJson(const ThesisResults& results) {
                                 {"Vx_m_s", errors.velocity.x()},
                                 {"Vy_m_s", errors.velocity.y()},
                                 {"Vz_m_s", errors.velocity.z()},
-                                {"pitch_deg_s", kDegrees * errors.pitch},
-                                {"yaw_deg_s", kDegrees * errors.yaw},
-                                {"roll_deg_s", kDegrees * errors.roll}});
+                                {"pitch_deg_s", kDegreesPerRadian * errors.pitch},
+                                {"yaw_deg_s", kDegreesPerRadian * errors.yaw},
+                                {"roll_deg_s", kDegreesPerRadian * errors.roll}});
   }
   return json;
 }

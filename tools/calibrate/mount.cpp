@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 #include "calib/rig.hpp"
 #include "tools/calibrate/robust_line.hpp"
 

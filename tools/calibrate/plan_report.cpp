@@ -5,15 +5,13 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "calib/exact_text.hpp"
 #include "tools/report/diagram.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::calibrate {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double nearestMatched(const StereoDesign& design, const PlanSettings& settings) {
   return disparityAt(design, 1.0) / settings.largest_disparity;
@@ -74,7 +72,7 @@ std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettin
         exactText(design.baseline),
         fixed(design.focal_length, 1),
         fixed(design.image_width, 0),
-        fixed(kDegrees * horizontalView(design), 1),
+        fixed(kDegreesPerRadian * horizontalView(design), 1),
         significant(nearestMatched(design, settings)),
         significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error))};
     for (const double range : settings.ranges) {
@@ -100,7 +98,7 @@ nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const 
         {{"baseline_m", design.baseline},
          {"focal_length_px", design.focal_length},
          {"image_width_px", design.image_width},
-         {"horizontal_view_deg", kDegrees * horizontalView(design)},
+         {"horizontal_view_deg", kDegreesPerRadian * horizontalView(design)},
          {"nearest_m", nearestMatched(design, settings)},
          {"good_to_m", rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error)},
          {"ranges", at}});

@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo::calibrate {
 namespace {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "calib/calibration.hpp"
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 #include "tools/calibrate/stereo_design.hpp"
 
 namespace cartvo::calibrate {

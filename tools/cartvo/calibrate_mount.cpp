@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "tools/calibrate/mount_source.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/replay/source_rig.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
@@ -30,8 +30,6 @@ struct Options {
   bool json = false;
 };
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 std::string line(const char* name, const Estimate& estimate, double unit, const char* rest) {
   char text[160];
   std::snprintf(text, sizeof text, "%-8s %8.3f +- %.3f %s\n", name, unit * estimate.value,
@@ -42,11 +40,11 @@ std::string line(const char* name, const Estimate& estimate, double unit, const 
 std::string textOf(const Mount& mount, const MountMeasurements& measurements) {
   std::string text =
       line("height", mount.height, 1.0, "m above the ground (left camera)") +
-      line("pitch", mount.pitch, kDegrees, mount.pitch.value < 0.0 ? "deg, looks up" : "deg, looks down") +
-      line("roll", mount.roll, kDegrees,
+      line("pitch", mount.pitch, kDegreesPerRadian, mount.pitch.value < 0.0 ? "deg, looks up" : "deg, looks down") +
+      line("roll", mount.roll, kDegreesPerRadian,
            mount.roll.value < 0.0 ? "deg, right side higher" : "deg, left side higher");
   if (mount.yaw) {
-    text += line("yaw", *mount.yaw, kDegrees,
+    text += line("yaw", *mount.yaw, kDegreesPerRadian,
                  mount.yaw->value < 0.0 ? "deg, looks to the right" : "deg, looks to the left");
   } else {
     text += "yaw      not measured: the cart did not drive faster than 1 m/s; unchanged\n";
@@ -62,14 +60,14 @@ nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measu
     return nlohmann::ordered_json{{"value", unit * estimate.value}, {"deviation", unit * estimate.stddev}};
   };
   nlohmann::ordered_json json{{"height_m", both(mount.height, 1.0)},
-                              {"pitch_deg", both(mount.pitch, kDegrees)},
-                              {"roll_deg", both(mount.roll, kDegrees)},
+                              {"pitch_deg", both(mount.pitch, kDegreesPerRadian)},
+                              {"roll_deg", both(mount.roll, kDegreesPerRadian)},
                               {"yaw_deg", nullptr},
                               {"ahead_of_axle_m", nullptr},
                               {"sightings", mount.ground_observations},
                               {"motions", mount.motions},
                               {"pairs", measurements.pairs}};
-  if (mount.yaw) json["yaw_deg"] = both(*mount.yaw, kDegrees);
+  if (mount.yaw) json["yaw_deg"] = both(*mount.yaw, kDegreesPerRadian);
   if (mount.ahead_of_axle) json["ahead_of_axle_m"] = both(*mount.ahead_of_axle, 1.0);
   return json;
 }

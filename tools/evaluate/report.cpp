@@ -3,12 +3,11 @@
 #include "tools/evaluate/report.hpp"
 
 #include <cstdio>
-#include <numbers>
+
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 template <typename... Values>
 std::string line(const char* format, Values... values) {
@@ -19,7 +18,7 @@ std::string line(const char* format, Values... values) {
 
 std::string segmentRow(const char* name, const SegmentErrors& errors, const char* remark = "") {
   return line("  %-12s %9d %12.3f %16.5f%s", name, errors.count, 100.0 * errors.translation,
-              kDegrees * errors.rotation, remark);
+              kDegreesPerRadian * errors.rotation, remark);
 }
 
 std::string segmentTable(const char* title, const SegmentGroup& group) {
@@ -32,7 +31,7 @@ std::string segmentTable(const char* title, const SegmentGroup& group) {
 }
 
 std::string alignedRow(const AlignedAxes& aligned) {
-  const Eigen::Vector3d rotation = kDegrees * aligned.rotation;
+  const Eigen::Vector3d rotation = kDegreesPerRadian * aligned.rotation;
   char remark[80];
   std::snprintf(remark, sizeof remark, "  (turned by %.3f, %.3f, %.3f deg)", rotation.x(), rotation.y(),
                 rotation.z());
@@ -47,7 +46,7 @@ nlohmann::ordered_json segmentJson(const SegmentErrors& errors) {
   json["rotation_deg_per_m"] = nullptr;
   if (errors.count > 0) {
     json["translation_percent"] = 100.0 * errors.translation;
-    json["rotation_deg_per_m"] = kDegrees * errors.rotation;
+    json["rotation_deg_per_m"] = kDegreesPerRadian * errors.rotation;
   }
   return json;
 }
@@ -61,7 +60,7 @@ nlohmann::ordered_json groupJson(const SegmentGroup& group) {
 }
 
 nlohmann::ordered_json alignedJson(const AlignedAxes& aligned) {
-  const Eigen::Vector3d rotation = kDegrees * aligned.rotation;
+  const Eigen::Vector3d rotation = kDegreesPerRadian * aligned.rotation;
   return {{"rotation_deg", {rotation.x(), rotation.y(), rotation.z()}},
           {"segments_5_to_40_m", groupJson(aligned.short_segments)}};
 }
@@ -78,12 +77,12 @@ std::string evaluationTable(const Evaluation& evaluation) {
   text += line("%-34s %.3f m (estimated: %.3f m)", "path length", evaluation.path_length,
                evaluation.estimated_path_length);
   text += line("%-34s %.3f m, %.3f deg", "final drift", evaluation.final_drift,
-               kDegrees * evaluation.final_rotation);
+               kDegreesPerRadian * evaluation.final_rotation);
   if (evaluation.final_drift_fraction) {
     text += line("%-34s %.3f %%", "final drift of the path", 100.0 * *evaluation.final_drift_fraction);
   }
   text += line("%-34s %.4f m, %.4f deg", "pose to pose (RPE, RMSE)", evaluation.relative_translation,
-               kDegrees * evaluation.relative_rotation);
+               kDegreesPerRadian * evaluation.relative_rotation);
   text += line("%-34s %.4f m", "position, aligned (ATE, RMSE)", evaluation.absolute_aligned);
   text += line("%-34s %.4f m", "position, same start (RMSE)", evaluation.absolute_origin);
   text += segmentTable("5 to 40 m", evaluation.short_segments);
@@ -102,9 +101,9 @@ nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   json["final_drift_m"] = evaluation.final_drift;
   json["final_drift_percent"] = nullptr;
   if (evaluation.final_drift_fraction) json["final_drift_percent"] = 100.0 * *evaluation.final_drift_fraction;
-  json["final_rotation_deg"] = kDegrees * evaluation.final_rotation;
+  json["final_rotation_deg"] = kDegreesPerRadian * evaluation.final_rotation;
   json["rpe_rmse_m"] = evaluation.relative_translation;
-  json["rpe_rmse_deg"] = kDegrees * evaluation.relative_rotation;
+  json["rpe_rmse_deg"] = kDegreesPerRadian * evaluation.relative_rotation;
   json["ate_rmse_m"] = evaluation.absolute_aligned;
   json["origin_rmse_m"] = evaluation.absolute_origin;
   json["segments_5_to_40_m"] = groupJson(evaluation.short_segments);

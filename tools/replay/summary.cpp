@@ -8,9 +8,10 @@
 
 #include <opencv2/core/version.hpp>
 
-#include "daemon/health_monitor.hpp"
+#include "common/statistics.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/replay/setting_names.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
@@ -126,11 +127,10 @@ Json selfCheckJson(const Replay& replay) {
   const auto scaled = [](const EstimateWithStddev& checked, double unit) -> Json {
     return {{"value", checked.value * unit}, {"deviation", checked.stddev * unit}};
   };
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
   return {{"right_late_ms", scaled(rig.delay, 1e3)},
-          {"right_pitch_deg", scaled(rig.pitch, kDegrees)},
-          {"right_yaw_deg", scaled(rig.yaw, kDegrees)},
-          {"right_roll_deg", scaled(rig.roll, kDegrees)}};
+          {"right_pitch_deg", scaled(rig.pitch, kDegreesPerRadian)},
+          {"right_yaw_deg", scaled(rig.yaw, kDegreesPerRadian)},
+          {"right_roll_deg", scaled(rig.roll, kDegreesPerRadian)}};
 }
 
 /// Source of a recording's timestamps; null for other sources.

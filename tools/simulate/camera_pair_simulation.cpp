@@ -7,13 +7,10 @@
 #include <stdexcept>
 
 #include "tools/simulate/frame_schedule.hpp"
+#include "daemon/host_clock.hpp"
 
 namespace cartvo::simulate {
 namespace {
-
-std::int64_t nowNs() {
-  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 // Period of the repeated content, ns: the same for both cameras, so that their time offset is the same in
 // each repetition.
@@ -56,7 +53,7 @@ CameraPairSimulation::CameraPairSimulation(const std::shared_ptr<const EncodedPa
     : settings_(settings),
       frame_rate_(streams->left.frame_rate),
       // Whole milliseconds lie on the 90 kHz grid of RTP time stamps.
-      switched_on_ns_(nowNs() / 1'000'000 * 1'000'000),
+      switched_on_ns_(hostNow() / 1'000'000 * 1'000'000),
       left_({streams, &streams->left}, cameraSettings(settings, settings.left, *streams, switched_on_ns_)),
       right_({streams, &streams->right},
              cameraSettings(settings, settings.right, *streams, switched_on_ns_)) {}
@@ -65,7 +62,7 @@ void CameraPairSimulation::update() {
   if (epoch_ns_) return;
   const bool watched = left_.playingClients() > 0 && right_.playingClients() > 0;
   if (settings_.start == ContentStart::when_watched && !watched) return;
-  epoch_ns_ = nextFrameInstant(switched_on_ns_, frame_rate_, nowNs() + settings_.lead_in.count());
+  epoch_ns_ = nextFrameInstant(switched_on_ns_, frame_rate_, hostNow() + settings_.lead_in.count());
   left_.startContent(*epoch_ns_);
   right_.startContent(*epoch_ns_);
 }

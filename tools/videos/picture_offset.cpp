@@ -12,7 +12,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "calib/quantile.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo {
 namespace {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/statistics.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -12,15 +14,6 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // Startup time: pictures are delayed by one until the camera's packetisation is known.
 constexpr std::int64_t kSettlingTime_ns = 2 * kSecond_ns;
 constexpr double kMaxLatency_ms = 60'000.0;  // longer in no live pipeline; recordings exceed it
-
-/// Percentile by nearest rank; NaN for an empty list.
-double percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = std::ceil(fraction * static_cast<double>(values.size())) - 1.0;
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 0.0));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 StampedPose pose(const odometry_t& message) {
   const double* q = message.orientation_world_body;

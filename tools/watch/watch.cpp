@@ -17,12 +17,12 @@
 #include "daemon/lcm_connection.hpp"
 #include "daemon/odometry_reasons.hpp"
 #include "daemon/stop_signals.hpp"
+#include "common/units.hpp"
 
 namespace cartvo {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 constexpr int kPoll_ms = 50;
 constexpr int kQueueCapacity = 1000;
 

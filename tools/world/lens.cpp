@@ -2,12 +2,11 @@
 #include "tools/world/lens.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "common/units.hpp"
 
 namespace cartvo::world {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The distorted point on the plane z = 1 of an undistorted one.
 Eigen::Vector2d distortNormalized(const CameraModel& camera, const Eigen::Vector2d& p) {
@@ -78,15 +77,15 @@ Rig simulatedRig(const WorldSettings& settings) {
   Eigen::Matrix3d forward;  // camera axes (x right, y down, z ahead) in body axes
   forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   rig.T_body_camera.linear() =
-      (Eigen::AngleAxisd(0.3 * kDegree, Eigen::Vector3d::UnitZ()) *
-       Eigen::AngleAxisd(7.0 * kDegree, Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(-0.2 * kDegree, Eigen::Vector3d::UnitX()) * Eigen::Quaterniond(forward))
+      (Eigen::AngleAxisd(0.3 * kRadiansPerDegree, Eigen::Vector3d::UnitZ()) *
+       Eigen::AngleAxisd(7.0 * kRadiansPerDegree, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(-0.2 * kRadiansPerDegree, Eigen::Vector3d::UnitX()) * Eigen::Quaterniond(forward))
           .toRotationMatrix();
   rig.T_body_camera.translation() = Eigen::Vector3d(1.55, 0.5 * settings.baseline, 1.9);
 
-  const Eigen::Matrix3d R_right_left = (Eigen::AngleAxisd(0.35 * kDegree, Eigen::Vector3d::UnitX()) *
-                                        Eigen::AngleAxisd(-0.5 * kDegree, Eigen::Vector3d::UnitY()) *
-                                        Eigen::AngleAxisd(0.25 * kDegree, Eigen::Vector3d::UnitZ()))
+  const Eigen::Matrix3d R_right_left = (Eigen::AngleAxisd(0.35 * kRadiansPerDegree, Eigen::Vector3d::UnitX()) *
+                                        Eigen::AngleAxisd(-0.5 * kRadiansPerDegree, Eigen::Vector3d::UnitY()) *
+                                        Eigen::AngleAxisd(0.25 * kRadiansPerDegree, Eigen::Vector3d::UnitZ()))
                                            .toRotationMatrix();
   const Eigen::Vector3d right_in_left = settings.baseline * Eigen::Vector3d(1.0, 0.008, -0.012).normalized();
   rig.T_right_left.linear() = R_right_left;

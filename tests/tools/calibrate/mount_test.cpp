@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,14 +15,14 @@
 #include "tools/simulate/content_files.hpp"
 #include "tools/world/rendered_world.hpp"
 #include "tools/world/tiny_world.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::calibrate {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kYaw = 2.0 * kDegree, kPitch = 8.0 * kDegree, kRoll = -1.0 * kDegree;
+constexpr double kYaw = 2.0 * kRadiansPerDegree, kPitch = 8.0 * kRadiansPerDegree, kRoll = -1.0 * kRadiansPerDegree;
 
 Eigen::Isometry3d trueMount() {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
@@ -49,8 +48,8 @@ std::vector<GroundObservation> groundObservations(double seconds) {
   const Eigen::Matrix3d R_camera_body = trueMount().linear().transpose();
   for (double t = 0.0; t < seconds; t += 0.125) {
     const Eigen::Matrix3d sway =
-        (Eigen::AngleAxisd(0.3 * kDegree * std::sin(5.0 * t), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(0.2 * kDegree * std::sin(7.0 * t), Eigen::Vector3d::UnitX()))
+        (Eigen::AngleAxisd(0.3 * kRadiansPerDegree * std::sin(5.0 * t), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(0.2 * kRadiansPerDegree * std::sin(7.0 * t), Eigen::Vector3d::UnitX()))
             .toRotationMatrix();
     all.push_back({t, R_camera_body * (sway * -Eigen::Vector3d::UnitZ()), 1.9 + 0.01 * std::sin(3.0 * t)});
   }
@@ -78,12 +77,12 @@ TEST(Mount, IsEstimatedFromADriveInCurves) {
     motions.push_back(twistAt(t, 4.0, 0.15 + 0.3 * std::sin(0.5 * t)));  // more to the left than to the right
   motions.push_back({20.0, {5.0, 0.0, 3.0}, {0.0, 0.0, 0.0}});           // an outlier
   const Mount mount = measureMount(groundObservations(20.0), motions, knownMount());
-  expectTrueAttitude(mount, 0.05 * kDegree);
+  expectTrueAttitude(mount, 0.05 * kRadiansPerDegree);
   EXPECT_NEAR(mount.height.value, 1.9, 0.005);
   ASSERT_TRUE(mount.yaw);
-  EXPECT_NEAR(mount.yaw->value, kYaw, 0.02 * kDegree);
-  EXPECT_NEAR(mount.pitch.value, kPitch, 0.1 * kDegree);
-  EXPECT_NEAR(mount.roll.value, kRoll, 0.1 * kDegree);
+  EXPECT_NEAR(mount.yaw->value, kYaw, 0.02 * kRadiansPerDegree);
+  EXPECT_NEAR(mount.pitch.value, kPitch, 0.1 * kRadiansPerDegree);
+  EXPECT_NEAR(mount.roll.value, kRoll, 0.1 * kRadiansPerDegree);
   ASSERT_TRUE(mount.ahead_of_axle);
   EXPECT_NEAR(mount.ahead_of_axle->value, 1.5, 0.05);
   EXPECT_EQ(mount.T_body_camera.translation().head<2>(), Eigen::Vector2d(1.5, 0.1));
@@ -94,7 +93,7 @@ TEST(Mount, IsEstimatedFromAStraightDriveForwardAndBackward) {
   for (double t = 0.0; t < 10.0; t += 0.1)
     motions.push_back(twistAt(t, t < 5.0 ? 3.0 : -2.0, 0.0));
   const Mount mount = measureMount(groundObservations(10.0), motions, knownMount());
-  expectTrueAttitude(mount, 0.1 * kDegree);
+  expectTrueAttitude(mount, 0.1 * kRadiansPerDegree);
   EXPECT_FALSE(mount.ahead_of_axle);
 }
 
@@ -103,12 +102,12 @@ TEST(Mount, KeepsTheKnownYawWithoutADrive) {
   for (double t = 0.0; t < 10.0; t += 0.1)
     motions.push_back(twistAt(t, 0.01, 0.3));
   Eigen::Isometry3d known = knownMount();
-  known.prerotate(Eigen::AngleAxisd(5.0 * kDegree, Eigen::Vector3d::UnitZ()));
+  known.prerotate(Eigen::AngleAxisd(5.0 * kRadiansPerDegree, Eigen::Vector3d::UnitZ()));
   const Mount mount = measureMount(groundObservations(10.0), motions, known);
   EXPECT_FALSE(mount.yaw);
-  EXPECT_NEAR(mount.pitch.value, kPitch, 0.2 * kDegree);
+  EXPECT_NEAR(mount.pitch.value, kPitch, 0.2 * kRadiansPerDegree);
   const Eigen::Vector3d axis = mount.T_body_camera.linear().col(2);
-  EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 5.0 * kDegree, 0.2 * kDegree);
+  EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 5.0 * kRadiansPerDegree, 0.2 * kRadiansPerDegree);
 }
 
 TEST(Mount, StddevsMatchTheErrors) {
@@ -120,7 +119,7 @@ TEST(Mount, StddevsMatchTheErrors) {
   EXPECT_LT(std::abs(mount.roll.value - kRoll), 4.0 * mount.roll.stddev);
   EXPECT_LT(std::abs(mount.height.value - 1.9), 4.0 * mount.height.stddev);
   EXPECT_GT(mount.pitch.stddev, 0.0);
-  EXPECT_LT(mount.pitch.stddev, 0.1 * kDegree);
+  EXPECT_LT(mount.pitch.stddev, 0.1 * kRadiansPerDegree);
 }
 
 TEST(Mount, RefusesTooFewGroundObservations) {
@@ -150,7 +149,7 @@ TEST(CalibrateMountCommand, EstimatesTheMountOfARenderedCart) {
   EXPECT_NEAR(report["roll_deg"]["value"].get<double>(), -0.2, 0.4) << run.output;
   EXPECT_NEAR(report["yaw_deg"]["value"].get<double>(), 0.3, 0.3) << run.output;
   const Eigen::Isometry3d found = readRig(folder / "out.yaml").T_body_camera;
-  EXPECT_LT(Eigen::AngleAxisd(truth.linear().transpose() * found.linear()).angle(), 1.3 * kDegree);
+  EXPECT_LT(Eigen::AngleAxisd(truth.linear().transpose() * found.linear()).angle(), 1.3 * kRadiansPerDegree);
   EXPECT_NEAR(found.translation().z(), report["height_m"]["value"].get<double>(), 1e-9);
   EXPECT_EQ(found.translation().x(), 1.55);
 }

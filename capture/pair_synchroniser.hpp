@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "capture/camera_side.hpp"
+#include "capture/clock/frame_period_estimator.hpp"
 #include "capture/frame.hpp"
-#include "capture/frame_period_estimator.hpp"
 
 namespace cartvo {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "capture/recording_folder.hpp"
-#include "capture/recording_source.hpp"
+#include "capture/recording/recording_folder.hpp"
+#include "capture/recording/recording_source.hpp"
 
 namespace cartvo {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "capture/camera_source.hpp"
-#include "capture/image_folder.hpp"
-#include "capture/recording_timestamper.hpp"
+#include "capture/dataset/image_folder.hpp"
+#include "capture/recording/recording_timestamper.hpp"
 
 namespace cartvo {
 

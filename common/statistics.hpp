@@ -8,8 +8,8 @@
 
 namespace cartvo {
 
-/// The value at rank `fraction` (0 to 1) of the sorted values; the lower one where the rank falls between two.
-/// `values` must not be empty.
+/// The value at rank `fraction` (0 to 1) of the sorted values; the lower one where the rank falls between
+/// two. `values` must not be empty.
 inline double quantile(std::vector<double> values, double fraction) {
   const auto rank =
       values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));

@@ -33,7 +33,7 @@ REJECTED = {
 }
 # File format keys and other names that people already use.
 ALLOWED = {
-    "tools/cartvo/calibrate_mount.cpp": ("sightings",),  # JSON key of `cartvo calibrate mount`
+    "tools/calibrate/mount/calibrate_mount.cpp": ("sightings",),  # JSON key of `cartvo calibrate mount`
     "tests/system/in_vm.sh": ("nobody",),  # the system user
 }
 LEFT_OUT = ("docs/notebook/", "docs/glossary.md", "tools/check_language.py", "LICENSE")

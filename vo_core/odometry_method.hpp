@@ -1,7 +1,7 @@
 #pragma once
 
+#include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/odometry_estimate.hpp"
-#include "vo_core/repeated_image_detector.hpp"
 #include "vo_core/stage_observer.hpp"
 
 namespace cartvo {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "vo_core/codec_error_model.hpp"
-#include "vo_core/parallel_loop.hpp"
-#include "vo_core/plausible_motion.hpp"
-#include "vo_core/visual_track.hpp"
+#include "common/parallel_loop.hpp"
+#include "vo_core/geometry/plausible_motion.hpp"
+#include "vo_core/integrity/codec_error_model.hpp"
+#include "vo_core/track/visual_track.hpp"
 
 namespace cartvo {
 namespace {

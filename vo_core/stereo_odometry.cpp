@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "vo_core/repeated_image_detector.hpp"
+#include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/reprojection_odometry.hpp"
-#include "vo_core/thesis_odometry.hpp"
+#include "vo_core/thesis/thesis_odometry.hpp"
 
 namespace cartvo {
 namespace {

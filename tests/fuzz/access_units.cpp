@@ -2,9 +2,9 @@
 //
 // Input: codec, number of repetitions, then packets, each with flags, a length and its bytes.
 
-#include "capture/access_unit_assembler.hpp"
-#include "capture/loss_detector.hpp"
-#include "capture/nal_units.hpp"
+#include "capture/codec/nal_units.hpp"
+#include "capture/rtsp/access_unit_assembler.hpp"
+#include "capture/rtsp/loss_detector.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

@@ -1,6 +1,6 @@
 // Fuzz target for the specification of a calibration board, as given on the command line.
 
-#include "calib/board_spec.hpp"
+#include "calib/board/board_spec.hpp"
 
 #include "tests/fuzz/fuzzing.hpp"
 

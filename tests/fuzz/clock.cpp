@@ -13,7 +13,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "capture/stereo_timestamper.hpp"
+#include "capture/clock/stereo_timestamper.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

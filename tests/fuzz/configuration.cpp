@@ -1,6 +1,6 @@
 // Fuzz target for cartvod's configuration, as read from disk and from recordings.
 
-#include "daemon/configuration.hpp"
+#include "daemon/service/configuration.hpp"
 
 #include "tests/fuzz/fuzzing.hpp"
 

@@ -4,7 +4,7 @@
 // Input: several files: "kitti", the images' names, the right images' names, times.txt, calib.txt; or
 // "euroc", the images' names, both cameras' data.csv.
 
-#include "capture/image_folder.hpp"
+#include "capture/dataset/image_folder.hpp"
 
 #include <cmath>
 #include <utility>

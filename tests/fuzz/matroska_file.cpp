@@ -1,6 +1,6 @@
 // Fuzz target for the header of a recorded video file, which shows whether it was finalised.
 
-#include "capture/matroska_file.hpp"
+#include "capture/recording/matroska_file.hpp"
 
 #include "tests/fuzz/fuzzing.hpp"
 

@@ -1,6 +1,6 @@
 // Fuzz target for recording.json.
 
-#include "capture/recording_folder.hpp"
+#include "capture/recording/recording_folder.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

@@ -1,15 +1,15 @@
 // Fuzz target for a recording's index, alone and with its readers: with a stream, for a summary and for time
 // stamps. The lines get valid checksums, because fuzzing does not find them.
 
-#include "capture/recording_index.hpp"
+#include "capture/recording/recording_index.hpp"
 
 #include <sstream>
 
-#include "capture/recording_reader.hpp"
-#include "capture/recording_summary.hpp"
-#include "capture/recording_timestamper.hpp"
-#include "capture/recording_writer.hpp"
-#include "capture/stereo_timestamper.hpp"
+#include "capture/clock/stereo_timestamper.hpp"
+#include "capture/recording/recording_reader.hpp"
+#include "capture/recording/recording_summary.hpp"
+#include "capture/recording/recording_timestamper.hpp"
+#include "capture/recording/recording_writer.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

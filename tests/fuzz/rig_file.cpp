@@ -1,6 +1,6 @@
 // Fuzz target for cartvo's rig files, as read from disk and from recordings.
 
-#include "calib/rig_file.hpp"
+#include "calib/format/rig_file.hpp"
 
 #include "tests/fuzz/fuzzing.hpp"
 

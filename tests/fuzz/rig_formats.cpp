@@ -1,9 +1,9 @@
 // Fuzz target for rig files of other tools: Kalibr, OpenCV, ROS, MATLAB, EuRoC, KITTI; one file, or one per
 // camera.
 
-#include "calib/rig_formats.hpp"
+#include "calib/format/rig_formats.hpp"
 
-#include "calib/rig_file.hpp"
+#include "calib/format/rig_file.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

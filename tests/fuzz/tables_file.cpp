@@ -5,7 +5,7 @@
 
 #include <xxhash.h>
 
-#include "calib/rectification_tables.hpp"
+#include "calib/rectification/rectification_tables.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "vo_core/corridor_world.hpp"
+#include "support/vo_core/corridor_world.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_core/corridor_world.hpp"
+#include "support/vo_core/corridor_world.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_core/corridor_world.hpp"
-#include "vo_core/pitch_reinitialiser.hpp"
-#include "vo_core/rig_correction.hpp"
-#include "vo_core/stereo_odometry.hpp"
 #include "common/units.hpp"
+#include "support/vo_core/corridor_world.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
+#include "vo_core/self_calibration/pitch_reinitialiser.hpp"
+#include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_core/feature_history.hpp"
+#include "support/vo_core/synthetic_texture.hpp"
 #include "vo_core/stereo_camera.hpp"
-#include "vo_core/synthetic_texture.hpp"
+#include "vo_core/thesis/feature_history.hpp"
 
 namespace cartvo {
 namespace {

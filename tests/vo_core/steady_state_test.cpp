@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core/utility.hpp>
 
-#include "vo_core/corridor_world.hpp"
-#include "vo_core/image_pyramid.hpp"
+#include "support/vo_core/corridor_world.hpp"
+#include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core/utility.hpp>
 
-#include "vo_core/corridor_world.hpp"
+#include "support/vo_core/corridor_world.hpp"
 
 namespace cartvo {
 namespace {

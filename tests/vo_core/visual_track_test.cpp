@@ -1,5 +1,5 @@
 // Tests of a single track: accepted and rejected pairs, standstill, rig calibration.
-#include "vo_core/visual_track.hpp"
+#include "vo_core/track/visual_track.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "vo_core/corridor_world.hpp"
+#include "support/vo_core/corridor_world.hpp"
 
 namespace cartvo {
 namespace {

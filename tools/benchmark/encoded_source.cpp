@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "capture/video_decoder.hpp"
+#include "capture/codec/video_decoder.hpp"
 
 namespace cartvo::benchmark {
 namespace {

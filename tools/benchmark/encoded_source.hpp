@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "capture/stereo_source.hpp"
-#include "tools/simulate/encoded_stream.hpp"
+#include "tools/simulate/stream/encoded_stream.hpp"
 
 namespace cartvo::benchmark {
 

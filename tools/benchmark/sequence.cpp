@@ -6,8 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "capture/image_folder.hpp"
-#include "daemon/body_motion.hpp"
+#include "capture/dataset/image_folder.hpp"
+#include "daemon/pipeline/body_motion.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/world/rendered_world.hpp"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "capture/image_folder.hpp"
+#include "capture/dataset/image_folder.hpp"
 
 namespace cartvo::benchmark {
 namespace {

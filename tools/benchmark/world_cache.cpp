@@ -11,7 +11,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "capture/image_folder.hpp"
+#include "capture/dataset/image_folder.hpp"
 #include "tools/simulate/content_files.hpp"
 
 namespace cartvo::benchmark {

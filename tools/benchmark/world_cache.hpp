@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "tools/simulate/encode_content.hpp"
+#include "tools/simulate/stream/encode_content.hpp"
 #include "tools/world/rendered_world.hpp"
 
 namespace cartvo::benchmark {

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <ctime>
 
-#include "calib/image_size.hpp"
-#include "capture/stream_recorder.hpp"
+#include "capture/recording/stream_recorder.hpp"
+#include "common/image_size.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo {

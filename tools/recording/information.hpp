@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/recording_summary.hpp"
+#include "capture/recording/recording_summary.hpp"
 
 namespace cartvo {
 

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "capture/recording_index_reader.hpp"
-#include "capture/recording_reader.hpp"
-#include "capture/recording_writer.hpp"
+#include "capture/recording/recording_index_reader.hpp"
+#include "capture/recording/recording_reader.hpp"
+#include "capture/recording/recording_writer.hpp"
 
 namespace cartvo {
 namespace {

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "capture/recording_folder.hpp"
-#include "capture/recording_source.hpp"
+#include "capture/recording/recording_folder.hpp"
+#include "capture/recording/recording_source.hpp"
 
 namespace cartvo {
 namespace {

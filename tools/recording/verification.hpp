@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/recording_reader.hpp"
+#include "capture/recording/recording_reader.hpp"
 
 namespace cartvo {
 

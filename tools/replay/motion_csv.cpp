@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "daemon/body_motion.hpp"
+#include "daemon/pipeline/body_motion.hpp"
 
 namespace cartvo {
 namespace {

@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "calib/rectification_tables.hpp"
-#include "calib/rectifier.hpp"
-#include "capture/recording_folder.hpp"
-#include "daemon/configuration.hpp"
-#include "daemon/self_check.hpp"
-#include "daemon/visual_offset_estimator.hpp"
+#include "calib/rectification/rectification_tables.hpp"
+#include "calib/rectification/rectifier.hpp"
+#include "capture/recording/recording_folder.hpp"
+#include "daemon/diagnostics/self_check.hpp"
+#include "daemon/pipeline/visual_offset_estimator.hpp"
+#include "daemon/service/configuration.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "capture/stereo_source.hpp"
-#include "daemon/pipeline.hpp"
+#include "daemon/pipeline/pipeline.hpp"
 #include "tools/replay/source_rig.hpp"
 #include "tools/replay/video_pair.hpp"
 #include "tools/trajectory/trajectory.hpp"

@@ -6,10 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "calib/euroc_rig.hpp"
-#include "calib/kitti_rig.hpp"
-#include "calib/rig_file.hpp"
-#include "capture/image_folder.hpp"
+#include "calib/format/euroc_rig.hpp"
+#include "calib/format/kitti_rig.hpp"
+#include "calib/format/rig_file.hpp"
+#include "capture/dataset/image_folder.hpp"
 
 namespace cartvo {
 namespace {

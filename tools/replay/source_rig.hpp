@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "calib/rig.hpp"
+#include "calib/model/rig.hpp"
 #include "capture/stereo_source.hpp"
 
 namespace cartvo {

@@ -9,9 +9,9 @@
 #include <opencv2/core/version.hpp>
 
 #include "common/statistics.hpp"
+#include "common/units.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/replay/setting_names.hpp"
-#include "common/units.hpp"
 
 namespace cartvo {
 namespace {

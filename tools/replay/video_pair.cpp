@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "capture/video_file_source.hpp"
+#include "capture/dataset/video_file_source.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/videos/picture_offset.hpp"
 
@@ -14,7 +14,8 @@ namespace cartvo {
 namespace {
 
 constexpr double kRefinementDuration = 15.0;  // s; the odometry averages the time offset over 10 s
-constexpr int kMaxIterations = 3;  // large offsets are underestimated (daemon/visual_offset_estimator.cpp)
+constexpr int kMaxIterations =
+    3;  // large offsets are underestimated (daemon/pipeline/visual_offset_estimator.cpp)
 constexpr double kMaxOdometryStddev = 3e-3;  // s; above it the odometry adds nothing to the image motion
 constexpr double kUnderestimate = 0.1;       // fraction by which the odometry may underestimate an offset
 constexpr double kMaxCorrection = 0.1;       // s; larger than any error of the image motion

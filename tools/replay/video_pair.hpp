@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "calib/rig.hpp"
+#include "calib/model/rig.hpp"
 #include "capture/stereo_source.hpp"
 
 namespace cartvo {

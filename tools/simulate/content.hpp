@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "calib/rig.hpp"
+#include "calib/model/rig.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo::simulate {

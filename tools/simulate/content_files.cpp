@@ -8,9 +8,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/atomic_file.hpp"
-#include "calib/kitti_rig.hpp"
-#include "calib/rig_file.hpp"
+#include "calib/format/kitti_rig.hpp"
+#include "calib/format/rig_file.hpp"
+#include "common/atomic_file.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "tools/simulate/content.hpp"
-#include "tools/simulate/encode_content.hpp"
+#include "tools/simulate/stream/encode_content.hpp"
 
 namespace cartvo::simulate {
 

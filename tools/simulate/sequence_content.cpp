@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "calib/euroc_rig.hpp"
-#include "calib/image_size.hpp"
-#include "calib/kitti_rig.hpp"
-#include "calib/rig_file.hpp"
+#include "calib/format/euroc_rig.hpp"
+#include "calib/format/kitti_rig.hpp"
+#include "calib/format/rig_file.hpp"
+#include "common/image_size.hpp"
 #include "tools/simulate/truth.hpp"
 
 namespace cartvo::simulate {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "capture/image_folder.hpp"
+#include "capture/dataset/image_folder.hpp"
 #include "tools/simulate/content.hpp"
 
 namespace cartvo::simulate {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "calib/rig.hpp"
+#include "calib/model/rig.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo::simulate {

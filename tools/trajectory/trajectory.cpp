@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "calib/atomic_file.hpp"
+#include "common/atomic_file.hpp"
 
 namespace cartvo {
 namespace {

@@ -7,7 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
-#include "capture/video_file_source.hpp"
+#include "capture/dataset/video_file_source.hpp"
 
 namespace cartvo {
 

@@ -13,11 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "daemon/host_clock.hpp"
-#include "daemon/lcm_connection.hpp"
-#include "daemon/odometry_reasons.hpp"
-#include "daemon/stop_signals.hpp"
+#include "common/host_clock.hpp"
 #include "common/units.hpp"
+#include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/odometry_reasons.hpp"
+#include "daemon/service/stop_signals.hpp"
 
 namespace cartvo {
 namespace {

@@ -10,16 +10,16 @@
 
 #include <opencv2/core.hpp>
 
-#include "tools/world/campus.hpp"
-#include "tools/world/drive.hpp"
-#include "tools/world/hash.hpp"
-#include "tools/world/lens.hpp"
-#include "tools/world/photometry.hpp"
-#include "tools/world/renderer.hpp"
-#include "tools/world/scene.hpp"
-#include "tools/world/steps.hpp"
-#include "tools/world/traffic.hpp"
-#include "tools/world/veiling_glare.hpp"
+#include "tools/world/render/lens.hpp"
+#include "tools/world/render/photometry.hpp"
+#include "tools/world/render/renderer.hpp"
+#include "tools/world/render/scene.hpp"
+#include "tools/world/render/veiling_glare.hpp"
+#include "tools/world/scene/campus.hpp"
+#include "tools/world/scene/drive.hpp"
+#include "tools/world/scene/steps.hpp"
+#include "tools/world/scene/traffic.hpp"
+#include "tools/world/surface/hash.hpp"
 
 namespace cartvo::world {
 namespace {

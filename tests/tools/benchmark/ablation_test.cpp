@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/benchmark/ablation_report.hpp"
-#include "tools/benchmark/ablation_variants.hpp"
+#include "tools/benchmark/accuracy/ablation_report.hpp"
+#include "tools/benchmark/accuracy/ablation_variants.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {

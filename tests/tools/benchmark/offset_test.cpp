@@ -7,12 +7,12 @@
 
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/benchmark/alternate_frames.hpp"
-#include "tools/benchmark/offset_benchmark.hpp"
-#include "tools/benchmark/offset_plot.hpp"
-#include "tools/benchmark/offset_report.hpp"
-#include "tools/benchmark/silent.hpp"
-#include "tools/world/tiny_world.hpp"
+#include "support/tools/silent.hpp"
+#include "support/tools/tiny_world.hpp"
+#include "tools/benchmark/offset/alternate_frames.hpp"
+#include "tools/benchmark/offset/offset_benchmark.hpp"
+#include "tools/benchmark/offset/offset_plot.hpp"
+#include "tools/benchmark/offset/offset_report.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/benchmark/accuracy_report.hpp"
-#include "tools/benchmark/thesis_report.hpp"
+#include "tools/benchmark/accuracy/accuracy_report.hpp"
+#include "tools/benchmark/thesis/thesis_report.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {

@@ -9,15 +9,15 @@
 
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/benchmark/accuracy_benchmark.hpp"
-#include "tools/benchmark/depth_regression.hpp"
+#include "support/tools/silent.hpp"
+#include "support/tools/tiny_world.hpp"
+#include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/encoded_source.hpp"
-#include "tools/benchmark/feature_counts.hpp"
 #include "tools/benchmark/sequence.hpp"
-#include "tools/benchmark/silent.hpp"
-#include "tools/benchmark/stage_times.hpp"
+#include "tools/benchmark/thesis/depth_regression.hpp"
+#include "tools/benchmark/thesis/feature_counts.hpp"
+#include "tools/benchmark/thesis/stage_times.hpp"
 #include "tools/simulate/sequence_content.hpp"
-#include "tools/world/tiny_world.hpp"
 
 namespace cartvo::benchmark {
 namespace {

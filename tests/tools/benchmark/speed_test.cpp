@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/rectifier.hpp"
+#include "calib/rectification/rectifier.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/benchmark/drive_in_memory.hpp"
-#include "tools/benchmark/silent.hpp"
-#include "tools/benchmark/speed_benchmark.hpp"
-#include "tools/benchmark/speed_report.hpp"
+#include "support/tools/silent.hpp"
+#include "tools/benchmark/speed/drive_in_memory.hpp"
+#include "tools/benchmark/speed/speed_benchmark.hpp"
+#include "tools/benchmark/speed/speed_report.hpp"
 
 namespace cartvo::benchmark {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/euroc_rig.hpp"
-#include "calib/rig_file.hpp"
-#include "calib/rigs.hpp"
+#include "calib/format/euroc_rig.hpp"
+#include "calib/format/rig_file.hpp"
+#include "support/calib/rigs.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/rig_file.hpp"
+#include "calib/format/rig_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/calibrate/row_check.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
+#include "tools/calibrate/check/row_check.hpp"
 #include "tools/world/rendered_world.hpp"
 
 namespace cartvo::calibrate {

@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/rig_file.hpp"
-#include "calib/rigs.hpp"
+#include "calib/format/rig_file.hpp"
+#include "support/calib/rigs.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {

@@ -10,16 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/rig_file.hpp"
-#include "capture/rtsp_camera.hpp"
-#include "capture/stream_recorder.hpp"
+#include "calib/format/rig_file.hpp"
+#include "capture/recording/stream_recorder.hpp"
+#include "capture/rtsp/rtsp_camera.hpp"
 #include "held_boards.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_timeout.hpp"
-#include "tools/run_cartvo.hpp"
-#include "tools/running_cartvo.hpp"
-#include "tools/simulate/encode_content.hpp"
-#include "tools/simulate/simulated_camera.hpp"
+#include "support/tools/run_cartvo.hpp"
+#include "support/tools/running_cartvo.hpp"
+#include "tools/simulate/server/simulated_camera.hpp"
+#include "tools/simulate/stream/encode_content.hpp"
 
 // Included last: it defines the resolver's macro _res, which breaks Eigen's headers.
 #include <httplib.h>

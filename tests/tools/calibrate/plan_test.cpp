@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "calib/rig_file.hpp"
-#include "calib/rigs.hpp"
+#include "calib/format/rig_file.hpp"
+#include "support/calib/rigs.hpp"
 #include "support/temporary_folder.hpp"
-#include "tools/calibrate/plan_report.hpp"
-#include "tools/calibrate/stereo_design.hpp"
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
+#include "tools/calibrate/plan/plan_report.hpp"
+#include "tools/calibrate/plan/stereo_design.hpp"
 
 namespace cartvo::calibrate {
 namespace {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/run_cartvo.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {

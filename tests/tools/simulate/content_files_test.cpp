@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "calib/rig_file.hpp"
+#include "calib/format/rig_file.hpp"
 #include "support/error_message.hpp"
 #include "support/pattern_content.hpp"
 #include "support/temporary_folder.hpp"

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/kitti_rig.hpp"
-#include "calib/rig_file.hpp"
+#include "calib/format/kitti_rig.hpp"
+#include "calib/format/rig_file.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tools/world/lens.hpp"
-#include "tools/world/steps.hpp"
+#include "tools/world/render/lens.hpp"
+#include "tools/world/scene/steps.hpp"
 
 namespace cartvo {
 namespace {

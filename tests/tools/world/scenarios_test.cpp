@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "tools/world/rendered_world.hpp"
-#include "tools/world/steps.hpp"
+#include "tools/world/scene/steps.hpp"
 
 namespace cartvo {
 namespace {

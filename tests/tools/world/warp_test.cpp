@@ -1,5 +1,5 @@
 // Verifies that rendered images agree with their ground truth to a fraction of a pixel.
-#include "tests/tools/world/warp.hpp"
+#include "tests/support/tools/warp.hpp"
 
 #include <cmath>
 #include <iostream>

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+#include "calib/board/board_spec.hpp"
+
+namespace cartvo {
+
+/// The black areas of a board in board axes (see board_spec.hpp), m. The rectangles may touch but do not
+/// overlap.
+std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board);
+
+}  // namespace cartvo

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <opencv2/aruco.hpp>
+
+#include "calib/board/board_spec.hpp"
+
+namespace cartvo {
+
+/// The coding of a board's markers, for drawing and detection.
+struct MarkerDictionary {
+  cv::Ptr<cv::aruco::Dictionary> dictionary;  ///< contains at least the board's ids
+  int border_bits = 1;                        ///< width of the black border, in bits
+};
+
+/// The smallest dictionary that contains a board's markers, since a smaller one corrects more bit errors.
+/// Throws std::invalid_argument for a chessboard, which has no markers.
+MarkerDictionary markerDictionary(const BoardSpec& board);
+
+}  // namespace cartvo

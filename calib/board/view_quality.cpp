@@ -1,0 +1,101 @@
+// Sharpness, contrast and foreshortening of a board in an image.
+#include "calib/board/view_quality.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "common/statistics.hpp"
+
+namespace cartvo {
+namespace {
+
+std::string oneDigit(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+/// Ratio of the singular values of the affine map from board to image that fits the corners best.
+double foreshorteningOf(const std::vector<SeenCorner>& seen,
+                        const std::vector<Eigen::Vector2d>& board_corners) {
+  Eigen::Vector2d board_mean = Eigen::Vector2d::Zero(), image_mean = Eigen::Vector2d::Zero();
+  for (const SeenCorner& corner : seen) {
+    board_mean += board_corners[static_cast<std::size_t>(corner.id)] / static_cast<double>(seen.size());
+    image_mean += corner.pixel / static_cast<double>(seen.size());
+  }
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), mapped = Eigen::Matrix2d::Zero();
+  for (const SeenCorner& corner : seen) {
+    const Eigen::Vector2d place = board_corners[static_cast<std::size_t>(corner.id)] - board_mean;
+    spread += place * place.transpose();
+    mapped += (corner.pixel - image_mean) * place.transpose();
+  }
+  constexpr double kCollinear = 1e-6;  // relative to the board's extent, squared
+  if (spread.determinant() <= kCollinear * spread.trace() * spread.trace())
+    return std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d lengths =
+      Eigen::JacobiSVD<Eigen::Matrix2d>(mapped * spread.inverse()).singularValues();
+  return lengths[0] / lengths[1];
+}
+
+}  // namespace
+
+ViewQuality viewQuality(const cv::Mat& grey, const std::vector<SeenCorner>& seen,
+                        const std::vector<Eigen::Vector2d>& board_corners) {
+  constexpr int kWindowRadius = 6;  // px
+  std::vector<double> widths, whites, blacks;
+  for (const SeenCorner& corner : seen) {
+    const int x = static_cast<int>(std::lround(corner.pixel.x()));
+    const int y = static_cast<int>(std::lround(corner.pixel.y()));
+    int black = 255, white = 0;
+    double steepest = 1.0;  // grey levels per pixel
+    for (int v = std::max(y - kWindowRadius, 1); v <= std::min(y + kWindowRadius, grey.rows - 2); ++v) {
+      for (int u = std::max(x - kWindowRadius, 1); u <= std::min(x + kWindowRadius, grey.cols - 2); ++u) {
+        const int value = grey.at<std::uint8_t>(v, u);
+        black = std::min(black, value);
+        white = std::max(white, value);
+        const double along = 0.5 * (grey.at<std::uint8_t>(v, u + 1) - grey.at<std::uint8_t>(v, u - 1));
+        const double down = 0.5 * (grey.at<std::uint8_t>(v + 1, u) - grey.at<std::uint8_t>(v - 1, u));
+        steepest = std::max(steepest, std::hypot(along, down));
+      }
+    }
+    widths.push_back((white - black) / steepest);
+    whites.push_back(white);
+    blacks.push_back(black);
+  }
+  ViewQuality quality;
+  quality.edge_width = medianOf(widths);
+  quality.white = medianOf(whites);
+  quality.black = medianOf(blacks);
+  quality.contrast = quality.white - quality.black;
+  quality.foreshortening = foreshorteningOf(seen, board_corners);
+  return quality;
+}
+
+std::string qualityProblem(const ViewQuality& quality, double usual_edge_width) {
+  constexpr double kMinContrast = 30.0, kMinWhite = 60.0, kMaxBlack = 180.0;  // grey levels
+  constexpr double kMaxSharpWidth = 4.0;                                      // px
+  constexpr double kMaxRelativeWidth = 1.8;                                   // of the usual edge width
+  constexpr double kMaxForeshortening = 4.0;
+  if (!std::isfinite(quality.foreshortening)) return "the corners that it shows lie on one line";
+  if (quality.foreshortening > kMaxForeshortening) {
+    return "the board is tilted too far: its squares look " + oneDigit(quality.foreshortening) +
+           " times as long as wide";
+  }
+  if (quality.contrast < kMinContrast) {
+    if (quality.white < kMinWhite)
+      return "it is too dark: the board's white is at grey level " + oneDigit(quality.white);
+    if (quality.black > kMaxBlack)
+      return "it is overexposed: the board's black is at grey level " + oneDigit(quality.black);
+    return "the board's black and white are only " + oneDigit(quality.contrast) + " grey levels apart";
+  }
+  if (quality.edge_width > std::max(kMaxSharpWidth, kMaxRelativeWidth * usual_edge_width)) {
+    return "it is blurred: edges are " + oneDigit(quality.edge_width) + " px wide, in other views " +
+           oneDigit(usual_edge_width) + " px";
+  }
+  return {};
+}
+
+}  // namespace cartvo

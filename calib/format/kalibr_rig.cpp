@@ -1,0 +1,64 @@
+// Reader and writer for Kalibr's camchain.yaml.
+#include "calib/format/kalibr_rig.hpp"
+
+#include <vector>
+
+#include "calib/format/rig_parts.hpp"
+#include "common/exact_text.hpp"
+#include "common/strict_yaml.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::size_t kCoefficients = 4;
+
+CameraModel readCamera(const StrictYaml& yaml) {
+  if (yaml["camera_model"].text() != "pinhole") yaml["camera_model"].failExpecting("'pinhole'");
+  CameraModel camera;
+  camera.size = readImageSize(yaml["resolution"]);
+  readIntrinsics(yaml["intrinsics"], camera);
+  const std::string model = yaml["distortion_model"].text();
+  if (model == "none") return camera;
+  if (model != "radtan" && model != "equidistant")
+    yaml["distortion_model"].failExpecting("radtan, equidistant or none");
+  if (model == "equidistant") camera.lens = LensModel::wide;
+  setDistortion(yaml["distortion_coeffs"].numbers(kCoefficients), yaml["distortion_coeffs"], camera);
+  return camera;
+}
+
+std::string cameraText(const CameraModel& camera, int number) {
+  const std::string other = std::to_string(1 - number);
+  return "  cam_overlaps: [" + other + "]\n  camera_model: pinhole\n  distortion_coeffs: " +
+         exactText(firstCoefficients(camera, kCoefficients, "Kalibr's radtan model")) +
+         "\n  distortion_model: " + (camera.lens == LensModel::wide ? "equidistant" : "radtan") +
+         "\n  intrinsics: " + exactText({camera.fx, camera.fy, camera.cx, camera.cy}) + "\n  resolution: [" +
+         std::to_string(camera.size.width) + ", " + std::to_string(camera.size.height) +
+         "]\n  rostopic: /cam" + std::to_string(number) + "/image_raw\n";
+}
+
+std::string transformText(const Eigen::Isometry3d& transform) {
+  std::string text;
+  for (int row = 0; row < 4; ++row) {
+    const Eigen::Vector4d values = transform.matrix().row(row);
+    text += "  - " + exactText({values[0], values[1], values[2], values[3]}) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+  Rig rig;
+  rig.name = name.stem().string();
+  rig.left = readCamera(yaml["cam0"]);
+  rig.right = readCamera(yaml["cam1"]);
+  rig.T_right_left = transformFrom(yaml["cam1"]["T_cn_cnm1"].numbers(16), yaml["cam1"]["T_cn_cnm1"]);
+  return importedRig(rig, name);
+}
+
+std::string kalibrText(const Rig& rig) {
+  return "cam0:\n" + cameraText(rig.left, 0) + "cam1:\n  T_cn_cnm1:\n" + transformText(rig.T_right_left) +
+         cameraText(rig.right, 1);
+}
+
+}  // namespace cartvo

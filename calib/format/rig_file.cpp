@@ -1,0 +1,237 @@
+// Reader, writer and validation of rig files.
+#include "calib/format/rig_file.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "calib/format/kalibr_rig.hpp"
+#include "calib/format/matlab_rig.hpp"
+#include "calib/format/opencv_rig.hpp"
+#include "calib/model/rotation.hpp"
+#include "common/atomic_file.hpp"
+#include "common/exact_text.hpp"
+#include "common/strict_yaml.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kFormatVersion = 1;
+constexpr int kMaxSide = 8192;                                  // px
+constexpr double kMinBaseline = 0.005, kMaxBaseline = 10.0;     // m
+constexpr double kMaxScaleStddev = 0.1;                         // relative
+constexpr double kMinFocalLength = 1.0, kMaxFocalLength = 1e5;  // px
+
+/// Range of a principal point's coordinate along an image side of this length, px.
+double minCentre(int length) {
+  return -length;
+}
+double maxCentre(int length) {
+  return 2.0 * length;
+}
+
+LensModel readLens(const StrictYaml& yaml) {
+  const std::string name = yaml.text();
+  if (name == "wide") return LensModel::wide;
+  if (name != "brown") yaml.failExpecting("brown or wide");
+  return LensModel::brown;
+}
+
+CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
+  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion"});
+  CameraModel camera;
+  camera.size = size;
+  camera.fx = yaml["fx"].number(kMinFocalLength, kMaxFocalLength);
+  camera.fy = yaml["fy"].number(kMinFocalLength, kMaxFocalLength);
+  camera.cx = yaml["cx"].number(minCentre(size.width), maxCentre(size.width));
+  camera.cy = yaml["cy"].number(minCentre(size.height), maxCentre(size.height));
+  if (yaml.has("lens")) camera.lens = readLens(yaml["lens"]);
+  const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
+  std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  return camera;
+}
+
+Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
+  yaml.allowOnly({"rotation", "translation"});
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  const std::vector<double> rotation = yaml["rotation"].numbers(9);
+  const Eigen::Matrix3d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
+  if (!isRotation(matrix))
+    yaml["rotation"].failExpecting("three orthonormal rows of a right-handed rotation");
+  transform.linear() = nearestRotation(matrix);
+  const std::vector<double> translation = yaml["translation"].numbers(3);
+  transform.translation() = Eigen::Vector3d(translation[0], translation[1], translation[2]);
+  return transform;
+}
+
+Rig parseCartvoRig(const StrictYaml& yaml) {
+  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
+                  "free_scaling", "scale_deviation"});
+  yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
+  const std::vector<double> size = yaml["image_size"].numbers(2);
+  for (const double side : size) {
+    if (side < 16 || side > kMaxSide || side != std::floor(side)) {
+      yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
+    }
+  }
+  const cv::Size image_size(static_cast<int>(size[0]), static_cast<int>(size[1]));
+  Rig rig;
+  rig.name = yaml["name"].text();
+  rig.left = readCamera(yaml["left"], image_size);
+  rig.right = readCamera(yaml["right"], image_size);
+  rig.T_right_left = readTransform(yaml["T_right_left"]);
+  if (rig.baseline() < kMinBaseline || rig.baseline() > kMaxBaseline) {
+    yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
+  }
+  rig.T_body_camera =
+      yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
+  if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
+  if (yaml.has("scale_deviation")) rig.scale_stddev = yaml["scale_deviation"].number(0.0, kMaxScaleStddev);
+  return rig;
+}
+
+Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
+  if (yaml.has("K1")) return parseOpenCvRig(yaml, name);
+  if (yaml.has("cam0")) return parseKalibrRig(yaml, name);
+  if (yaml.has("CameraParameters1")) return parseMatlabRig(yaml, name);
+  throw std::runtime_error(
+      name.string() +
+      ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 K2 D2 R T "
+      "image_size, a Kalibr camchain (cam0) or MATLAB's stereoParameters as JSON (CameraParameters1); files "
+      "of "
+      "other tools are read by 'cartvo calibrate convert'");
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    if (character == '"' || character == '\\') result += '\\';
+    result += static_cast<unsigned char>(character) < ' ' ? ' ' : character;
+  }
+  return result + "\"";
+}
+
+std::string cameraText(const CameraModel& camera) {
+  const std::string lens = camera.lens == LensModel::wide ? "\n  lens: wide" : "";
+  const auto coefficients = camera.distortion.begin();
+  const auto count = static_cast<std::ptrdiff_t>(distortionCount(camera.lens));
+  return "  fx: " + exactText(camera.fx) + "\n  fy: " + exactText(camera.fy) +
+         "\n  cx: " + exactText(camera.cx) + "\n  cy: " + exactText(camera.cy) + lens +
+         "\n  distortion: " + exactText(std::vector<double>{coefficients, coefficients + count}) + "\n";
+}
+
+std::string transformText(const Eigen::Isometry3d& transform) {
+  std::string text = "  rotation:\n";
+  for (int row = 0; row < 3; ++row) {
+    const Eigen::Vector3d values = transform.linear().row(row);
+    text += "    - " + exactText(std::vector<double>{values.x(), values.y(), values.z()}) + "\n";
+  }
+  const Eigen::Vector3d translation = transform.translation();
+  return text + "  translation: " +
+         exactText(std::vector<double>{translation.x(), translation.y(), translation.z()}) + "\n";
+}
+
+void validateCamera(const CameraModel& camera, const std::string& side) {
+  const auto check = [&](bool holds, const char* what) {
+    if (!holds) throw std::invalid_argument("rig: the " + side + " camera's " + what);
+  };
+  check(camera.size.width >= 16 && camera.size.height >= 16, "image size is below 16x16 px");
+  check(camera.size.width <= kMaxSide && camera.size.height <= kMaxSide, "image side is above 8192 px");
+  for (const double focal_length : {camera.fx, camera.fy}) {
+    check(focal_length >= kMinFocalLength && focal_length <= kMaxFocalLength,
+          "focal lengths must lie in 1 to 100000 px");
+  }
+  const auto is_centre = [](double centre, int length) {
+    return centre >= minCentre(length) && centre <= maxCentre(length);
+  };
+  check(is_centre(camera.cx, camera.size.width) && is_centre(camera.cy, camera.size.height),
+        "principal point must lie within an image's size of the image");
+  for (std::size_t i = 0; i < camera.distortion.size(); ++i) {
+    check(std::isfinite(camera.distortion[i]), "distortion must be finite");
+    check(i < distortionCount(camera.lens) || camera.distortion[i] == 0.0,
+          "distortion has more coefficients than its lens model");
+  }
+}
+
+}  // namespace
+
+Rig readRig(const std::filesystem::path& file) {
+  return parseAnyRig(StrictYaml::readFile(file), file);
+}
+
+Rig parseRig(const std::string& text, const std::filesystem::path& name) {
+  return parseAnyRig(StrictYaml::parse(text, name), name);
+}
+
+std::string rigText(const Rig& rig) {
+  return "# A stereo rig: what the two cameras are, how they stand to each other, how they sit on the cart.\n"
+         "cartvo_rig: " +
+         std::to_string(kFormatVersion) +
+         "  # version of this format\n"
+         "name: " +
+         quoted(rig.name) +
+         "\n"
+         "# Width and height of the raw images that this calibration holds for, px. Other sizes are "
+         "refused.\n"
+         "image_size: [" +
+         std::to_string(rig.left.size.width) + ", " + std::to_string(rig.left.size.height) +
+         "]\n"
+         "# Focal lengths and principal point in px, pixel centres at integers; distortion k1 k2 p1 p2 k3 k4 "
+         "k5 k6 of\n"
+         "# Brown's model or, with 'lens: wide', k1 k2 k3 k4 of Kannala and Brandt's, both as in OpenCV.\n"
+         "left:\n" +
+         cameraText(rig.left) + "right:\n" + cameraText(rig.right) +
+         "# Takes a point from the left camera's axes to the right's (x right, y down, z forward; m), row by "
+         "row.\n"
+         "# Side by side, the translation is about [-baseline, 0, 0].\n"
+         "T_right_left:\n" +
+         transformText(rig.T_right_left) +
+         "# Takes a point from the left camera's axes to the cart's (x forward, y left, z up; m; origin on "
+         "the\n"
+         "# ground below the rear axle). The rotation's columns are the camera's right, down and forward; "
+         "the\n"
+         "# translation is where the left camera sits.\n"
+         "T_body_camera:\n" +
+         transformText(rig.T_body_camera) +
+         "# How much of the raw images the rectified ones keep: 0 crops until each pixel has a source, 1 "
+         "keeps "
+         "all.\n"
+         "free_scaling: " +
+         exactText(rig.rectification.free_scaling) +
+         "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
+         "together, as "
+         "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
+         exactText(rig.scale_stddev) + "\n";
+}
+
+void writeRig(const std::filesystem::path& file, const Rig& rig) {
+  validateRig(rig);
+  writeFileAtomically(file, rigText(rig));
+}
+
+void validateRig(const Rig& rig) {
+  validateCamera(rig.left, "left");
+  validateCamera(rig.right, "right");
+  if (rig.left.size != rig.right.size) {
+    throw std::invalid_argument("rig: both cameras must have the same image size");
+  }
+  for (const Eigen::Isometry3d& transform : {rig.T_right_left, rig.T_body_camera}) {
+    if (!isRotation(transform.linear())) throw std::invalid_argument("rig: a rotation is not orthonormal");
+    if (!transform.translation().allFinite()) throw std::invalid_argument("rig: a translation is not finite");
+  }
+  if (!(rig.rectification.free_scaling >= 0.0 && rig.rectification.free_scaling <= 1.0)) {
+    throw std::invalid_argument("rig: free_scaling must lie in 0 to 1");
+  }
+  if (!(rig.scale_stddev >= 0.0 && rig.scale_stddev <= kMaxScaleStddev)) {
+    throw std::invalid_argument("rig: scale_deviation must lie in 0 to 0.1");
+  }
+  if (!(rig.baseline() >= kMinBaseline && rig.baseline() <= kMaxBaseline)) {
+    throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +
+                                " m, expected 0.005 m to 10 m; was the board's square given in millimetres?");
+  }
+}
+
+}  // namespace cartvo

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+#include "calib/model/rig.hpp"
+
+namespace cartvo {
+
+/// File formats of rigs. All but cartvo's own lack the mount.
+enum class RigFormat : std::uint8_t {
+  cartvo,  ///< rig_file.hpp
+  opencv,  ///< opencv_rig.hpp
+  kalibr,  ///< kalibr_rig.hpp
+  matlab,  ///< matlab_rig.hpp
+  kitti,   ///< kitti_rig.hpp; without the image size
+  ros,     ///< ros_rig.hpp; one file per camera
+  euroc,   ///< euroc_rig.hpp; one file per camera
+};
+
+/// The names of the formats, in the order of the enumeration.
+const std::vector<std::string>& rigFormatNames();
+
+/// The format with this name. Throws std::invalid_argument for an unknown one.
+RigFormat parseRigFormat(const std::string& name);
+
+/// Reads a rig of any format, which is recognised by its contents: one file, or the left and the right
+/// camera's. `image_size` is for KITTI's calib.txt only. Throws std::runtime_error naming file, line, key and
+/// what was expected.
+Rig readRigFiles(const std::vector<std::filesystem::path>& files, std::optional<cv::Size> image_size);
+
+/// A file that contains a rig or one of its cameras.
+struct RigFile {
+  std::filesystem::path name;  ///< relative to the output folder; empty if the format is a single file
+  std::string text;
+};
+
+/// The files of a rig in a format. Throws std::invalid_argument with the reason if the format cannot
+/// represent it.
+std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format);
+
+}  // namespace cartvo

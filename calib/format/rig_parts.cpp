@@ -1,0 +1,108 @@
+// YAML parts that the rig formats of several tools share.
+#include "calib/format/rig_parts.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "calib/format/rig_file.hpp"
+#include "calib/model/rotation.hpp"
+
+namespace cartvo {
+namespace {
+
+template <int N>
+std::vector<double> rowByRow(const Eigen::Matrix<double, N, N>& matrix) {
+  const Eigen::Matrix<double, N, N, Eigen::RowMajor> rows = matrix;
+  return {rows.data(), rows.data() + rows.size()};
+}
+
+}  // namespace
+
+Rig importedRig(Rig rig, const std::filesystem::path& file) {
+  rig.T_body_camera = forwardLookingMount();
+  try {
+    validateRig(rig);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
+  return rig;
+}
+
+cv::Size readImageSize(const StrictYaml& yaml) {
+  constexpr int kMaxSide = 8192;
+  const std::vector<double> size = yaml.numbers(2);
+  for (const double side : size) {
+    if (!(side >= 16 && side <= kMaxSide)) yaml.failExpecting("two sides of an image from 16 to 8192 px");
+  }
+  return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+std::vector<double> readMatrix(const StrictYaml& yaml) {
+  const auto rows = yaml["rows"].integer(1, 100);
+  const auto columns = yaml["cols"].integer(1, 100);
+  return yaml["data"].numbers(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+}
+
+std::vector<double> readMatrix(const StrictYaml& yaml, std::size_t count) {
+  std::vector<double> values = readMatrix(yaml);
+  if (values.size() != count) yaml["data"].failExpecting(std::to_string(count) + " numbers");
+  return values;
+}
+
+Eigen::Matrix3d rotationFrom(const std::vector<double>& rows, const StrictYaml& yaml) {
+  const Eigen::Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+  if (!isRotation(matrix)) yaml.failExpecting("a rotation with orthonormal rows");
+  return nearestRotation(matrix);
+}
+
+Eigen::Isometry3d transformFrom(const std::vector<double>& rows, const StrictYaml& yaml) {
+  const Eigen::Matrix4d T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
+  if (T.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))
+    yaml.failExpecting("a 4x4 transform, whose last row is 0 0 0 1");
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  transform.linear() = rotationFrom(rowsOf(Eigen::Matrix3d(T.topLeftCorner<3, 3>())), yaml);
+  transform.translation() = T.topRightCorner<3, 1>();
+  return transform;
+}
+
+void readIntrinsics(const StrictYaml& yaml, CameraModel& camera) {
+  const std::vector<double> intrinsics = yaml.numbers(4);
+  camera.fx = intrinsics[0];
+  camera.fy = intrinsics[1];
+  camera.cx = intrinsics[2];
+  camera.cy = intrinsics[3];
+}
+
+void setDistortion(const std::vector<double>& coefficients, const StrictYaml& yaml, CameraModel& camera) {
+  const std::size_t used = std::min(coefficients.size(), distortionCount(camera.lens));
+  std::copy_n(coefficients.begin(), used, camera.distortion.begin());
+  const auto beyond = coefficients.begin() + static_cast<std::ptrdiff_t>(used);
+  if (std::all_of(beyond, coefficients.end(), [](double coefficient) { return coefficient == 0.0; })) return;
+  yaml.failExpecting(
+      camera.lens == LensModel::wide
+          ? "4 coefficients (k1 k2 k3 k4)"
+          : "at most 8 coefficients (k1 k2 p1 p2 k3 k4 k5 k6); thin-prism and tilt ones are not supported");
+}
+
+std::vector<double> firstCoefficients(const CameraModel& camera, std::size_t count, const char* format) {
+  const auto begin = camera.distortion.begin(), end = begin + static_cast<std::ptrdiff_t>(count);
+  if (std::any_of(end, camera.distortion.end(), [](double coefficient) { return coefficient != 0.0; })) {
+    throw std::invalid_argument(std::string(format) + " holds the first " + std::to_string(count) +
+                                " of the distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6; this rig has more");
+  }
+  return {begin, end};
+}
+
+std::vector<double> rowsOf(const Eigen::Matrix3d& matrix) {
+  return rowByRow(matrix);
+}
+
+std::vector<double> rowsOf(const Eigen::Matrix4d& matrix) {
+  return rowByRow(matrix);
+}
+
+std::vector<double> cameraMatrixRows(const CameraModel& camera) {
+  return {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+}
+
+}  // namespace cartvo

@@ -1,0 +1,110 @@
+// Reader and writer for ROS camera_info files of a stereo pair.
+#include "calib/format/ros_rig.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "calib/format/rig_parts.hpp"
+#include "calib/rectification/rectification.hpp"
+#include "common/exact_text.hpp"
+#include "common/strict_yaml.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::size_t kPlumbBob = 5;  // k1 k2 p1 p2 k3
+
+/// One camera and its rectification.
+struct RosCamera {
+  CameraModel model;
+  Eigen::Matrix3d R_rectified_camera;
+  double centre = 0.0;  ///< position of the camera along the rectified x axis, m
+};
+
+LensModel readLens(const StrictYaml& yaml) {
+  const std::string model = yaml.text();
+  if (model == "equidistant") return LensModel::wide;
+  if (model != "plumb_bob" && model != "rational_polynomial")
+    yaml.failExpecting("plumb_bob, rational_polynomial or equidistant");
+  return LensModel::brown;
+}
+
+RosCamera readCamera(const std::filesystem::path& file) {
+  constexpr std::int64_t kMinSide = 16, kMaxSide = 8192;
+  const StrictYaml yaml = StrictYaml::readFile(file);
+  RosCamera camera;
+  camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinSide, kMaxSide)),
+                       static_cast<int>(yaml["image_height"].integer(kMinSide, kMaxSide))};
+  const std::vector<double> K = readMatrix(yaml["camera_matrix"], 9);
+  camera.model.fx = K[0];
+  camera.model.fy = K[4];
+  camera.model.cx = K[2];
+  camera.model.cy = K[5];
+  camera.model.lens = readLens(yaml["distortion_model"]);
+  const StrictYaml distortion = yaml["distortion_coefficients"];
+  setDistortion(readMatrix(distortion), distortion, camera.model);
+  const StrictYaml rotation = yaml["rectification_matrix"];
+  camera.R_rectified_camera = rotationFrom(readMatrix(rotation, 9), rotation);
+  const StrictYaml projection = yaml["projection_matrix"];
+  const std::vector<double> P = readMatrix(projection, 12);
+  if (!(P[0] > 0.0) || P[7] != 0.0 || P[11] != 0.0)
+    projection["data"].failExpecting("the rows of [f 0 cx -f*b; 0 f cy 0; 0 0 1 0]");
+  camera.centre = -P[3] / P[0];
+  return camera;
+}
+
+std::string matrixText(const std::string& name, std::size_t rows, const std::vector<double>& values) {
+  return name + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(values.size() / rows) +
+         "\n  data: " + exactText(values) + "\n";
+}
+
+std::string distortionText(const CameraModel& camera) {
+  std::string name = "plumb_bob";
+  std::size_t count = kPlumbBob;
+  if (camera.lens == LensModel::wide) {
+    name = "equidistant";
+    count = distortionCount(camera.lens);
+  } else if (std::any_of(camera.distortion.begin() + kPlumbBob, camera.distortion.end(),
+                         [](double coefficient) { return coefficient != 0.0; })) {
+    name = "rational_polynomial";
+    count = camera.distortion.size();
+  }
+  const auto begin = camera.distortion.begin();
+  return "distortion_model: " + name + "\n" +
+         matrixText("distortion_coefficients", 1, {begin, begin + static_cast<std::ptrdiff_t>(count)});
+}
+
+std::string cameraText(const char* name, const CameraModel& camera, const Eigen::Matrix3d& R,
+                       const Rectification& rectified, double centre) {
+  const double f = rectified.focal_length;
+  return "image_width: " + std::to_string(camera.size.width) +
+         "\nimage_height: " + std::to_string(camera.size.height) + "\ncamera_name: " + name + "\n" +
+         matrixText("camera_matrix", 3, cameraMatrixRows(camera)) + distortionText(camera) +
+         matrixText("rectification_matrix", 3, rowsOf(R)) +
+         matrixText("projection_matrix", 3,
+                    {f, 0.0, rectified.cx, -f * centre, 0.0, f, rectified.cy, 0.0, 0.0, 0.0, 1.0, 0.0});
+}
+
+}  // namespace
+
+Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::path& right_file) {
+  const RosCamera left = readCamera(left_file);
+  const RosCamera right = readCamera(right_file);
+  Rig rig;
+  rig.name = "ROS";
+  rig.left = left.model;
+  rig.right = right.model;
+  // Rectified axes are common to both cameras; the right camera is shifted by the baseline along x.
+  const Eigen::Matrix3d R_right_rectified = right.R_rectified_camera.transpose();
+  rig.T_right_left.linear() = R_right_rectified * left.R_rectified_camera;
+  rig.T_right_left.translation() = R_right_rectified * Eigen::Vector3d(left.centre - right.centre, 0.0, 0.0);
+  return importedRig(rig, right_file);
+}
+
+RosText rosText(const Rig& rig) {
+  const Rectification rectified = computeRectification(rig, rig.rectification);
+  return {cameraText("left", rig.left, rectified.R_rectified_left, rectified, 0.0),
+          cameraText("right", rig.right, rectified.R_rectified_right, rectified, rectified.baseline)};
+}
+
+}  // namespace cartvo

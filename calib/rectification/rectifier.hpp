@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "calib/model/rig.hpp"
+#include "calib/rectification/rectification.hpp"
+#include "calib/rectification/rectification_tables.hpp"
+
+namespace cartvo {
+
+/// Rectifies images. Immutable, so several threads may use one object at the same time.
+class Rectifier {
+ public:
+  /// Throws std::invalid_argument unless `tables` are those of this rig and these settings, see
+  /// loadOrBuildTables.
+  Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables);
+
+  const Rectification& rectification() const { return rectification_; }
+
+  /// Rectifies a raw image (CV_8UC1) of the left or right camera. The memory of `rectified` is reused if it
+  /// has the right size and type and is not shared with `raw`. If the rig is already rectified, the result is
+  /// `raw` without a copy. Throws std::runtime_error for an image of another size or type, stating both sizes
+  /// and what to do.
+  void rectifyLeft(const cv::Mat& raw, cv::Mat& rectified) const;
+  void rectifyRight(const cv::Mat& raw, cv::Mat& rectified) const;
+
+ private:
+  void rectify(const char* side, const PixelSources& sources, const cv::Mat& raw, cv::Mat& rectified) const;
+
+  std::string rig_name_;
+  Rectification rectification_;
+  RectificationTables tables_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "capture/clock/arrival_clock_model.hpp"
+#include "capture/clock/sender_report_clock_model.hpp"
+#include "capture/clock/sender_report_extractor.hpp"
+
+namespace cartvo {
+
+/// The time stamps of one picture as received.
+struct RtpTimestamps {
+  std::int64_t pts = 0;                      ///< RTP time stamp, 1/90000 s; only the lower 32 bits are used
+  std::optional<std::int64_t> reference_us;  ///< exposure by the last sender report, as FFmpeg computes it
+  std::int64_t arrival_ns = 0;               ///< of the picture's first packet, host's clock
+};
+
+/// Clock models of one camera: its RTP clock against the host's clock (from arrivals) and against the
+/// camera's wall clock (from sender reports). Pure.
+///
+/// The RTP clock runs on a crystal and is exact from picture to picture. The fastest arrivals relate it to
+/// the host's clock to about 0.1 ms, except for the camera's latency, which arrivals do not show. Sender
+/// reports give the instant of exposure without latency, but by the camera's wall clock and with the noise of
+/// its stamping.
+class CameraClockModel {
+ public:
+  /// `default_scatter_ns`: as SenderReportClockModel's.
+  explicit CameraClockModel(double default_scatter_ns)
+      : default_scatter_ns_(default_scatter_ns), reports_(default_scatter_ns) {}
+
+  /// Begins a new connection, with which RTP time restarts.
+  void connect();
+
+  void add(const RtpTimestamps& timestamps);
+
+  /// Duration of this connection, s of RTP time.
+  double seconds() const { return static_cast<double>(rtp_ns_ - first_rtp_ns_.value_or(rtp_ns_)) * 1e-9; }
+
+  /// RTP time of the last picture, ns, unwrapped.
+  std::int64_t rtpNs() const { return rtp_ns_; }
+
+  /// Arrival of the last picture had it met the least network delay, ns, host's clock. Requires a picture.
+  std::int64_t minDelayArrivalNs() const { return arrivals_.at(rtp_ns_); }
+  const ArrivalClockModel& arrivals() const { return arrivals_; }
+
+  /// Exposure of the last picture by the camera's wall clock, ns; nothing before the first report.
+  std::optional<std::int64_t> reportedNs() const;
+  double reportedStddevNs() const { return reports_.stddevNs(rtp_ns_); }
+  const SenderReportClockModel& reports() const { return reports_; }
+
+  /// From exposure by the camera's wall clock to the arrival at least delay by the host's clock, ns; nothing
+  /// while its standard deviation exceeds 12 ms.
+  std::optional<std::int64_t> latencyNs() const;
+
+ private:
+  std::int64_t unwrapped(std::int64_t pts);
+
+  double default_scatter_ns_;
+  ArrivalClockModel arrivals_;
+  SenderReportClockModel reports_;
+  SenderReportExtractor report_extractor_;
+  std::optional<std::int64_t> last_pts_;
+  std::optional<std::int64_t> first_rtp_ns_;
+  std::int64_t rtp_ns_ = 0;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,142 @@
+// Robust affine fit of RTCP sender reports over RTP time.
+
+#include "capture/clock/sender_report_clock_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/statistics.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kWindow = 600.0;  // s
+constexpr std::size_t kMaxSamples = 256;
+constexpr double kSkewStddev = 20e3;  // ns/s: a camera's wall clock against the host's
+constexpr std::size_t kSamplesForScatter = 4;
+constexpr double kMinScatter_ns = 12e3;  // one tick of RTP time
+constexpr double kMinStep_ns = 500e3;    // smaller changes are slewing
+constexpr double kOutlierGate = 4.0;     // standard deviations
+constexpr std::size_t kOutliersOfAStep = 3;
+constexpr double kHuberThreshold = 1.5;  // standard deviations beyond which a sample is down-weighted
+constexpr int kIterations = 4;
+
+}  // namespace
+
+double SenderReportClockModel::secondsSince(std::int64_t rtp_ns) const {
+  return static_cast<double>(rtp_ns - origin_rtp_ns_) * 1e-9;
+}
+
+std::int64_t SenderReportClockModel::at(std::int64_t rtp_ns) const {
+  return origin_instant_ns_ + (rtp_ns - origin_rtp_ns_) + std::llround(offsetAt(secondsSince(rtp_ns)));
+}
+
+double SenderReportClockModel::variance(double time) const {
+  const double ahead = time - centre_;
+  return variances_[0] + 2.0 * ahead * variances_[1] + ahead * ahead * variances_[2];
+}
+
+double SenderReportClockModel::stddevNs(std::int64_t rtp_ns) const {
+  return std::sqrt(std::max(variance(secondsSince(rtp_ns)), 0.0));
+}
+
+void SenderReportClockModel::add(std::int64_t rtp_ns, std::int64_t instant_ns, double expected_skew) {
+  if (samples_.empty()) {
+    origin_rtp_ns_ = rtp_ns;
+    origin_instant_ns_ = instant_ns;
+  }
+  const std::int64_t since = rtp_ns - origin_rtp_ns_;
+  const Sample sample{static_cast<double>(since) * 1e-9,
+                      static_cast<double>(instant_ns - origin_instant_ns_ - since)};
+  if (samples_.size() >= 2 && isOutlier(sample)) {
+    outliers_.push_back(sample);
+    if (outliers_.size() < kOutliersOfAStep) return;
+    samples_.clear();
+    samples_.swap(outliers_);
+    ++steps_;
+  } else {
+    outliers_.clear();
+    samples_.push_back(sample);
+  }
+  while (samples_.size() > kMaxSamples || samples_.front().time < sample.time - kWindow)
+    samples_.pop_front();
+  fit(expected_skew * 1e9);
+}
+
+/// Whether the sample's residual exceeds the gate. Clears the outliers before it if they lie on the other
+/// side.
+bool SenderReportClockModel::isOutlier(const Sample& sample) {
+  const double residual = sample.offset - offsetAt(sample.time);
+  const double stddev = std::sqrt(scatter_ns_ * scatter_ns_ + variance(sample.time));
+  if (std::abs(residual) < std::max(kOutlierGate * stddev, kMinStep_ns)) return false;
+  if (!outliers_.empty() &&
+      (outliers_.back().offset - offsetAt(outliers_.back().time) > 0.0) != (residual > 0.0))
+    outliers_.clear();
+  return true;
+}
+
+/// Huber's M-estimate by iterative reweighting, with a prior on the slope.
+void SenderReportClockModel::fit(double expected_slope) {
+  centre_ = samples_.back().time;
+  std::vector<double> offsets;
+  for (const Sample& s : samples_)
+    offsets.push_back(s.offset - expected_slope * (s.time - centre_));
+  intercept_ = medianOf(std::move(offsets));
+  slope_ = expected_slope;
+  scatter_ns_ = estimateScatter();
+  for (int i = 0; i < kIterations; ++i) {
+    solveReweighted(expected_slope);
+    scatter_ns_ = estimateScatter();
+  }
+}
+
+/// One weighted least-squares step: (sum w J^T J / scatter^2 + prior) x = sum w J^T y / scatter^2 + prior.
+void SenderReportClockModel::solveReweighted(double expected_slope) {
+  const double information = 1.0 / (scatter_ns_ * scatter_ns_);
+  double a = 0.0;
+  double b = 0.0;
+  double c = 1.0 / (kSkewStddev * kSkewStddev);
+  double right_a = 0.0;
+  double right_c = c * expected_slope;
+  for (const Sample& s : samples_) {
+    const double residual = std::abs(s.offset - offsetAt(s.time));
+    const double weight =
+        information * std::min(1.0, kHuberThreshold * scatter_ns_ / std::max(residual, 1.0));
+    const double time = s.time - centre_;
+    a += weight;
+    b += weight * time;
+    c += weight * time * time;
+    right_a += weight * s.offset;
+    right_c += weight * time * s.offset;
+  }
+  const double determinant = a * c - b * b;
+  intercept_ = (c * right_a - b * right_c) / determinant;
+  slope_ = (a * right_c - b * right_a) / determinant;
+  variances_[0] = c / determinant;
+  variances_[1] = -b / determinant;
+  variances_[2] = a / determinant;
+}
+
+/// Standard deviation of one report, from the median of the absolute residuals. With fewer than
+/// kSamplesForScatter samples, from their RMS and Student's t: two samples rarely agree closely by chance.
+double SenderReportClockModel::estimateScatter() const {
+  if (samples_.size() < 2) return default_scatter_ns_;
+  std::vector<double> sizes;
+  double sum = 0.0;
+  for (const Sample& s : samples_) {
+    const double residual = s.offset - offsetAt(s.time);
+    sum += residual * residual;
+    sizes.push_back(std::abs(residual));
+  }
+  const auto count = static_cast<double>(samples_.size());
+  if (samples_.size() < kSamplesForScatter) {
+    const double student =
+        samples_.size() == 2 ? 6.4 : 2.2;  // quantile of t over that of the normal, at 95 %
+    return std::clamp(student * std::sqrt(sum / (count - 1.0)), kMinScatter_ns, default_scatter_ns_);
+  }
+  return std::max(1.4826 * (1.0 + 4.0 / count) * medianOf(std::move(sizes)), kMinScatter_ns);
+}
+
+}  // namespace cartvo

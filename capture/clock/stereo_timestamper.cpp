@@ -1,0 +1,256 @@
+// Combination of the offset estimates between two cameras, and slewing of their exposures.
+
+#include "capture/clock/stereo_timestamper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace cartvo {
+namespace {
+
+// Standard deviations of each estimate's assumption.
+constexpr double kLatencyDifferenceStddev_ns = 1e6;  // two cameras of one model and settings
+constexpr double kNtpDifferenceStddev_ns = 1e6;  // two clocks that follow one NTP server in the same network
+
+constexpr double kGate = 3.0;                      // standard deviations
+constexpr double kReportedDisagreement_ns = 5e6;   // smaller ones are no problem to report
+constexpr double kMaxLatencyDifference_ns = 20e6;  // plausible between two cameras
+
+constexpr double kSlewRate = 0.005;        // of the elapsed time
+constexpr double kInitialSlewRate = 0.25;  // in the first seconds of a connection
+constexpr double kMinClockStep_ns =
+    500e6;  // larger corrections are applied at once: the host's clock was set
+constexpr std::int64_t kMinExposureStep_ns = 1'000'000;
+
+constexpr double kFirstReportTimeout = 15.0;  // s; cameras send reports every few seconds
+
+constexpr double kMinLatency_ns = -50e6;  // negative by the difference of the two clocks
+constexpr double kMaxLatency_ns = 3e9;
+
+/// Standard deviation of one report while there are too few to estimate it, ns. With `ntp` the user asserts
+/// that the reports are exact; otherwise cameras may stamp them on sending.
+double defaultScatterNs(ClockChoice choice) {
+  return choice == ClockChoice::ntp ? 1e6 : 20e6;
+}
+
+double square(double value) {
+  return value * value;
+}
+
+bool agree(const OffsetEstimate& a, const OffsetEstimate& b) {
+  return std::abs(a.value_ns - b.value_ns) <= kGate * std::hypot(a.stddev_ns, b.stddev_ns);
+}
+
+/// Mean weighted by the inverse variances. Its variance is inflated by the reduced chi-square where that
+/// exceeds 1.
+OffsetEstimate weightedMean(const std::vector<OffsetEstimate>& estimates) {
+  double weight = 0.0;
+  double sum = 0.0;
+  for (const OffsetEstimate& e : estimates) {
+    weight += 1.0 / square(e.stddev_ns);
+    sum += e.value_ns / square(e.stddev_ns);
+  }
+  const double value = sum / weight;
+  double chi_square = 0.0;
+  for (const OffsetEstimate& e : estimates)
+    chi_square += square((e.value_ns - value) / e.stddev_ns);
+  const double inflation = chi_square / std::max(static_cast<double>(estimates.size()) - 1.0, 1.0);
+  return {value, std::sqrt(std::max(inflation, 1.0) / weight)};
+}
+
+std::string inSeconds(double nanoseconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f s", std::abs(nanoseconds) * 1e-9);
+  return text;
+}
+
+}  // namespace
+
+StereoTimestamper::StereoTimestamper(ClockChoice choice)
+    : choice_(choice), sides_{Side(defaultScatterNs(choice)), Side(defaultScatterNs(choice))} {}
+
+void StereoTimestamper::connect(CameraSide which) {
+  const std::lock_guard lock(mutex_);
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  side.clock.connect();
+  side.connected = false;
+}
+
+ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps& timestamps) {
+  const std::lock_guard lock(mutex_);
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  side.clock.add(timestamps);
+  updateTargets();
+  const std::int64_t exposure_ns = slewedExposureNs(side, timestamps.arrival_ns);
+  const double stddev = std::hypot(offset_.stddev_ns, sides_[1].lag_ns - sides_[0].lag_ns);
+  return {exposure_ns, std::llround(stddev / std::sqrt(2.0)), side.clock.minDelayArrivalNs(), source_};
+}
+
+void StereoTimestamper::setVisual(const std::optional<OffsetEstimate>& offset) {
+  const std::lock_guard lock(mutex_);
+  visual_ = offset;
+}
+
+/// Updates the desired exposures of both cameras relative to their minimum-delay arrivals.
+void StereoTimestamper::updateTargets() {
+  const OffsetEstimate arrival = offsetByArrival();
+  reports_ = offsetByReports();
+  selectOffset(arrival);
+  const double latency = choice_ == ClockChoice::arrival ? 0.0 : commonLatencyNs();
+  sides_[0].target_ns = -latency - 0.5 * offset_.value_ns;
+  sides_[1].target_ns = -latency + 0.5 * offset_.value_ns;
+}
+
+OffsetEstimate StereoTimestamper::offsetByArrival() const {
+  double variance = square(kLatencyDifferenceStddev_ns);
+  for (const Side& side : sides_)
+    variance += square(side.clock.arrivals().stddevNs());
+  return {0.0, std::sqrt(variance)};
+}
+
+/// Nothing unless each connected camera has sent reports. With one connected camera the value is 0.
+std::optional<OffsetEstimate> StereoTimestamper::offsetByReports() const {
+  std::array<double, 2> latencies{};
+  double variance = square(kNtpDifferenceStddev_ns);
+  bool both = true;
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const CameraClockModel& clock = sides_[i].clock;
+    const std::optional<std::int64_t> latency_ns = clock.latencyNs();
+    if (!latency_ns && sides_[i].connected) return std::nullopt;
+    if (latency_ns) variance += square(clock.reportedStddevNs());
+    latencies[i] = static_cast<double>(latency_ns.value_or(0));
+    both = both && latency_ns;
+  }
+  if (!both && !sides_[0].connected && !sides_[1].connected) return std::nullopt;
+  return OffsetEstimate{both ? latencies[0] - latencies[1] : 0.0, std::sqrt(variance)};
+}
+
+void StereoTimestamper::selectOffset(const OffsetEstimate& arrival) {
+  const std::optional<OffsetEstimate>& better =
+      choice_ == ClockChoice::automatic || choice_ == ClockChoice::visual ? visual_ : std::nullopt;
+  reports_agree_ = reports_ && agree(*reports_, better.value_or(arrival));
+  offset_ = arrival;
+  source_ = InstantSource::arrival;
+  switch (choice_) {
+    case ClockChoice::automatic:
+      return combineOffsets(arrival);
+    case ClockChoice::ntp:
+      if (!reports_ || std::abs(reports_->value_ns) > kMinClockStep_ns) return;
+      reports_agree_ = true;
+      offset_ = *reports_;
+      source_ = InstantSource::sender_report;
+      return;
+    case ClockChoice::arrival:
+      return;
+    case ClockChoice::visual:
+      if (!visual_) return;
+      offset_ = *visual_;
+      source_ = InstantSource::pictures;
+      return;
+  }
+}
+
+void StereoTimestamper::combineOffsets(const OffsetEstimate& arrival) {
+  std::vector<OffsetEstimate> estimates;
+  if (!visual_ || agree(arrival, *visual_)) estimates.push_back(arrival);
+  if (reports_agree_) estimates.push_back(*reports_);
+  if (visual_) estimates.push_back(*visual_);
+  offset_ = weightedMean(estimates);
+  if (visual_) {
+    source_ = InstantSource::pictures;
+  } else if (reports_agree_) {
+    source_ = InstantSource::sender_report;
+  } else if (reports_ && std::abs(reports_->value_ns) < kMaxLatencyDifference_ns) {
+    // Either the clocks disagree or the latencies do: ambiguous.
+    offset_.stddev_ns = std::max(offset_.stddev_ns, 0.5 * std::abs(reports_->value_ns));
+  }
+}
+
+std::string StereoTimestamper::problem() const {
+  for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i) {
+    const CameraClockModel& clock = sides_[i].clock;
+    if (clock.seconds() < kFirstReportTimeout || clock.reports().hasData()) continue;
+    return std::string("the ") + (i == 0 ? "left" : "right") +
+           " camera sends no RTCP sender reports, so exposures are computed from arrival times: connect to "
+           "the "
+           "camera itself and synchronise it by NTP, or set cameras.clock: auto";
+  }
+  const bool reports_matter = choice_ == ClockChoice::automatic || choice_ == ClockChoice::ntp;
+  if (!reports_matter || !reports_ || reports_agree_) return {};
+  const double difference = reports_->value_ns - offset_.value_ns;
+  if (std::abs(difference) < kReportedDisagreement_ns) return {};
+  return "the cameras' clocks disagree by " + inSeconds(difference) +
+         ": synchronise both to one NTP server near them; until then exposures are computed from " +
+         (source_ == InstantSource::pictures ? "the image content" : "arrival times");
+}
+
+/// Mean latency of the cameras whose reports are plausible against the host's clock, ns; 0 if there are none.
+double StereoTimestamper::commonLatencyNs() const {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Side& side : sides_) {
+    const std::optional<std::int64_t> latency_ns = side.clock.latencyNs();
+    if (!latency_ns) continue;
+    const auto latency = static_cast<double>(*latency_ns);
+    if (latency < kMinLatency_ns || latency > kMaxLatency_ns) continue;
+    sum += latency;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+/// Exposure of the side's last picture, which arrived at `arrival_ns`: its target, limited by the slew rate.
+std::int64_t StereoTimestamper::slewedExposureNs(Side& side, std::int64_t arrival_ns) {
+  const CameraClockModel& clock = side.clock;
+  const std::int64_t target_ns = clock.minDelayArrivalNs() + std::llround(side.target_ns);
+  const bool clock_was_set = !side.connected || side.last_restarts != clock.arrivals().restarts();
+  std::int64_t exposure_ns = target_ns;
+  if (side.last_exposure_ns) {
+    const std::int64_t step_ns = side.connected ? clock.rtpNs() - side.last_rtp_ns : 0;
+    const auto correction_ns = static_cast<double>(target_ns - *side.last_exposure_ns - step_ns);
+    if (!side.connected && correction_ns > 0.0) {
+      exposure_ns = target_ns;  // a later connection may begin at any later time
+    } else if (!clock_was_set || std::abs(correction_ns) <= kMinClockStep_ns) {
+      const double slew_rate = clock.arrivals().isSettled() ? kSlewRate : kInitialSlewRate;
+      const double limit_ns = slew_rate * static_cast<double>(std::abs(step_ns));
+      exposure_ns =
+          *side.last_exposure_ns + step_ns + std::llround(std::clamp(correction_ns, -limit_ns, limit_ns));
+      if (!side.connected) exposure_ns += kMinExposureStep_ns;
+    }
+  }
+  // A picture that arrived later was exposed later, unless the host's clock was set back.
+  const bool arrived_later =
+      arrival_ns >= side.last_arrival_ns && (!side.connected || clock.rtpNs() > side.last_rtp_ns);
+  if (side.last_exposure_ns && arrived_later)
+    exposure_ns = std::max(exposure_ns, *side.last_exposure_ns + kMinExposureStep_ns);
+  side.lag_ns = static_cast<double>(exposure_ns - target_ns);
+  side.last_arrival_ns = arrival_ns;
+  side.last_exposure_ns = exposure_ns;
+  side.last_rtp_ns = clock.rtpNs();
+  side.last_restarts = clock.arrivals().restarts();
+  side.connected = true;
+  return exposure_ns;
+}
+
+ClockStatus StereoTimestamper::status() const {
+  const std::lock_guard lock(mutex_);
+  ClockStatus status;
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const CameraClockModel& clock = sides_[i].clock;
+    ClockStatus::Camera& camera = status.cameras[i];
+    if (const std::optional<std::int64_t> latency_ns = clock.latencyNs())
+      camera.latency_ns = static_cast<double>(*latency_ns);
+    camera.skew = clock.arrivals().skew();
+    camera.steps = clock.reports().steps();
+  }
+  status.source = source_;
+  status.offset = offset_;
+  status.ntp = reports_;
+  status.visual = visual_;
+  status.problem = problem();
+  return status;
+}
+
+}  // namespace cartvo

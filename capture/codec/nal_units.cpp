@@ -1,0 +1,117 @@
+// NAL units of H.264 and H.265 streams, and a bit reader for H.264 headers.
+
+#include "capture/codec/nal_units.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+namespace cartvo {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kStartCode = {0, 0, 1};
+
+NalUnit classifyH264(std::span<const std::uint8_t> nal) {
+  NalUnit unit{nal};
+  const int type = nal[0] & 0x1f;
+  unit.is_reference = (nal[0] & 0x60) != 0;
+  if (type == 1 || type == 5) {
+    unit.kind = type == 5 ? NalKind::key_slice : NalKind::slice;
+  } else if (type == 7 || type == 8) {
+    unit.kind = NalKind::parameter_set;
+  }
+  return unit;
+}
+
+NalUnit classifyH265(std::span<const std::uint8_t> nal) {
+  NalUnit unit{nal};
+  const int type = (nal[0] >> 1) & 0x3f;
+  if (type < 32) {
+    unit.kind = type >= 16 && type <= 21 ? NalKind::key_slice : NalKind::slice;  // IRAP: 16 to 21
+    unit.is_reference = true;
+  } else if (type <= 34) {
+    unit.kind = NalKind::parameter_set;
+  }
+  return unit;
+}
+
+}  // namespace
+
+bool beginsWithStartCode(std::span<const std::uint8_t> data) {
+  if (data.size() >= 4 && data[0] == 0) data = data.subspan(data[2] == 0 ? 1 : 0);
+  return data.size() >= 3 && std::equal(kStartCode.begin(), kStartCode.end(), data.begin());
+}
+
+std::size_t nalHeaderSize(VideoCodec codec) {
+  return codec == VideoCodec::h264 ? 1 : 2;
+}
+
+std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
+  std::vector<NalUnit> units;
+  const auto next = [&](auto from) {
+    return std::search(from, data.end(), kStartCode.begin(), kStartCode.end());
+  };
+  for (auto code = next(data.begin()); code != data.end();) {
+    const auto begin = code + kStartCode.size();
+    code = next(begin);
+    auto end = code;
+    while (end != begin && *(end - 1) == 0)
+      --end;  // first byte of a four-byte start code, and trailing zeros
+    const std::span<const std::uint8_t> nal(begin, end);
+    if (nal.size() < nalHeaderSize(codec)) continue;
+    units.push_back(codec == VideoCodec::h264 ? classifyH264(nal) : classifyH265(nal));
+  }
+  return units;
+}
+
+std::vector<std::uint8_t> parameterSets(VideoCodec codec, std::span<const std::uint8_t> data) {
+  std::vector<std::uint8_t> sets;
+  for (const NalUnit& unit : splitNalUnits(codec, data)) {
+    if (unit.kind != NalKind::parameter_set) continue;
+    sets.push_back(0);
+    sets.insert(sets.end(), kStartCode.begin(), kStartCode.end());
+    sets.insert(sets.end(), unit.bytes.begin(), unit.bytes.end());
+  }
+  return sets;
+}
+
+std::uint32_t BitReader::readBit() {
+  if (bits_left_ == 0) {
+    if (zeros_ >= 2 && position_ < bytes_.size() && bytes_[position_] == 3) {
+      ++position_;
+      zeros_ = 0;
+    }
+    if (position_ >= bytes_.size()) {
+      exhausted_ = true;
+      return 0;
+    }
+    current_ = bytes_[position_++];
+    zeros_ = current_ == 0 ? zeros_ + 1 : 0;
+    bits_left_ = 8;
+  }
+  --bits_left_;
+  return (current_ >> bits_left_) & 1U;
+}
+
+std::uint32_t BitReader::readBits(int count) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < count; ++i)
+    value = (value << 1) | readBit();
+  return value;
+}
+
+std::uint32_t BitReader::readUnsignedExpGolomb() {
+  int zeros = 0;
+  while (zeros < 32 && !exhausted_ && readBit() == 0)
+    ++zeros;
+  if (zeros >= 32 || exhausted_) return 0;
+  return (1U << zeros) - 1U + readBits(zeros);
+}
+
+std::int32_t BitReader::readSignedExpGolomb() {
+  const std::uint32_t code = readUnsignedExpGolomb();
+  const auto magnitude = static_cast<std::int32_t>((code + 1) / 2);
+  return code % 2 == 1 ? magnitude : -magnitude;
+}
+
+}  // namespace cartvo

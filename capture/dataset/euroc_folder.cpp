@@ -1,0 +1,65 @@
+// EuRoC's layout: mav0/cam0 and mav0/cam1, each with data.csv, data/*.png and sensor.yaml.
+
+#include <stdexcept>
+
+#include "capture/dataset/image_folder_layouts.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+ImageSequence readCamera(const fs::path& folder) {
+  const fs::path file = folder / "data.csv";
+  ImageSequence sequence;
+  for (const TextLine& line : readLines(file)) {
+    const std::size_t comma = line.text.find(',');
+    const auto instant_ns = parseNumber<std::int64_t>(line.text.substr(0, comma));
+    const std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);
+    const bool is_instant = instant_ns && *instant_ns >= -kMaxTimestampNs && *instant_ns <= kMaxTimestampNs;
+    if (!is_instant || name.empty()) {
+      throw std::runtime_error(fileAndLine(file, line) + "expected 'instant in ns,file name' instead of '" +
+                               line.text + "'");
+    }
+    if (fs::path(name).filename() != name) {
+      throw std::runtime_error(fileAndLine(file, line) + "'" + name +
+                               "' must be the name of a file in data/");
+    }
+    requireIncreasing(sequence.instants_ns, *instant_ns, file, line);
+    const fs::path image = folder / "data" / name;
+    if (!fs::exists(image))
+      throw std::runtime_error(fileAndLine(file, line) + image.string() + " is missing");
+    sequence.instants_ns.push_back(*instant_ns);
+    sequence.images.push_back(image);
+  }
+  if (sequence.images.empty()) throw std::runtime_error(file.string() + " lists no image");
+  return sequence;
+}
+
+fs::path pathIfExists(const fs::path& file) {
+  return fs::exists(file) ? file : fs::path();
+}
+
+}  // namespace
+
+std::optional<fs::path> findEurocFolder(const fs::path& folder) {
+  for (const fs::path& candidate : {folder, folder / "mav0"}) {
+    if (fs::is_directory(candidate / "cam0") && fs::is_directory(candidate / "cam1")) return candidate;
+  }
+  return std::nullopt;
+}
+
+ImageFolder readEurocFolder(const fs::path& folder) {
+  ImageFolder result;
+  result.layout = FolderLayout::euroc;
+  result.folder = folder;
+  result.left = readCamera(folder / "cam0");
+  result.right = readCamera(folder / "cam1");
+  result.sensor_files = {pathIfExists(folder / "cam0/sensor.yaml"),
+                         pathIfExists(folder / "cam1/sensor.yaml")};
+  result.rig_file = pathIfExists(folder / "rig.yaml");
+  if (result.rig_file.empty()) result.rig_file = pathIfExists(folder.parent_path() / "rig.yaml");
+  return result;
+}
+
+}  // namespace cartvo

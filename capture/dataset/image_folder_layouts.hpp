@@ -1,0 +1,53 @@
+#pragma once
+
+// Readers of the layouts that readImageFolder supports; internal to capture.
+
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "capture/dataset/image_folder.hpp"
+
+namespace cartvo {
+
+bool isKittiFolder(const std::filesystem::path& folder);
+ImageFolder readKittiFolder(const std::filesystem::path& folder);
+
+/// The folder that contains cam0 and cam1: `folder` itself or its subfolder mav0; nothing if neither does.
+std::optional<std::filesystem::path> findEurocFolder(const std::filesystem::path& folder);
+ImageFolder readEurocFolder(const std::filesystem::path& folder);
+
+/// Largest magnitude of an instant, ns: differences of two instants do not overflow.
+inline constexpr std::int64_t kMaxTimestampNs = 4'000'000'000'000'000'000;
+
+/// One line of a text file with its number, for error messages.
+struct TextLine {
+  int number = 0;
+  std::string text;  ///< without surrounding white space; not empty
+};
+
+/// The lines of a file except empty ones and comments (#). Throws std::runtime_error if the file cannot be
+/// read.
+std::vector<TextLine> readLines(const std::filesystem::path& file);
+
+/// "FILE, line N: " for error messages.
+std::string fileAndLine(const std::filesystem::path& file, const TextLine& line);
+
+/// Parses the whole of `text` as a number; nothing if it is not one.
+template <typename Number>
+std::optional<Number> parseNumber(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Throws std::runtime_error naming file and line unless the instant is later than the last of `previous`.
+void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
+                       const std::filesystem::path& file, const TextLine& line);
+
+}  // namespace cartvo

@@ -1,0 +1,123 @@
+// Layout of a recording's folder, and its description recording.json.
+
+#include "capture/recording/recording_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "common/durable_file.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr const char* kDescriptionFile = "recording.json";
+constexpr std::uintmax_t kMaxDescriptionBytes = 4U << 20;
+constexpr std::size_t kMinNumberDigits = 6;
+
+std::optional<std::uint64_t> parseSegmentNumber(const std::string& name) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (name.size() < kMinNumberDigits || error != std::errc() || end != name.data() + name.size())
+    return std::nullopt;
+  return number;
+}
+
+/// The value as a 64-bit integer. JSON numbers may be out of range, for which a conversion is undefined.
+/// Throws std::runtime_error naming file and key.
+std::int64_t requireInteger(const nlohmann::json& value, const std::string& key,
+                            const std::filesystem::path& file) {
+  const bool is_too_large =
+      value.is_number_unsigned() && value.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max();
+  if (!value.is_number_integer() || is_too_large)
+    throw std::runtime_error(file.string() + " is damaged: " + key + " is not an integer of 64 bits");
+  return value.get<std::int64_t>();
+}
+
+}  // namespace
+
+bool isRecording(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / kDescriptionFile);
+}
+
+RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kDescriptionFile;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream input(file);
+  if (error || !input) throw std::runtime_error("cannot read " + file.string());
+  if (size > kMaxDescriptionBytes)
+    throw std::runtime_error(file.string() + " is too large; expected at most 4 MiB");
+  return parseRecordingInfo({std::istreambuf_iterator<char>(input), {}}, file);
+}
+
+RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem::path& file) {
+  RecordingInfo info;
+  try {
+    const nlohmann::json description = nlohmann::json::parse(text);
+    const std::int64_t version = requireInteger(description.at("format_version"), "format_version", file);
+    info.format_version = static_cast<int>(std::clamp<std::int64_t>(version, -1, 1'000'000));
+    info.software_version = description.at("software_version").get<std::string>();
+    if (description.contains("started_ns"))
+      info.started_ns = requireInteger(description["started_ns"], "started_ns", file);
+    info.configuration = description.at("configuration").get<std::string>();
+    info.rig = description.at("rig").get<std::string>();
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(file.string() + " is damaged: " + error.what());
+  }
+  if (info.format_version != kRecordingFormatVersion) {
+    throw std::runtime_error(file.string() + " has format " + std::to_string(info.format_version) +
+                             ", but this program reads format " + std::to_string(kRecordingFormatVersion) +
+                             "; use the version that made it (" + info.software_version + ")");
+  }
+  return info;
+}
+
+void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo& info) {
+  nlohmann::ordered_json description;
+  description["format_version"] = info.format_version;
+  description["software_version"] = info.software_version;
+  description["started_ns"] = info.started_ns;
+  description["configuration"] = info.configuration;
+  description["rig"] = info.rig;
+  const std::filesystem::path file = folder / kDescriptionFile;
+  errno = 0;
+  std::ofstream output(file);
+  output << description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n' << std::flush;
+  if (!output) throw std::runtime_error("cannot write " + file.string() + ": " + std::strerror(errno));
+  syncToDisk(file);
+  syncToDisk(folder);
+}
+
+const char* sideName(CameraSide side) {
+  return side == CameraSide::left ? "left" : "right";
+}
+
+RecordingSegment recordingSegment(const std::filesystem::path& recording, std::uint64_t number) {
+  std::array<char, 24> name{};
+  std::snprintf(name.data(), name.size(), "%06llu", static_cast<unsigned long long>(number));
+  return {number, recording / name.data()};
+}
+
+std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& recording) {
+  std::vector<RecordingSegment> segments;
+  for (const auto& entry : std::filesystem::directory_iterator(recording)) {
+    const std::optional<std::uint64_t> number = parseSegmentNumber(entry.path().filename().string());
+    if (number && entry.is_directory() && !entry.is_symlink()) segments.push_back({*number, entry.path()});
+  }
+  std::sort(segments.begin(), segments.end(),
+            [](const RecordingSegment& a, const RecordingSegment& b) { return a.number < b.number; });
+  return segments;
+}
+
+}  // namespace cartvo

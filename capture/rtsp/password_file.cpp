@@ -1,0 +1,46 @@
+// Reading of password files. Passwords are never part of a configuration or a command line.
+
+#include "capture/rtsp/password_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include <sys/stat.h>
+
+namespace cartvo {
+namespace {
+
+constexpr off_t kMaxFileSize = 1024;  // bytes
+
+}  // namespace
+
+std::string readPasswordFile(const std::filesystem::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) {
+    throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) +
+                             "; write the camera's password into it");
+  }
+  if (!S_ISREG(status.st_mode) || status.st_size > kMaxFileSize) {
+    throw std::runtime_error(file.string() + ": expected a file of one line with the camera's password");
+  }
+  if ((status.st_mode & S_IRWXO) != 0) {
+    throw std::runtime_error(file.string() +
+                             ": other users have access to this password; run: chmod o= " + file.string());
+  }
+  std::ifstream stream(file);
+  if (!stream) {
+    throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) +
+                             "; give it to the user that runs this program");
+  }
+  std::string password;
+  std::getline(stream, password);
+  if (!password.empty() && password.back() == '\r') password.pop_back();
+  if (password.empty()) {
+    throw std::runtime_error(file.string() + ": expected one line with the camera's password, found none");
+  }
+  return password;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,343 @@
+// IP camera over RTSP: connection state machine, assembly, timestamping and decoding.
+
+#include "capture/rtsp/rtsp_camera.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "capture/clock/frame_period_estimator.hpp"
+#include "capture/codec/nal_units.hpp"
+#include "capture/codec/video_decoder.hpp"
+#include "capture/frozen_picture_detector.hpp"
+#include "capture/rtsp/access_unit_assembler.hpp"
+#include "capture/rtsp/loss_detector.hpp"
+#include "capture/rtsp/rtsp_session.hpp"
+
+namespace cartvo {
+namespace {
+
+using Clock = RtspSession::Clock;
+using std::chrono::milliseconds;
+
+void validate(const RtspCameraSettings& settings) {
+  checkRtspUrl(settings.url);
+  const bool times_are_valid =
+      settings.answer_timeout.count() > 0 && settings.connect_timeout.count() > 0 &&
+      settings.stall_timeout.count() > 0 && settings.frozen_after.count() > 0 &&
+      settings.first_retry.count() > 0 && settings.longest_retry >= settings.first_retry &&
+      settings.refused_retry.count() > 0 && settings.longest_refused_retry >= settings.refused_retry;
+  if (!times_are_valid) {
+    throw std::invalid_argument(
+        "a camera's time-outs must be positive, and its longest retry not shorter than its first one");
+  }
+  if (settings.decoder_threads < 1)
+    throw std::invalid_argument("a camera's decoder_threads must be at least 1");
+}
+
+/// "30 s", "0.3 s": one decimal where needed, rounded up.
+std::string inSeconds(milliseconds duration) {
+  const auto tenths = (duration.count() + 99) / 100;
+  std::string text = std::to_string(tenths / 10);
+  if (tenths % 10 != 0) text.append(1, '.').append(std::to_string(tenths % 10));
+  return text.append(" s");
+}
+
+/// Converts the packets of one connection into numbered, timestamped units, and these into frames.
+class PictureStream {
+ public:
+  PictureStream(const StreamFormat& format, int decoder_threads, StereoTimestamper& timestamper,
+                CameraSide side)
+      : codec_(format.codec),
+        assembler_(format.codec),
+        losses_(format),
+        timestamper_(timestamper),
+        side_(side),
+        decoder_(format, decoder_threads) {
+    timestamper_.connect(side_);
+  }
+
+  void add(const StreamFragment& fragment) { assembler_.add(fragment); }
+
+  /// Removes and returns the next unit, numbered from `next_sequence` on, which is advanced. Nothing before
+  /// the first key picture.
+  std::optional<EncodedUnit> popUnit(std::uint64_t& next_sequence) {
+    while (std::optional<AssembledUnit> assembled = assembler_.popUnit()) {
+      EncodedUnit unit;
+      unit.key = hasKeySlice(assembled->data);
+      if (!has_key_picture_ && !unit.key) continue;
+      has_key_picture_ = true;
+      const std::uint64_t missed = countMissedFrames(assembled->pts);
+      unit.status = losses_.inspect(assembled->data, assembled->data_lost, missed);
+      next_sequence += missed;
+      unit.sequence = next_sequence++;
+      unit.data = std::move(assembled->data);
+      unit.pts = assembled->pts;
+      unit.data_lost = assembled->data_lost;
+      unit.reference_us = assembled->reference_us;
+      unit.first_arrival_ns = assembled->first_arrival_ns;
+      unit.arrival_ns = assembled->arrival_ns;
+      const ExposureTimestamp instant =
+          timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
+      unit.exposure_ns = instant.exposure_ns;
+      unit.exposure_stddev_ns = instant.stddev_ns;
+      unit.min_delay_arrival_ns = instant.min_delay_arrival_ns;
+      unit.instant_source = instant.source;
+      return unit;
+    }
+    return std::nullopt;
+  }
+
+  VideoDecoder& decoder() { return decoder_; }
+
+ private:
+  bool hasKeySlice(const std::vector<std::uint8_t>& data) const {
+    const std::vector<NalUnit> units = splitNalUnits(codec_, data);
+    return std::any_of(units.begin(), units.end(),
+                       [](const NalUnit& u) { return u.kind == NalKind::key_slice; });
+  }
+
+  /// Number of pictures missing between the previous one and this one, by the RTP time stamps.
+  std::uint64_t countMissedFrames(std::int64_t pts) {
+    const std::int64_t period = period_.periodNs();
+    const std::int64_t step = last_pts_ ? pts - *last_pts_ : 0;
+    last_pts_ = pts;
+    period_.add(pts);
+    if (period == 0 || step < period) return 0;
+    const auto periods = std::llround(static_cast<double>(step) / static_cast<double>(period));
+    return static_cast<std::uint64_t>(std::max(periods - 1, 0LL));
+  }
+
+  VideoCodec codec_;
+  AccessUnitAssembler assembler_;
+  LossDetector losses_;
+  StereoTimestamper& timestamper_;
+  CameraSide side_;
+  FramePeriodEstimator period_;  ///< in RTP ticks instead of ns
+  std::optional<std::int64_t> last_pts_;
+  bool has_key_picture_ = false;
+  VideoDecoder decoder_;
+};
+
+}  // namespace
+
+/// Implementation of RtspCamera: connects, receives and reconnects in the thread that calls `read`.
+class RtspCamera::Receiver {
+ public:
+  explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
+    validate(settings_);
+    frozen_text_.append("the camera at ").append(rtspHost(settings_.url));
+    frozen_text_.append(" is frozen: it has sent the same picture for more than ");
+    frozen_text_.append(inSeconds(settings_.frozen_after)).append("; switch it off and on");
+    health_.instant_source = InstantSource::arrival;
+  }
+
+  void setObserver(StreamObserver& observer) { observer_ = &observer; }
+  void setTimestamper(StereoTimestamper& timestamper, CameraSide side) {
+    timestamper_ = &timestamper;
+    side_ = side;
+  }
+
+  ReadOutcome read(Frame& frame, milliseconds timeout) {
+    const Clock::time_point deadline = Clock::now() + timeout;
+    for (;;) {
+      if (interrupted_) return finish();
+      if (stream_ && popFrame(frame)) return ReadOutcome::frame;
+      if (session_) {
+        receive();
+      } else if (waitUntil(std::min(next_attempt_, deadline)) && Clock::now() >= next_attempt_) {
+        connect();
+      }
+      if (interrupted_) return finish();
+      if (stream_ && popFrame(frame)) return ReadOutcome::frame;
+      if (Clock::now() >= deadline) return ReadOutcome::timed_out;
+    }
+  }
+
+  CameraHealth health() const {
+    const std::lock_guard lock(mutex_);
+    return health_;
+  }
+
+  void interrupt() noexcept {
+    {
+      const std::lock_guard lock(mutex_);
+      interrupted_ = true;
+    }
+    wake_.notify_all();
+  }
+
+ private:
+  /// Waits. False if interrupted.
+  bool waitUntil(Clock::time_point instant) {
+    std::unique_lock lock(mutex_);
+    return !wake_.wait_until(lock, instant, [this] { return interrupted_.load(); });
+  }
+
+  void connect() {
+    try {
+      session_.emplace(settings_, interrupted_);
+      stream_.emplace(session_->format(), settings_.decoder_threads, *timestamper_, side_);
+    } catch (const RtspError& error) {
+      disconnect();
+      if (error.kind() == RtspError::Kind::interrupted) return;
+      const bool refused = error.kind() == RtspError::Kind::refused;
+      const milliseconds pause = refused ? refusedPause() : failurePause();
+      retryAfter(pause);
+      const std::lock_guard lock(mutex_);
+      health_.state = refused ? CameraState::refused : CameraState::connecting;
+      health_.last_error = error.what();
+      if (refused) health_.last_error += "; trying again in " + inSeconds(pause);
+      return;
+    }
+    frame_deadline_ =
+        Clock::now() + settings_.connect_timeout;  // a camera may send nothing until its next key frame
+    if (observer_ != nullptr) observer_->onStream(session_->format());
+  }
+
+  void receive() {
+    switch (session_->receive(fragment_, frame_deadline_)) {
+      case RtspSession::Outcome::fragment:
+        stream_->add(fragment_);
+        while (std::optional<EncodedUnit> unit = stream_->popUnit(next_sequence_)) {
+          if (observer_ != nullptr) observer_->onUnit(*unit);
+          stream_->decoder().send(*unit);
+          collectFrames();
+        }
+        break;
+      case RtspSession::Outcome::timed_out:
+        closeStream(CameraState::stalled, "the camera at " + rtspHost(settings_.url) +
+                                              " sent no picture for " +
+                                              std::to_string(frameTimeout().count()) + " ms; reconnecting");
+        break;
+      case RtspSession::Outcome::lost:
+        closeStream(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
+                                                 " was lost (" + session_->reason() + "); reconnecting");
+        break;
+      case RtspSession::Outcome::interrupted:
+        break;
+    }
+  }
+
+  milliseconds frameTimeout() const {
+    return streaming_ ? settings_.stall_timeout : settings_.connect_timeout;
+  }
+
+  void collectFrames() {
+    while (std::optional<Frame> frame = stream_->decoder().receive()) {
+      streaming_ = true;
+      frame_deadline_ =
+          Clock::now() + settings_.stall_timeout;  // packets without a picture count as a stall, too
+      failures_ = 0;
+      refusals_ = 0;
+      // One unit gives one frame; several are queued only if the decoder reorders.
+      if (frames_.size() >= kMaxQueuedFrames) frames_.pop_front();
+      frames_.push_back(std::move(*frame));
+    }
+  }
+
+  bool popFrame(Frame& frame) {
+    if (frames_.empty()) return false;
+    frame = std::move(frames_.front());
+    frames_.pop_front();
+    const bool frozen = frozen_detector_.update(frame.image, Clock::now()) >= settings_.frozen_after;
+    const std::lock_guard lock(mutex_);
+    health_.state = frozen ? CameraState::frozen : CameraState::streaming;
+    if (frozen) health_.last_error = frozen_text_;
+    health_.instant_source = frame.instant_source;
+    ++health_.frames;
+    if (frame.status == FrameStatus::damaged) ++health_.damaged;
+    return true;
+  }
+
+  void closeStream(CameraState state, const std::string& reason) {
+    // Reconnect at once if this connection delivered frames; otherwise pause, so that a camera that only
+    // accepts connections is not polled in a tight loop.
+    retryAfter(streaming_ ? milliseconds(0) : failurePause());
+    disconnect();
+    const std::lock_guard lock(mutex_);
+    health_.state = state;
+    health_.last_error = reason;
+    ++health_.reconnections;
+  }
+
+  void disconnect() {
+    streaming_ = false;
+    stream_.reset();
+    session_.reset();
+  }
+
+  void retryAfter(milliseconds pause) { next_attempt_ = Clock::now() + pause; }
+
+  milliseconds failurePause() { return backoff(settings_.first_retry, failures_++, settings_.longest_retry); }
+  milliseconds refusedPause() {
+    return backoff(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
+  }
+
+  static milliseconds backoff(milliseconds first, int times, milliseconds longest) {
+    return std::min(longest, first * (1 << std::min(times, 16)));
+  }
+
+  ReadOutcome finish() {
+    disconnect();
+    frames_.clear();
+    const std::lock_guard lock(mutex_);
+    health_.state = CameraState::ended;
+    return ReadOutcome::ended;
+  }
+
+  static constexpr std::size_t kMaxQueuedFrames = 16;
+
+  const RtspCameraSettings settings_;
+  StreamObserver* observer_ = nullptr;
+  StereoTimestamper own_timestamper_{ClockChoice::ntp};
+  StereoTimestamper* timestamper_ = &own_timestamper_;
+  CameraSide side_ = CameraSide::left;
+
+  // Used by the reading thread only.
+  std::optional<RtspSession> session_;
+  std::optional<PictureStream> stream_;
+  StreamFragment fragment_;
+  std::deque<Frame> frames_;
+  FrozenPictureDetector frozen_detector_;
+  std::string frozen_text_;
+  bool streaming_ = false;  ///< this connection has delivered a frame
+  Clock::time_point frame_deadline_;
+  Clock::time_point next_attempt_;
+  std::uint64_t next_sequence_ = 0;
+  int failures_ = 0;
+  int refusals_ = 0;
+
+  mutable std::mutex mutex_;  ///< guards health_
+  std::condition_variable wake_;
+  std::atomic<bool> interrupted_ = false;
+  CameraHealth health_;
+};
+
+RtspCamera::RtspCamera(const RtspCameraSettings& settings)
+    : receiver_(std::make_unique<Receiver>(settings)) {}
+RtspCamera::~RtspCamera() = default;
+
+void RtspCamera::setObserver(StreamObserver& observer) {
+  receiver_->setObserver(observer);
+}
+void RtspCamera::setTimestamper(StereoTimestamper& timestamper, CameraSide side) {
+  receiver_->setTimestamper(timestamper, side);
+}
+ReadOutcome RtspCamera::read(Frame& frame, milliseconds timeout) {
+  return receiver_->read(frame, timeout);
+}
+CameraHealth RtspCamera::health() const {
+  return receiver_->health();
+}
+void RtspCamera::interrupt() noexcept {
+  receiver_->interrupt();
+}
+
+}  // namespace cartvo

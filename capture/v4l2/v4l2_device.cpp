@@ -1,0 +1,273 @@
+// Memory-mapped streaming through the kernel's Video4Linux2 interface (docs.kernel.org, "Video for Linux
+// API").
+
+#include "capture/v4l2/v4l2_device.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include <fcntl.h>
+#include <linux/videodev2.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace cartvo {
+namespace {
+
+constexpr std::uint32_t kBufferCount = 4;
+constexpr double kRateTolerance = 0.01;    // relative
+constexpr double kExposureUnit = 100e-6;   // s, of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr std::uint32_t kMaxFormats = 64;  // limit of the enumeration
+
+/// In order of increasing decoding cost.
+constexpr std::array<std::pair<PixelFormat, std::uint32_t>, 4> kFormats{
+    {{PixelFormat::grey, V4L2_PIX_FMT_GREY},
+     {PixelFormat::nv12, V4L2_PIX_FMT_NV12},
+     {PixelFormat::yuyv, V4L2_PIX_FMT_YUYV},
+     {PixelFormat::mjpeg, V4L2_PIX_FMT_MJPEG}}};
+
+/// ioctl, repeated if a signal interrupted it.
+int xioctl(int descriptor, unsigned long request, void* argument) {
+  int result = 0;
+  do
+    result = ioctl(descriptor, request, argument);
+  while (result < 0 && errno == EINTR);
+  return result;
+}
+
+std::string toText(const cv::Size& size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+std::string toText(double number) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%g", number);
+  return digits;
+}
+
+std::vector<std::uint32_t> offeredFormats(int descriptor) {
+  std::vector<std::uint32_t> formats;
+  for (std::uint32_t index = 0; index < kMaxFormats; ++index) {
+    v4l2_fmtdesc description{};
+    description.index = index;
+    description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    if (xioctl(descriptor, VIDIOC_ENUM_FMT, &description) < 0) break;
+    formats.push_back(description.pixelformat);
+  }
+  return formats;
+}
+
+int millisecondsUntil(std::chrono::steady_clock::time_point deadline) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000));
+}
+
+}  // namespace
+
+V4l2Device::V4l2Device(const std::filesystem::path& device, const V4l2Mode& mode) : device_(device) {
+  descriptor_ = open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor_ < 0) failWithErrno("cannot be opened");
+  try {
+    checkCapabilities();
+    selectFormat(mode);
+    setFrameRate(mode.frame_rate);
+    setControls(mode);
+    mapBuffers();
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    if (xioctl(descriptor_, VIDIOC_STREAMON, &type) < 0) failWithErrno("does not start streaming");
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+V4l2Device::~V4l2Device() {
+  close();
+}
+
+void V4l2Device::close() noexcept {
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  xioctl(descriptor_, VIDIOC_STREAMOFF, &type);
+  for (const Mapping& buffer : buffers_)
+    munmap(buffer.address, buffer.length);
+  buffers_.clear();
+  ::close(descriptor_);
+}
+
+void V4l2Device::fail(const std::string& what) const {
+  throw V4l2Error("the camera " + device_.string() + " " + what);
+}
+
+void V4l2Device::failWithErrno(const std::string& what) const {
+  const int error = errno;
+  std::string hint;
+  if (error == ENOENT) hint = "; is it plugged in? 'v4l2-ctl --list-devices' names all";
+  if (error == EACCES || error == EPERM)
+    hint = "; the user needs the group 'video', a service DeviceAllow=, see cartvod(8)";
+  if (error == EBUSY) hint = "; another program uses it, 'fuser " + device_.string() + "' shows which one";
+  fail(what + ": " + std::strerror(error) + hint);
+}
+
+void V4l2Device::checkCapabilities() const {
+  v4l2_capability capability{};
+  if (xioctl(descriptor_, VIDIOC_QUERYCAP, &capability) < 0)
+    fail("is not a V4L2 device; set the camera's device to one that 'v4l2-ctl --list-devices' lists");
+  const std::uint32_t able = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps
+                                                                                   : capability.capabilities;
+  if ((able & V4L2_CAP_VIDEO_CAPTURE) == 0)
+    fail("captures no video; a camera often has a second device for metadata, try the other one");
+  if ((able & V4L2_CAP_STREAMING) == 0) fail("cannot stream through shared memory");
+}
+
+void V4l2Device::selectFormat(const V4l2Mode& mode) {
+  const std::vector<std::uint32_t> offered = offeredFormats(descriptor_);
+  std::string problem = "offers none of GREY, NV12, YUYV and MJPEG";
+  if (mode.format) problem = std::string("does not offer the format ") + formatName(*mode.format);
+  for (const auto& [format, code] : kFormats) {
+    if (mode.format && *mode.format != format) continue;
+    if (std::find(offered.begin(), offered.end(), code) == offered.end()) continue;
+    v4l2_format wanted{};
+    wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    wanted.fmt.pix.width = static_cast<std::uint32_t>(mode.size.width);
+    wanted.fmt.pix.height = static_cast<std::uint32_t>(mode.size.height);
+    wanted.fmt.pix.pixelformat = code;
+    wanted.fmt.pix.field = V4L2_FIELD_NONE;
+    if (xioctl(descriptor_, VIDIOC_S_FMT, &wanted) < 0) failWithErrno("rejects a format that it offers");
+    const v4l2_pix_format& got = wanted.fmt.pix;
+    const cv::Size size(static_cast<int>(got.width), static_cast<int>(got.height));
+    if (got.pixelformat == code && size == mode.size) {
+      format_ = format;
+      stride_ = got.bytesperline;
+      return;
+    }
+    problem = std::string("has no ") + toText(mode.size) + " in " + formatName(format) + ", the nearest is " +
+              toText(size) + "; calibrate at a size that it supports ('v4l2-ctl --list-formats-ext')";
+  }
+  fail(problem);
+}
+
+/// Sets the frame rate; ignores cameras that do not support setting it.
+void V4l2Device::setFrameRate(double frame_rate) const {
+  v4l2_streamparm parameters{};
+  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  v4l2_fract& interval = parameters.parm.capture.timeperframe;
+  interval = {1000, static_cast<std::uint32_t>(std::lround(1000.0 * frame_rate))};
+  if (xioctl(descriptor_, VIDIOC_S_PARM, &parameters) < 0) {
+    if (errno == ENOTTY || errno == EINVAL) return;
+    failWithErrno("rejects a frame rate");
+  }
+  if (interval.numerator == 0) return;
+  const double got = static_cast<double>(interval.denominator) / interval.numerator;
+  if (std::abs(got - frame_rate) > kRateTolerance * frame_rate)
+    fail("cannot deliver " + toText(frame_rate) + " pictures per second, the nearest rate is " + toText(got) +
+         "; set cameras.frame_rate to a rate that it supports");
+}
+
+void V4l2Device::setControls(const V4l2Mode& mode) const {
+  if (mode.exposure) {
+    if (hasControl(V4L2_CID_EXPOSURE_AUTO))
+      setControl(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "exposure");
+    setControl(V4L2_CID_EXPOSURE_ABSOLUTE,
+               static_cast<std::int32_t>(std::lround(*mode.exposure / kExposureUnit)), "exposure");
+  }
+  if (mode.gain) {
+    if (hasControl(V4L2_CID_AUTOGAIN)) setControl(V4L2_CID_AUTOGAIN, 0, "gain");
+    setControl(V4L2_CID_GAIN, *mode.gain, "gain");
+  }
+}
+
+bool V4l2Device::hasControl(std::uint32_t id) const {
+  v4l2_queryctrl query{};
+  query.id = id;
+  return xioctl(descriptor_, VIDIOC_QUERYCTRL, &query) == 0 && (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0;
+}
+
+void V4l2Device::setControl(std::uint32_t id, std::int32_t value, const std::string& key) const {
+  v4l2_queryctrl query{};
+  query.id = id;
+  if (xioctl(descriptor_, VIDIOC_QUERYCTRL, &query) < 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+    fail("has no control for its " + key + "; leave '" + key + "' out of the configuration");
+  v4l2_control setting{id, value};
+  const bool in_range = value >= query.minimum && value <= query.maximum;
+  if (in_range && xioctl(descriptor_, VIDIOC_S_CTRL, &setting) == 0) return;
+  const double unit = id == V4L2_CID_EXPOSURE_ABSOLUTE ? kExposureUnit : 1.0;
+  fail("does not accept the " + key + " " + toText(unit * value) + "; it can be " +
+       toText(unit * query.minimum) + " to " + toText(unit * query.maximum));
+}
+
+void V4l2Device::mapBuffers() {
+  v4l2_requestbuffers request{};
+  request.count = kBufferCount;
+  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.memory = V4L2_MEMORY_MMAP;
+  if (xioctl(descriptor_, VIDIOC_REQBUFS, &request) < 0) failWithErrno("provides no buffers");
+  if (request.count < 2) fail("provides fewer than two buffers");
+  for (std::uint32_t index = 0; index < request.count; ++index) {
+    v4l2_buffer buffer{};
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    buffer.index = index;
+    if (xioctl(descriptor_, VIDIOC_QUERYBUF, &buffer) < 0) failWithErrno("provides no buffers");
+    void* const address =
+        mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, buffer.m.offset);
+    if (address == MAP_FAILED) failWithErrno("provides buffers that cannot be mapped");
+    buffers_.push_back({address, buffer.length});
+    enqueue(index);
+  }
+}
+
+void V4l2Device::enqueue(std::uint32_t index) const {
+  v4l2_buffer buffer{};
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  buffer.index = index;
+  if (xioctl(descriptor_, VIDIOC_QBUF, &buffer) < 0) failWithErrno("does not accept a buffer");
+}
+
+std::optional<V4l2Buffer> V4l2Device::dequeue(std::chrono::steady_clock::time_point deadline, int interrupt) {
+  if (dequeued_) {
+    const std::uint32_t index = *dequeued_;
+    dequeued_.reset();
+    enqueue(index);
+  }
+  for (;;) {
+    std::array<pollfd, 2> waiting{{{descriptor_, POLLIN, 0}, {interrupt, POLLIN, 0}}};
+    const int ready = poll(waiting.data(), waiting.size(), millisecondsUntil(deadline));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0) failWithErrno("cannot be waited for");
+    if (ready == 0 || waiting[1].revents != 0) return std::nullopt;
+    if ((waiting[0].revents & POLLIN) == 0) fail("was disconnected; is it plugged in?");
+
+    v4l2_buffer buffer{};
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    if (xioctl(descriptor_, VIDIOC_DQBUF, &buffer) < 0) {
+      if (errno == EAGAIN) continue;
+      failWithErrno("does not return a picture");
+    }
+    if (buffer.index >= buffers_.size()) fail("returns an unknown buffer");
+    dequeued_ = buffer.index;
+    const Mapping& mapping = buffers_[buffer.index];
+    V4l2Buffer picture;
+    picture.data = {static_cast<const std::uint8_t*>(mapping.address),
+                    std::min<std::size_t>(buffer.bytesused, mapping.length)};
+    picture.monotonic =
+        std::chrono::seconds(buffer.timestamp.tv_sec) + std::chrono::microseconds(buffer.timestamp.tv_usec);
+    picture.sequence = buffer.sequence;
+    picture.damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
+    if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
+      fail(
+          "does not time stamp its pictures by the kernel's monotonic clock; its driver is too old for "
+          "stereo");
+    return picture;
+  }
+}
+
+}  // namespace cartvo

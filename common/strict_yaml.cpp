@@ -1,0 +1,198 @@
+// YAML access with errors that name file, line and key.
+#include "common/strict_yaml.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "common/printable_text.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::uintmax_t kMaxFileSize = 1 << 20;  // bytes
+
+std::string readText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
+  }
+  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kMaxFileSize) {
+    throw std::runtime_error(file.string() +
+                             ": is larger than 1 MiB, too large for a file of keys and values");
+  }
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// A value for an error message: without control characters, which would act on a terminal or a log, and cut
+/// to 60 bytes.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMaxBytes = 60;
+  if (!isPrintable(text)) return "(not printable)";
+  if (text.size() <= kMaxBytes) return text;
+  return std::string(utf8Prefix(text, kMaxBytes)) + "...";
+}
+
+/// The sequence's length, and its items if they are few.
+std::string describeSequence(const YAML::Node& node) {
+  constexpr std::size_t kMaxShown = 10;
+  std::string description = "a sequence of " + std::to_string(node.size());
+  const bool is_short = node.size() > 0 && node.size() <= kMaxShown;
+  if (!is_short ||
+      !std::all_of(node.begin(), node.end(), [](const YAML::Node& item) { return item.IsScalar(); })) {
+    return description;
+  }
+  std::string items;
+  for (const YAML::Node& item : node)
+    items += (items.empty() ? "" : ", ") + shortened(item.Scalar());
+  return description + " [" + items + "]";
+}
+
+std::string describe(const YAML::Node& node) {
+  switch (node.Type()) {
+    case YAML::NodeType::Scalar:
+      return "'" + shortened(node.Scalar()) + "'";
+    case YAML::NodeType::Sequence:
+      return describeSequence(node);
+    case YAML::NodeType::Map:
+      return "a map";
+    default:
+      return "nothing";
+  }
+}
+
+template <typename Number>
+bool parseNumber(const std::string& text, Number& number) {
+  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// Appends the numbers of a sequence. Their count is bounded, since aliases let a short file expand to a huge
+/// sequence.
+bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& numbers) {
+  constexpr std::size_t kMaxNumbers = 10'000;
+  if (node.IsSequence()) {
+    return levels > 0 && std::all_of(node.begin(), node.end(), [&](const YAML::Node& item) {
+             return collectNumbers(item, levels - 1, numbers);
+           });
+  }
+  double number = 0.0;
+  if (!node.IsScalar() || !parseNumber(node.Scalar(), number) || !std::isfinite(number)) return false;
+  numbers.push_back(number);
+  return numbers.size() <= kMaxNumbers;
+}
+
+constexpr int kMatrixLevels = 2;  // a sequence of rows
+
+std::string shortest(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+}  // namespace
+
+StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node)
+    : file_(std::move(file)), key_(std::move(key)), node_(node) {}
+
+StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
+  return parse(readText(file), file);
+}
+
+StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name) {
+  // OpenCV before 4 writes a directive that is not valid YAML. A comment in its place keeps the line numbers.
+  if (text.starts_with("%YAML:")) text.front() = '#';
+  try {
+    StrictYaml root(name, "", YAML::Load(text));
+    if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
+    return root;
+  } catch (const YAML::ParserException& error) {
+    throw std::runtime_error(
+        name.string() + ":" + std::to_string(error.mark.line + 1) + ": is not YAML: " +
+        (isPrintable(error.msg) ? error.msg : "it holds characters that cannot be shown"));
+  }
+}
+
+void StrictYaml::allowOnly(std::initializer_list<const char*> keys) const {
+  if (!node_.IsMap()) failExpecting("a map of keys and values");
+  std::string known;
+  for (const char* key : keys)
+    known += (known.empty() ? "" : ", ") + std::string(key);
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : std::string();
+    const StrictYaml at_key(file_, (key_.empty() ? "" : key_ + ".") + shortened(key), entry.first);
+    const bool is_known =
+        std::any_of(keys.begin(), keys.end(), [&](const char* name) { return key == name; });
+    if (!is_known) at_key.failExpecting("one of the keys " + known);
+    if (!seen.insert(key).second) at_key.failExpecting("each key once");
+  }
+}
+
+bool StrictYaml::has(const std::string& key) const {
+  return node_.IsMap() && node_[key].IsDefined() && !node_[key].IsNull();
+}
+
+StrictYaml StrictYaml::operator[](const std::string& key) const {
+  const std::string full_key = key_.empty() ? key : key_ + "." + key;
+  if (!has(key)) StrictYaml(file_, full_key, node_).failExpecting("this key, which is missing");
+  return {file_, full_key, node_[key]};
+}
+
+std::string StrictYaml::text() const {
+  if (!node_.IsScalar()) failExpecting("text");
+  if (!isPrintable(node_.Scalar())) fail("expected text of printable characters in UTF-8; it holds others");
+  return node_.Scalar();
+}
+
+std::int64_t StrictYaml::integer(std::int64_t min, std::int64_t max) const {
+  std::int64_t value = 0;
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || value < min || value > max) {
+    failExpecting("an integer from " + std::to_string(min) + " to " + std::to_string(max));
+  }
+  return value;
+}
+
+double StrictYaml::number(double min, double max) const {
+  double value = 0.0;
+  if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= min && value <= max)) {
+    failExpecting("a number from " + shortest(min) + " to " + shortest(max));
+  }
+  return value;
+}
+
+std::vector<double> StrictYaml::numbers() const {
+  std::vector<double> values;
+  if (!node_.IsSequence() || !collectNumbers(node_, kMatrixLevels, values))
+    failExpecting("a sequence of numbers");
+  return values;
+}
+
+std::vector<double> StrictYaml::numbers(std::size_t count) const {
+  std::vector<double> values;
+  if (!node_.IsSequence() || !collectNumbers(node_, kMatrixLevels, values) || values.size() != count) {
+    failExpecting("a sequence of " + std::to_string(count) + " numbers");
+  }
+  return values;
+}
+
+void StrictYaml::failExpecting(const std::string& expected) const {
+  fail("expected " + expected + ", found " + describe(node_));
+}
+
+void StrictYaml::fail(const std::string& problem) const {
+  const int line = node_.Mark().line + 1;
+  std::string message = file_.string();
+  if (line > 0) message += ":" + std::to_string(line);
+  if (!key_.empty()) message += ": " + key_;
+  throw std::runtime_error(message + ": " + problem);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,77 @@
+// Log lines about the health of one camera.
+
+#include "daemon/diagnostics/camera_log.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+namespace cartvo {
+namespace {
+
+const char* stateName(CameraState state) {
+  switch (state) {
+    case CameraState::connecting:
+      return "connecting";
+    case CameraState::streaming:
+      return "streaming";
+    case CameraState::stalled:
+      return "stalled";
+    case CameraState::refused:
+      return "refused";
+    case CameraState::ended:
+      return "ended";
+    case CameraState::frozen:
+      return "frozen";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::vector<CameraLog::Line> CameraLog::due(const CameraHealth& health, Clock::time_point now) {
+  std::vector<Line> lines;
+  const bool changed = std::exchange(state_, health.state) != health.state;
+  unlogged_reconnections_ += health.reconnections - std::exchange(reconnections_, health.reconnections);
+  if (health.state == CameraState::streaming) {
+    addMissedFaultLine(health, now, lines);
+    if (changed && lines.empty()) addStateLine(health, changed, now, lines);
+  } else {
+    unlogged_reconnections_ = 0;  // the state's line covers them
+    addStateLine(health, changed, now, lines);
+  }
+  return lines;
+}
+
+void CameraLog::addStateLine(const CameraHealth& health, bool changed, Clock::time_point now,
+                             std::vector<Line>& lines) {
+  const std::string state = fmt::format("{}: {}", name_, stateName(health.state));
+  if (health.state == CameraState::streaming || health.last_error.empty()) {
+    if (changed) lines.push_back({spdlog::level::info, state});
+    return;
+  }
+  const std::string fault = state + ": " + health.last_error;
+  if (changed) faults_.forget(fault);
+  if (std::string text = faults_.due(fault, now); !text.empty())
+    lines.push_back({spdlog::level::warn, std::move(text)});
+}
+
+/// Adds a line if the camera failed and was reopened between two polls.
+void CameraLog::addMissedFaultLine(const CameraHealth& health, Clock::time_point now,
+                                   std::vector<Line>& lines) {
+  if (!budget_.allows(now) || unlogged_reconnections_ == 0) return;
+  const std::string faults =
+      unlogged_reconnections_ == 1 ? "a fault" : fmt::format("{} faults, the last", unlogged_reconnections_);
+  lines.push_back({spdlog::level::warn,
+                   fmt::format("{}: streaming again after {}: {}", name_, faults, health.last_error)});
+  budget_.spend();
+  unlogged_reconnections_ = 0;
+}
+
+void CameraLog::log(const CameraHealth& health) {
+  for (const Line& line : due(health, Clock::now()))
+    spdlog::log(line.level, line.text);
+}
+
+}  // namespace cartvo

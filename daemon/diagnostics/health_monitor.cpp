@@ -1,0 +1,210 @@
+// Builds the health message, published once a second.
+
+#include "daemon/diagnostics/health_monitor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "common/host_clock.hpp"
+#include "common/printable_text.hpp"
+#include "common/statistics.hpp"
+#include "common/units.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::size_t kMaxTextSize = 200;  // bytes, so that the message fits into one Ethernet frame
+constexpr std::size_t kMaxWindowPairs = 1024;
+
+float residentMegabytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total_pages = 0.0;
+  double resident_pages = 0.0;
+  statm >> total_pages >> resident_pages;
+  return static_cast<float>(resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6);
+}
+
+std::string shortened(const std::string& text) {
+  return std::string(utf8Prefix(text, kMaxTextSize));
+}
+
+std::int8_t stateCode(CameraState state) {
+  switch (state) {
+    case CameraState::connecting:
+      return camera_health_t::CONNECTING;
+    case CameraState::streaming:
+      return camera_health_t::STREAMING;
+    case CameraState::stalled:
+      return camera_health_t::STALLED;
+    case CameraState::refused:
+      return camera_health_t::REFUSED;
+    case CameraState::ended:
+      return camera_health_t::ENDED;
+    case CameraState::frozen:
+      return camera_health_t::FROZEN;
+  }
+  return camera_health_t::CONNECTING;
+}
+
+std::int8_t sourceCode(InstantSource source) {
+  switch (source) {
+    case InstantSource::file:
+      return camera_health_t::FILE_INSTANTS;
+    case InstantSource::sender_report:
+      return camera_health_t::SENDER_REPORT;
+    case InstantSource::arrival:
+      return camera_health_t::ARRIVAL;
+    case InstantSource::pictures:
+      return camera_health_t::PICTURES;
+    case InstantSource::kernel:
+      return camera_health_t::KERNEL;
+  }
+  return camera_health_t::ARRIVAL;
+}
+
+/// NaN if unknown.
+float milliseconds(const std::optional<double>& nanoseconds) {
+  return static_cast<float>(1e-6 * nanoseconds.value_or(std::numeric_limits<double>::quiet_NaN()));
+}
+
+camera_health_t cameraMessage(const CameraHealth& health, const ClockStatus::Camera& clock, double frame_rate,
+                              double decode_ms) {
+  camera_health_t message{};
+  message.state = stateCode(health.state);
+  message.instant_source = sourceCode(health.instant_source);
+  message.frames = static_cast<std::int64_t>(health.frames);
+  message.damaged = static_cast<std::int64_t>(health.damaged);
+  message.reconnections = static_cast<std::int64_t>(health.reconnections);
+  message.frame_rate = static_cast<float>(frame_rate);
+  message.decode_ms = static_cast<float>(decode_ms);
+  message.latency_ms = milliseconds(clock.latency_ns);
+  message.skew_ppm = static_cast<float>(1e6 * clock.skew);
+  message.clock_steps = static_cast<std::int32_t>(clock.steps);
+  message.last_error = shortened(health.last_error);
+  return message;
+}
+
+std::string overloadMessage(const health_t& message) {
+  if (message.features_least >= message.features_configured) return {};
+  return fmt::format(
+      "the computer is too slow: it uses {} instead of {} features to process each pair in time; stop other "
+      "programs, or reduce odometry.features",
+      message.features_least, message.features_configured);
+}
+
+std::string firstProblem(const HealthSnapshot& snapshot) {
+  if (!snapshot.problem.empty()) return snapshot.problem;
+  if (snapshot.left.state != CameraState::streaming && !snapshot.left.last_error.empty()) {
+    return "left camera: " + snapshot.left.last_error;
+  }
+  if (snapshot.right.state != CameraState::streaming && !snapshot.right.last_error.empty()) {
+    return "right camera: " + snapshot.right.last_error;
+  }
+  return snapshot.clock.problem.empty() ? snapshot.recording : snapshot.clock.problem;
+}
+
+void setClock(health_t& message, const ClockStatus& clock) {
+  const auto value = [](const std::optional<OffsetEstimate>& estimate) {
+    return estimate ? std::optional(estimate->value_ns) : std::nullopt;
+  };
+  message.clock_deviation_ms = milliseconds(clock.offset.stddev_ns);
+  message.clock_by_reports_ms = milliseconds(value(clock.ntp));
+  message.clock_by_pictures_ms = milliseconds(value(clock.visual));
+}
+
+void setCounts(health_t& message, const PipelineCounts& counts) {
+  message.pairs = static_cast<std::int64_t>(counts.pairs);
+  message.dropped_no_partner = static_cast<std::int64_t>(counts.dropped_no_partner);
+  message.dropped_damaged = static_cast<std::int64_t>(counts.dropped_damaged);
+  message.dropped_out_of_order = static_cast<std::int64_t>(counts.dropped_out_of_order);
+  message.dropped_overflow = static_cast<std::int64_t>(counts.dropped_overflow);
+  message.dropped_clock = static_cast<std::int64_t>(counts.dropped_clock);
+  message.refused_size = static_cast<std::int64_t>(counts.refused_size);
+  message.pairs_skipped = static_cast<std::int64_t>(counts.skipped);
+}
+
+void setSelfCheck(health_t& message, const SelfCheck& check) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr EstimateWithStddev kNothing{kUnknown, kUnknown};
+  const RigCalibrationError rig =
+      check.rig().value_or(RigCalibrationError{kNothing, kNothing, kNothing, kNothing});
+  message.right_late_ms = static_cast<float>(1e3 * rig.delay.value);
+  message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.stddev);
+  const std::array<EstimateWithStddev, 3> angles{rig.pitch, rig.yaw, rig.roll};
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    message.right_rotation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].value);
+    message.right_rotation_deviation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].stddev);
+  }
+  message.self_check = shortened(check.message());
+}
+
+double decodeMilliseconds(const FrameInstants& frame) {
+  return static_cast<double>(frame.decoded_ns - frame.arrival_ns) * 1e-6;
+}
+
+}  // namespace
+
+HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(start) {}
+
+void HealthMonitor::addPair(const PairResult& result, const odometry_t& message) {
+  ++(message.status == odometry_t::VALID ? valid_ : invalid_);
+  self_check_.update(result.estimate);
+  window_.features = std::min(window_.features, result.features);
+  if (window_.latency.size() >= kMaxWindowPairs) return;
+  window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
+  window_.process.push_back(result.times.total * 1e3);
+  window_.offset.push_back(static_cast<double>(result.offset_ns()) * 1e-6);
+  window_.left_decode.push_back(decodeMilliseconds(result.left));
+  window_.right_decode.push_back(decodeMilliseconds(result.right));
+}
+
+void HealthMonitor::addMissedPair() {
+  ++invalid_;
+}
+
+health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& snapshot) {
+  const double seconds = std::max(std::chrono::duration<double>(now - last_).count(), 1e-3);
+  const auto rate = [seconds](std::uint64_t count, std::uint64_t before) {
+    return static_cast<double>(count - before) / seconds;
+  };
+  health_t message{};
+  message.utime = hostNow() / 1000;
+  message.version = CARTVO_VERSION;
+  message.uptime_us = std::chrono::duration_cast<std::chrono::microseconds>(now - start_).count();
+  message.left =
+      cameraMessage(snapshot.left, snapshot.clock.cameras[0], rate(snapshot.left.frames, last_left_frames_),
+                    percentile(window_.left_decode, 0.5));
+  message.right =
+      cameraMessage(snapshot.right, snapshot.clock.cameras[1],
+                    rate(snapshot.right.frames, last_right_frames_), percentile(window_.right_decode, 0.5));
+  setCounts(message, snapshot.counts);
+  message.estimates_valid = valid_;
+  message.estimates_invalid = invalid_;
+  message.pair_rate = static_cast<float>(rate(snapshot.counts.pairs, last_pairs_));
+  message.offset_ms = static_cast<float>(percentile(window_.offset, 0.5));
+  message.latency_p50_ms = static_cast<float>(percentile(window_.latency, 0.5));
+  message.latency_p99_ms = static_cast<float>(percentile(window_.latency, 0.99));
+  message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
+  message.memory_mb = residentMegabytes();
+  message.features_configured = snapshot.features;
+  message.features_least = std::min(window_.features, snapshot.features);
+  setSelfCheck(message, self_check_);
+  setClock(message, snapshot.clock);
+  message.problem = shortened(firstProblem(snapshot));
+  if (message.problem.empty()) message.problem = shortened(overloadMessage(message));
+
+  last_ = now;
+  last_left_frames_ = snapshot.left.frames;
+  last_right_frames_ = snapshot.right.frames;
+  last_pairs_ = snapshot.counts.pairs;
+  window_ = {};
+  return message;
+}
+
+}  // namespace cartvo

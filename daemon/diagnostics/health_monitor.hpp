@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <cartvo/health_t.hpp>
+#include <cartvo/odometry_t.hpp>
+
+#include "capture/camera_source.hpp"
+#include "capture/clock/stereo_timestamper.hpp"
+#include "daemon/diagnostics/self_check.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+
+namespace cartvo {
+
+/// State of the daemon's other parts when a health message is built.
+struct HealthSnapshot {
+  CameraHealth left;
+  CameraHealth right;
+  PipelineCounts counts;
+  ClockStatus clock;
+  std::string problem;    ///< the problem to fix first; empty: see the cameras' last errors
+  int features = 0;       ///< as configured
+  std::string recording;  ///< why a configured recording is not written; lowest priority of all problems
+};
+
+/// Accumulates statistics between health messages. Not thread-safe.
+class HealthMonitor {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit HealthMonitor(Clock::time_point start);
+
+  /// Adds a processed pair, published as `message`.
+  void addPair(const PairResult& result, const odometry_t& message);
+  /// Counts a message published for a pair that did not arrive.
+  void addMissedPair();
+
+  /// Builds the message for the time since the previous one and resets the statistics.
+  health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
+
+  SelfCheck& selfCheck() { return self_check_; }
+
+ private:
+  /// Statistics of the pairs since the last message.
+  struct Window {
+    int features = std::numeric_limits<int>::max();                           // smallest target number
+    std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
+  };
+
+  Clock::time_point start_;
+  Clock::time_point last_;
+  Window window_;
+  std::int64_t valid_ = 0;
+  std::int64_t invalid_ = 0;
+  std::uint64_t last_left_frames_ = 0;
+  std::uint64_t last_right_frames_ = 0;
+  std::uint64_t last_pairs_ = 0;
+  SelfCheck self_check_;
+};
+
+}  // namespace cartvo

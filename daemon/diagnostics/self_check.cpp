@@ -1,0 +1,92 @@
+// Self-check messages about the rig calibration, the time offset and missing stereo matches.
+
+#include "daemon/diagnostics/self_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/units.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kMinTimeOffset = 1e-3;                       // s; smaller ones are not reported
+constexpr double kMinAngle = 0.1 / kDegreesPerRadian;         // rad; smaller ones are not reported
+constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
+constexpr double kMinSignificance = 3.0;                      // standard deviations
+constexpr double kMinShownStddev = 0.01;                      // deg
+constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
+
+/// Time offset, then the angles.
+std::array<EstimateWithStddev, 4> asArray(const RigCalibrationError& rig) {
+  return {rig.delay, rig.pitch, rig.yaw, rig.roll};
+}
+constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
+
+std::string timeOffsetMessage(const EstimateWithStddev& delay) {
+  return fmt::format(
+      "the right camera is exposed {:.1f} ± {:.1f} ms {} than its timestamps say: check both cameras' clocks",
+      1e3 * std::abs(delay.value), 1e3 * delay.stddev, delay.value > 0.0 ? "later" : "earlier");
+}
+
+}  // namespace
+
+void SelfCheck::update(const OdometryEstimate& estimate) {
+  if (estimate.rig) updateRig(*estimate.rig);
+  const bool were_missing = matches_.matchesMissing();
+  matches_.update(estimate);
+  changed_ = changed_ || matches_.matchesMissing() != were_missing;
+}
+
+void SelfCheck::updateRig(const RigCalibrationError& rig) {
+  rig_ = rig;
+  const auto list = asArray(rig);
+  for (std::size_t i = 0; i < kQuantities; ++i) {
+    const double size = std::abs(list[i].value);
+    const double limit = i == 0 ? kMinTimeOffset : kMinAngle;
+    const bool appears = size > limit && size > kMinSignificance * list[i].stddev;
+    const bool is_faulty = faulty_[i] ? size > kHysteresis * limit : appears;
+    changed_ = changed_ || is_faulty != faulty_[i];
+    faulty_[i] = is_faulty;
+  }
+}
+
+std::string SelfCheck::message() const {
+  // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
+  // estimate from few matches is not worth its space in the message.
+  if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
+  const std::string angles = anglesMessage();
+  const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
+  return offset + (offset.empty() || angles.empty() ? "" : "; ") + angles;
+}
+
+bool SelfCheck::anglesCauseMissingMatches() const {
+  if (!rig_) return false;
+  const auto list = asArray(*rig_);
+  for (std::size_t i = 1; i < kQuantities; ++i)
+    if (faulty_[i] && std::abs(list[i].value) > kMatchLossAngle) return true;
+  return false;
+}
+
+std::string SelfCheck::anglesMessage() const {
+  if (!rig_) return {};
+  const auto list = asArray(*rig_);
+  std::string angles;
+  for (std::size_t i = 1; i < kQuantities; ++i)
+    if (faulty_[i])
+      angles += fmt::format("{}{:+.2f} ± {:.2f} deg in {}", angles.empty() ? "" : ", ",
+                            kDegreesPerRadian * list[i].value,
+                            std::max(kMinShownStddev, kDegreesPerRadian * list[i].stddev), kNames[i]);
+  if (angles.empty()) return {};
+  return "the right camera is turned by " + angles + " against the rig file: calibrate again";
+}
+
+bool SelfCheck::consumeChange() {
+  const bool changed = changed_;
+  changed_ = false;
+  return changed;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,13 @@
+// Finds a stalled camera reader, for which the watchdog must not be fed.
+
+#include "daemon/diagnostics/stalled_reader.hpp"
+
+namespace cartvo {
+
+std::string stalledReader(const PipelineProgress& progress, double reader_timeout) {
+  if (progress.left_reader > reader_timeout) return "left camera's reader";
+  if (progress.right_reader > reader_timeout) return "right camera's reader";
+  return {};
+}
+
+}  // namespace cartvo

@@ -1,0 +1,50 @@
+// Detects missing stereo matches between the two cameras.
+#include "daemon/diagnostics/stereo_match_monitor.hpp"
+
+#include <fmt/format.h>
+
+namespace cartvo {
+namespace {
+
+constexpr int kMinCorners = 100;
+// Minimum fraction of the corners that are matched in the right image. Cameras with different views reach 1 %
+// at most, by chance; an intact rig has 6 % at dusk, and far more by day.
+constexpr double kMinMatchFraction = 0.03;
+constexpr std::int64_t kMinDuration_ns = 5'000'000'000;
+constexpr std::int64_t kMaxGap_ns = 1'000'000'000;  // pairs farther apart are not consecutive
+
+bool hasTooFewMatches(const FeatureCounts& counts) {
+  return counts.stereo < kMinMatchFraction * counts.detected;
+}
+
+/// True if the pair's stereo matches were counted: false for a rejected pair and for a zero-velocity update.
+bool isObservable(const OdometryReasons& reasons) {
+  return reasons != OdometryReason::zero_velocity && reasons != OdometryReason::offset_uncertain &&
+         reasons != OdometryReason::repeated_picture && reasons != OdometryReason::time_step;
+}
+
+}  // namespace
+
+void StereoMatchMonitor::update(const OdometryEstimate& estimate) {
+  if (!isObservable(estimate.reasons)) return;
+  counts_ = estimate.counts;
+  if (counts_.detected < kMinCorners || !hasTooFewMatches(counts_)) {
+    since_ns_.reset();
+    missing_ = false;
+    return;
+  }
+  const std::int64_t gap_ns = estimate.exposure_ns - last_ns_;
+  last_ns_ = estimate.exposure_ns;
+  if (!since_ns_ || gap_ns < 0 || gap_ns > kMaxGap_ns) since_ns_ = estimate.exposure_ns;
+  missing_ = estimate.exposure_ns - *since_ns_ >= kMinDuration_ns;
+}
+
+std::string StereoMatchMonitor::message() const {
+  if (!missing_) return {};
+  return fmt::format(
+      "hardly any corner of the left picture is found in the right one ({} of {}): check for a turned, "
+      "covered or defocused camera, swapped cameras, or a wrong rig file",
+      counts_.stereo, counts_.detected);
+}
+
+}  // namespace cartvo

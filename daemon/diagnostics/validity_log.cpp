@@ -1,0 +1,44 @@
+// Log lines about changes of the odometry's validity, limited in number.
+
+#include "daemon/diagnostics/validity_log.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "daemon/publish/odometry_reasons.hpp"
+
+namespace cartvo {
+namespace {
+
+std::string validityText(const odometry_t& message) {
+  if (message.status == odometry_t::VALID) return "odometry is valid";
+  return "odometry is not valid: " + reasonNames(message.reasons);
+}
+
+}  // namespace
+
+std::string ValidityLog::due(const odometry_t& message, Clock::time_point now) {
+  const bool valid = message.status == odometry_t::VALID;
+  if (!begun_) last_logged_ = now;
+  if (!begun_ || valid != valid_) ++unlogged_changes_;
+  begun_ = true;
+  valid_ = valid;
+  if (!budget_.allows(now) || unlogged_changes_ == 0) return {};
+
+  std::string line = validityText(message);
+  if (unlogged_changes_ > 1) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - last_logged_).count();
+    line += fmt::format("; its validity changed {} times in {} s", unlogged_changes_, seconds);
+  }
+  budget_.spend();
+  unlogged_changes_ = 0;
+  last_logged_ = now;
+  return line;
+}
+
+void ValidityLog::log(const odometry_t& message) {
+  const std::string line = due(message, Clock::now());
+  if (!line.empty()) spdlog::info(line);
+}
+
+}  // namespace cartvo

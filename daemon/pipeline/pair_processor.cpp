@@ -1,0 +1,137 @@
+// Processes a pair of frames: rectification, odometry, body motion, velocity at the exposure.
+
+#include "daemon/pipeline/pair_processor.hpp"
+
+#include <utility>
+
+#include "calib/rectification/rectifier.hpp"
+#include "common/parallel_loop.hpp"
+#include "daemon/pipeline/velocity_at_exposure.hpp"
+
+namespace cartvo {
+namespace {
+
+StereoCamera stereoCamera(const Rectification& rectification) {
+  StereoCamera camera;
+  camera.focal_length = rectification.focal_length;
+  camera.cx = rectification.cx;
+  camera.cy = rectification.cy;
+  camera.baseline = rectification.baseline;
+  camera.width = rectification.size.width;
+  camera.height = rectification.size.height;
+  return camera;
+}
+
+Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  transform.linear() = rotation;
+  return transform;
+}
+
+FrameInstants instants(const Frame& frame) {
+  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.min_delay_arrival_ns};
+}
+
+}  // namespace
+
+class PairProcessor::Implementation {
+ public:
+  Implementation(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+      : rectifier_(std::move(rectifier)),
+        T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
+        T_body_rectified_(rig.T_body_camera * T_left_rectified_),
+        scale_stddev_(rig.scale_stddev),
+        odometry_(stereoCamera(rectifier_.rectification()), settings),
+        features_(settings.features) {}
+
+  PairResult process(const FramePair& pair) {
+    PairResult result;
+    result.sequence = next_sequence_++;
+    result.left = instants(pair.left);
+    result.right = instants(pair.right);
+
+    clock_.startPair();
+    rectify(pair);
+    result.features = features_;
+    result.estimate = odometry_.process(images_, clock_);
+    result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_stddev_);
+    extrapolateVelocity(result);
+    result.times = clock_.endPair();
+    return result;
+  }
+
+  void setTargetFeatureCount(int features) {
+    if (features == features_) return;
+    odometry_.setTargetFeatureCount(features);
+    features_ = features;
+  }
+  int features() const { return features_; }
+
+  const Rectifier& rectifier() const { return rectifier_; }
+  const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
+
+ private:
+  void extrapolateVelocity(PairResult& result) {
+    const double time_step = result.estimate.time_step;
+    if (!result.estimate.valid || !(time_step > 0.0)) return velocity_.reset();
+    if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.setStandstill(time_step);
+    Twist mean;
+    mean.value << result.motion.velocity, result.motion.angular_velocity;
+    // Errors shared by consecutive velocities are not noise of their change.
+    const Vector6d& by_offset = result.motion.twist_offset_error;
+    const Vector6d& by_scale = result.motion.twist_scale_error;
+    const Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
+    mean.covariance = result.motion.twist_covariance - shared;
+    const Twist now = velocity_.extrapolate(mean, time_step);
+    result.motion.velocity = now.value.head<3>();
+    result.motion.angular_velocity = now.value.tail<3>();
+    result.motion.twist_covariance = now.covariance + shared;
+  }
+
+  void rectify(const FramePair& pair) {
+    images_.left_exposure_ns = pair.left.exposure_ns;
+    images_.right_exposure_ns = pair.right.exposure_ns;
+    images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
+    images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
+    clock_.begin(Stage::rectify);
+    odometry_.acquireBuffers(images_);
+    doBoth([&] { rectifier_.rectifyLeft(pair.left.image, images_.left); },
+           [&] { rectifier_.rectifyRight(pair.right.image, images_.right); });
+    clock_.end(Stage::rectify);
+  }
+
+  Rectifier rectifier_;
+  Eigen::Isometry3d T_left_rectified_;
+  Eigen::Isometry3d T_body_rectified_;
+  double scale_stddev_;
+  StereoImages images_;  ///< rectified; in the odometry's buffers, or kept to reuse their memory
+  StereoOdometry odometry_;
+  int features_;
+  VelocityAtExposure velocity_;
+  StageClock clock_;
+  std::uint64_t next_sequence_ = 0;
+};
+
+PairProcessor::PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings)) {}
+PairProcessor::~PairProcessor() = default;
+PairProcessor::PairProcessor(PairProcessor&&) noexcept = default;
+PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;
+
+PairResult PairProcessor::process(const FramePair& pair) {
+  return implementation_->process(pair);
+}
+void PairProcessor::setTargetFeatureCount(int features) {
+  implementation_->setTargetFeatureCount(features);
+}
+int PairProcessor::features() const {
+  return implementation_->features();
+}
+const Rectifier& PairProcessor::rectifier() const {
+  return implementation_->rectifier();
+}
+Eigen::Isometry3d PairProcessor::T_left_rectified() const {
+  return implementation_->T_left_rectified();
+}
+
+}  // namespace cartvo

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "calib/model/rig.hpp"
+#include "capture/pair_synchroniser.hpp"
+#include "daemon/pipeline/body_motion.hpp"
+#include "daemon/pipeline/stage_clock.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo {
+
+class Rectifier;
+
+/// Timestamps (see Frame) and number of one frame.
+struct FrameInstants {
+  std::int64_t exposure_ns = 0;
+  std::int64_t arrival_ns = 0;
+  std::int64_t decoded_ns = 0;
+  std::uint64_t sequence = 0;
+  std::int64_t min_delay_arrival_ns = 0;
+};
+
+/// Result of processing one pair of frames.
+struct PairResult {
+  std::uint64_t sequence = 0;  ///< counts the processed pairs from 0
+  FrameInstants left;
+  FrameInstants right;
+  OdometryEstimate estimate;  ///< of the rectified left camera
+  int features = 0;           ///< target number
+  BodyMotion motion;          ///< of the cart's body; velocities at the exposure (VelocityAtExposure)
+  StageTimes times;
+
+  /// Right minus left exposure, ns.
+  std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
+  /// Offset minus the difference of the minimum-delay arrival times, ns; meaningful for live cameras only.
+  std::int64_t applied_correction_ns() const {
+    return offset_ns() - (right.min_delay_arrival_ns - left.min_delay_arrival_ns);
+  }
+  /// Arrival of the pair's last packet, ns since the Unix epoch.
+  std::int64_t arrival_ns() const { return std::max(left.arrival_ns, right.arrival_ns); }
+};
+
+/// Processes a pair: rectification, odometry, motion of the body. Used for live cameras and replay alike.
+/// Deterministic; not thread-safe.
+class PairProcessor {
+ public:
+  /// `rectifier`: built for `rig` (loadOrBuildTables). Throws what the odometry throws.
+  PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings);
+  ~PairProcessor();
+  PairProcessor(PairProcessor&&) noexcept;
+  PairProcessor& operator=(PairProcessor&&) noexcept;
+
+  PairResult process(const FramePair& pair);
+
+  /// Sets the target number of features from the next pair on.
+  void setTargetFeatureCount(int features);
+  int features() const;
+
+  const Rectifier& rectifier() const;
+
+  /// Rotation from the rectified left camera to the rig's left camera.
+  Eigen::Isometry3d T_left_rectified() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,270 @@
+// The pipeline from two cameras to the sink: replay reads every frame and processes every pair; live runs the
+// cameras on their own threads and processes only the newest pair.
+
+#include "daemon/pipeline/pipeline.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "common/host_clock.hpp"
+#include "daemon/pipeline/feature_budget.hpp"
+#include "daemon/pipeline/live_pairing.hpp"
+
+namespace cartvo {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// Time that a reader waits for a frame before it loops.
+constexpr std::chrono::milliseconds kReadTimeout{200};
+
+PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
+  PairSynchroniserSettings settings;
+  settings.period_ns = period_ns;
+  return settings;
+}
+
+/// Time of a loop's last iteration; written by its thread, read by any thread.
+class Heartbeat {
+ public:
+  void beat() { last_ns_ = SteadyClock::now().time_since_epoch().count(); }
+  void stop() { stopped_ = true; }
+
+  /// Time since the last beat, s; 0 after `stop`.
+  double age() const {
+    if (stopped_) return 0.0;
+    const SteadyClock::duration since =
+        SteadyClock::now().time_since_epoch() - SteadyClock::duration(last_ns_.load());
+    return std::chrono::duration<double>(since).count();
+  }
+
+ private:
+  std::atomic<SteadyClock::rep> last_ns_{SteadyClock::now().time_since_epoch().count()};
+  std::atomic<bool> stopped_ = false;
+};
+
+void addPairing(const PairingTotals& totals, PipelineCounts& counts) {
+  counts.pairs = totals.pairs;
+  counts.dropped_no_partner = totals.frames.no_partner;
+  counts.dropped_damaged = totals.frames.damaged;
+  counts.dropped_out_of_order = totals.frames.out_of_order;
+  counts.dropped_overflow = totals.frames.overflow;
+  counts.dropped_clock = totals.frames.clock_restarted;
+}
+
+/// Reason for a missing pair, from the counts that increased meanwhile.
+NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& now) {
+  if (now.refused_size > before.refused_size) return NoPairCause::wrong_size;
+  if (now.pairing.frames.damaged > before.pairing.frames.damaged) return NoPairCause::damaged;
+  if (now.pairing.frames.no_partner > before.pairing.frames.no_partner) return NoPairCause::no_partner;
+  return NoPairCause::no_frames;
+}
+
+/// Order of two frames: of recording, which does not depend on clocks; where it is unknown, of exposure.
+bool comesFirst(const Frame& left, const Frame& right) {
+  if (left.order > 0 && right.order > 0) return left.order < right.order;
+  return left.exposure_ns <= right.exposure_ns;
+}
+
+/// Reads one source a frame ahead, so that two sources can be merged in order.
+class LookAhead {
+ public:
+  explicit LookAhead(CameraSource& source) : source_(source) {}
+
+  /// Returns the next frame, or nullptr at the end of the source.
+  const Frame* peek() {
+    while (!frame_ && !ended_) {
+      Frame frame;
+      const ReadOutcome outcome = source_.read(frame, kReadTimeout);
+      if (outcome == ReadOutcome::frame) frame_ = std::move(frame);
+      ended_ = outcome == ReadOutcome::ended;
+    }
+    return frame_ ? &*frame_ : nullptr;
+  }
+  /// Removes and returns the frame that `peek` returned.
+  Frame pop() { return *std::exchange(frame_, std::nullopt); }
+
+ private:
+  CameraSource& source_;
+  std::optional<Frame> frame_;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+class Pipeline::Implementation {
+ public:
+  Implementation(CameraSource& left, CameraSource& right, PairProcessor& processor,
+                 const PipelineSettings& settings)
+      : left_(left),
+        right_(right),
+        processor_(processor),
+        settings_(settings),
+        live_(synchroniserSettings(settings.period_ns), settings.image_size) {}
+
+  void replay(const PipelineSink& sink);
+  void runLive(const PipelineSink& sink);
+  void stop() noexcept;
+  PipelineCounts counts() const;
+  std::string problem() const { return live_.problem(); }
+  PipelineProgress progress() const { return {left_beat_.age(), right_beat_.age()}; }
+
+ private:
+  void readCamera(CameraSource& source, CameraSide side, Heartbeat& heartbeat) noexcept;
+  void processNewestPairs(const PipelineSink& sink);
+  PairResult processPair(const FramePair& pair, const PipelineSink& sink);
+  void requireRigSize(CameraSide side, const Frame& frame) const;
+
+  CameraSource& left_;
+  CameraSource& right_;
+  PairProcessor& processor_;
+  PipelineSettings settings_;
+  LivePairing live_;
+  Heartbeat left_beat_, right_beat_;
+  std::atomic<bool> stopped_ = false;
+  std::atomic<std::uint64_t> processed_ = 0;
+
+  mutable std::mutex mutex_;
+  std::optional<PairingTotals> replayed_;  // guarded by mutex_
+  std::exception_ptr reader_failure_;      // guarded by mutex_
+};
+
+PairResult Pipeline::Implementation::processPair(const FramePair& pair, const PipelineSink& sink) {
+  PairResult result = processor_.process(pair);
+  ++processed_;
+  sink.pair(result);
+  return result;
+}
+
+void Pipeline::Implementation::replay(const PipelineSink& sink) {
+  PairSynchroniser synchroniser(synchroniserSettings(settings_.period_ns));
+  LookAhead left(left_);
+  LookAhead right(right_);
+  while (!stopped_) {
+    const Frame* next_left = left.peek();
+    const Frame* next_right = right.peek();
+    if (next_left == nullptr && next_right == nullptr) break;
+    const bool left_is_next =
+        next_right == nullptr || (next_left != nullptr && comesFirst(*next_left, *next_right));
+    const CameraSide side = left_is_next ? CameraSide::left : CameraSide::right;
+    Frame frame = left_is_next ? left.pop() : right.pop();
+    requireRigSize(side, frame);
+    synchroniser.push(side, std::move(frame));
+    while (const std::optional<FramePair> pair = synchroniser.pop()) {
+      processPair(*pair, sink);
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  replayed_ = totals(synchroniser);
+}
+
+void Pipeline::Implementation::runLive(const PipelineSink& sink) {
+  if (settings_.period_ns <= 0)
+    throw std::invalid_argument("PipelineSettings::period_ns must be positive for live cameras");
+  {
+    const std::jthread left_reader([this] { readCamera(left_, CameraSide::left, left_beat_); });
+    const std::jthread right_reader([this] { readCamera(right_, CameraSide::right, right_beat_); });
+    try {
+      processNewestPairs(sink);
+    } catch (...) {
+      stop();
+      throw;
+    }
+    stop();
+  }
+  const std::lock_guard lock(mutex_);
+  if (reader_failure_) std::rethrow_exception(reader_failure_);
+}
+
+void Pipeline::Implementation::readCamera(CameraSource& source, CameraSide side,
+                                          Heartbeat& heartbeat) noexcept {
+  try {
+    ReadOutcome outcome = ReadOutcome::timed_out;
+    while (!stopped_ && outcome != ReadOutcome::ended) {
+      heartbeat.beat();
+      Frame frame;
+      outcome = source.read(frame, kReadTimeout);
+      if (outcome == ReadOutcome::frame) live_.push(side, std::move(frame));
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    if (!reader_failure_) reader_failure_ = std::current_exception();
+    stop();
+  }
+  heartbeat.stop();
+  live_.finish(side);
+}
+
+void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
+  const std::chrono::nanoseconds period(settings_.period_ns);
+  FeatureBudget budget(processor_.features(), std::chrono::duration<double>(period).count());
+  // A pair that arrives within one period after it was due is late, not missed.
+  SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
+  LivePairing::Counts before = live_.counts();
+  while (!stopped_ && !live_.finished()) {
+    const std::optional<FramePair> pair = live_.waitForPair(missed);
+    if (pair) {
+      processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total));
+      missed = SteadyClock::now() + 2 * period;
+      before = live_.counts();
+    } else if (!stopped_ && SteadyClock::now() >= missed) {
+      const LivePairing::Counts now = live_.counts();
+      if (sink.no_pair) sink.no_pair({hostNow(), cause(before, now)});
+      missed += period;
+      before = now;
+    }
+  }
+}
+
+void Pipeline::Implementation::requireRigSize(CameraSide side, const Frame& frame) const {
+  if (frame.image.size() == settings_.image_size) return;
+  throw std::runtime_error(wrongSizeMessage(side, frame.image.size(), settings_.image_size));
+}
+
+void Pipeline::Implementation::stop() noexcept {
+  stopped_ = true;
+  left_.interrupt();
+  right_.interrupt();
+}
+
+PipelineCounts Pipeline::Implementation::counts() const {
+  PipelineCounts counts;
+  const LivePairing::Counts live = live_.counts();
+  const std::lock_guard lock(mutex_);
+  addPairing(replayed_ ? *replayed_ : live.pairing, counts);
+  counts.processed = processed_;
+  counts.skipped = live.skipped;
+  counts.refused_size = live.refused_size;
+  return counts;
+}
+
+Pipeline::Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor,
+                   const PipelineSettings& settings)
+    : implementation_(std::make_unique<Implementation>(left, right, processor, settings)) {}
+Pipeline::~Pipeline() = default;
+void Pipeline::replay(const PipelineSink& sink) {
+  implementation_->replay(sink);
+}
+void Pipeline::runLive(const PipelineSink& sink) {
+  implementation_->runLive(sink);
+}
+void Pipeline::stop() noexcept {
+  implementation_->stop();
+}
+PipelineCounts Pipeline::counts() const {
+  return implementation_->counts();
+}
+std::string Pipeline::problem() const {
+  return implementation_->problem();
+}
+PipelineProgress Pipeline::progress() const {
+  return implementation_->progress();
+}
+
+}  // namespace cartvo

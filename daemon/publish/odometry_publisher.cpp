@@ -1,0 +1,158 @@
+// Builds and publishes the odometry message.
+
+#include "daemon/publish/odometry_publisher.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "common/host_clock.hpp"
+#include "daemon/publish/lcm_connection.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Bit of the message for one reason; 0 if there is none. The switch has no default, so that the compiler
+/// reports a missing reason.
+constexpr std::int32_t messageBit(OdometryReason reason) {
+  switch (reason) {
+    case OdometryReason::none:
+      return 0;
+    case OdometryReason::first_pair:
+      return odometry_t::REASON_FIRST_PAIR;
+    case OdometryReason::too_few_features:
+      return odometry_t::REASON_TOO_FEW_FEATURES;
+    case OdometryReason::too_few_matches:
+      return odometry_t::REASON_TOO_FEW_MATCHES;
+    case OdometryReason::too_few_inliers:
+      return odometry_t::REASON_TOO_FEW_INLIERS;
+    case OdometryReason::high_residual:
+      return odometry_t::REASON_HIGH_RESIDUAL;
+    case OdometryReason::time_step:
+      return odometry_t::REASON_TIME_STEP;
+    case OdometryReason::implausible_motion:
+      return odometry_t::REASON_IMPLAUSIBLE_MOTION;
+    case OdometryReason::degenerate_geometry:
+      return odometry_t::REASON_DEGENERATE_GEOMETRY;
+    case OdometryReason::offset_uncertain:
+      return odometry_t::REASON_OFFSET_UNCERTAIN;
+    case OdometryReason::repeated_picture:
+      return odometry_t::REASON_REPEATED_PICTURE;
+    case OdometryReason::zero_velocity:
+      return odometry_t::REASON_ZERO_VELOCITY;
+  }
+  return 0;
+}
+
+void setPose(odometry_t& message, const Eigen::Isometry3d& T_world_body) {
+  Eigen::Quaterniond q(T_world_body.rotation());
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  Eigen::Map<Eigen::Vector3d>(message.position_world_body) = T_world_body.translation();
+  Eigen::Map<Eigen::Vector4d>(message.orientation_world_body) << q.w(), q.x(), q.y(), q.z();
+}
+
+void setMatrix(double (&rows)[36], const Matrix6d& matrix) {
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{rows} = matrix;
+}
+
+/// Sets to NaN all fields of an INVALID message that could be mistaken for measurements.
+void eraseMeasurements(odometry_t& message) {
+  std::fill(std::begin(message.pose_covariance_body), std::end(message.pose_covariance_body), kUnknown);
+  std::fill(std::begin(message.velocity_body), std::end(message.velocity_body), kUnknown);
+  std::fill(std::begin(message.angular_velocity_body), std::end(message.angular_velocity_body), kUnknown);
+  std::fill(std::begin(message.twist_covariance_body), std::end(message.twist_covariance_body), kUnknown);
+}
+
+std::int32_t noPairBits(NoPairCause cause) {
+  constexpr std::int32_t kNoPair = odometry_t::REASON_NO_PAIR;
+  constexpr std::int32_t kDamagedFrame = odometry_t::REASON_DAMAGED_FRAME;
+  constexpr std::int32_t kWrongSize = odometry_t::REASON_WRONG_SIZE;
+  switch (cause) {
+    case NoPairCause::damaged:
+      return kNoPair | kDamagedFrame;
+    case NoPairCause::wrong_size:
+      return kNoPair | kWrongSize;
+    case NoPairCause::no_frames:
+    case NoPairCause::no_partner:
+      break;
+  }
+  return kNoPair;
+}
+
+}  // namespace
+
+std::int32_t reasonBits(const OdometryReasons& reasons) {
+  std::int32_t bits = 0;
+  for (int i = 0; i < kOdometryReasonCount; ++i) {
+    const auto reason = static_cast<OdometryReason>(i);
+    if (reasons.has(reason)) bits |= messageBit(reason);
+  }
+  return bits;
+}
+
+odometry_t odometryMessage(const PairResult& result) {
+  const OdometryEstimate& estimate = result.estimate;
+  odometry_t message{};
+  message.utime = result.left.exposure_ns / kNanosecondsPerMicrosecond;
+  message.arrival_utime = result.arrival_ns() / kNanosecondsPerMicrosecond;
+  message.offset_us = result.offset_ns() / kNanosecondsPerMicrosecond;
+  message.reasons = reasonBits(estimate.reasons);
+  message.reset_counter = static_cast<std::int32_t>(estimate.reset_counter);
+  message.features = estimate.counts.detected;
+  message.tracked = estimate.counts.tracked;
+  message.inliers = estimate.counts.inliers;
+  setPose(message, result.motion.T_world_body);
+  setMatrix(message.pose_covariance_body, result.motion.pose_covariance);
+  Eigen::Map<Eigen::Vector3d>(message.velocity_body) = result.motion.velocity;
+  Eigen::Map<Eigen::Vector3d>(message.angular_velocity_body) = result.motion.angular_velocity;
+  setMatrix(message.twist_covariance_body, result.motion.twist_covariance);
+
+  // Without a time step there is a motion but no velocity; a VALID message has both.
+  const bool complete = result.motion.velocity.allFinite() && result.motion.angular_velocity.allFinite();
+  message.status = estimate.valid && complete ? odometry_t::VALID : odometry_t::INVALID;
+  if (estimate.valid && !complete) message.reasons |= odometry_t::REASON_TIME_STEP;
+  if (message.status == odometry_t::INVALID) eraseMeasurements(message);
+  return message;
+}
+
+odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last) {
+  odometry_t message{};
+  message.utime = no_pair.due_ns / kNanosecondsPerMicrosecond;
+  message.status = odometry_t::INVALID;
+  message.reasons = noPairBits(no_pair.cause);
+  message.reset_counter = last.reset_counter;
+  std::copy(std::begin(last.position_world_body), std::end(last.position_world_body),
+            std::begin(message.position_world_body));
+  std::copy(std::begin(last.orientation_world_body), std::end(last.orientation_world_body),
+            std::begin(message.orientation_world_body));
+  eraseMeasurements(message);
+  return message;
+}
+
+OdometryPublisher::OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live)
+    : lcm_(lcm), time_to_live_(time_to_live), last_{} {
+  setPose(last_, Eigen::Isometry3d::Identity());
+}
+
+const odometry_t& OdometryPublisher::publish(const PairResult& result) {
+  return send(odometryMessage(result));
+}
+
+const odometry_t& OdometryPublisher::publish(const NoPair& no_pair) {
+  return send(odometryMessage(no_pair, last_));
+}
+
+const odometry_t& OdometryPublisher::send(const odometry_t& message) {
+  last_ = message;
+  last_.sequence = next_sequence_++;
+  last_.time_to_live_us = time_to_live_.count();
+  last_.publication_utime = hostNow() / kNanosecondsPerMicrosecond;
+  if (lcm_.publish(kOdometryChannel, &last_) != 0) ++failures_;
+  return last_;
+}
+
+}  // namespace cartvo

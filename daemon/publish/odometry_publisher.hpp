@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include <cartvo/odometry_t.hpp>
+
+#include "daemon/pipeline/pipeline.hpp"
+
+namespace lcm {
+class LCM;
+}
+
+namespace cartvo {
+
+/// Maps the odometry's reasons to the bits of odometry_t.reasons.
+std::int32_t reasonBits(const OdometryReasons& reasons);
+
+/// Builds the message for one pair. daemon/messages/odometry_t.lcm defines the content of an invalid one.
+odometry_t odometryMessage(const PairResult& result);
+
+/// Builds the message for a pair that did not arrive, with the pose of `last`.
+odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last);
+
+/// Publishes CARTVO_ODOMETRY: one message for each pair and for each pair that did not arrive, numbered
+/// without gaps.
+class OdometryPublisher {
+ public:
+  /// `lcm` is borrowed and must outlive the publisher.
+  OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live);
+
+  /// Both return the message as it was sent, or as it would have been if sending failed.
+  const odometry_t& publish(const PairResult& result);
+  const odometry_t& publish(const NoPair& no_pair);
+
+  /// Number of messages that the operating system refused to send.
+  std::uint64_t failures() const { return failures_; }
+
+ private:
+  const odometry_t& send(const odometry_t& message);
+
+  lcm::LCM& lcm_;
+  std::chrono::microseconds time_to_live_;
+  odometry_t last_;
+  std::int64_t next_sequence_ = 0;
+  std::uint64_t failures_ = 0;
+};
+
+}  // namespace cartvo

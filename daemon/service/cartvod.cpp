@@ -1,0 +1,110 @@
+// cartvod: reads two cameras and publishes the cart's motion over LCM until SIGTERM.
+// Exit codes: 0 stopped cleanly, 1 failed, 2 wrong command line or configuration.
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+#include <spdlog/spdlog.h>
+
+#include "daemon/diagnostics/log.hpp"
+#include "daemon/service/configuration.hpp"
+#include "daemon/service/daemon.hpp"
+#include "daemon/service/stop_signals.hpp"
+
+namespace {
+
+constexpr int kStopped = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongConfiguration = 2;
+
+struct CommandLine {
+  std::filesystem::path configuration;
+  std::filesystem::path recording_directory;
+  bool check_only = false;
+};
+
+void describe(CLI::App& app, CommandLine& command_line) {
+  app.description(
+      "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
+  app.set_version_flag("--version", "cartvod " CARTVO_VERSION);
+  app.add_option("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
+      ->required();
+  app.add_flag("--check-config", command_line.check_only,
+               "Check the configuration, the rig file and the passwords, then exit");
+  app.add_option("--record", command_line.recording_directory,
+                 "Record both streams as received into this folder (overrides recording.directory)");
+}
+
+/// Recording folder named by the start time (UTC), so that a restarted service does not fail on the folder of
+/// its previous run.
+std::filesystem::path folderOfThisStart(const std::filesystem::path& recordings) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return recordings / fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+}
+
+/// Stops the daemon at the first signal; returns when `end` is requested.
+void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals, cartvo::Daemon& daemon) {
+  while (!end.stop_requested()) {
+    const std::optional<int> signal = signals.wait(std::chrono::milliseconds(50));
+    if (!signal) continue;
+    spdlog::info("received {}", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
+    daemon.stop();
+    return;
+  }
+}
+
+int run(const CommandLine& command_line) {
+  const cartvo::StopSignals signals;
+  cartvo::Configuration configuration;
+  try {
+    configuration = cartvo::readConfiguration(command_line.configuration);
+    if (!command_line.recording_directory.empty()) {
+      // With --record nothing in that folder is deleted to free disk space.
+      configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
+    } else if (!configuration.recording_directory.empty()) {
+      configuration.recording_quota.recordings = configuration.recording_directory;
+      configuration.recording_directory = folderOfThisStart(configuration.recording_directory);
+    }
+    cartvo::checkConfiguration(configuration);
+  } catch (const std::exception& error) {
+    spdlog::error(error.what());
+    return kWrongConfiguration;
+  }
+  if (command_line.check_only) {
+    std::printf("%s: in order\n", command_line.configuration.c_str());
+    return kStopped;
+  }
+  try {
+    cartvo::setUpLog(configuration.log_level);
+    cartvo::Daemon daemon(configuration);
+    const std::jthread signal_watch([&](const std::stop_token& end) { watchSignals(end, signals, daemon); });
+    daemon.run();
+  } catch (const std::exception& error) {
+    spdlog::error(error.what());
+    return kFailed;
+  }
+  return kStopped;
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
+int main(int argument_count, char** arguments) {
+  cartvo::setUpLog(spdlog::level::info);
+  CLI::App app;
+  CommandLine command_line;
+  describe(app, command_line);
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kStopped : kWrongConfiguration;
+  }
+  return run(command_line);
+}

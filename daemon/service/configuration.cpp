@@ -1,0 +1,335 @@
+// Reads and writes cartvod's configuration file. config/cartvod.yaml explains each key; a test compares it
+// with the keys here.
+
+#include "daemon/service/configuration.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+#include <utility>
+
+#include "common/image_size.hpp"
+#include "common/strict_yaml.hpp"
+#include "daemon/publish/lcm_connection.hpp"
+
+namespace cartvo {
+namespace {
+
+using Keys = std::initializer_list<const char*>;
+constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
+constexpr Keys kCamerasKeys = {"left",       "right",          "transport",       "clock",
+                               "frame_rate", "answer_timeout", "connect_timeout", "stall_timeout"};
+constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
+                              "size", "format",   "exposure",      "gain"};
+constexpr Keys kOdometryKeys = {
+    "estimator", "features", "seed", "threads", "online_rig_refinement", "maximum_offset_uncertainty"};
+constexpr Keys kLcmKeys = {"url", "time_to_live"};
+constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
+constexpr Keys kLoggingKeys = {"level"};
+
+constexpr double kGigabyte = 1e9;
+constexpr double kDay = 86400.0;
+
+using LogLevel = spdlog::level::level_enum;
+constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", LogLevel::debug},
+                                                                      {"info", LogLevel::info},
+                                                                      {"warning", LogLevel::warn},
+                                                                      {"error", LogLevel::err}}};
+constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
+    {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
+constexpr std::array<std::pair<const char*, PixelFormat>, 4> kFormats{{{"grey", PixelFormat::grey},
+                                                                       {"nv12", PixelFormat::nv12},
+                                                                       {"yuyv", PixelFormat::yuyv},
+                                                                       {"mjpeg", PixelFormat::mjpeg}}};
+constexpr std::array<std::pair<const char*, ClockChoice>, 4> kClocks{{{"auto", ClockChoice::automatic},
+                                                                      {"ntp", ClockChoice::ntp},
+                                                                      {"arrival", ClockChoice::arrival},
+                                                                      {"visual", ClockChoice::visual}}};
+constexpr std::array<std::pair<const char*, RigRefinement>, 2> kRigRefinements{
+    {{"off", RigRefinement::off}, {"correct", RigRefinement::correct}}};
+constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
+    {{"reprojection", Estimator::reprojection}, {"thesis", Estimator::thesis}}};
+
+/// Parses one of the named values; the error lists them.
+template <typename Value, std::size_t count>
+Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Value>, count>& choices) {
+  std::string names;
+  for (const auto& [name, value] : choices) {
+    if (yaml.text() == name) return value;
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  yaml.failExpecting("one of " + names);
+}
+
+template <typename Value, std::size_t count>
+const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, count>& choices) {
+  for (const auto& [name, named] : choices) {
+    if (named == value) return name;
+  }
+  return "";
+}
+
+std::chrono::milliseconds duration(const StrictYaml& seconds, double minimum, double maximum) {
+  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(minimum, maximum)));
+}
+
+/// Parses a path; a relative one is relative to the configuration file's folder.
+std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& folder) {
+  if (yaml.text().empty()) yaml.failExpecting("a path");
+  return (folder / yaml.text()).lexically_normal();
+}
+
+std::string streamUrl(const StrictYaml& yaml) {
+  static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?"), kV4l2Url("v4l2:/.+");
+  std::string url = yaml.text();
+  if (std::regex_match(url, kV4l2Url)) return url;
+  if (url.find('@') != std::string::npos) {
+    // The error does not quote the value, because it contains a password.
+    yaml.fail(
+        "a URL must not contain user and password, because URLs are logged; use username and "
+        "password_file or password_credential");
+  }
+  if (!std::regex_match(url, kRtspUrl)) {
+    yaml.failExpecting("a URL such as rtsp://192.168.1.64:554/Streaming/Channels/101 or v4l2:/dev/video0");
+  }
+  return url;
+}
+
+cv::Size imageSize(const StrictYaml& yaml) {
+  const std::optional<cv::Size> size = parseImageSize(yaml.text());
+  if (!size) yaml.failExpecting("a size in pixels such as 1280x720");
+  return *size;
+}
+
+/// Reads the keys of a V4L2 camera. Fails for keys that do not belong to the camera's kind.
+void readV4l2Keys(const StrictYaml& yaml, CameraConfiguration& camera) {
+  const auto reject_keys = [&](const Keys& keys, const char* kind) {
+    for (const char* key : keys)
+      if (yaml.has(key)) yaml[key].fail(std::string("only ") + kind + " has this key");
+  };
+  if (!camera.isV4l2()) return reject_keys({"size", "format", "exposure", "gain"}, "a V4L2 camera");
+  reject_keys({"username", "password_file", "password_credential"}, "an IP camera");
+  if (yaml.has("size")) camera.size = imageSize(yaml["size"]);
+  if (yaml.has("format")) camera.format = choice(yaml["format"], kFormats);
+  if (yaml.has("exposure")) camera.exposure = yaml["exposure"].number(1e-5, 1.0);
+  if (yaml.has("gain")) camera.gain = static_cast<int>(yaml["gain"].integer(0, 1'000'000));
+}
+
+CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::path& folder) {
+  yaml.allowOnly(kCameraKeys);
+  CameraConfiguration camera;
+  camera.url = streamUrl(yaml["url"]);
+  if (yaml.has("username")) camera.username = yaml["username"].text();
+  if (yaml.has("password_file")) camera.password_file = path(yaml["password_file"], folder);
+  if (yaml.has("password_credential")) {
+    const StrictYaml name = yaml["password_credential"];
+    camera.password_credential = name.text();
+    if (camera.password_credential.empty() || camera.password_credential.find('/') != std::string::npos) {
+      name.failExpecting("the name of a systemd credential, without '/'");
+    }
+  }
+  readV4l2Keys(yaml, camera);
+  const bool has_file = !camera.password_file.empty();
+  const bool has_credential = !camera.password_credential.empty();
+  if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
+  if (!camera.username.empty() && !has_file && !has_credential) {
+    yaml.fail("username needs password_file or password_credential");
+  }
+  if (camera.username.empty() && (has_file || has_credential)) {
+    yaml.fail("a password needs username");
+  }
+  return camera;
+}
+
+void readTimeouts(const StrictYaml& cameras, Configuration& configuration) {
+  const auto read = [&](const char* key, std::chrono::milliseconds& timeout) {
+    if (cameras.has(key)) timeout = duration(cameras[key], 0.1, 60.0);
+  };
+  read("answer_timeout", configuration.answer_timeout);
+  read("connect_timeout", configuration.connect_timeout);
+  read("stall_timeout", configuration.stall_timeout);
+}
+
+void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Configuration& configuration) {
+  yaml.allowOnly(kCamerasKeys);
+  configuration.left = readCamera(yaml["left"], folder);
+  configuration.right = readCamera(yaml["right"], folder);
+  if (configuration.left.url == configuration.right.url) {
+    yaml["right"]["url"].fail("both cameras have the same URL; stereo needs two");
+  }
+  if (yaml.has("transport")) {
+    configuration.transport = choice(yaml["transport"], kTransports);
+  }
+  if (yaml.has("clock")) configuration.clock = choice(yaml["clock"], kClocks);
+  if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
+  readTimeouts(yaml, configuration);
+}
+
+RigRefinement rigRefinement(const StrictYaml& yaml) {
+  if (yaml.text() == "monitor") {
+    yaml.fail(
+        "'monitor' was removed: use 'correct' to have the right camera's rotation estimated, published and "
+        "corrected, or 'off'");
+  }
+  return choice(yaml, kRigRefinements);
+}
+
+void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kOdometryKeys);
+  OdometrySettings& odometry = configuration.odometry;
+  if (yaml.has("estimator")) {
+    odometry.estimator = choice(yaml["estimator"], kEstimators);
+  }
+  if (yaml.has("features")) odometry.features = static_cast<int>(yaml["features"].integer(50, 20000));
+  if (yaml.has("seed")) {
+    odometry.seed = static_cast<std::uint64_t>(yaml["seed"].integer(0, std::int64_t{1} << 53));
+  }
+  if (yaml.has("online_rig_refinement"))
+    odometry.rig_refinement = rigRefinement(yaml["online_rig_refinement"]);
+  if (yaml.has("maximum_offset_uncertainty")) {
+    odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
+  }
+  if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
+}
+
+void readLcm(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kLcmKeys);
+  if (yaml.has("url")) {
+    static const std::regex kUdpMulticastUrl(R"(udpm://[0-9.]+:[0-9]+(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
+    configuration.lcm_url = yaml["url"].text();
+    if (!std::regex_match(configuration.lcm_url, kUdpMulticastUrl)) {
+      yaml["url"].failExpecting("a URL such as udpm://239.255.76.67:7667?ttl=0");
+    }
+    try {
+      checkLcmUrl(configuration.lcm_url);
+    } catch (const std::invalid_argument& error) {
+      yaml["url"].fail(error.what());
+    }
+  }
+  if (yaml.has("time_to_live")) configuration.time_to_live = duration(yaml["time_to_live"], 0.01, 10.0);
+}
+
+void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
+                   Configuration& configuration) {
+  yaml.allowOnly(kRecordingKeys);
+  if (yaml.has("directory")) configuration.recording_directory = path(yaml["directory"], folder);
+  RecordingQuota& quota = configuration.recording_quota;
+  const auto bytes = [](const StrictYaml& gigabytes, double minimum) {
+    return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6) * kGigabyte));
+  };
+  if (yaml.has("maximum_size")) quota.maximum_bytes = bytes(yaml["maximum_size"], 1.0);
+  if (yaml.has("maximum_age")) {
+    quota.maximum_age = std::chrono::seconds(std::llround(yaml["maximum_age"].number(0.01, 1e4) * kDay));
+  }
+  if (yaml.has("keep_free")) quota.keep_free_bytes = bytes(yaml["keep_free"], 0.0);
+}
+
+void readLogging(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kLoggingKeys);
+  if (!yaml.has("level")) return;
+  configuration.log_level = choice(yaml["level"], kLogLevels);
+}
+
+void emitRecording(YAML::Emitter& yaml, const Configuration& configuration) {
+  const RecordingQuota& quota = configuration.recording_quota;
+  yaml << YAML::Key << "recording" << YAML::BeginMap;
+  if (!configuration.recording_directory.empty())
+    yaml << YAML::Key << "directory" << configuration.recording_directory.string();
+  yaml << YAML::Key << "maximum_size" << static_cast<double>(quota.maximum_bytes) / kGigabyte;
+  if (quota.maximum_age.count() > 0)
+    yaml << YAML::Key << "maximum_age" << static_cast<double>(quota.maximum_age.count()) / kDay;
+  yaml << YAML::Key << "keep_free" << static_cast<double>(quota.keep_free_bytes) / kGigabyte << YAML::EndMap;
+}
+
+double seconds(std::chrono::milliseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::path& folder) {
+  yaml.allowOnly(kRootKeys);
+
+  Configuration configuration;
+  readCameras(yaml["cameras"], folder, configuration);
+  configuration.rig = path(yaml["rig"], folder);
+  if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);
+  if (yaml.has("odometry")) readOdometry(yaml["odometry"], configuration);
+  if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
+  if (yaml.has("recording")) readRecording(yaml["recording"], folder, configuration);
+  if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
+  return configuration;
+}
+
+}  // namespace
+
+Configuration readConfiguration(const std::filesystem::path& file) {
+  return buildConfiguration(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path());
+}
+
+Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name) {
+  return buildConfiguration(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path());
+}
+
+std::string effectiveConfiguration(const Configuration& configuration) {
+  YAML::Emitter yaml;
+  const auto camera = [&yaml](const char* side, const CameraConfiguration& settings) {
+    yaml << YAML::Key << side << YAML::BeginMap << YAML::Key << "url" << settings.url;
+    if (!settings.username.empty()) yaml << YAML::Key << "username" << settings.username;
+    if (!settings.password_file.empty())
+      yaml << YAML::Key << "password_file" << settings.password_file.string();
+    if (!settings.password_credential.empty())
+      yaml << YAML::Key << "password_credential" << settings.password_credential;
+    if (!settings.size.empty()) yaml << YAML::Key << "size" << sizeText(settings.size);
+    if (settings.format) yaml << YAML::Key << "format" << nameOf(*settings.format, kFormats);
+    if (settings.exposure) yaml << YAML::Key << "exposure" << *settings.exposure;
+    if (settings.gain) yaml << YAML::Key << "gain" << *settings.gain;
+    yaml << YAML::EndMap;
+  };
+  yaml << YAML::BeginMap << YAML::Key << "cameras" << YAML::BeginMap;
+  camera("left", configuration.left);
+  camera("right", configuration.right);
+  yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
+  yaml << YAML::Key << "clock" << nameOf(configuration.clock, kClocks);
+  yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
+  yaml << YAML::Key << "answer_timeout" << seconds(configuration.answer_timeout);
+  yaml << YAML::Key << "connect_timeout" << seconds(configuration.connect_timeout);
+  yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
+  yaml << YAML::Key << "rig" << configuration.rig.string();
+  if (!configuration.tables.empty()) yaml << YAML::Key << "tables" << configuration.tables.string();
+  yaml << YAML::Key << "odometry" << YAML::BeginMap << YAML::Key << "estimator"
+       << nameOf(configuration.odometry.estimator, kEstimators);
+  yaml << YAML::Key << "features" << configuration.odometry.features;
+  yaml << YAML::Key << "seed" << configuration.odometry.seed;
+  yaml << YAML::Key << "online_rig_refinement"
+       << nameOf(configuration.odometry.rig_refinement, kRigRefinements);
+  yaml << YAML::Key << "maximum_offset_uncertainty"
+       << configuration.odometry.validity.maximum_offset_uncertainty;
+  yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
+  yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
+  yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;
+  emitRecording(yaml, configuration);
+  yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
+       << nameOf(configuration.log_level, kLogLevels);
+  yaml << YAML::EndMap << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
+}
+
+std::vector<std::string> configurationKeys() {
+  std::vector<std::string> keys(kRootKeys.begin(), kRootKeys.end());
+  const auto add = [&keys](const std::string& section, const Keys& names) {
+    for (const char* name : names) {
+      keys.push_back(section + "." + name);
+    }
+  };
+  add("cameras", kCamerasKeys);
+  add("cameras.left", kCameraKeys);
+  add("cameras.right", kCameraKeys);
+  add("odometry", kOdometryKeys);
+  add("lcm", kLcmKeys);
+  add("recording", kRecordingKeys);
+  add("logging", kLoggingKeys);
+  return keys;
+}
+
+}  // namespace cartvo

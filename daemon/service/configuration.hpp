@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+#include <spdlog/common.h>
+
+#include "capture/recording/recording_quota.hpp"
+#include "capture/rtsp/rtsp_camera.hpp"
+#include "capture/v4l2/v4l2_picture.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+/// Configuration of one camera.
+struct CameraConfiguration {
+  std::string url;                      ///< rtsp://HOST[:PORT]/PATH without user and password, or v4l2:DEVICE
+  std::string username;                 ///< empty: no authentication
+  std::filesystem::path password_file;  ///< absolute; empty: see `password_credential`
+  std::string password_credential;      ///< name of a file in $CREDENTIALS_DIRECTORY; empty: none
+  cv::Size size;                        ///< px, V4L2 only; empty: the rig's
+  std::optional<PixelFormat> format;    ///< V4L2 only, see V4l2CameraSettings, as are the next two
+  std::optional<double> exposure;       ///< s
+  std::optional<int> gain;
+
+  bool isV4l2() const { return url.starts_with("v4l2:"); }
+  /// Device file of a V4L2 camera, for example /dev/video0.
+  std::filesystem::path device() const { return url.substr(sizeof("v4l2:") - 1); }
+};
+
+/// Configuration of cartvod with its defaults; config/cartvod.yaml explains each key.
+struct Configuration {
+  CameraConfiguration left;
+  CameraConfiguration right;
+  RtspTransport transport = RtspTransport::tcp;
+  ClockChoice clock = ClockChoice::automatic;
+  double frame_rate = 18.0;  ///< Hz
+  std::chrono::milliseconds answer_timeout{
+      1000};  ///< IP cameras only, see RtspCameraSettings, as is the next
+  std::chrono::milliseconds connect_timeout{5000};
+  std::chrono::milliseconds stall_timeout{1000};  ///< IP and V4L2 cameras
+
+  std::filesystem::path rig;     ///< absolute
+  std::filesystem::path tables;  ///< absolute; empty: tables are computed at each start
+
+  OdometrySettings odometry;
+  int threads = 2;  ///< for the image operations of one pair
+
+  std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  std::chrono::milliseconds time_to_live{250};
+
+  std::filesystem::path recording_directory;  ///< absolute; empty: no recording
+  /// `recordings` (the folder whose old recordings may be deleted) is set by cartvod, not by the file.
+  RecordingQuota recording_quota{{}, 20'000'000'000, std::chrono::seconds{0}, 1'000'000'000};
+  spdlog::level::level_enum log_level = spdlog::level::info;
+};
+
+/// Reads a configuration file strictly: an unknown, missing or repeated key, a wrong type or a value out of
+/// range throws std::runtime_error naming file, line, key, expected and found value. Relative paths are
+/// relative to the file's folder. Opens no other file.
+Configuration readConfiguration(const std::filesystem::path& file);
+
+/// Reads a configuration from text (of a recording). `name`: file name for errors; relative paths are
+/// relative to its folder.
+Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name);
+
+/// Writes the configuration as YAML that `readConfiguration` reads back. It names the sources of the
+/// passwords, not the passwords. A recording stores it.
+std::string effectiveConfiguration(const Configuration& configuration);
+
+/// All keys that `readConfiguration` accepts, for example "cameras.left.url".
+std::vector<std::string> configurationKeys();
+
+}  // namespace cartvo

@@ -1,0 +1,257 @@
+// Assembles cartvod from its parts and runs logging, health messages and watchdog.
+
+#include "daemon/service/daemon.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <lcm/lcm-cpp.hpp>
+#include <opencv2/core/utility.hpp>
+#include <spdlog/spdlog.h>
+
+#include "calib/format/rig_file.hpp"
+#include "calib/rectification/rectification_tables.hpp"
+#include "calib/rectification/rectifier.hpp"
+#include "capture/recording/stream_recorder.hpp"
+#include "common/image_size.hpp"
+#include "daemon/diagnostics/camera_log.hpp"
+#include "daemon/diagnostics/health_monitor.hpp"
+#include "daemon/diagnostics/log.hpp"
+#include "daemon/diagnostics/stalled_reader.hpp"
+#include "daemon/diagnostics/validity_log.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "daemon/pipeline/visual_offset_estimator.hpp"
+#include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/odometry_publisher.hpp"
+#include "daemon/service/camera_password.hpp"
+#include "daemon/service/live_camera.hpp"
+#include "daemon/service/service_manager.hpp"
+
+namespace cartvo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kHealthPeriod{1};
+
+Rectifier loadRectifier(const Rig& rig, const std::filesystem::path& tables_file) {
+  const RectificationSettings& settings = rig.rectification;
+  if (tables_file.empty()) return {rig, settings, buildTables(rig, settings)};
+  LoadedTables loaded = loadOrBuildTables(rig, settings, tables_file);
+  spdlog::info("rectification tables: {}", loaded.message);
+  return {rig, settings, std::move(loaded.tables)};
+}
+
+PipelineSettings pipelineSettings(const Configuration& configuration, const Rig& rig) {
+  return {rig.left.size, std::llround(1e9 / configuration.frame_rate)};
+}
+
+std::string fileText(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+class Daemon::Implementation {
+ public:
+  explicit Implementation(const Configuration& configuration);
+  void run();
+  void stop() noexcept { pipeline_.stop(); }
+
+ private:
+  void startRecording();
+  std::string recordingProblem();
+  void onPair(const PairResult& result);
+  void onNoPair(const NoPair& no_pair);
+  void tick();
+  void publishHealth(Clock::time_point now);
+  std::string statusLine(const health_t& health) const;
+
+  Configuration configuration_;
+  Rig rig_;
+  std::unique_ptr<lcm::LCM> lcm_;
+  std::unique_ptr<StreamRecorder> recorder_;      ///< must outlive the cameras that feed it
+  std::string recording_refused_;                 ///< why recording could not start
+  std::string recording_error_;                   ///< as of the last health message, as are the next two
+  std::uint64_t recording_dropped_pictures_ = 0;  ///< pictures
+  std::uint64_t recording_resumptions_ = 0;
+  StereoTimestamper clock_;  ///< must outlive the cameras
+  VisualOffsetEstimator visual_offset_;
+  LiveCamera left_;
+  LiveCamera right_;
+  PairProcessor processor_;
+  Pipeline pipeline_;
+  OdometryPublisher publisher_;
+  HealthMonitor health_;
+  ServiceManager service_;
+  RepeatedWarnings warnings_;
+  Clock::time_point next_health_;
+  std::uint64_t reported_failures_ = 0;
+  CameraLog left_log_{"left camera"};
+  CameraLog right_log_{"right camera"};
+  ValidityLog validity_;
+};
+
+Daemon::Implementation::Implementation(const Configuration& configuration)
+    : configuration_(configuration),
+      rig_(readRig(configuration.rig)),
+      lcm_(connectLcm(configuration.lcm_url)),
+      clock_(configuration.clock),
+      left_(configuration, CameraSide::left, rig_.left.size, clock_),
+      right_(configuration, CameraSide::right, rig_.left.size, clock_),
+      processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_)),
+      publisher_(*lcm_, configuration.time_to_live),
+      health_(Clock::now()),
+      next_health_(Clock::now() + kHealthPeriod) {
+  cv::setNumThreads(configuration.threads);
+  const MulticastRoute route = findMulticastRoute(configuration.lcm_url);
+  spdlog::info("LCM: {} through {}", configuration.lcm_url, route.interface);
+  if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+  if (!configuration.recording_directory.empty()) startRecording();
+}
+
+/// Starts the recording. A failure is logged and reported in the health message but does not stop the daemon,
+/// because controllers need the motion.
+void Daemon::Implementation::startRecording() {
+  try {
+    if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
+      throw std::runtime_error("only IP cameras can be recorded, because V4L2 cameras send no encoded video");
+    RecordingSettings settings;
+    settings.folder = configuration_.recording_directory;
+    settings.configuration = effectiveConfiguration(configuration_);
+    settings.rig = fileText(configuration_.rig);
+    settings.quota = configuration_.recording_quota;
+    recorder_ = std::make_unique<StreamRecorder>(settings);
+  } catch (const std::exception& error) {
+    recording_refused_ = std::string("not recording: ") + error.what();
+    spdlog::error(recording_refused_);
+    return;
+  }
+  left_.observe(recorder_->left());
+  right_.observe(recorder_->right());
+  spdlog::info("recording to {}", configuration_.recording_directory.string());
+}
+
+/// Recording problem since the last call; empty if none.
+std::string Daemon::Implementation::recordingProblem() {
+  if (!recorder_) return recording_refused_;
+  const RecorderHealth health = recorder_->health();
+  if (health.resumptions > std::exchange(recording_resumptions_, health.resumptions))
+    spdlog::info("recording again, in a new segment in {}", configuration_.recording_directory.string());
+  if (health.error.empty()) warnings_.forget(recording_error_);
+  recording_error_ = health.error;
+  if (!health.error.empty()) return health.error;
+  const bool drops_pictures =
+      health.dropped_pictures > std::exchange(recording_dropped_pictures_, health.dropped_pictures);
+  return drops_pictures ? "the disk is too slow for the recording: pictures are left out of it" : "";
+}
+
+void Daemon::Implementation::run() {
+  spdlog::info("cartvod " CARTVO_VERSION ": rig '{}', {}, baseline {:.1f} mm; left {}, right {}", rig_.name,
+               sizeText(rig_.left.size), 1e3 * rig_.baseline(), configuration_.left.url,
+               configuration_.right.url);
+  service_.setStatus("waiting for both cameras");
+  pipeline_.runLive({[this](const PairResult& result) { onPair(result); },
+                     [this](const NoPair& no_pair) { onNoPair(no_pair); }});
+  service_.notifyStopping();
+  const PipelineCounts counts = pipeline_.counts();
+  spdlog::info("stopped after {} pairs, {} of them skipped to stay current", counts.pairs, counts.skipped);
+}
+
+void Daemon::Implementation::onPair(const PairResult& result) {
+  const odometry_t& message = publisher_.publish(result);
+  health_.addPair(result, message);
+  clock_.setVisual(visual_offset_.update(
+      result.estimate.rig, static_cast<double>(result.applied_correction_ns()), result.estimate.time_step));
+  if (message.status == odometry_t::VALID) service_.notifyReady();
+  validity_.log(message);
+  tick();
+}
+
+void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
+  const odometry_t& message = publisher_.publish(no_pair);
+  health_.addMissedPair();
+  validity_.log(message);
+  tick();
+}
+
+/// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes
+/// the health message when it is due.
+void Daemon::Implementation::tick() {
+  if (const std::string stalled =
+          stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
+      stalled.empty()) {
+    service_.feedWatchdog();
+  } else {
+    warnings_.warn("the " + stalled + " makes no progress; systemd's watchdog is not fed");
+  }
+  if (const auto now = Clock::now(); now >= next_health_) {
+    publishHealth(now);
+    next_health_ = std::max(next_health_ + kHealthPeriod, now);
+  }
+}
+
+void Daemon::Implementation::publishHealth(Clock::time_point now) {
+  const HealthSnapshot snapshot{
+      left_.source().health(), right_.source().health(),         pipeline_.counts(), clock_.status(),
+      pipeline_.problem(),     configuration_.odometry.features, recordingProblem()};
+  const health_t message = health_.summarise(now, snapshot);
+  lcm_->publish(kHealthChannel, &message);
+  service_.setStatus(statusLine(message));
+  left_log_.log(snapshot.left);
+  right_log_.log(snapshot.right);
+  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording}) {
+    if (!problem.empty()) warnings_.warn(problem);
+  }
+  if (health_.selfCheck().consumeChange()) {
+    if (message.self_check.empty())
+      spdlog::info("self-check: the cameras agree with the rig file and their clocks again");
+    else
+      spdlog::warn("self-check: {}", message.self_check);
+  }
+  if (publisher_.failures() > reported_failures_) {
+    warnings_.warn(
+        "LCM: messages could not be sent; check the multicast route with 'ip route get 239.255.76.67'");
+    reported_failures_ = publisher_.failures();
+  }
+}
+
+std::string Daemon::Implementation::statusLine(const health_t& health) const {
+  if (!health.problem.empty()) return health.problem;
+  if (!health.self_check.empty()) return health.self_check;
+  return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
+                     validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
+                     health.latency_p50_ms, health.offset_ms, health.pairs_skipped);
+}
+
+Daemon::Daemon(const Configuration& configuration)
+    : implementation_(std::make_unique<Implementation>(configuration)) {}
+Daemon::~Daemon() = default;
+void Daemon::run() {
+  implementation_->run();
+}
+void Daemon::stop() noexcept {
+  implementation_->stop();
+}
+
+void checkConfiguration(const Configuration& configuration) {
+  const Rig rig = readRig(configuration.rig);
+  computeRectification(rig, rig.rectification);
+  validate(configuration.odometry);
+  for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
+    // systemd passes credentials only to the running service.
+    const bool given_by_systemd =
+        camera->password_file.empty() && std::getenv("CREDENTIALS_DIRECTORY") == nullptr;
+    if (!given_by_systemd) readPassword(*camera);
+  }
+  findMulticastRoute(configuration.lcm_url);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,78 @@
+// Builds the cameras named in the configuration.
+#include "daemon/service/live_camera.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "daemon/service/camera_password.hpp"
+
+namespace cartvo {
+namespace {
+
+/// Time that a V4L2 driver may need to open a camera; some wait for the hardware.
+constexpr std::chrono::seconds kMaxOpenTime{3};
+
+double twice(std::chrono::milliseconds duration) {
+  return 2.0 * std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+RtspCameraSettings rtspSettings(const Configuration& configuration, const CameraConfiguration& camera) {
+  RtspCameraSettings settings;
+  settings.url = camera.url;
+  settings.credentials = {camera.username, readPassword(camera)};
+  settings.transport = configuration.transport;
+  settings.answer_timeout = configuration.answer_timeout;
+  settings.connect_timeout = configuration.connect_timeout;
+  settings.stall_timeout = configuration.stall_timeout;
+  return settings;
+}
+
+V4l2CameraSettings v4l2Settings(const Configuration& configuration, const CameraConfiguration& camera,
+                                const cv::Size& size) {
+  V4l2CameraSettings settings;
+  settings.device = camera.device();
+  settings.size = camera.size.empty() ? size : camera.size;
+  if (settings.size.empty()) {
+    throw std::runtime_error("cameras." +
+                             std::string(camera.url == configuration.left.url ? "left" : "right") +
+                             ".size is missing: without a rig file the image size must be configured");
+  }
+  settings.frame_rate = configuration.frame_rate;
+  settings.format = camera.format;
+  settings.exposure = camera.exposure;
+  settings.gain = camera.gain;
+  settings.stall_timeout = configuration.stall_timeout;
+  return settings;
+}
+
+LiveCamera::LiveCamera(const Configuration& configuration, CameraSide side, const cv::Size& size,
+                       StereoTimestamper& clock) {
+  const CameraConfiguration& camera = side == CameraSide::left ? configuration.left : configuration.right;
+  if (camera.isV4l2()) {
+    source_ = std::make_unique<V4l2Camera>(v4l2Settings(configuration, camera, size));
+    reader_timeout_ = twice(std::max<std::chrono::milliseconds>(kMaxOpenTime, configuration.stall_timeout));
+  } else {
+    connect(rtspSettings(configuration, camera), side, clock);
+  }
+}
+
+void LiveCamera::connect(const RtspCameraSettings& settings, CameraSide side, StereoTimestamper& clock) {
+  auto camera = std::make_unique<RtspCamera>(settings);
+  camera->setTimestamper(clock, side);
+  rtsp_ = camera.get();
+  source_ = std::move(camera);
+  reader_timeout_ =
+      twice(std::max(settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
+}
+
+bool LiveCamera::observe(StreamObserver& observer) {
+  if (rtsp_ != nullptr) rtsp_->setObserver(observer);
+  return rtsp_ != nullptr;
+}
+
+}  // namespace cartvo

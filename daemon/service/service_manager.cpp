@@ -1,0 +1,51 @@
+// Notifies systemd of readiness, status, watchdog and stop.
+
+#include "daemon/service/service_manager.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <sys/stat.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+namespace cartvo {
+
+ServiceManager::ServiceManager() {
+  std::uint64_t period_us = 0;
+  if (sd_watchdog_enabled(0, &period_us) > 0) {
+    feeding_period_ = std::min(feeding_period_, std::chrono::microseconds(period_us / 4));
+  }
+}
+
+void ServiceManager::notifyReady() {
+  if (is_ready_) return;
+  is_ready_ = true;
+  sd_notify(0, "READY=1");
+}
+
+void ServiceManager::setStatus(const std::string& text) {
+  sd_notify(0, ("STATUS=" + text).c_str());
+}
+
+void ServiceManager::feedWatchdog() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_fed_ < feeding_period_) return;
+  last_fed_ = now;
+  // systemd arms the watchdog at READY=1. Until then extend the start time-out, so that cameras may be absent
+  // for any time but a stalled stage is still detected.
+  sd_notify(0, is_ready_ ? "WATCHDOG=1" : "EXTEND_TIMEOUT_USEC=30000000");
+}
+
+void ServiceManager::notifyStopping() {
+  sd_notify(0, "STOPPING=1\nSTATUS=stopping");
+}
+
+bool logsToJournal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) return false;
+  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
+}
+
+}  // namespace cartvo

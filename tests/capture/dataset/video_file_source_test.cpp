@@ -1,0 +1,126 @@
+// Reading of video files in several containers and codecs.
+
+#include "capture/dataset/video_file_source.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "support/error_message.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr std::chrono::milliseconds kAtOnce{0};
+
+/// Makes a video of two seconds of a moving test picture with the ffmpeg command.
+fs::path video(const test::TemporaryFolder& folder, const std::string& name, const std::string& encoding) {
+  fs::path file = folder / name;
+  const std::string command = "ffmpeg -v error -f lavfi -i testsrc2=size=160x96:rate=25:duration=2 " +
+                              encoding + " -y " + file.string();
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return file;
+}
+
+std::vector<Frame> framesOf(VideoFileSource& source) {
+  std::vector<Frame> frames;
+  for (Frame frame; source.read(frame, kAtOnce) == ReadOutcome::frame;)
+    frames.push_back(frame);
+  return frames;
+}
+
+TEST(VideoFileSource, ReadsVideosOfOtherRecorders) {
+  const test::TemporaryFolder folder;
+  for (const auto& [name, encoding] : std::vector<std::pair<std::string, std::string>>{
+           {"b_frames.mp4", "-c:v libx264 -pix_fmt yuv420p -bf 2"},
+           {"hevc.mkv", "-c:v libx265 -x265-params log-level=none -pix_fmt yuv420p"},
+           {"deep.mkv", "-c:v ffv1 -pix_fmt yuv420p10le"},
+           {"jpegs.avi", "-c:v mjpeg -pix_fmt yuvj422p"},
+           {"stream.ts", "-c:v libx264 -pix_fmt yuv420p"},
+           {"raw.h264", "-c:v libx264 -pix_fmt yuv420p -bf 0"}}) {
+    VideoFileSource source(video(folder, name, encoding), {.origin_ns = 1000});
+    const std::vector<Frame> frames = framesOf(source);
+    ASSERT_EQ(frames.size(), 50U) << name;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      EXPECT_EQ(frames[i].image.size(), cv::Size(160, 96));
+      EXPECT_EQ(frames[i].status, FrameStatus::good) << name << " " << i;
+      EXPECT_NEAR(static_cast<double>(frames[i].exposure_ns - frames[0].exposure_ns),
+                  4e7 * static_cast<double>(i), 1e6)
+          << name << " " << i;
+    }
+    EXPECT_GT(cv::norm(frames[0].image, frames[49].image, cv::NORM_L1), 1000.0) << name;
+    EXPECT_EQ(source.health().last_error, "") << name;
+  }
+}
+
+TEST(VideoFileSource, MarksKeyFrames) {
+  const test::TemporaryFolder folder;
+  VideoFileSource source(video(folder, "film.mkv", "-c:v libx264 -pix_fmt yuv420p -g 20 -sc_threshold 0"),
+                         {});
+  for (const Frame& frame : framesOf(source))
+    EXPECT_EQ(frame.key_frame, frame.sequence % 20 == 0) << frame.sequence;
+}
+
+TEST(VideoFileSource, AppliesClockModel) {
+  const test::TemporaryFolder folder;
+  const fs::path file = video(folder, "a.mp4", "-c:v libx264 -pix_fmt yuv420p");
+  VideoFileTime time;
+  time.origin_ns = 1'000'000'000'000;
+  time.offset = -0.25;
+  time.skew = 100e-6;
+  time.stddev = 2e-3;
+  time.from = 0.99;
+  time.to = 1.5;
+  VideoFileSource source(file, time);
+  const std::vector<Frame> frames = framesOf(source);
+  ASSERT_EQ(frames.size(), 13U);
+  EXPECT_EQ(frames.front().sequence, 25U);
+  EXPECT_NEAR(static_cast<double>(frames.front().exposure_ns), 1e12 + 0.75e9 + 1e5, 100.0);
+  EXPECT_EQ(frames.front().exposure_stddev_ns, 2'000'000);
+}
+
+TEST(VideoFileSource, MarksPicturesWithDecodingErrors) {
+  const test::TemporaryFolder folder;
+  const fs::path file = video(folder, "a.mkv", "-c:v libx264 -pix_fmt yuv420p -g 10 -bf 0");
+  {
+    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(static_cast<std::streamoff>(fs::file_size(file) / 2));
+    stream << std::string(200, '\x55');
+  }
+  VideoFileSource source(file, {});
+  const std::vector<Frame> frames = framesOf(source);
+  ASSERT_GT(frames.size(), 30U);
+  EXPECT_EQ(frames.front().status, FrameStatus::good);
+  EXPECT_EQ(frames.back().status, FrameStatus::good) << "after the next key picture";
+}
+
+TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
+  const test::TemporaryFolder folder;
+  EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "no.mp4", {}); }),
+              HasSubstr("is not a file; expected a video"));
+  std::ofstream(folder / "text.mp4") << "not a video";
+  EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "text.mp4", {}); }),
+              HasSubstr("cannot read the video"));
+  std::ofstream(folder / "list.m3u8") << "#EXTM3U\n#EXTINF:1,\nhttp://127.0.0.1:1/other.ts\n#EXT-X-ENDLIST\n";
+  EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "list.m3u8", {}); }),
+              HasSubstr("cannot read the video"));
+  const fs::path colours = video(folder, "rgb.mkv", "-c:v ffv1 -pix_fmt bgr0");
+  EXPECT_THAT(test::messageOf([&] {
+                VideoFileSource source(colours, {});
+                framesOf(source);
+              }),
+              HasSubstr("without a luma plane"));
+}
+
+}  // namespace
+}  // namespace cartvo

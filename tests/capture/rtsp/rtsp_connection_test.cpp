@@ -1,0 +1,162 @@
+// Failure and recovery of a live connection, over real sockets on loopback, from the simulated camera.
+
+#include <atomic>
+#include <cerrno>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "capture/codec/ffmpeg_log.hpp"
+#include "capture/rtsp/rtsp_camera.hpp"
+#include "tests/support/capture/live_camera.hpp"
+#include "tests/support/capture/silent_server.hpp"
+#include "tests/support/capture/tcp_proxy.hpp"
+
+namespace cartvo {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::Not;
+
+bool readUntilState(RtspCamera& camera, CameraState state) {
+  return test::readUntil(camera, [&](ReadOutcome, const Frame&) { return camera.health().state == state; });
+}
+
+TEST(RtspConnection, ReportsWrongPasswordWithoutShowingIt) {
+  std::mutex mutex;
+  std::string log;
+  setFfmpegLogSink([&](const std::string& message) {
+    const std::lock_guard lock(mutex);
+    log += message + "\n";
+  });
+  const auto server = test::startCamera(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials.password = "hunter2";
+  RtspCamera camera(settings);
+  EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+  const CameraHealth health = camera.health();
+  setFfmpegLogSink({});
+  EXPECT_THAT(health.last_error, HasSubstr("refused the user or password (user 'admin')"));
+  EXPECT_THAT(health.last_error, HasSubstr("; trying again in 30 s"));
+  EXPECT_THAT(health.last_error, Not(HasSubstr("hunter2")));
+  EXPECT_THAT(log, HasSubstr("401"));
+  EXPECT_THAT(log, Not(HasSubstr("hunter2")));
+  // No quick retry: the camera would lock the account.
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(300)), ReadOutcome::timed_out);
+  EXPECT_EQ(camera.health().state, CameraState::refused);
+}
+
+TEST(RtspConnection, ReportsMissingPassword) {
+  const auto server = test::startCamera(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials = {};
+  RtspCamera camera(settings);
+  EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("requires a user and password, and none are configured"));
+}
+
+TEST(RtspConnection, ReconnectsAfterCameraRestart) {
+  auto server = test::startCamera(test::leftStream());
+  const std::uint16_t port = server->port();
+  RtspCamera camera(test::settingsFor(port));
+  Frame frame;
+  ASSERT_TRUE(test::readFrames(camera, 10));
+  server.reset();
+  ASSERT_TRUE(test::readUntil(
+      camera, [&](ReadOutcome, const Frame&) { return camera.health().state != CameraState::streaming; }));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("127.0.0.1:" + std::to_string(port)));
+  server = test::startCamera(test::leftStream(), port);
+  EXPECT_TRUE(test::readFrames(camera, 10));
+  EXPECT_EQ(camera.health().state, CameraState::streaming);
+  EXPECT_EQ(camera.health().reconnections, 1U);
+}
+
+TEST(RtspConnection, ReconnectsAfterStall) {
+  const auto server = test::startCamera(test::leftStream());
+  test::TcpProxy proxy(server->port());
+  RtspCameraSettings settings = test::settingsFor(proxy.port());
+  settings.stall_timeout = milliseconds(300);
+  RtspCamera camera(settings);
+  ASSERT_TRUE(test::readFrames(camera, 10));
+  proxy.stall();
+  ASSERT_TRUE(readUntilState(camera, CameraState::stalled));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("sent no picture for 300 ms"));
+  EXPECT_TRUE(test::readFrames(camera, 5));
+}
+
+TEST(RtspConnection, ReportsClosedPort) {
+  std::uint16_t closed_port = 0;
+  {
+    const test::TcpProxy server(1);
+    closed_port = server.port();
+  }
+  RtspCamera camera(test::settingsFor(closed_port));
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(200)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("Connection refused"));
+  EXPECT_EQ(camera.health().state, CameraState::connecting);
+}
+
+TEST(RtspConnection, ReportsServerThatDoesNotAnswer) {
+  const test::SilentServer server(1);
+  RtspCameraSettings settings = test::settingsFor(server.port());
+  settings.connect_timeout = milliseconds(300);
+  RtspCamera camera(settings);
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("no answer from the camera at 127.0.0.1"));
+  EXPECT_THAT(camera.health().last_error, HasSubstr("within 300 ms"));
+}
+
+TEST(RtspConnection, ReportsServerThatDoesNotAcceptConnections) {
+  const test::SilentServer server(0);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&server.address());
+  std::vector<int> waiting;  // until the kernel accepts no further connection
+  for (int i = 0; i < 4; ++i) {
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    EXPECT_TRUE(::connect(waiting.back(), address, sizeof server.address()) == 0 || errno == EINPROGRESS);
+  }
+  RtspCameraSettings settings = test::settingsFor(server.port());
+  settings.answer_timeout = milliseconds(200);
+  RtspCamera camera(settings);
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(100)), ReadOutcome::timed_out);
+  EXPECT_THAT(camera.health().last_error, HasSubstr("Connection timed out"));
+  for (const int socket : waiting)
+    ::close(socket);
+}
+
+TEST(RtspConnection, InterruptEndsReadingInEachState) {
+  const auto server = test::startCamera(test::leftStream());
+  test::TcpProxy proxy(server->port());
+  // A proxy that was stalled before the connection accepts it and never answers.
+  for (const bool answers : {true, false}) {
+    RtspCamera camera(test::settingsFor(proxy.port()));
+    if (!answers) proxy.stall();
+    std::atomic<bool> ended = false;
+    std::thread reader([&] {
+      Frame frame;
+      while (camera.read(frame, milliseconds(10000)) != ReadOutcome::ended)
+        continue;
+      ended = true;
+    });
+    std::this_thread::sleep_for(milliseconds(300));
+    EXPECT_FALSE(ended);
+    camera.interrupt();
+    reader.join();
+    EXPECT_EQ(camera.health().state, CameraState::ended);
+    Frame frame;
+    EXPECT_EQ(camera.read(frame, milliseconds(1000)), ReadOutcome::ended);
+  }
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,164 @@
+// Self-check messages about rig calibration, time offset and missing stereo matches.
+
+#include "daemon/diagnostics/self_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/units.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+RigCalibrationError rigWith(EstimateWithStddev RigCalibrationError::*which, double value, double stddev) {
+  constexpr EstimateWithStddev kNothing{0.0, 1e-5};
+  RigCalibrationError rig{kNothing, kNothing, kNothing, kNothing};
+  rig.*which = {value, stddev};
+  return rig;
+}
+
+/// Estimate that holds only rig calibration errors.
+OdometryEstimate estimateWith(const std::optional<RigCalibrationError>& rig) {
+  OdometryEstimate estimate;
+  estimate.rig = rig;
+  return estimate;
+}
+
+std::string messageFor(const RigCalibrationError& rig) {
+  SelfCheck check;
+  check.update(estimateWith(rig));
+  return check.message();
+}
+
+/// Pair number `pair` at 10 Hz with these numbers of corners and stereo matches.
+OdometryEstimate pairWith(int pair, int corners, int stereo) {
+  OdometryEstimate estimate;
+  estimate.exposure_ns = pair * 100'000'000LL;
+  estimate.counts.detected = corners;
+  estimate.counts.stereo = stereo;
+  return estimate;
+}
+
+/// Six seconds of such pairs.
+void drive(SelfCheck& check, int corners, int stereo) {
+  for (int pair = 0; pair < 60; ++pair)
+    check.update(pairWith(pair, corners, stereo));
+}
+
+TEST(SelfCheck, IsEmptyForIntactOrUnobservedRig) {
+  SelfCheck check;
+  check.update(estimateWith(std::nullopt));
+  EXPECT_EQ(check.message(), "");
+  check.update(estimateWith(rigWith(&RigCalibrationError::roll, 0.05 * kRadiansPerDegree, 1e-5)));
+  EXPECT_EQ(check.message(), "");
+  EXPECT_FALSE(check.consumeChange());
+}
+
+TEST(SelfCheck, ReportsTimeOffset) {
+  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::delay, 3.1e-3, 4e-4)),
+              HasSubstr("3.1 ± 0.4 ms later"));
+  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::delay, -3.1e-3, 4e-4)),
+              HasSubstr("3.1 ± 0.4 ms earlier"));
+}
+
+TEST(SelfCheck, ReportsRotationOfRightCamera) {
+  EXPECT_THAT(
+      messageFor(rigWith(&RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
+      HasSubstr("turned by +0.31 ± 0.01 deg in roll against the rig file: calibrate again"));
+  EXPECT_THAT(
+      messageFor(rigWith(&RigCalibrationError::pitch, -0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
+      HasSubstr("-0.20 ± 0.01 deg in pitch"));
+  EXPECT_THAT(
+      messageFor(rigWith(&RigCalibrationError::yaw, 0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
+      HasSubstr("deg in yaw"));
+}
+
+TEST(SelfCheck, IsEmptyForInsignificantError) {
+  EXPECT_EQ(messageFor(rigWith(&RigCalibrationError::delay, 3.1e-3, 1.2e-3)), "");
+}
+
+TEST(SelfCheck, SignalsEachChangeOnce) {
+  SelfCheck check;
+  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 3e-3, 1e-4)));
+  EXPECT_TRUE(check.consumeChange());
+  EXPECT_FALSE(check.consumeChange());
+  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 0.9e-3, 1e-4)));  // hysteresis
+  EXPECT_FALSE(check.consumeChange());
+  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 0.5e-3, 1e-4)));
+  EXPECT_TRUE(check.consumeChange());
+  EXPECT_EQ(check.message(), "");
+}
+
+TEST(SelfCheck, ReportsMissingStereoMatches) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  EXPECT_THAT(check.message(),
+              HasSubstr("hardly any corner of the left picture is found in the right one (13 of 1000)"));
+  EXPECT_LE(check.message().size(), 200U) << "limit of health_t.self_check";
+  EXPECT_TRUE(check.consumeChange());
+  check.update(pairWith(60, 1000, 400));
+  EXPECT_EQ(check.message(), "");
+  EXPECT_TRUE(check.consumeChange());
+}
+
+TEST(SelfCheck, IgnoresBriefLossOfMatches) {
+  SelfCheck check;
+  for (int pair = 0; pair < 200; ++pair)
+    check.update(pairWith(pair, 1000, pair % 40 == 0 ? 300 : 0));
+  EXPECT_EQ(check.message(), "");
+}
+
+TEST(SelfCheck, ToleratesFewMatchesAtDuskAndFewCorners) {
+  SelfCheck dusk, dark;
+  drive(dusk, 1000, 60);
+  EXPECT_EQ(dusk.message(), "");
+  drive(dark, 40, 0);  // too few corners to judge
+  EXPECT_EQ(dark.message(), "");
+  SelfCheck few_features_at_dusk;
+  drive(few_features_at_dusk, 200, 12);
+  EXPECT_EQ(few_features_at_dusk.message(), "");
+}
+
+TEST(SelfCheck, IgnoresRejectedPair) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  OdometryEstimate refused = pairWith(60, 0, 0);
+  refused.reasons = OdometryReason::offset_uncertain;
+  check.update(refused);
+  EXPECT_THAT(check.message(), HasSubstr("13 of 1000"));
+}
+
+TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {
+  SelfCheck check;
+  drive(check, 1000, 13);
+  OdometryEstimate estimate = pairWith(60, 1000, 13);
+  estimate.rig = rigWith(&RigCalibrationError::pitch, 0.3 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
+  check.update(estimate);
+  EXPECT_THAT(check.message(), HasSubstr("+0.30 ± 0.01 deg in pitch"));
+  EXPECT_THAT(check.message(), testing::Not(HasSubstr("hardly any")));
+}
+
+TEST(SelfCheck, ReportsMissingMatchesIfAngleIsTooSmallToCauseThem) {
+  SelfCheck check;
+  OdometryEstimate estimate = pairWith(0, 1000, 400);
+  estimate.rig = rigWith(&RigCalibrationError::roll, 0.12 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
+  estimate.rig->delay = {3e-3, 3e-4};
+  check.update(estimate);
+  EXPECT_THAT(check.message(), HasSubstr("+0.12"));
+  drive(check, 1000, 13);  // then the lens is covered
+  EXPECT_THAT(check.message(), StartsWith("hardly any"));
+  EXPECT_LE(check.message().size(), 200U) << "limit of health_t.self_check";
+}
+
+TEST(SelfCheck, RequiresConsecutivePairs) {
+  SelfCheck check;
+  check.update(pairWith(0, 1000, 13));
+  check.update(pairWith(600, 1000, 13));
+  EXPECT_EQ(check.message(), "");
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,0 +1,146 @@
+// Pipeline in replay: processes every pair in order and is reproducible.
+
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/pipeline/pipeline.hpp"
+#include "synthetic_cameras.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kFrames = 40;
+
+std::vector<Frame> frames(int disparity, std::int64_t offset_ns) {
+  std::vector<Frame> list;
+  for (int i = 0; i < kFrames; ++i)
+    list.push_back(test::wallFrame(i, disparity, i * test::kPeriod_ns + offset_ns));
+  return list;
+}
+
+PipelineSettings settings(std::int64_t period_ns) {
+  return {{320, 240}, period_ns};
+}
+
+struct Replay {
+  std::vector<PairResult> results;
+  PipelineCounts counts;
+};
+
+Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, std::int64_t period_ns,
+              double scale_stddev = 0.0) {
+  Rig rig = test::smallRig();
+  rig.scale_stddev = scale_stddev;
+  PairProcessor processor = test::smallProcessor(rig);
+  test::ListedCamera left(std::move(left_frames));
+  test::ListedCamera right(std::move(right_frames));
+  Pipeline pipeline(left, right, processor, settings(period_ns));
+  Replay replay;
+  pipeline.replay({[&](const PairResult& result) { replay.results.push_back(result); }, {}});
+  replay.counts = pipeline.counts();
+  return replay;
+}
+
+TEST(PipelineReplay, ProcessesEveryPairInOrder) {
+  const Replay run = replay(frames(0, 0), frames(12, 3'000'000), test::kPeriod_ns);
+  ASSERT_EQ(run.results.size(), kFrames);
+  EXPECT_EQ(run.counts.processed, kFrames);
+  EXPECT_EQ(run.counts.skipped, 0u);
+  EXPECT_EQ(run.counts.dropped_no_partner, 0u);
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(run.results[i].sequence, i);
+    EXPECT_EQ(run.results[i].left.exposure_ns, i * test::kPeriod_ns);
+    EXPECT_EQ(run.results[i].offset_ns(), 3'000'000);
+  }
+}
+
+TEST(PipelineReplay, ComputesBodyMotion) {
+  // The wall moves to the left in the images: the cart moves to the right (-y) by 33.3 mm per frame of 20 ms.
+  const Replay run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  ASSERT_FALSE(run.results.empty());
+  const PairResult& last = run.results.back();
+  ASSERT_TRUE(last.estimate.valid) << "matched " << last.estimate.counts.matched << " of "
+                                   << last.estimate.counts.detected << " inliers "
+                                   << last.estimate.counts.inliers;
+  EXPECT_NEAR(last.motion.velocity.y(), -2.0 * 4.0 / 240.0 / 0.02, 0.05);
+  EXPECT_NEAR(last.motion.velocity.x(), 0.0, 0.1);
+  EXPECT_GT(last.times.total, 0.0);
+  EXPECT_GE(last.times.total, last.times.stage(Stage::rectify));
+}
+
+TEST(PipelineReplay, CovarianceIncludesRigScaleUncertainty) {
+  constexpr double kScaleStddev = 0.05;
+  const Replay exact_run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  const Replay uncertain_run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, kScaleStddev);
+  ASSERT_FALSE(exact_run.results.empty());
+  ASSERT_FALSE(uncertain_run.results.empty());
+  const BodyMotion& exact = exact_run.results.back().motion;
+  const BodyMotion& uncertain = uncertain_run.results.back().motion;
+  EXPECT_EQ(uncertain.velocity, exact.velocity) << "only the covariance changes";
+  const auto added_stddev = [&](double uncertain_variance, double exact_variance) {
+    return std::sqrt(uncertain_variance - exact_variance);
+  };
+  EXPECT_NEAR(added_stddev(uncertain.twist_covariance(1, 1), exact.twist_covariance(1, 1)),
+              kScaleStddev * std::abs(exact.velocity.y()),
+              0.05 * kScaleStddev * std::abs(exact.velocity.y()));
+  const double distance = std::abs(exact.T_world_body.translation().y());
+  EXPECT_NEAR(added_stddev(uncertain.pose_covariance(1, 1), exact.pose_covariance(1, 1)),
+              kScaleStddev * distance, 0.05 * kScaleStddev * distance);
+}
+
+TEST(PipelineReplay, IsBitwiseReproducible) {
+  const Replay first = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  const Replay second = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  ASSERT_EQ(first.results.size(), second.results.size());
+  for (std::size_t i = 0; i < first.results.size(); ++i) {
+    const Eigen::Matrix4d a = first.results[i].motion.T_world_body.matrix();
+    const Eigen::Matrix4d b = second.results[i].motion.T_world_body.matrix();
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * 16), 0) << "pair " << i;
+  }
+}
+
+TEST(PipelineReplay, DropsDamagedFramesAndFramesWithoutPartner) {
+  std::vector<Frame> left = frames(0, 0);
+  std::vector<Frame> right = frames(12, 0);
+  left[10].status = FrameStatus::damaged;
+  right.erase(right.begin() + 20);
+  const Replay run = replay(left, right, test::kPeriod_ns);
+  EXPECT_EQ(run.results.size(), kFrames - 2);
+  EXPECT_EQ(run.counts.dropped_damaged, 1u);
+  EXPECT_EQ(run.counts.dropped_no_partner, 2u) << "left 20, and right 10 whose partner was damaged";
+  for (const PairResult& result : run.results)
+    EXPECT_EQ(result.left.sequence, result.right.sequence);
+}
+
+TEST(PipelineReplay, RejectsFrameOfWrongSize) {
+  std::vector<Frame> left = frames(0, 0);
+  left[5].image = cv::Mat::zeros(576, 704, CV_8UC1);
+  try {
+    replay(left, frames(12, 0), test::kPeriod_ns);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("left camera: the stream is 704x576, but the rig is for 320x240"));
+  }
+}
+
+TEST(PipelineReplay, EndsOnStop) {
+  const Rig rig = test::smallRig();
+  PairProcessor processor = test::smallProcessor(rig);
+  test::ListedCamera left(frames(0, 0));
+  test::ListedCamera right(frames(12, 0));
+  Pipeline pipeline(left, right, processor, settings(test::kPeriod_ns));
+  int pairs = 0;
+  pipeline.replay({[&](const PairResult&) {
+                     if (++pairs == 5) pipeline.stop();
+                   },
+                   {}});
+  EXPECT_EQ(pairs, 5);
+}
+
+}  // namespace
+}  // namespace cartvo

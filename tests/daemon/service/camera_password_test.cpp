@@ -1,0 +1,80 @@
+// Camera passwords: read from files that other users cannot read, and from systemd credentials.
+
+#include "daemon/service/camera_password.hpp"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class CameraPassword : public testing::Test {
+ protected:
+  CameraConfiguration camera(const std::string& password, fs::perms permissions) {
+    CameraConfiguration camera;
+    camera.username = "admin";
+    camera.password_file = folder_ / "password";
+    std::ofstream(camera.password_file) << password;
+    fs::permissions(camera.password_file, permissions);
+    return camera;
+  }
+  static std::string errorOf(const CameraConfiguration& camera) {
+    try {
+      readPassword(camera);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted";
+    return {};
+  }
+
+  static constexpr fs::perms kOwner = fs::perms::owner_read | fs::perms::owner_write;
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CameraPassword, IsFirstLineOfFile) {
+  EXPECT_EQ(readPassword(camera("correct horse\n", kOwner)), "correct horse");
+  EXPECT_EQ(readPassword(camera("windows\r\n", kOwner)), "windows");
+  EXPECT_EQ(readPassword(camera("no newline", kOwner | fs::perms::group_read)), "no newline");
+}
+
+TEST_F(CameraPassword, IsRefusedIfOtherUsersMayReadFile) {
+  EXPECT_THAT(errorOf(camera("secret\n", kOwner | fs::perms::others_read)),
+              testing::AllOf(HasSubstr("chmod o="), testing::Not(HasSubstr("secret"))));
+}
+
+TEST_F(CameraPassword, IsRefusedIfFileIsMissingEmptyOrTooLong) {
+  CameraConfiguration missing = camera("x", kOwner);
+  missing.password_file = folder_ / "none";
+  EXPECT_THAT(errorOf(missing), HasSubstr("none: cannot be read"));
+  EXPECT_THAT(errorOf(camera("", kOwner)), HasSubstr("found none"));
+  EXPECT_THAT(errorOf(camera("\r\n", kOwner)), HasSubstr("found none"));
+  EXPECT_THAT(errorOf(camera(std::string(2000, 'x'), kOwner)), HasSubstr("one line"));
+}
+
+TEST_F(CameraPassword, IsReadFromSystemdCredential) {
+  const CameraConfiguration file = camera("from systemd\n", kOwner);
+  CameraConfiguration credential;
+  credential.username = "admin";
+  credential.password_credential = "password";
+  unsetenv("CREDENTIALS_DIRECTORY");
+  EXPECT_THAT(errorOf(credential), HasSubstr("LoadCredential=password"));
+  setenv("CREDENTIALS_DIRECTORY", folder_.path().c_str(), 1);
+  EXPECT_EQ(readPassword(credential), "from systemd");
+  unsetenv("CREDENTIALS_DIRECTORY");
+}
+
+TEST_F(CameraPassword, IsEmptyWithoutUserName) {
+  EXPECT_EQ(readPassword(CameraConfiguration{}), "");
+}
+
+}  // namespace
+}  // namespace cartvo

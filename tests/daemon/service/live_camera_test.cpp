@@ -1,0 +1,80 @@
+// RTSP and V4L2 cameras built from the configuration.
+
+#include "daemon/service/live_camera.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/error_message.hpp"
+
+namespace cartvo {
+namespace {
+
+using testing::HasSubstr;
+
+Configuration rtspAndV4l2() {
+  Configuration configuration;
+  configuration.left.url = "rtsp://127.0.0.1:1/left";
+  configuration.right.url = "v4l2:/dev/nonexistent/video7";
+  configuration.frame_rate = 25.0;
+  return configuration;
+}
+
+class NullObserver : public StreamObserver {
+ public:
+  void onStream(const StreamFormat& /*format*/) noexcept override {}
+  void onUnit(const EncodedUnit& /*unit*/) noexcept override {}
+};
+
+TEST(LiveCamera, IsRtspOrV4l2CameraByUrl) {
+  StereoTimestamper clock(ClockChoice::automatic);
+  LiveCamera left(rtspAndV4l2(), CameraSide::left, {680, 420}, clock);
+  LiveCamera right(rtspAndV4l2(), CameraSide::right, {680, 420}, clock);
+  NullObserver observer;
+  EXPECT_TRUE(left.observe(observer));
+  EXPECT_FALSE(right.observe(observer)) << "V4L2 cameras have no encoded stream";
+  EXPECT_EQ(left.source().health().instant_source, InstantSource::arrival);
+  EXPECT_EQ(right.source().health().instant_source, InstantSource::kernel);
+}
+
+TEST(LiveCamera, ReaderTimeoutIsTwiceTheCameraTimeouts) {
+  Configuration configuration = rtspAndV4l2();
+  StereoTimestamper clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 12.0)
+      << "twice the answer and connection time-outs";
+  configuration.stall_timeout = std::chrono::seconds(60);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 120.0)
+      << "twice the stall time-out, which is longer";
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).readerTimeout(), 120.0);
+}
+
+TEST(LiveCamera, UsesConfiguredTimeouts) {
+  Configuration configuration = rtspAndV4l2();
+  configuration.answer_timeout = std::chrono::milliseconds(300);
+  configuration.connect_timeout = std::chrono::milliseconds(700);
+  configuration.stall_timeout = std::chrono::milliseconds(400);
+  const RtspCameraSettings settings = rtspSettings(configuration, configuration.left);
+  EXPECT_EQ(settings.answer_timeout, configuration.answer_timeout);
+  EXPECT_EQ(settings.connect_timeout, configuration.connect_timeout);
+  EXPECT_EQ(settings.stall_timeout, configuration.stall_timeout);
+  StereoTimestamper clock(ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 2.0)
+      << "twice the answer and connection time-outs";
+}
+
+TEST(LiveCamera, V4l2CameraUsesRigSizeUnlessConfigured) {
+  Configuration configuration = rtspAndV4l2();
+  EXPECT_EQ(v4l2Settings(configuration, configuration.right, {680, 420}).size, cv::Size(680, 420));
+  EXPECT_THAT(test::messageOf([&] { v4l2Settings(configuration, configuration.right, {}); }),
+              HasSubstr("cameras.right.size is missing"));
+  configuration.right.size = {1280, 720};
+  configuration.right.exposure = 0.004;
+  const V4l2CameraSettings settings = v4l2Settings(configuration, configuration.right, {680, 420});
+  EXPECT_EQ(settings.size, cv::Size(1280, 720));
+  EXPECT_EQ(settings.device, "/dev/nonexistent/video7");
+  EXPECT_EQ(settings.frame_rate, 25.0);
+  EXPECT_EQ(settings.exposure, 0.004);
+}
+
+}  // namespace
+}  // namespace cartvo

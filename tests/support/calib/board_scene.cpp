@@ -1,0 +1,134 @@
+// Simulated and rendered views of boards.
+#include "support/calib/board_scene.hpp"
+
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "calib/board/board_pattern.hpp"
+#include "calib/model/lens.hpp"
+
+namespace cartvo::test {
+namespace {
+
+Eigen::Vector2d pixelOf(const CameraModel& camera, const Lens& lens, const Eigen::Vector3d& point) {
+  const NormalisedPoint distorted = lens.distort(point);
+  return {camera.fx * distorted.x + camera.cx, camera.fy * distorted.y + camera.cy};
+}
+
+std::vector<SeenCorner> seenCorners(const CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
+                                    const std::vector<Eigen::Vector2d>& corners, double noise,
+                                    std::mt19937& random) {
+  const Lens lens(camera);
+  std::normal_distribution<double> scatter(0.0, 1.0);
+  std::vector<SeenCorner> seen;
+  for (std::size_t id = 0; id < corners.size(); ++id) {
+    const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(corners[id].x(), corners[id].y(), 0.0);
+    const Eigen::Vector2d off(scatter(random), scatter(random));
+    const Eigen::Vector2d pixel = pixelOf(camera, lens, point) + noise * off;
+    const bool is_inside = pixel.x() > 3.0 && pixel.y() > 3.0 && pixel.x() < camera.size.width - 4.0 &&
+                           pixel.y() < camera.size.height - 4.0;
+    if (point.z() > 0.1 && is_inside) seen.push_back({static_cast<int>(id), pixel});
+  }
+  return seen;
+}
+
+/// White paper with a margin around the printed pattern; one pixel per cell.
+cv::Mat paper(const BoardSpec& board, double cell, int margin) {
+  const Eigen::Vector2d extent = boardExtent(board);
+  const auto cells = [&](double length) { return static_cast<int>(std::lround(length / cell)); };
+  cv::Mat image(cells(extent.y()) + 2 * margin, cells(extent.x()) + 2 * margin, CV_8UC1, cv::Scalar(230));
+  for (const cv::Rect2d& black : boardBlackRectangles(board)) {
+    const cv::Point first(cells(black.x) + margin, cells(black.y) + margin);
+    const cv::Point last(cells(black.x + black.width) + margin, cells(black.y + black.height) + margin);
+    image(cv::Rect(first, last)).setTo(25);
+  }
+  return image;
+}
+
+/// The rays through the corners of the pixels.
+std::vector<Eigen::Vector3d> cornerRays(const CameraModel& camera) {
+  const Lens lens(camera);
+  std::vector<Eigen::Vector3d> rays;
+  for (int row = 0; row <= camera.size.height; ++row) {
+    for (int column = 0; column <= camera.size.width; ++column) {
+      rays.push_back(
+          lens.undistort({(column - 0.5 - camera.cx) / camera.fx, (row - 0.5 - camera.cy) / camera.fy}));
+    }
+  }
+  return rays;
+}
+
+}  // namespace
+
+std::vector<Eigen::Isometry3d> boardPoses(const BoardSpec& board, double nearest, int count) {
+  const Eigen::Vector2d middle = 0.5 * boardExtent(board);
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < count; ++i) {
+    const double turn = 2.4 * i;  // the golden angle, so that tilts and positions are uncorrelated
+    const double tilt = (15.0 + 12.5 * (i % 3)) * M_PI / 180.0;
+    const Eigen::Vector3d axis(std::cos(turn), std::sin(turn), 0.0);
+    const double distance = nearest * (1.0 + 0.35 * (i % 4));
+    const double across = (i % 5 - 2) * 0.24, down = (i / 5 % 3 - 1) * 0.18;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() =
+        (Eigen::AngleAxisd(tilt, axis) * Eigen::AngleAxisd(0.15 * (i % 7 - 3), Eigen::Vector3d::UnitZ()))
+            .toRotationMatrix();
+    pose.translation() = Eigen::Vector3d(across * distance + 0.0575, down * distance, distance) -
+                         pose.linear() * Eigen::Vector3d(middle.x(), middle.y(), 0.0);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+std::vector<BoardView> boardViews(const Rig& rig, const BoardSpec& board,
+                                  const std::vector<Eigen::Isometry3d>& T_left_board, double noise,
+                                  std::mt19937& random) {
+  const std::vector<Eigen::Vector2d> corners = boardCorners(board);
+  std::vector<BoardView> views;
+  for (std::size_t i = 0; i < T_left_board.size(); ++i) {
+    views.push_back({"view" + std::to_string(i),
+                     seenCorners(rig.left, T_left_board[i], corners, noise, random),
+                     seenCorners(rig.right, rig.T_right_left * T_left_board[i], corners, noise, random)});
+  }
+  return views;
+}
+
+cv::Mat renderBoard(const CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
+                    const BoardSpec& board, double cell) {
+  constexpr int kSamples = 8, kGround = 110, kMarginCells = 4;
+  const cv::Mat printed = paper(board, cell, kMarginCells);
+  const std::vector<Eigen::Vector3d> rays = cornerRays(camera);
+  const Eigen::Isometry3d T_board_camera = T_camera_board.inverse();
+  const Eigen::Vector3d eye = T_board_camera.translation();
+  const auto shade = [&](const Eigen::Vector3d& ray) -> double {
+    const Eigen::Vector3d d = T_board_camera.linear() * ray;
+    if (std::abs(d.z()) < 1e-9 || -eye.z() / d.z() <= 0.0) return kGround;
+    const Eigen::Vector3d point = eye - eye.z() / d.z() * d;
+    const double column = std::floor(point.x() / cell) + kMarginCells,
+                 row = std::floor(point.y() / cell) + kMarginCells;
+    const bool is_paper = column >= 0.0 && row >= 0.0 && column < printed.cols && row < printed.rows;
+    return is_paper ? printed.at<std::uint8_t>(static_cast<int>(row), static_cast<int>(column)) : kGround;
+  };
+  cv::Mat image(camera.size, CV_32FC1);
+  const int stride = camera.size.width + 1;
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      const auto at = static_cast<std::size_t>(row) * stride + column;
+      double sum = 0.0;
+      for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+        const int across = sample % kSamples, down = sample / kSamples;
+        const double x = (across + 0.5) / kSamples, y = (down + 0.5) / kSamples;
+        sum += shade((1.0 - y) * ((1.0 - x) * rays[at] + x * rays[at + 1]) +
+                     y * ((1.0 - x) * rays[at + stride] + x * rays[at + stride + 1]));
+      }
+      image.at<float>(row, column) = static_cast<float>(sum / (kSamples * kSamples));
+    }
+  }
+  cv::GaussianBlur(image, image, {0, 0}, 0.6);
+  cv::Mat grey;
+  image.convertTo(grey, CV_8UC1);
+  return grey;
+}
+
+}  // namespace cartvo::test

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "calib/model/rig.hpp"
+#include "calib/rectification/rectification_tables.hpp"
+#include "calib/rectification/rectifier.hpp"
+#include "capture/camera_source.hpp"
+#include "common/host_clock.hpp"
+#include "daemon/pipeline/pair_processor.hpp"
+
+namespace cartvo::test {
+
+constexpr std::int64_t kPeriod_ns = 20'000'000;  // 50 Hz: quick tests
+
+/// Synthetic cameras for tests of the pipeline: a rectified rig with 320x240 px images.
+inline Rig smallRig() {
+  Rig rig;
+  rig.name = "test";
+  rig.left.size = rig.right.size = {320, 240};
+  rig.left.fx = rig.left.fy = rig.right.fx = rig.right.fy = 240.0;
+  rig.left.cx = rig.right.cx = 159.5;
+  rig.left.cy = rig.right.cy = 119.5;
+  rig.T_right_left.translation() = Eigen::Vector3d(-0.2, 0.0, 0.0);
+  rig.T_body_camera = forwardLookingMount();
+  return rig;
+}
+
+inline PairProcessor smallProcessor(const Rig& rig) {
+  const RectificationSettings settings;
+  OdometrySettings odometry;
+  odometry.features = 300;
+  return {rig, Rectifier(rig, settings, buildTables(rig, settings)), odometry};
+}
+
+/// Image of two walls of random texture: in the upper half 4 m ahead (disparity 12 px), in the lower half 2 m
+/// ahead. The cart moves to its right by 33 mm a frame, so the walls move to the left by 2 px and 4 px.
+/// `disparity`: 12 for the right camera, 0 for the left one.
+inline cv::Mat wall(int index, int disparity) {
+  static const cv::Mat kTexture = [] {
+    cv::Mat texture(240, 4000, CV_8UC1);
+    cv::RNG random(42);
+    random.fill(texture, cv::RNG::UNIFORM, 0, 255);
+    cv::GaussianBlur(texture, texture, {5, 5}, 1.2);
+    cv::normalize(texture, texture, 0, 255, cv::NORM_MINMAX);
+    return texture;
+  }();
+  const int column = 20 + 2 * (index % 800) + disparity;
+  cv::Mat image(240, 320, CV_8UC1);
+  kTexture(cv::Rect(column, 0, 320, 120)).copyTo(image.rowRange(0, 120));
+  kTexture(cv::Rect(2 * column, 120, 320, 120)).copyTo(image.rowRange(120, 240));
+  return image;
+}
+
+inline Frame wallFrame(int index, int disparity, std::int64_t exposure_ns) {
+  Frame frame;
+  frame.image = wall(index, disparity);
+  frame.exposure_ns = exposure_ns;
+  frame.arrival_ns = frame.decoded_ns = hostNow();
+  frame.sequence = static_cast<std::uint64_t>(index);
+  return frame;
+}
+
+/// Plays a list of frames as fast as they are read.
+class ListedCamera : public CameraSource {
+ public:
+  explicit ListedCamera(std::vector<Frame> frames) : frames_(std::move(frames)) {}
+
+  ReadOutcome read(Frame& frame, std::chrono::milliseconds /*timeout*/) override {
+    if (interrupted_ || next_ == frames_.size()) return ReadOutcome::ended;
+    frame = frames_[next_++];
+    return ReadOutcome::frame;
+  }
+  CameraHealth health() const override { return {}; }
+  void interrupt() noexcept override { interrupted_ = true; }
+
+ private:
+  std::vector<Frame> frames_;
+  std::size_t next_ = 0;
+  std::atomic<bool> interrupted_ = false;
+};
+
+/// Live camera: at each multiple of the period it delivers the frame that `deliver(index, exposure_ns)`
+/// returns, or nothing if the image is empty. The exposure is that multiple, counted from the construction.
+class TickingCamera : public CameraSource {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Deliver = std::function<Frame(int index, std::int64_t exposure_ns)>;
+
+  explicit TickingCamera(Deliver deliver) : deliver_(std::move(deliver)) {}
+
+  ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override {
+    const Clock::time_point deadline = Clock::now() + timeout;
+    std::unique_lock lock(mutex_);
+    while (!interrupted_) {
+      const Clock::time_point due = start_ + index_ * std::chrono::nanoseconds(kPeriod_ns);
+      changed_.wait_until(lock, std::min(due, deadline), [this] { return interrupted_; });
+      if (interrupted_) break;
+      if (Clock::now() < due) return ReadOutcome::timed_out;
+      frame = deliver_(index_, index_ * kPeriod_ns);
+      ++index_;
+      if (!frame.image.empty()) return ReadOutcome::frame;
+    }
+    return ReadOutcome::ended;
+  }
+  CameraHealth health() const override { return {}; }
+  void interrupt() noexcept override {
+    const std::lock_guard lock(mutex_);
+    interrupted_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  Deliver deliver_;
+  Clock::time_point start_ = Clock::now();
+  int index_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool interrupted_ = false;
+};
+
+}  // namespace cartvo::test

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "support/vo_core/synthetic_texture.hpp"
+#include "vo_core/stereo_odometry.hpp"
+
+namespace cartvo::test {
+
+/// Renders a textured corridor (walls left and right, floor, end wall) with exact rays. Texture waves shorter
+/// than a few pixels at their distance are left out to avoid aliasing.
+class CorridorWorld {
+ public:
+  explicit CorridorWorld(std::uint64_t seed) {
+    Noise noise(seed);
+    for (auto& plane : waves_)
+      for (Wave& wave : plane) {
+        const double angle = 2.0 * M_PI * noise.uniform();
+        const double length = 0.03 * std::pow(100.0, noise.uniform());
+        wave = {std::cos(angle), std::sin(angle), length, 2.0 * M_PI * noise.uniform()};
+      }
+  }
+
+  StereoImages render(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
+                      std::int64_t time_ns) const {
+    return {view(camera, T_world_camera), rightView(camera, T_world_camera), time_ns, time_ns};
+  }
+
+  /// Image of a camera with this pose; image of the right camera of a rig whose left camera has this pose.
+  cv::Mat view(const StereoCamera& camera, const Eigen::Isometry3d& T) const {
+    return draw(camera.width, camera.height, [&](int x, int y) {
+      const Eigen::Vector3d ray = T.linear() * Eigen::Vector3d((x - camera.cx) / camera.focal_length,
+                                                               (y - camera.cy) / camera.focal_length, 1.0);
+      return shade(T.translation(), ray, camera.focal_length);
+    });
+  }
+  cv::Mat rightView(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera) const {
+    return view(camera, T_world_camera * Eigen::Translation3d(camera.baseline, 0, 0));
+  }
+
+ private:
+  struct Wave {
+    double x, y, length, phase;
+  };
+  static constexpr int kPlanes = 4;
+
+  double shade(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double focal_length) const {
+    // Normal axis and offset (m) of each plane: left and right wall, floor, end wall.
+    static constexpr std::array<int, kPlanes> kAxis{0, 0, 1, 2};
+    static constexpr std::array<double, kPlanes> kOffset{-2.5, 3.0, 1.3, 30.0};
+    int hit = 3;
+    double nearest = 1e9;
+    for (int plane = 0; plane < kPlanes; ++plane) {
+      const double distance = (kOffset[plane] - origin[kAxis[plane]]) / ray[kAxis[plane]];
+      if (distance > 0.0 && distance < nearest) {
+        nearest = distance;
+        hit = plane;
+      }
+    }
+    const Eigen::Vector3d point = origin + nearest * ray;
+    const double pixel =
+        nearest * ray.norm() * ray.norm() / (focal_length * std::abs(ray[kAxis[hit]]));  // m, along the slope
+    const double u = point[(kAxis[hit] + 1) % 3];
+    const double v = point[(kAxis[hit] + 2) % 3];
+    double sum = 0.0;
+    for (const Wave& wave : waves_[hit]) {
+      const double visibility = std::clamp((wave.length / pixel - 4.0) / 4.0, 0.0, 1.0);
+      if (visibility > 0.0)
+        sum += visibility * std::sin(2.0 * M_PI / wave.length * (wave.x * u + wave.y * v) + wave.phase);
+    }
+    return 128.0 + 12.0 * sum;
+  }
+
+  std::array<std::array<Wave, 28>, kPlanes> waves_{};
+};
+
+}  // namespace cartvo::test

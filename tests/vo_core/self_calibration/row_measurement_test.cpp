@@ -1,0 +1,78 @@
+// Tests of the row errors measured from one pair.
+#include "vo_core/self_calibration/row_measurement.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/units.hpp"
+#include "support/vo_core/landmark_scene.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kLandmarks = 400;
+
+/// rad and s.
+void expectErrors(const RowMeasurement& measurement, const RowErrors::Vector& truth, double angle,
+                  double delay) {
+  for (const RowErrors::Index index : {RowErrors::kPitch, RowErrors::kRoll, RowErrors::kCrossTerm})
+    EXPECT_NEAR(measurement.errors[index], truth[index], angle) << index;
+  EXPECT_NEAR(measurement.errors[RowErrors::kDelay], truth[RowErrors::kDelay], delay);
+}
+
+TEST(RowMeasurement, FindsTheRotationOfTheRightCamera) {
+  const RigCorrection rig{.yaw = 1e-3, .pitch = 0.3 * kRadiansPerDegree, .roll = -0.3 * kRadiansPerDegree};
+  for (const double offset : {0.0, 0.02, -0.02}) {
+    const BundleProblem problem =
+        test::simulateProblem({.landmarks = kLandmarks, .offset = offset, .rig = rig}, 1);
+    expectErrors(measureRows(problem), {rig.pitch, rig.roll, rig.yaw, 0.0}, 5e-5, 1e-4);
+  }
+}
+
+TEST(RowMeasurement, FindsTheDelayOfTheRightCamera) {
+  for (const double offset : {0.0, 0.02, -0.02})
+    for (const double delay : {-3e-3, 3e-3}) {
+      const BundleProblem problem =
+          test::simulateProblem({.landmarks = kLandmarks, .offset = offset, .delay = delay}, 1);
+      expectErrors(measureRows(problem), {0.0, 0.0, 0.0, delay}, 1e-4, 1e-4);
+    }
+}
+
+TEST(RowMeasurement, IsRobustAgainstFalseMatches) {
+  BundleProblem problem = test::simulateProblem(
+      {.landmarks = kLandmarks, .noise = 1.0, .rig = {.roll = 0.2 * kRadiansPerDegree}}, 1);
+  for (std::size_t i = 0; i < problem.landmarks.size(); i += 5)
+    problem.landmarks[i].observations.back().right.y() += 4.0;
+  EXPECT_NEAR(measureRows(problem).errors[RowErrors::kRoll], 0.2 * kRadiansPerDegree,
+              0.02 * kRadiansPerDegree);
+}
+
+TEST(RowMeasurement, ErrorsAgreeWithTheInformation) {
+  constexpr int kTrials = 60;
+  double sum = 0.0;
+  for (int i = 0; i < kTrials; ++i) {
+    const RowMeasurement measurement =
+        measureRows(test::simulateProblem({.landmarks = kLandmarks, .noise = 1.0}, 1 + i));
+    sum += measurement.errors.dot(measurement.information * measurement.errors) / RowErrors::kSize / kTrials;
+  }
+  // Robust weights make the information slightly conservative; the noise is estimated from the rows.
+  EXPECT_GT(sum, 0.5);
+  EXPECT_LT(sum, 2.0);
+}
+
+TEST(RowMeasurement, AnglesAreLessCertainWithALargerTimeOffset) {
+  const auto information_at = [](double offset) {
+    return measureRows(test::simulateProblem({.landmarks = kLandmarks, .offset = offset, .noise = 1.0}, 1))
+        .information;
+  };
+  EXPECT_LT(information_at(0.025)(0, 0), 0.1 * information_at(0.0)(0, 0));
+}
+
+TEST(RowMeasurement, HasNoInformationFromFewMatches) {
+  EXPECT_EQ(measureRows(test::simulateProblem({.landmarks = 20}, 1)).information, RowErrors::Matrix::Zero());
+}
+
+}  // namespace
+}  // namespace cartvo

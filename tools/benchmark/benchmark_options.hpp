@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/report/table.hpp"
+#include "tools/simulate/stream/stream_cache.hpp"
+#include "tools/world/world_settings.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+/// Options that all subcommands of `cartvo benchmark` share.
+struct BenchmarkOptions {
+  std::filesystem::path data;
+  int threads = 2;
+  std::string format = "text";
+  std::filesystem::path output;
+
+  ReportFormat reportFormat() const;
+};
+
+/// Adds --threads, --format and --output. `options` must live as long as the command.
+void addReportOptions(CLI::App& command, BenchmarkOptions& options);
+
+/// Adds --data and the options of addReportOptions. `options` must live as long as the command.
+void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
+
+/// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it exists. Empty if there
+/// is none. Throws std::runtime_error if it is not a folder.
+std::filesystem::path dataFolder(const BenchmarkOptions& options);
+
+/// Checks before the long work that the folder of an output file exists. Throws std::runtime_error if not.
+/// Accepts an empty name.
+void checkOutput(const std::filesystem::path& file);
+
+/// Writes the report to the terminal or to the output file: `json` with the name of the benchmark, versions
+/// and threads before it, or `text` in the chosen format. Calls only one of the two functions.
+void writeReport(const BenchmarkOptions& options, const char* benchmark,
+                 const std::function<nlohmann::ordered_json()>& json,
+                 const std::function<std::string(ReportFormat)>& text);
+
+/// Throws std::runtime_error if there are neither real sequences nor worlds.
+void requireSequences(const std::filesystem::path& data, const std::vector<world::WorldSettings>& worlds);
+
+inline constexpr const char* kAllScenarios = "all";
+inline constexpr const char* kNoScenario = "none";
+
+/// Adds --scenarios and --seeds, and returns the former. `scenarios` and `seeds` must live as long as the
+/// command.
+CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
+                            std::vector<std::uint64_t>& seeds);
+
+/// The worlds of each scenario with each seed; other settings have their defaults. `scenarios` must be values
+/// of
+/// --scenarios: names of scenarios, "all", "none".
+std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
+                                               const std::vector<std::uint64_t>& seeds, int threads);
+
+/// Options of rendered drives, which start moving half a second after the first pair.
+struct DriveOptions {
+  std::vector<std::string> scenarios;
+  std::vector<std::uint64_t> seeds{1};
+  double seconds = 20.0;
+  int features = OdometrySettings{}.features;
+  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
+};
+
+/// Adds the options of rendered drives. The values of `options` are the defaults; it must live as long as the
+/// command.
+void addDriveOptions(CLI::App& command, DriveOptions& options);
+
+/// The worlds of each scenario with each seed, with synchronised cameras.
+std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads);
+
+/// Shows on the error output a line for each step of the work, with a progress bar below it.
+class WorkDisplay {
+ public:
+  benchmark::WorkObserver observer();
+
+ private:
+  std::optional<ProgressBar> bar_;
+};
+
+}  // namespace cartvo

@@ -1,0 +1,178 @@
+// Errors over the time offset as tables and as JSON.
+#include "tools/benchmark/offset/offset_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+
+#include "common/units.hpp"
+#include "tools/evaluate/report.hpp"
+
+namespace cartvo::benchmark {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The result of two-instants on the same sequence without a time offset; null if it was not measured.
+const OffsetAccuracy* synchronisedReference(const OffsetAccuracy& one,
+                                            const std::vector<OffsetAccuracy>& all) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const OffsetAccuracy& other) {
+    return other.sequence == one.sequence && other.clock == RightClock{} &&
+           other.model == OffsetModel::two_instants;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::string pairOf(double a, double b) {
+  return significant(a) + " / " + significant(b);
+}
+
+std::string consistencyCell(const NormalisedErrors& errors) {
+  return errors.groups() == 0 ? kNoValue : significant(errors.mean());
+}
+
+std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
+  const SequenceAccuracy& a = one.accuracy;
+  const Evaluation& e = a.evaluation;
+  const SegmentErrors& segments = e.short_segments.all;
+  const std::optional<ErrorRatios> ratios = ratiosOf(one, all);
+  return {
+      one.sequence,
+      clockName(one.clock),
+      offsetModelName(one.model),
+      std::to_string(a.pairs),
+      segments.count == 0 ? kNoValue
+                          : pairOf(100.0 * segments.translation, kDegreesPerRadian * segments.rotation),
+      ratios ? fixed(ratios->segment_translation, 2) + " / " + fixed(ratios->segment_rotation, 2) : kNoValue,
+      pairOf(1e3 * e.relative_translation, kDegreesPerRadian * e.relative_rotation),
+      ratios ? fixed(ratios->relative_translation, 2) + " / " + fixed(ratios->relative_rotation, 2)
+             : kNoValue,
+      e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,
+      std::to_string(a.invalid),
+      std::to_string(a.resets),
+      std::to_string(a.wrong),
+      consistencyCell(a.consistency.motion),
+      consistencyCell(a.consistency.pose)};
+}
+
+constexpr const char* kLegend =
+    "right camera: its time offset, and how much slower its clock is. Errors of the left camera's path\n"
+    "(cartvo-evaluate(1)): segments of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg), "
+    "final drift.\n"
+    "x: as multiples of the errors of two-instants on the same sequence without a time offset. wrong: valid, "
+    "but off by\n"
+    "more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the squared error over its "
+    "covariance, per\n"
+    "dimension: 1 is consistent.\n";
+
+Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
+  const SequenceAccuracy& a = one.accuracy;
+  const auto mean = [](const NormalisedErrors& errors) {
+    return errors.groups() == 0 ? Json(nullptr) : Json(errors.mean());
+  };
+  Json json{{"sequence", one.sequence},
+            {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
+            {"offset_ms", 1e3 * one.clock.offset_s},
+            {"drift_ppm", one.clock.drift_ppm},
+            {"model", offsetModelName(one.model)},
+            {"pairs", a.pairs},
+            {"invalid", a.invalid},
+            {"lost", a.lost},
+            {"resets", a.resets},
+            {"wrong_while_valid", a.wrong},
+            {"evaluation", evaluationJson(a.evaluation)},
+            {"ratio_to_0_ms", nullptr},
+            {"nees_motion", mean(a.consistency.motion)},
+            {"nees_pose", mean(a.consistency.pose)}};
+  // Not defined for several drives together.
+  for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
+    json["evaluation"][key] = nullptr;
+  if (const std::optional<ErrorRatios> ratios = ratiosOf(one, all)) {
+    json["ratio_to_0_ms"] = {{"segment_translation", ratios->segment_translation},
+                             {"segment_rotation", ratios->segment_rotation},
+                             {"relative_translation", ratios->relative_translation},
+                             {"relative_rotation", ratios->relative_rotation}};
+  }
+  return json;
+}
+
+std::vector<OffsetAccuracy> withAllWorlds(std::vector<OffsetAccuracy> accuracies) {
+  std::vector<OffsetAccuracy> together = allWorlds(accuracies);
+  std::move(together.begin(), together.end(), std::back_inserter(accuracies));
+  return accuracies;
+}
+
+}  // namespace
+
+double ErrorRatios::largest() const {
+  return std::max({segment_translation, segment_rotation, relative_translation, relative_rotation});
+}
+
+std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
+  const OffsetAccuracy* reference = synchronisedReference(one, all);
+  if (reference == nullptr) return std::nullopt;
+  const Evaluation& e = one.accuracy.evaluation;
+  const Evaluation& r = reference->accuracy.evaluation;
+  const ErrorRatios ratios{e.short_segments.all.translation / r.short_segments.all.translation,
+                           e.short_segments.all.rotation / r.short_segments.all.rotation,
+                           e.relative_translation / r.relative_translation,
+                           e.relative_rotation / r.relative_rotation};
+  if (!std::isfinite(ratios.segment_translation + ratios.segment_rotation + ratios.relative_translation +
+                     ratios.relative_rotation))
+    return std::nullopt;
+  return ratios;
+}
+
+std::vector<OffsetAccuracy> allWorlds(const std::vector<OffsetAccuracy>& accuracies) {
+  struct Group {
+    OffsetAccuracy together;
+    std::vector<SequenceAccuracy> worlds;
+  };
+  std::vector<Group> groups;
+  for (const OffsetAccuracy& one : accuracies) {
+    if (one.accuracy.kind != SequenceKind::rendered) continue;
+    auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
+      return group.together.clock == one.clock && group.together.model == one.model;
+    });
+    if (same == groups.end()) same = groups.insert(groups.end(), Group{{"", one.clock, one.model, {}}, {}});
+    same->worlds.push_back(one.accuracy);
+  }
+  std::vector<OffsetAccuracy> results;
+  for (Group& group : groups) {
+    if (group.worlds.size() < 2) continue;
+    group.together.sequence = "all " + std::to_string(group.worlds.size()) + " worlds";
+    group.together.accuracy = summarise(group.together.sequence, group.worlds);
+    results.push_back(std::move(group.together));
+  }
+  return results;
+}
+
+std::string clockName(const RightClock& clock) {
+  char text[64];
+  if (clock.drift_ppm == 0.0) {
+    std::snprintf(text, sizeof text, "%.4g ms", 1e3 * clock.offset_s);
+  } else {
+    std::snprintf(text, sizeof text, "%.3g ms %+.0f ppm", 1e3 * clock.offset_s, clock.drift_ppm);
+  }
+  return text;
+}
+
+std::string offsetTable(const std::vector<OffsetAccuracy>& accuracies, ReportFormat format) {
+  Table table({"sequence", "right camera", "model", "pairs", "5–40 m: % / deg/m", "x", "RPE: mm / deg", "x",
+               "drift, %", "invalid", "resets", "wrong", "NEES motion", "NEES pose"});
+  const std::vector<OffsetAccuracy> all = withAllWorlds(accuracies);
+  for (const OffsetAccuracy& one : all)
+    table.add(cells(one, all));
+  return table.as(format) + "\n" + kLegend;
+}
+
+Json offsetJson(const std::vector<OffsetAccuracy>& accuracies) {
+  const std::vector<OffsetAccuracy> all = withAllWorlds(accuracies);
+  Json json{{"offsets", Json::array()}};
+  for (const OffsetAccuracy& one : all)
+    json["offsets"].push_back(rowJson(one, all));
+  return json;
+}
+
+}  // namespace cartvo::benchmark

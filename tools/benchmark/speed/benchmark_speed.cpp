@@ -1,0 +1,122 @@
+// The command line of `cartvo benchmark speed`.
+#include "tools/benchmark/speed/benchmark_speed.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/image_size.hpp"
+#include "tools/benchmark/benchmark_options.hpp"
+#include "tools/benchmark/speed/speed_benchmark.hpp"
+#include "tools/benchmark/speed/speed_report.hpp"
+#include "tools/replay/setting_names.hpp"
+#include "tools/simulate/stream/stream_cache.hpp"
+
+namespace cartvo {
+namespace {
+
+using namespace benchmark;  // NOLINT(google-build-using-namespace): this file is that namespace's command
+                            // line
+
+struct SpeedOptions {
+  BenchmarkOptions common;
+  std::vector<std::string> sizes{"680x420", "1241x376", "1280x720", "1920x1080"};
+  std::vector<int> features{500, 1000, 2000, 9600};
+  std::vector<int> thread_counts{1, 2};
+  std::string estimator = estimatorName(OdometrySettings{}.estimator);
+  int pairs = SpeedSettings{}.pairs;
+  int repeats = SpeedSettings{}.repeats;
+  std::filesystem::path cache = simulate::StreamCache::defaultFolder();
+};
+
+constexpr const char* kNoSize = "none";
+
+std::string checkSize(const std::string& text) {
+  if (text == kNoSize) return "";
+  constexpr int kMinSide = 160, kMaxSide = 8192;  // px
+  const cv::Size size = parseImageSize(text).value_or(cv::Size());
+  const bool fits =
+      std::min(size.width, size.height) >= kMinSide && std::max(size.width, size.height) <= kMaxSide;
+  return fits ? "" : "'" + text + "': expected WIDTHxHEIGHT, each from 160 to 8192, such as 680x420, or none";
+}
+
+void run(const SpeedOptions& options) {
+  checkOutput(options.common.output);
+  SpeedSettings settings;
+  for (const std::string& size : options.sizes)
+    if (size != kNoSize) settings.sizes.push_back(parseImageSize(size).value());
+  settings.data = dataFolder(options.common);
+  settings.features = options.features;
+  settings.threads = options.thread_counts;
+  settings.odometry.estimator = estimatorNamed(options.estimator);
+  settings.rendering_threads = options.common.threads;
+  settings.pairs = options.pairs;
+  settings.repeats = options.repeats;
+  settings.cache = options.cache;
+  WorkDisplay display;
+  const std::vector<SpeedResult> results = runSpeedBenchmark(settings, display.observer());
+  writeReport(
+      options.common, "speed", [&] { return speedJson(results); },
+      [&](ReportFormat format) { return speedTables(results, format); });
+}
+
+void addChoices(CLI::App& command, SpeedOptions& options) {
+  command.add_option("--sizes", options.sizes, "Image sizes of the rendered campus drive, or none")
+      ->delimiter(',')
+      ->check(CLI::Validator(checkSize, "WIDTHxHEIGHT"))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--features", options.features, "Target numbers of features in each left image")
+      ->delimiter(',')
+      ->check(CLI::Range(50, 20000))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--thread-counts", options.thread_counts, "Numbers of threads for the odometry")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 64))
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--estimator", options.estimator, "Estimator to time")
+      ->check(CLI::IsMember(estimatorNames()))
+      ->capture_default_str();
+  command
+      .add_option("--pairs", options.pairs,
+                  "Maximum number of pairs of each drive; the first four are not counted")
+      ->check(CLI::Range(kWarmUpPairs + 2, 10000))
+      ->capture_default_str();
+  command.add_option("--repeats", options.repeats, "Repetitions of each drive")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--cache", options.cache, "Folder for rendered worlds")
+      ->type_name("DIR")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addSpeedBenchmark(CLI::App& benchmark) {
+  CLI::App* command =
+      benchmark.add_subcommand("speed", "Measure the time of a pair and of its stages, relative to OpenCV");
+  const auto options = std::make_shared<SpeedOptions>();
+  addBenchmarkOptions(*command, options->common);
+  addChoices(*command, *options);
+  command->footer(
+      "A campus drive is rendered once in each size, which takes some minutes. These drives and the real "
+      "sequences are\n"
+      "read into memory and run through the daemon's stages from the raw images to the pose. Sequences with "
+      "rectified\n"
+      "images are run a second time with lens distortion. OpenCV's remap, pyramids and KLT are timed in "
+      "between on images\n"
+      "of the same drives, so ratios are valid on a busy machine too. "
+      "build/release/tools/benchmark/cartvo_kernels times the\n"
+      "inner loops separately.\n"
+      "Examples:\n"
+      "  cartvo benchmark speed --sizes 680x420 --features 1000 --data none\n"
+      "  cartvo benchmark speed --sizes none --data ../shared/data --pairs 60 --repeats 5\n"
+      "  cartvo benchmark speed --format markdown --output speed.md");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,63 @@
+// `cartvo calibrate board`: writes a calibration board to print.
+#include "tools/calibrate/board/calibrate_board.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "calib/board/board_spec.hpp"
+#include "tools/calibrate/board/board_print.hpp"
+#include "tools/calibrate/board/board_sheet.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::string board;
+  std::filesystem::path output;
+  std::string page = "auto";
+  double dots_per_inch = 300.0;
+};
+
+void run(const Options& options) {
+  const calibrate::BoardSheet sheet = calibrate::layOutBoard(parseBoardSpec(options.board), options.page);
+  calibrate::printBoard(sheet, options.output, options.dots_per_inch);
+  std::printf(
+      "%s: %s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
+      "and give the measured lengths to 'cartvo calibrate --board'.\n",
+      options.output.c_str(), boardSpecText(sheet.board).c_str(), sheet.pattern.width, sheet.pattern.height,
+      sheet.page.name.c_str());
+}
+
+}  // namespace
+
+void addCalibrateBoard(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand("board", "Write a calibration board to print, true to scale");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option(
+          "--board", options->board,
+          "chessboard:COLUMNSxROWS:SQUARE (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER[:BITSxBITS]\n"
+          "(squares) or aprilgrid:COLUMNSxROWS:TAG:SPACING (tags); lengths in m, spacing in tags")
+      ->required()
+      ->type_name("SPEC");
+  command->add_option("--output", options->output, "A .pdf, .svg or .png file")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--page", options->page,
+                   "A4, A3, A2, A1, A0 or WIDTHxHEIGHT in mm; auto: the smallest that fits")
+      ->capture_default_str();
+  command->add_option("--dpi", options->dots_per_inch, "Pixels per inch of a .png")
+      ->check(CLI::Range(20.0, 1200.0))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --page A3\n"
+      "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "
+      "A1");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

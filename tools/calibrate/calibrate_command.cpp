@@ -1,0 +1,38 @@
+// `cartvo calibrate`: calibrates the cameras, their relative pose and their mounting on the cart.
+#include "tools/calibrate/board/calibrate_board.hpp"
+#include "tools/calibrate/calibrate_convert.hpp"
+#include "tools/calibrate/calibrate_rig.hpp"
+#include "tools/calibrate/check/calibrate_check.hpp"
+#include "tools/calibrate/mount/calibrate_mount.hpp"
+#include "tools/calibrate/plan/calibrate_plan.hpp"
+#include "tools/cartvo/commands.hpp"
+
+namespace cartvo {
+
+void addCalibrateCommand(CLI::App& cartvo) {
+  CLI::App* command = cartvo.add_subcommand("calibrate", "Calibrate the cameras, and related tools");
+  command->require_subcommand(0, 1);
+  command->footer(
+      "Print a board (cartvo calibrate board), glue it to a flat plate, measure a square with a ruler or\n"
+      "calliper, and record 20 to 40 pairs of images: near and far, in all corners of both images, tilted "
+      "by\n"
+      "20 to 40 degrees to all four sides, and the board held still. The lens model is the one that "
+      "predicts\n"
+      "held-out views best. The exit code is 0 only if the calibration passes its validation; otherwise "
+      "FILE\n"
+      "is not changed. See cartvo-calibrate(1).\n"
+      "Examples:\n"
+      "  cartvo calibrate board --board chessboard:9x6:0.025 --output board.pdf\n"
+      "  cartvo calibrate images --board chessboard:9x6:0.0252 --output rig.yaml --report report\n"
+      "  cartvo calibrate live --page --board chessboard:9x6:0.0252 --output rig.yaml\n"
+      "  cartvo calibrate images --left 'left*.jpg' --right 'right*.jpg' --board aprilgrid:6x6:0.088:0.3 "
+      "--output rig.yaml");
+  addCalibrateRig(*command);
+  addCalibrateBoard(*command);
+  addCalibrateCheck(*command);
+  addCalibrateConvert(*command);
+  addCalibrateMount(*command);
+  addCalibratePlan(*command);
+}
+
+}  // namespace cartvo

@@ -1,0 +1,92 @@
+// `cartvo calibrate convert`: converts rigs from and to other tools' file formats.
+#include "tools/calibrate/calibrate_convert.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/format/rig_formats.hpp"
+#include "calib/rectification/rectification.hpp"
+#include "common/atomic_file.hpp"
+#include "tools/simulate/simulate_options.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<fs::path> files;
+  std::string format = "cartvo";
+  std::string image_size;
+  fs::path output;
+};
+
+void write(const fs::path& output, const std::vector<RigFile>& files) {
+  for (const RigFile& file : files) {
+    const fs::path path = file.name.empty() ? output : output / file.name;
+    if (!file.name.empty()) fs::create_directories(path.parent_path());
+    writeFileAtomically(path, file.text);
+    std::printf("%s\n", path.c_str());
+  }
+}
+
+void warnOfLostScaleUncertainty(const Rig& rig, RigFormat format) {
+  if (format == RigFormat::cartvo || !(rig.scale_stddev > 0.0)) return;
+  std::fprintf(
+      stderr,
+      "cartvo: the format %s cannot store the scale's uncertainty (scale_deviation: %g); when read back, the "
+      "scale counts as exact\n",
+      rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_stddev);
+}
+
+void run(const Options& options) {
+  std::optional<cv::Size> image_size;
+  if (!options.image_size.empty()) image_size = parseSize(options.image_size);
+  const Rig rig = readRigFiles(options.files, image_size);
+  // Rejects a rig that cannot be rectified now, not at the daemon's start.
+  const Rectification rectified = computeRectification(rig, rig.rectification);
+  const RigFormat format = parseRigFormat(options.format);
+  write(options.output, rigFilesOf(rig, format));
+  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
+               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
+  warnOfLostScaleUncertainty(rig, format);
+}
+
+}  // namespace
+
+void addCalibrateConvert(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand("convert", "Convert rigs from and to other tools' formats");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("FILE", options->files,
+                   "A rig file in any format; for EuRoC's sensor.yaml and ROS' camera_info the left and the "
+                   "right file")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--to", options->format, "Format to write")
+      ->check(CLI::IsMember(rigFormatNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--output", options->output, "File to write; a folder for ros and euroc")
+      ->required()
+      ->type_name("PATH");
+  command
+      ->add_option("--size", options->image_size,
+                   "Size of the images, px; needed for KITTI's calib.txt, which does not contain it")
+      ->type_name("WIDTHxHEIGHT");
+  command->footer(
+      "The format of FILE is detected from its contents. Other formats contain neither the cameras' mounting "
+      "on\n"
+      "the cart (see 'cartvo calibrate mount') nor the scale's uncertainty.\n"
+      "Examples:\n"
+      "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
+      "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"
+      "  cartvo calibrate convert rig.yaml --to ros --output camera_info");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,308 @@
+// `cartvo calibrate SOURCE`: calibrates both cameras and their relative pose from views of a board.
+#include "tools/calibrate/calibrate_rig.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "calib/format/rig_file.hpp"
+#include "calib/solver/calibration.hpp"
+#include "capture/recording/recording_folder.hpp"
+#include "capture/recording/recording_source.hpp"
+#include "common/atomic_file.hpp"
+#include "daemon/service/configuration.hpp"
+#include "daemon/service/live_camera.hpp"
+#include "tools/calibrate/report/calibration_report.hpp"
+#include "tools/calibrate/report/calibration_summary.hpp"
+#include "tools/calibrate/views/board_views.hpp"
+#include "tools/calibrate/views/live_page.hpp"
+#include "tools/calibrate/views/newest_frame.hpp"
+#include "tools/calibrate/views/stream_views.hpp"
+#include "tools/calibrate/views/view_guide.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::filesystem::path source;
+  std::string left, right;
+  std::filesystem::path configuration = "/etc/cartvo/cartvod.yaml";
+  std::string board;
+  std::filesystem::path output;
+  std::filesystem::path report;
+  std::string model = "auto";
+  double free_scaling = 0.0;
+  bool json = false;
+  std::optional<PageAddress> page;
+};
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+/// The first Ctrl-C ends the collection of views, the second one the program.
+void stopOnFirstInterrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+const std::map<std::string, std::vector<CalibrationModel>>& modelChoices() {
+  using enum CalibrationModel;
+  static const std::map<std::string, std::vector<CalibrationModel>> choices{
+      {"auto", {brown2, brown4, brown5, brown8, wide}},
+      {"brown", {brown2, brown4, brown5, brown8}},
+      {"brown2", {brown2}},
+      {"brown4", {brown4}},
+      {"brown5", {brown5}},
+      {"brown8", {brown8}},
+      {"wide", {wide}}};
+  return choices;
+}
+
+ImagePairs findPairs(const Options& options) {
+  if (options.left.empty()) return pairsInFolder(options.source);
+  return pairsByPattern(options.source / options.left, options.source / options.right);
+}
+
+/// The rig file that the output will replace, if any. Throws if the output exists but is no rig file, before
+/// any work is done.
+std::optional<Rig> rigBefore(const std::filesystem::path& output) {
+  if (!std::filesystem::exists(output)) return std::nullopt;
+  try {
+    return readRig(output);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("--output exists and is not a rig file, so it is not replaced: ") +
+                             error.what());
+  }
+}
+
+/// The calibrated rig, with the name and the mounting of the rig file that it replaces.
+Rig rigToWrite(const Calibration& calibration, const std::optional<Rig>& before, const Options& options) {
+  Rig rig = calibration.rig();
+  rig.name = before ? before->name : options.output.stem().string();
+  rig.T_body_camera = before ? before->T_body_camera : forwardLookingMount();
+  rig.rectification.free_scaling = options.free_scaling;
+  rig.scale_stddev = scaleStddev(calibration);
+  return rig;
+}
+
+/// True if the views come from streams, false if they come from images.
+bool usesStreams(const Options& options) {
+  return options.left.empty() && (options.source == "live" || isRecording(options.source));
+}
+
+/// The views and their images.
+struct FoundViews {
+  BoardViews views;
+  ImagePairs pairs;                    ///< image files
+  std::vector<DetectedView> streamed;  ///< views from streams
+};
+
+FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
+  FoundViews found;
+  found.pairs = findPairs(options);
+  ProgressBar progress("pairs");
+  found.views =
+      findViews(found.pairs, board, [&](std::size_t done) { progress.show(done, found.pairs.pairs.size()); });
+  return found;
+}
+
+FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
+                          StreamViewSettings settings, LivePage* page) {
+  stopOnFirstInterrupt();
+  settings.is_stop_requested = [] { return stop_requested != 0; };
+  ViewGuide guide;
+  StreamedViews streamed =
+      viewsFromStreams(left, right, board, settings, [&](const StreamProgress& progress) {
+        guide.show(progress);
+        if (page != nullptr) page->show(progress);
+      });
+  guide.end();
+  if (page != nullptr) page->showSolving();
+  if (streamed.views.empty()) {
+    throw std::runtime_error(
+        "no view of the board: both cameras must see it, held still for a second; check "
+        "that --board " +
+        boardSpecText(board) + " is the board shown");
+  }
+  FoundViews found;
+  found.views = selectViews(streamed.views, board, streamed.image_size);
+  found.streamed = std::move(streamed.views);
+  return found;
+}
+
+FoundViews viewsOfLiveCameras(const Options& options, const BoardSpec& board, LivePage* page) {
+  const Configuration configuration = readConfiguration(options.configuration);
+  StereoTimestamper clock(configuration.clock);
+  LiveCamera left(configuration, CameraSide::left, {}, clock);
+  LiveCamera right(configuration, CameraSide::right, {}, clock);
+  NewestFrame newest_left(left.source()), newest_right(right.source());
+  std::fprintf(
+      stderr,
+      "cartvo: show the board to both cameras, and hold it still for a second at a time; Ctrl-C ends the "
+      "collection and calibrates with the views so far\n");
+  return viewsOfStreams(newest_left, newest_right, board, {.max_seconds = 900.0, .stop_when_complete = true},
+                        page);
+}
+
+FoundViews viewsOf(const Options& options, const BoardSpec& board, LivePage* page) {
+  if (!usesStreams(options)) return viewsOfPairs(options, board);
+  if (options.source == "live") return viewsOfLiveCameras(options, board, page);
+  RecordingSource left(options.source, CameraSide::left), right(options.source, CameraSide::right);
+  return viewsOfStreams(left, right, board, {.max_seconds = 3600.0, .stop_when_complete = false}, page);
+}
+
+/// The first used view whose images are available.
+ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
+  for (const BoardView& used : calibration.views) {
+    for (const ImagePair& pair : found.pairs.pairs) {
+      if (pair.name == used.name) return {pair.name, readGrey(pair.left), readGrey(pair.right)};
+    }
+    for (const DetectedView& view : found.streamed) {
+      if (view.view.name == used.name && !view.left_image.empty())
+        return {used.name, view.left_image, view.right_image};
+    }
+  }
+  return {};
+}
+
+/// Calibrates, reports, and writes the rig file if the calibration passes. `summary`: receives the text
+/// report.
+void calibrate(const Options& options, const BoardSpec& board, LivePage* page, std::string& summary) {
+  const std::optional<Rig> before = rigBefore(options.output);
+  const FoundViews found = viewsOf(options, board, page);
+  Calibration calibration =
+      calibrateViews(found.views.views, board, found.views.image_size, modelChoices().at(options.model));
+  calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
+                              found.views.rejected.end());
+  const std::string json = calibrationJson(calibration).dump(2) + "\n";
+  if (!options.report.empty()) {
+    std::filesystem::create_directories(options.report);
+    writeFileAtomically(options.report / "calibration.json", json);
+    writeFileAtomically(options.report / "report.html",
+                        calibrationReport(calibration, reportPair(found, calibration)));
+  }
+  summary = calibrationText(calibration);
+  std::fputs((options.json ? json : summary).c_str(), stdout);
+  if (!calibration.passed()) {
+    throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
+                             " is not changed");
+  }
+  writeRig(options.output, rigToWrite(calibration, before, options));
+  std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
+}
+
+std::unique_ptr<LivePage> servePage(const PageAddress& address, const BoardSpec& board) {
+  auto page = std::make_unique<LivePage>(address, board);
+  std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
+  if (!address.isLoopback())
+    std::fprintf(stderr, "cartvo: anyone who can reach this address can see the cameras' pictures\n");
+  return page;
+}
+
+void run(const Options& options) {
+  const BoardSpec board = parseBoardSpec(options.board);
+  const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
+  std::string summary;
+  try {
+    calibrate(options, board, page.get(), summary);
+  } catch (const std::exception& error) {
+    if (page) page->showResult(false, summary + error.what());
+    throw;
+  }
+  if (page) page->showResult(true, summary);
+}
+
+}  // namespace
+
+void addCalibrateRig(CLI::App& calibrate) {
+  const auto options = std::make_shared<Options>();
+  calibrate.add_option("SOURCE", options->source,
+                       "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
+                       "'live': the configured cameras; with --left and --right the folder of the images");
+  CLI::Option* const left =
+      calibrate
+          .add_option("--left", options->left, "The left images: a pattern with one '*', such as 'L*.jpg'")
+          ->type_name("PATTERN");
+  CLI::Option* const right =
+      calibrate
+          .add_option("--right", options->right,
+                      "The right images; the text matched by '*' pairs them with the left ones")
+          ->type_name("PATTERN");
+  left->needs(right);
+  right->needs(left);
+  calibrate
+      .add_option("--board", options->board,
+                  "The board, with the measured side of a square in metres:\n"
+                  "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
+                  "aprilgrid:6x6:0.088:0.3")
+      ->type_name("BOARD");
+  calibrate
+      .add_option("--config", options->configuration,
+                  "With 'live': cartvod's configuration file, which names the cameras")
+      ->type_name("FILE")
+      ->capture_default_str();
+  calibrate.add_option("--output", options->output, "Rig file to write if the calibration passes")
+      ->type_name("FILE");
+  calibrate.add_option("--report", options->report, "Folder for the report; created if it is missing")
+      ->type_name("DIR");
+  std::vector<std::string> models;
+  for (const auto& [name, model] : modelChoices())
+    models.push_back(name);
+  calibrate
+      .add_option(
+          "--model", options->model,
+          "Lens model: 'auto' selects the one that predicts held-out views best, 'brown' the best of Brown's")
+      ->check(CLI::IsMember(models))
+      ->type_name("MODEL")
+      ->capture_default_str();
+  calibrate
+      .add_option(
+          "--free-scaling", options->free_scaling,
+          "Part of the images that rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  const auto page = std::make_shared<std::string>();
+  CLI::Option* const page_option =
+      calibrate
+          .add_option(
+              "--page", *page,
+              "With 'live' or a recording: serve a web page with both pictures and the next view to show\n"
+              "(default: 127.0.0.1:8600, for browsers on this computer only; 0: any free port)")
+          ->type_name("[ADDRESS:]PORT")
+          ->expected(0, 1);
+  calibrate.add_flag("--json", options->json, "Print all numbers as JSON instead of the summary");
+  calibrate.callback([options, page, page_option, &calibrate] {
+    if (!calibrate.get_subcommands().empty()) return;
+    if (options->source.empty() && options->left.empty())
+      throw CLI::RequiredError("SOURCE, or --left and --right");
+    if (options->board.empty()) throw CLI::RequiredError("--board");
+    if (options->output.empty()) throw CLI::RequiredError("--output");
+    try {
+      parseBoardSpec(options->board);
+    } catch (const std::invalid_argument& error) {
+      throw CLI::ValidationError("--board", error.what());
+    }
+    if (page_option->count() > 0) {
+      if (!usesStreams(*options))
+        throw CLI::ValidationError("--page",
+                                   "works with live cameras or a recording only; for images use --report");
+      try {
+        options->page = page->empty() ? PageAddress{} : PageAddress::parse(*page);
+      } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError("--page", error.what());
+      }
+    }
+    run(*options);
+  });
+}
+
+}  // namespace cartvo

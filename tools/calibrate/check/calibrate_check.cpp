@@ -1,0 +1,105 @@
+// `cartvo calibrate check`: tests whether a rig file matches given pictures.
+#include "tools/calibrate/check/calibrate_check.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calib/format/rig_file.hpp"
+#include "calib/rectification/rectification_tables.hpp"
+#include "calib/rectification/rectifier.hpp"
+#include "capture/dataset/image_folder.hpp"
+#include "tools/calibrate/check/row_check.hpp"
+#include "tools/calibrate/source_pairs.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path rig, source, right;
+  int pairs = 20;
+  double largest_rms = 0.3;
+  bool json = false;
+};
+
+using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
+
+/// Calls `use` for pairs spread evenly over the source.
+void forSelectedPairs(const Options& options, const UsePair& use) {
+  if (!options.right.empty()) {
+    use(readGreyImage(options.source), readGreyImage(options.right));
+    return;
+  }
+  StereoSource source = openSource(options.source);
+  const std::size_t stride = std::max<std::size_t>(1, source.pairs / static_cast<std::size_t>(options.pairs));
+  ProgressBar progress("pairs");
+  std::size_t index = 0, used = 0;
+  calibrate::forEachPair(source, [&](const FramePair& pair) {
+    if (index++ % stride != 0) return true;
+    use(pair.left.image, pair.right.image);
+    progress.show(++used, static_cast<std::size_t>(options.pairs));
+    return used < static_cast<std::size_t>(options.pairs);
+  });
+}
+
+void run(const Options& options) {
+  const Rig rig = readRig(options.rig);
+  const Rectifier rectifier(rig, rig.rectification, buildTables(rig, rig.rectification));
+  std::vector<calibrate::RectifiedMatch> matches;
+  int pairs = 0;
+  forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
+    cv::Mat rectified_left, rectified_right;
+    rectifier.rectifyLeft(left, rectified_left);
+    rectifier.rectifyRight(right, rectified_right);
+    for (const calibrate::RectifiedMatch& match : calibrate::matchRectified(rectified_left, rectified_right))
+      matches.push_back(match);
+    ++pairs;
+  });
+  const Rectification& rectification = rectifier.rectification();
+  const calibrate::RowCheck check = calibrate::checkRows(matches, pairs, rectification);
+  const std::string report =
+      options.json ? calibrate::rowCheckJson(check, rectification, options.largest_rms).dump(2) + "\n"
+                   : calibrate::rowCheckText(check, rectification, options.largest_rms);
+  std::fputs(report.c_str(), stdout);
+  if (!calibrate::passes(check, options.largest_rms)) throw CLI::RuntimeError(EXIT_FAILURE);
+}
+
+}  // namespace
+
+void addCalibrateCheck(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand("check", "Test a rig file on pictures");
+  const auto options = std::make_shared<Options>();
+  command->add_option("RIG", options->rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
+      ->required();
+  command
+      ->add_option("SOURCE", options->source,
+                   "A recording, a folder in KITTI's or EuRoC's layout, or the left picture")
+      ->required();
+  command->add_option("RIGHT", options->right, "The right picture");
+  command->add_option("--pairs", options->pairs, "Number of pairs to test, spread over SOURCE")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      ->add_option("--largest-rms", options->largest_rms,
+                   "Largest RMS of the vertical disparity that passes, px")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->footer(
+      "The exit code is 0 if the rig passes and 1 if not. The cart must be at a standstill if the cameras "
+      "are\n"
+      "not synchronised.\n"
+      "Examples:\n"
+      "  cartvo calibrate check rig.yaml left.png right.png\n"
+      "  cartvo calibrate check camchain.yaml euroc/V1_01_easy --pairs 50");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/rectification/rectification.hpp"
+#include "tools/calibrate/check/rectified_matches.hpp"
+
+namespace cartvo::calibrate {
+
+/// Statistics of matched points that show whether a rig is correct: in rectified images a point must be in
+/// the same row of both.
+struct RowCheck {
+  int pairs = 0;
+  int matches = 0;        ///< number of inliers
+  double outliers = 0.0;  ///< share of outliers: mismatches and moving objects
+  // Vertical disparities of the inliers, px.
+  double rms = 0.0, p95 = 0.0;  ///< RMS and 95th percentile of their magnitude
+  double median = 0.0;
+  double slope = 0.0;     ///< change over the image width, caused by a roll of the right camera
+  double scatter = 0.0;   ///< RMS after a rotation of the right camera is fitted: mostly matching noise
+  double in_front = 0.0;  ///< share of the inliers without clearly negative disparity
+};
+
+/// Computes the statistics of the matches of `pairs` pairs. Throws std::runtime_error if there are too few.
+RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs, const Rectification& rectification);
+
+/// Whether most disparities are negative, as with exchanged images.
+bool seemsSwapped(const RowCheck& check);
+
+/// Whether the rig passes: images not exchanged, and an RMS of at most `max_rms` px.
+bool passes(const RowCheck& check, double max_rms);
+
+/// The statistics as text, with the depth error that a disparity error of the same size causes, and the
+/// verdict.
+std::string rowCheckText(const RowCheck& check, const Rectification& rectification, double max_rms);
+
+/// The same as JSON.
+nlohmann::ordered_json rowCheckJson(const RowCheck& check, const Rectification& rectification,
+                                    double max_rms);
+
+}  // namespace cartvo::calibrate

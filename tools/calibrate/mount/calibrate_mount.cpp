@@ -1,0 +1,128 @@
+// `cartvo calibrate mount`: estimates the cameras' mounting on the cart from a drive.
+#include "tools/calibrate/mount/calibrate_mount.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/format/rig_file.hpp"
+#include "capture/stereo_source.hpp"
+#include "common/units.hpp"
+#include "tools/calibrate/mount/mount.hpp"
+#include "tools/calibrate/mount/mount_source.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/replay/source_rig.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using calibrate::Estimate;
+using calibrate::Mount;
+using calibrate::MountMeasurements;
+
+struct Options {
+  fs::path source, rig, output;
+  double forward = 0.0, left = 0.0;
+  bool json = false;
+};
+
+std::string line(const char* name, const Estimate& estimate, double unit, const char* rest) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%-8s %8.3f +- %.3f %s\n", name, unit * estimate.value,
+                unit * estimate.stddev, rest);
+  return text;
+}
+
+std::string textOf(const Mount& mount, const MountMeasurements& measurements) {
+  std::string text = line("height", mount.height, 1.0, "m above the ground (left camera)") +
+                     line("pitch", mount.pitch, kDegreesPerRadian,
+                          mount.pitch.value < 0.0 ? "deg, looks up" : "deg, looks down") +
+                     line("roll", mount.roll, kDegreesPerRadian,
+                          mount.roll.value < 0.0 ? "deg, right side higher" : "deg, left side higher");
+  if (mount.yaw) {
+    text += line("yaw", *mount.yaw, kDegreesPerRadian,
+                 mount.yaw->value < 0.0 ? "deg, looks to the right" : "deg, looks to the left");
+  } else {
+    text += "yaw      not measured: the cart did not drive faster than 1 m/s; unchanged\n";
+  }
+  if (mount.ahead_of_axle)
+    text += line("ahead", *mount.ahead_of_axle, 1.0, "m, of the rear axle, measured in curves (not written)");
+  return text + "from " + std::to_string(mount.ground_observations) + " observations of the ground and " +
+         std::to_string(mount.motions) + " motions in " + std::to_string(measurements.pairs) + " pairs\n";
+}
+
+nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measurements) {
+  const auto both = [](const Estimate& estimate, double unit) {
+    return nlohmann::ordered_json{{"value", unit * estimate.value}, {"deviation", unit * estimate.stddev}};
+  };
+  nlohmann::ordered_json json{{"height_m", both(mount.height, 1.0)},
+                              {"pitch_deg", both(mount.pitch, kDegreesPerRadian)},
+                              {"roll_deg", both(mount.roll, kDegreesPerRadian)},
+                              {"yaw_deg", nullptr},
+                              {"ahead_of_axle_m", nullptr},
+                              {"sightings", mount.ground_observations},
+                              {"motions", mount.motions},
+                              {"pairs", measurements.pairs}};
+  if (mount.yaw) json["yaw_deg"] = both(*mount.yaw, kDegreesPerRadian);
+  if (mount.ahead_of_axle) json["ahead_of_axle_m"] = both(*mount.ahead_of_axle, 1.0);
+  return json;
+}
+
+void run(const Options& options, bool gives_forward, bool gives_left) {
+  Rig rig = findRig(openSource(options.source), options.source, options.rig).rig;
+  if (gives_forward) rig.T_body_camera.translation().x() = options.forward;
+  if (gives_left) rig.T_body_camera.translation().y() = options.left;
+  MountMeasurements measurements;
+  {
+    ProgressBar progress("pairs");
+    measurements = calibrate::collectMountMeasurements(
+        options.source, rig, [&](std::size_t done, std::size_t expected) { progress.show(done, expected); });
+  }
+  const Mount mount = calibrate::measureMount(measurements.ground, measurements.motions, rig.T_body_camera);
+  rig.T_body_camera = mount.T_body_camera;
+  writeRig(options.output, rig);
+  const std::string report =
+      options.json ? jsonOf(mount, measurements).dump(2) + "\n" : textOf(mount, measurements);
+  std::fputs(report.c_str(), stdout);
+  if (!options.json) std::printf("written to %s\n", options.output.c_str());
+}
+
+}  // namespace
+
+void addCalibrateMount(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand(
+      "mount", "Height, pitch, roll and yaw of the cameras on the cart, from a drive");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("SOURCE", options->source,
+                   "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
+      ->required();
+  command->add_option("--output", options->output, "Rig file to write; may be the input file")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--rig", options->rig, "Rig file (default: the source's)")->type_name("FILE");
+  CLI::Option* forward =
+      command
+          ->add_option("--forward", options->forward,
+                       "Distance of the left camera ahead of the rear axle, m (default: from the rig file)")
+          ->check(CLI::Range(-10.0, 10.0));
+  CLI::Option* left =
+      command
+          ->add_option(
+              "--left", options->left,
+              "Distance of the left camera left of the cart's middle, m (default: from the rig file)")
+          ->check(CLI::Range(-10.0, 10.0));
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->footer(
+      "Drive straight on level ground for about twenty seconds, faster than walking. If the cameras are not\n"
+      "synchronised, begin with a standstill of a few seconds.\n"
+      "Example:\n"
+      "  cartvo calibrate mount recordings/first --output rig.yaml --forward 1.55 --left 0.06");
+  command->callback([options, forward, left] { run(*options, forward->count() > 0, left->count() > 0); });
+}
+
+}  // namespace cartvo

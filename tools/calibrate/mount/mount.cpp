@@ -1,0 +1,154 @@
+// Mount of the camera on the cart, from ground observations and motions.
+#include "tools/calibrate/mount/mount.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "calib/model/rig.hpp"
+#include "common/statistics.hpp"
+#include "tools/calibrate/check/robust_line.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+/// R_body_camera from the directions down and forward in camera axes.
+Eigen::Matrix3d bodyAxes(const Eigen::Vector3d& down, const Eigen::Vector3d& forward) {
+  const Eigen::Vector3d up = -down.normalized();
+  const Eigen::Vector3d ahead = (forward - up * up.dot(forward)).normalized();
+  Eigen::Matrix3d R_body_camera;
+  R_body_camera.row(0) = ahead;
+  R_body_camera.row(1) = up.cross(ahead);
+  R_body_camera.row(2) = up;
+  return R_body_camera;
+}
+
+/// Yaw, pitch and roll of a camera relative to one that looks forward, rad.
+Eigen::Vector3d anglesOf(const Eigen::Matrix3d& R_body_camera) {
+  const Eigen::Matrix3d R = R_body_camera * forwardLookingMount().linear().transpose();
+  return {std::atan2(R(1, 0), R(0, 0)), -std::asin(std::clamp(R(2, 0), -1.0, 1.0)),
+          std::atan2(R(2, 1), R(2, 2))};
+}
+
+/// The normalised median, per component, of the observed normals.
+Eigen::Vector3d medianDown(const std::vector<GroundObservation>& ground) {
+  Eigen::Vector3d down;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const GroundObservation& observation : ground)
+      values.push_back(observation.down[axis]);
+    down[axis] = medianOf(values);
+  }
+  return down.normalized();
+}
+
+/// Fits yaw and the distance from the rear axle: the angle between motion and camera axis in the ground plane
+/// over the curvature of the path, both positive to the left.
+void measureCourse(const std::vector<CameraTwist>& motions, const Eigen::Vector3d& down, double known_ahead,
+                   Mount& mount) {
+  constexpr double kMinSpeed = 1.0, kMaxCurvature = 0.2;  // m/s; 1/m: a radius of 5 m
+  constexpr std::size_t kMinMotions = 20;
+  constexpr double kMinSpread = 0.005;  // 1/m
+  const Eigen::Matrix3d axes = bodyAxes(down, Eigen::Vector3d::UnitZ());
+  std::vector<TimedSample> courses;
+  for (const CameraTwist& motion : motions) {
+    const Eigen::Vector3d velocity = axes * motion.velocity;
+    if (std::abs(velocity.x()) < kMinSpeed) continue;  // forward or backward
+    const double curvature = (axes * motion.angular_velocity).z() / velocity.x();
+    if (std::abs(curvature) > kMaxCurvature) continue;
+    courses.push_back({motion.seconds, curvature, std::atan(velocity.y() / velocity.x())});
+  }
+  if (courses.size() < kMinMotions) return;
+  const RobustLine line = fitRobustLine(courses, known_ahead, kMinSpread);
+  mount.yaw = {-line.intercept, line.intercept_stddev};
+  if (std::isfinite(line.slope_stddev)) mount.ahead_of_axle = {line.slope, line.slope_stddev};
+  mount.motions = static_cast<int>(courses.size());
+}
+
+/// Accelerations that pitch and roll a cart on its springs, m/s^2.
+struct Accelerations {
+  double forward = 0.0, left = 0.0;
+};
+
+/// Computes the accelerations from the motions within half a second: the slope of the speed, and speed times
+/// yaw rate. Zero if there are too few motions.
+Accelerations accelerationsAt(double seconds, const std::vector<CameraTwist>& motions,
+                              const Eigen::Matrix3d& axes) {
+  constexpr double kHalfWindow = 0.5;  // s
+  constexpr int kMinMotions = 4;
+  double count = 0.0, t1 = 0.0, t2 = 0.0, v1 = 0.0, tv = 0.0, left = 0.0;
+  for (const CameraTwist& motion : motions) {
+    const double t = motion.seconds - seconds;
+    if (std::abs(t) > kHalfWindow) continue;
+    const double speed = (axes * motion.velocity).x();
+    count += 1.0;
+    t1 += t;
+    t2 += t * t;
+    v1 += speed;
+    tv += t * speed;
+    left += speed * (axes * motion.angular_velocity).z();
+  }
+  if (count < kMinMotions) return {};
+  return {(count * tv - t1 * v1) / (count * t2 - t1 * t1), left / count};
+}
+
+/// Fits height, pitch and roll at zero acceleration.
+void measureAttitude(const std::vector<GroundObservation>& ground, const std::vector<CameraTwist>& motions,
+                     const Eigen::Vector3d& down, const Eigen::Vector3d& forward, Mount& mount) {
+  constexpr double kMinSpread = 0.1, kNeverFree = 1e9;  // m/s^2; the latter fixes the slope
+  const Eigen::Matrix3d axes = bodyAxes(down, forward);
+  std::vector<TimedSample> heights, pitches, rolls;
+  for (const GroundObservation& observation : ground) {
+    const Accelerations acceleration = accelerationsAt(observation.seconds, motions, axes);
+    const Eigen::Vector3d angles = anglesOf(bodyAxes(observation.down, forward));
+    heights.push_back({observation.seconds, 0.0, observation.height});
+    pitches.push_back({observation.seconds, acceleration.forward, angles[1]});
+    rolls.push_back({observation.seconds, acceleration.left, angles[2]});
+  }
+  const RobustLine height = fitRobustLine(heights, 0.0, kNeverFree);
+  const RobustLine pitch = fitRobustLine(pitches, 0.0, kMinSpread);
+  const RobustLine roll = fitRobustLine(rolls, 0.0, kMinSpread);
+  mount.height = {height.intercept, height.intercept_stddev};
+  mount.pitch = {pitch.intercept, pitch.intercept_stddev};
+  mount.roll = {roll.intercept, roll.intercept_stddev};
+}
+
+/// The body's forward direction in camera axes: from the estimated yaw, or that of the known mount.
+Eigen::Vector3d forwardOf(const Mount& mount, const Eigen::Vector3d& down,
+                          const Eigen::Isometry3d& T_body_camera) {
+  if (!mount.yaw) return T_body_camera.linear().row(0);
+  const Eigen::Vector3d in_plane(std::cos(mount.yaw->value), -std::sin(mount.yaw->value), 0.0);
+  return bodyAxes(down, Eigen::Vector3d::UnitZ()).transpose() * in_plane;
+}
+
+}  // namespace
+
+Mount measureMount(const std::vector<GroundObservation>& ground, const std::vector<CameraTwist>& motions,
+                   const Eigen::Isometry3d& T_body_camera) {
+  constexpr std::size_t kMinGroundObservations = 3;
+  if (ground.size() < kMinGroundObservations) {
+    throw std::runtime_error("the ground was found in " + std::to_string(ground.size()) +
+                             " pairs only: it must fill most of the lower half of the images and have "
+                             "texture; with unsynchronised "
+                             "cameras the cart must stand still for some of the pairs");
+  }
+  const Eigen::Vector3d down = medianDown(ground);
+  Mount mount;
+  mount.ground_observations = static_cast<int>(ground.size());
+  measureCourse(motions, down, T_body_camera.translation().x(), mount);
+  const Eigen::Vector3d forward = forwardOf(mount, down, T_body_camera);
+  measureAttitude(ground, motions, down, forward, mount);
+  const double yaw = anglesOf(bodyAxes(down, forward))[0];
+  if (mount.yaw) mount.yaw->value = yaw;
+  mount.T_body_camera = T_body_camera;
+  mount.T_body_camera.translation().z() = mount.height.value;
+  mount.T_body_camera.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(mount.pitch.value, Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(mount.roll.value, Eigen::Vector3d::UnitX()) *
+                                  Eigen::Quaterniond(forwardLookingMount().linear()))
+                                     .toRotationMatrix();
+  return mount;
+}
+
+}  // namespace cartvo::calibrate

@@ -1,0 +1,88 @@
+// Ground observations and motions from a recording, for the mount.
+#include "tools/calibrate/mount/mount_source.hpp"
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "calib/rectification/rectification_tables.hpp"
+#include "calib/rectification/rectifier.hpp"
+#include "daemon/pipeline/body_motion.hpp"
+#include "daemon/pipeline/pair_processor.hpp"
+#include "tools/calibrate/mount/ground_plane.hpp"
+#include "tools/calibrate/source_pairs.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+constexpr double kObservationInterval = 0.25;  // s
+constexpr double kMaxDisplacement = 0.001;     // m, between the two exposures of a pair
+
+double secondsOf(std::int64_t instant_ns) {
+  return 1e-9 * static_cast<double>(instant_ns);
+}
+
+/// The mean twist of the left camera since the previous pair, in its own axes.
+std::optional<CameraTwist> twistOf(const PairResult& result, const Eigen::Matrix3d& R_left_rectified) {
+  const OdometryEstimate& estimate = result.estimate;
+  if (!estimate.valid || estimate.time_step <= 0.0) return std::nullopt;
+  const Vector6d twist = logarithm(estimate.T_previous_current) / estimate.time_step;
+  return CameraTwist{secondsOf(estimate.exposure_ns), R_left_rectified * twist.head<3>(),
+                     R_left_rectified * twist.tail<3>()};
+}
+
+std::optional<GroundPlane> groundOf(const FramePair& pair, const Rectifier& rectifier) {
+  cv::Mat left, right;
+  rectifier.rectifyLeft(pair.left.image, left);
+  rectifier.rectifyRight(pair.right.image, right);
+  return findGround(left, right, rectifier.rectification());
+}
+
+/// Collects the measurements, pair by pair.
+class MountMeasurementCollector {
+ public:
+  explicit MountMeasurementCollector(const Rig& rig)
+      : processor_(rig, {rig, rig.rectification, buildTables(rig, rig.rectification)}, {}),
+        R_left_rectified_(processor_.T_left_rectified().linear()) {}
+
+  void add(const FramePair& pair) {
+    const std::optional<CameraTwist> twist = twistOf(processor_.process(pair), R_left_rectified_);
+    ++measurements.pairs;
+    if (!twist) return;
+    measurements.motions.push_back(*twist);
+    const double seconds = secondsOf(pair.left.exposure_ns);
+    if (next_observation_ && seconds < *next_observation_) return;
+    if (std::abs(secondsOf(pair.offsetNs())) * twist->velocity.norm() > kMaxDisplacement) {
+      ++measurements.unsynchronised;
+      return;
+    }
+    next_observation_ = seconds + kObservationInterval;
+    if (const std::optional<GroundPlane> ground = groundOf(pair, processor_.rectifier()))
+      measurements.ground.push_back({seconds, R_left_rectified_ * ground->down, ground->height});
+  }
+
+  MountMeasurements measurements;
+
+ private:
+  PairProcessor processor_;
+  Eigen::Matrix3d R_left_rectified_;
+  std::optional<double> next_observation_;  ///< s
+};
+
+}  // namespace
+
+MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const Rig& rig,
+                                           const MountProgress& progress) {
+  StereoSource pairs = openSource(source);
+  MountMeasurementCollector collector(rig);
+  forEachPair(pairs, [&](const FramePair& pair) {
+    collector.add(pair);
+    progress(collector.measurements.pairs, pairs.pairs);
+    return true;
+  });
+  if (collector.measurements.pairs == 0)
+    throw std::runtime_error(source.string() + ": holds no pair of images that belong together");
+  return collector.measurements;
+}
+
+}  // namespace cartvo::calibrate

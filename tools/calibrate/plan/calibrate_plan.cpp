@@ -1,0 +1,161 @@
+// `cartvo calibrate plan`: predicts depth error and overlap for given baselines, lenses and resolutions.
+#include "tools/calibrate/plan/calibrate_plan.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "calib/format/rig_file.hpp"
+#include "calib/rectification/rectification.hpp"
+#include "common/atomic_file.hpp"
+#include "tools/calibrate/plan/plan_report.hpp"
+#include "tools/calibrate/plan/stereo_design.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+namespace {
+
+using calibrate::StereoDesign;
+
+struct Options {
+  std::vector<std::filesystem::path> rigs;
+  std::vector<double> baselines{0.115};
+  std::vector<double> widths{680.0};
+  std::vector<double> views_deg, focal_lengths_mm, focal_lengths_px;
+  double sensor_width_mm = 0.0;
+  double relative_error_percent = 5.0;
+  calibrate::PlanSettings questions{OdometrySettings{}.motion.disparity_noise,
+                                    static_cast<double>(OdometrySettings{}.stereo.maximum_disparity),
+                                    0.0,
+                                    {5.0, 10.0, 20.0, 40.0}};
+  std::string format = "text";
+  std::filesystem::path output, plot;
+};
+
+StereoDesign designOf(const std::filesystem::path& rig_file) {
+  const Rig rig = readRig(rig_file);
+  const Rectification rectified = computeRectification(rig, rig.rectification);
+  return {rectified.baseline, rectified.focal_length, static_cast<double>(rectified.size.width)};
+}
+
+/// All given focal lengths for an image of this width, px.
+std::vector<double> focalLengths(const Options& options, double width) {
+  std::vector<double> all = options.focal_lengths_px;
+  for (const double view : options.views_deg)
+    all.push_back(calibrate::focalLengthOfView(view * std::numbers::pi / 180.0, width));
+  for (const double focal_length : options.focal_lengths_mm)
+    all.push_back(calibrate::focalLengthOfLens(focal_length, options.sensor_width_mm, width));
+  return all;
+}
+
+std::vector<StereoDesign> designsOf(const Options& options) {
+  std::vector<StereoDesign> designs;
+  for (const std::filesystem::path& rig : options.rigs)
+    designs.push_back(designOf(rig));
+  for (const double baseline : options.baselines) {
+    for (const double width : options.widths) {
+      for (const double focal_length : focalLengths(options, width))
+        designs.push_back({baseline, focal_length, width});
+    }
+  }
+  if (designs.empty()) {
+    throw CLI::RequiredError("one of --hfov, --focal-mm with --sensor-width, --focal-px and --rig");
+  }
+  return designs;
+}
+
+std::string reportOf(const Options& options, const std::vector<StereoDesign>& designs) {
+  if (options.format == "json") return calibrate::planJson(designs, options.questions).dump(2) + "\n";
+  return calibrate::planTable(designs, options.questions,
+                              options.format == "markdown" ? ReportFormat::markdown : ReportFormat::text);
+}
+
+void run(Options& options) {
+  options.questions.relative_error = options.relative_error_percent / 100.0;
+  const std::vector<StereoDesign> designs = designsOf(options);
+  const std::string report = reportOf(options, designs);
+  if (!options.plot.empty())
+    writeFileAtomically(options.plot, calibrate::planPlot(designs, options.questions));
+  if (options.output.empty()) {
+    std::fputs(report.c_str(), stdout);
+  } else {
+    writeFileAtomically(options.output, report);
+  }
+}
+
+void addDesignOptions(CLI::App& command, Options& options) {
+  command.add_option("--baseline", options.baselines, "Distances of the cameras, m")
+      ->delimiter(',')
+      ->check(CLI::Range(0.005, 10.0))
+      ->capture_default_str();
+  command.add_option("--width", options.widths, "Widths of the images, px")
+      ->delimiter(',')
+      ->check(CLI::Range(16.0, 8192.0))
+      ->capture_default_str();
+  command.add_option("--hfov", options.views_deg, "Horizontal angles of view, deg")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 160.0));
+  command.add_option("--focal-px", options.focal_lengths_px, "Focal lengths, px")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 1e5));
+  CLI::Option* sensor = command
+                            .add_option("--sensor-width", options.sensor_width_mm,
+                                        "Width of the sensor area that the image covers, mm")
+                            ->check(CLI::Range(0.1, 100.0));
+  command.add_option("--focal-mm", options.focal_lengths_mm, "Focal lengths of lenses, mm")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 1000.0))
+      ->needs(sensor);
+  command.add_option("--rig", options.rigs, "Rig files to compare with, as rectified")->type_name("FILE");
+}
+
+void addQuestionOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--disparity-noise", options.questions.disparity_noise,
+                  "Standard deviation of a disparity, px (default: cartvod's)")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  command
+      .add_option("--largest-disparity", options.questions.largest_disparity,
+                  "Largest disparity that is matched, px (default: cartvod's)")
+      ->check(CLI::Range(1.0, 8192.0))
+      ->capture_default_str();
+  command.add_option("--ranges", options.questions.ranges, "Ranges at which to report error and overlap, m")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command
+      .add_option("--good", options.relative_error_percent, "Largest error of a good depth, % of the depth")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+}
+
+void addReportOptions(CLI::App& command, Options& options) {
+  command.add_option("--format", options.format, "text, markdown or json")
+      ->check(CLI::IsMember({"text", "markdown", "json"}))
+      ->capture_default_str();
+  command.add_option("--output", options.output, "Write the report into this file")->type_name("FILE");
+  command.add_option("--plot", options.plot, "Draw error and overlap over the range into this SVG")
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+void addCalibratePlan(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand(
+      "plan", "Compare depth error and overlap for baselines, lenses and resolutions");
+  const auto options = std::make_shared<Options>();
+  addDesignOptions(*command, *options);
+  addQuestionOptions(*command, *options);
+  addReportOptions(*command, *options);
+  command->footer(
+      "The table has a row for each combination of the lists. Examples:\n"
+      "  cartvo calibrate plan --baseline 0.115,0.3,0.5 --hfov 70.6\n"
+      "  cartvo calibrate plan --focal-mm 2.8,4,6 --sensor-width 5.4 --width 680,1280 --plot plan.svg");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

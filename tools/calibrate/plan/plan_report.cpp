@@ -1,0 +1,135 @@
+// Table, JSON and plot that compare stereo designs.
+#include "tools/calibrate/plan/plan_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "common/exact_text.hpp"
+#include "common/units.hpp"
+#include "tools/report/diagram.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+double nearestMatched(const StereoDesign& design, const PlanSettings& settings) {
+  return disparityAt(design, 1.0) / settings.largest_disparity;
+}
+
+std::string nameOf(const StereoDesign& design) {
+  return "b " + significant(design.baseline) + " m, f " + fixed(design.focal_length, 0) + " px, " +
+         fixed(design.image_width, 0) + " px wide";
+}
+
+std::vector<std::string> headerOf(const PlanSettings& settings) {
+  std::vector<std::string> header{
+      "baseline (m)", "focal (px)", "width (px)",
+      "view (deg)",   "from (m)",   "to " + exactText(100.0 * settings.relative_error) + " % (m)"};
+  for (const double range : settings.ranges) {
+    header.push_back("error at " + exactText(range) + " m (m)");
+    header.emplace_back("overlap (%)");
+  }
+  return header;
+}
+
+/// A property of a design as a function of the range.
+using Measure = std::function<double(const StereoDesign&, double range)>;
+
+std::string colourOf(std::size_t index) {
+  // Okabe and Ito's palette, which is safe for colour-blind readers, without its yellow.
+  constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"};
+  return kColours[index % kColours.size()];
+}
+
+Diagram diagramOf(const std::vector<StereoDesign>& designs, double max_range, const Measure& measure) {
+  constexpr int kPoints = 200;
+  Diagram diagram;
+  diagram.x_title = "range (m)";
+  diagram.x_step = max_range > 20.0 ? 5.0 : 1.0;
+  diagram.left = 70.0;
+  diagram.width = 600.0;
+  diagram.height = 260.0;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    DiagramCurve curve{{}, colourOf(i), 2.0, 1.0};
+    for (int point = 1; point <= kPoints; ++point) {
+      const double range = max_range * point / kPoints;
+      const double value = measure(designs[i], range);
+      if (value > 0.0) curve.points.push_back({range, value});
+    }
+    diagram.curves.push_back(curve);
+  }
+  return diagram;
+}
+
+}  // namespace
+
+std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettings& settings,
+                      ReportFormat format) {
+  Table table(headerOf(settings));
+  for (const StereoDesign& design : designs) {
+    std::vector<std::string> row{
+        exactText(design.baseline),
+        fixed(design.focal_length, 1),
+        fixed(design.image_width, 0),
+        fixed(kDegreesPerRadian * horizontalView(design), 1),
+        significant(nearestMatched(design, settings)),
+        significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error))};
+    for (const double range : settings.ranges) {
+      row.push_back(significant(depthError(design, settings.disparity_noise, range)));
+      row.push_back(fixed(100.0 * overlapAt(design, range), 1));
+    }
+    table.add(row);
+  }
+  return table.as(format);
+}
+
+nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const StereoDesign& design : designs) {
+    nlohmann::ordered_json at = nlohmann::ordered_json::array();
+    for (const double range : settings.ranges) {
+      at.push_back({{"range_m", range},
+                    {"disparity_px", disparityAt(design, range)},
+                    {"depth_error_m", depthError(design, settings.disparity_noise, range)},
+                    {"overlap", overlapAt(design, range)}});
+    }
+    rows.push_back(
+        {{"baseline_m", design.baseline},
+         {"focal_length_px", design.focal_length},
+         {"image_width_px", design.image_width},
+         {"horizontal_view_deg", kDegreesPerRadian * horizontalView(design)},
+         {"nearest_m", nearestMatched(design, settings)},
+         {"good_to_m", rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error)},
+         {"ranges", at}});
+  }
+  return {{"disparity_noise_px", settings.disparity_noise},
+          {"largest_disparity_px", settings.largest_disparity},
+          {"good_relative_error", settings.relative_error},
+          {"designs", rows}};
+}
+
+std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
+  constexpr double kLegendTop = 24.0, kLegendLine = 20.0, kDiagramPitch = 340.0;  // px
+  const double max_range = *std::max_element(settings.ranges.begin(), settings.ranges.end());
+  const double top = kLegendTop + kLegendLine * static_cast<double>(designs.size()) + 26.0;
+  std::string svg;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    svg += svgLegendEntry(70.0, kLegendTop + kLegendLine * static_cast<double>(i), colourOf(i),
+                          nameOf(designs[i]));
+  }
+  Diagram error = diagramOf(designs, max_range, [&](const StereoDesign& design, double range) {
+    return depthError(design, settings.disparity_noise, range);
+  });
+  error.title = "depth error (m) with disparity noise of " + exactText(settings.disparity_noise) + " px";
+  error.top = top;
+  Diagram overlap = diagramOf(designs, max_range, [](const StereoDesign& design, double range) {
+    return 100.0 * (1.0 - overlapAt(design, range));
+  });
+  overlap.title = "part of the left camera's view outside that of the right one (%)";
+  overlap.top = top + kDiagramPitch;
+  return svgFile(700, static_cast<int>(overlap.top + kDiagramPitch),
+                 svg + svgDiagram(error) + svgDiagram(overlap));
+}
+
+}  // namespace cartvo::calibrate

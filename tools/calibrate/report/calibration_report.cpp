@@ -1,0 +1,120 @@
+// HTML report of a calibration.
+#include "tools/calibrate/report/calibration_report.hpp"
+
+#include <fmt/format.h>
+
+#include "tools/calibrate/report/calibration_plots.hpp"
+#include "tools/calibrate/report/calibration_summary.hpp"
+#include "tools/calibrate/report/html.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr const char* kStyle =
+    "body{font-family:sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#222}"
+    "table{border-collapse:collapse;margin:.5em 0}th,td{border:1px solid #ccc;padding:.2em "
+    ".6em;text-align:left}"
+    "img{max-width:100%}.passed{color:#183}.failed{color:#c22}figure{display:inline-block;margin:.5em 1em "
+    ".5em 0}";
+
+std::string section(const std::string& title, const std::string& content) {
+  return "<h2>" + escaped(title) + "</h2>\n" + content;
+}
+
+std::string figure(const std::string& plot, const std::string& caption) {
+  return "<figure>" + plot + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
+std::string verdict(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (const ValidationCheck& check : calibration.checks) {
+    rows.push_back({check.passed ? "passed" : "FAILED", check.name, fmt::format("{:.3g}", check.value),
+                    fmt::format("{:.3g} {}", check.limit, check.unit)});
+  }
+  return fmt::format("<p class=\"{}\"><strong>{}</strong></p>\n", calibration.passed() ? "passed" : "failed",
+                     calibration.passed() ? "The calibration passes its validation."
+                                          : "The calibration does not pass its validation.") +
+         tableElement({"", "check", "value", "limit"}, rows);
+}
+
+std::string models(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < calibration.candidates.size(); ++i) {
+    const CandidateModel& candidate = calibration.candidates[i];
+    const auto number = [&](double CrossValidation::*value) {
+      return candidate.validation ? fmt::format("{:.3f}", *candidate.validation.*value) : std::string("-");
+    };
+    rows.push_back({modelName(candidate.model), number(&CrossValidation::rms),
+                    number(&CrossValidation::vertical_disparity_rms),
+                    number(&CrossValidation::vertical_disparity_p95),
+                    i == calibration.chosen ? "chosen" : candidate.refusal});
+  }
+  return tableElement({"model", "held-out RMS, px", "rows RMS, px", "rows 95 %, px", ""}, rows);
+}
+
+std::string uncertainties(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (const ParameterEstimate& parameter : calibration.result().parameters) {
+    rows.push_back({parameter.name.name, fmt::format("{:.6g}", parameter.value),
+                    fmt::format("{:.2g}", parameter.stddev), parameter.name.unit});
+  }
+  return tableElement({"parameter", "value", "standard deviation", "unit"}, rows);
+}
+
+std::string rejected(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (const RejectedView& view : calibration.rejected)
+    rows.push_back({view.name, view.reason});
+  const std::string corners = fmt::format(
+      "<p>{} single corners were rejected in the views that are used.</p>\n", calibration.rejected_corners);
+  return rows.empty() ? "<p>No view was rejected.</p>\n" + corners
+                      : tableElement({"view", "reason"}, rows) + corners;
+}
+
+std::string depthTable(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (const DepthDifference& at : calibration.halves.depth) {
+    rows.push_back({fmt::format("{:.0f} m", at.distance),
+                    fmt::format("{:.3f} m", depthErrorOf(calibration, at.distance)), metresText(at.median),
+                    metresText(at.p95)});
+  }
+  return tableElement(
+      {"distance", "disparity error equal to the row error", "halves differ, median", "halves differ, 95 %"},
+      rows);
+}
+
+}  // namespace
+
+std::string calibrationReport(const Calibration& calibration, const ReportPair& pair) {
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
+      "charset=\"utf-8\"><title>Calibration</title><style>{}</style></head>"
+      "<body>\n<h1>Calibration of two cameras</h1>\n<p>Board {}, images of {}x{} px, {} views used, model "
+      "{}, baseline "
+      "{:.2f} mm.</p>\n",
+      kStyle, escaped(boardSpecText(calibration.board)), calibration.image_size.width,
+      calibration.image_size.height, calibration.views.size(), modelName(calibration.result().model),
+      1000.0 * calibration.rig().baseline());
+  html += section("Validation", verdict(calibration));
+  html += section(
+      "Image coverage",
+      figure(coveragePlot(calibration, &BoardView::left, &ViewResiduals::left),
+             fmt::format("left: {:.0f} % of the cells", 100.0 * calibration.left_coverage.share())) +
+          figure(coveragePlot(calibration, &BoardView::right, &ViewResiduals::right),
+                 fmt::format("right: {:.0f} % of the cells", 100.0 * calibration.right_coverage.share())) +
+          "<p>Residual of each corner in standard deviations. Green: below 2, orange: below 3.5, red: "
+          "larger.</p>\n");
+  html += section("Residuals by view", residualPlot(calibration));
+  if (!pair.left.empty()) {
+    html += section("A rectified pair", imageElement(rectifiedPair(calibration, pair.left, pair.right),
+                                                     "view " + pair.name + ", rectified") +
+                                            "<p>Each line must cross the same points in both images.</p>\n");
+  }
+  html += section("Depth error", depthPlot(calibration) + depthTable(calibration));
+  html += section("Models", models(calibration));
+  html += section("Uncertainty", uncertainties(calibration));
+  html += section("Rejected views", rejected(calibration));
+  return html + "</body></html>\n";
+}
+
+}  // namespace cartvo

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "calib/solver/calibration.hpp"
+
+namespace cartvo {
+
+/// A raw pair (CV_8UC1) to show rectified in the report; empty images if there is none.
+struct ReportPair {
+  std::string name;
+  cv::Mat left, right;
+};
+
+/// A self-contained HTML page: checks, image coverage, residuals by view, a rectified pair with lines along
+/// its rows, depth error over distance, models compared, uncertainties, rejected views.
+std::string calibrationReport(const Calibration& calibration, const ReportPair& pair);
+
+}  // namespace cartvo

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/solver/calibration.hpp"
+
+namespace cartvo {
+
+/// All results of a calibration as JSON: lengths in m, angles in rad, image distances in px.
+nlohmann::ordered_json calibrationJson(const Calibration& calibration);
+
+/// Summary of a calibration for a terminal: rejected views, models compared, the rig, depth errors, checks.
+std::string calibrationText(const Calibration& calibration);
+
+/// A depth difference as text. Infinite ones become "not seen".
+std::string metresText(double metres);
+
+/// The depth error (m) at a distance (m) if the disparity error equals the RMS of the held-out vertical
+/// disparities.
+double depthErrorOf(const Calibration& calibration, double distance);
+
+}  // namespace cartvo

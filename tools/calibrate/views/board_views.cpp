@@ -1,0 +1,141 @@
+// Board views from image pairs: detection, and rejection of unusable views.
+#include "tools/calibrate/views/board_views.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+
+#include <opencv2/core/utility.hpp>
+
+#include "calib/board/board_detection.hpp"
+#include "common/image_size.hpp"
+
+namespace cartvo {
+namespace {
+
+void requireSize(const cv::Mat& image, cv::Size size, const std::filesystem::path& file) {
+  if (image.size() == size) return;
+  throw std::runtime_error(file.string() + ": is " + sizeText(image.size()) + " but the first image is " +
+                           sizeText(size) + ": a calibration holds for one size only");
+}
+
+DetectedView detectPair(const ImagePair& pair, const BoardSpec& board, cv::Size size) {
+  const cv::Mat left = readGrey(pair.left), right = readGrey(pair.right);
+  requireSize(left, size, pair.left);
+  requireSize(right, size, pair.right);
+  return detectView(pair.name, left, right, board);
+}
+
+std::string cornerProblem(const char* side, const std::vector<SeenCorner>& seen) {
+  if (seen.empty()) return std::string("the ") + side + " image shows no board";
+  if (seen.size() < kMinCornersPerImage)
+    return std::string("the ") + side + " image shows only " + std::to_string(seen.size()) + " corners";
+  return {};
+}
+
+double usualEdgeWidth(const std::vector<DetectedView>& detected) {
+  std::vector<double> widths;
+  for (const DetectedView& view : detected) {
+    if (!view.view.left.empty()) widths.push_back(view.left.edge_width);
+    if (!view.view.right.empty()) widths.push_back(view.right.edge_width);
+  }
+  if (widths.empty()) return 0.0;
+  std::sort(widths.begin(), widths.end());
+  return widths[widths.size() / 2];
+}
+
+/// Why a view is not usable; empty if it is.
+std::string problemOf(const DetectedView& view, double usual_edge_width) {
+  for (const std::string& problem :
+       {cornerProblem("left", view.view.left), cornerProblem("right", view.view.right)}) {
+    if (!problem.empty()) return problem;
+  }
+  if (const std::string problem = qualityProblem(view.left, usual_edge_width); !problem.empty())
+    return "left image: " + problem;
+  if (const std::string problem = qualityProblem(view.right, usual_edge_width); !problem.empty())
+    return "right image: " + problem;
+  return {};
+}
+
+[[noreturn]] void failWithoutViews(const std::vector<DetectedView>& detected, const BoardViews& views,
+                                   const BoardSpec& board) {
+  std::string message = "no view shows the board " + boardSpecText(board) + " to both cameras";
+  const auto other = std::find_if(detected.begin(), detected.end(),
+                                  [](const DetectedView& view) { return !view.other_board.empty(); });
+  if (other != detected.end()) {
+    message += "; view '" + other->view.name + "' shows " + other->other_board +
+               ": is the board's size wrong? (a chessboard's inner corners are counted, not its squares)";
+  } else if (!views.rejected.empty()) {
+    message += "; the first: " + views.rejected.front().reason;
+  }
+  throw std::runtime_error(message);
+}
+
+}  // namespace
+
+DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::Mat& right,
+                        const BoardSpec& board) {
+  DetectedView detected;
+  detected.view = {name, detectBoard(left, board), detectBoard(right, board)};
+  const std::vector<Eigen::Vector2d> board_corners = boardCorners(board);
+  if (!detected.view.left.empty()) detected.left = viewQuality(left, detected.view.left, board_corners);
+  if (!detected.view.right.empty()) detected.right = viewQuality(right, detected.view.right, board_corners);
+  return detected;
+}
+
+BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size image_size) {
+  BoardViews result;
+  result.image_size = image_size;
+  const double usual_edge_width = usualEdgeWidth(detected);
+  for (const DetectedView& view : detected) {
+    const std::string problem = problemOf(view, usual_edge_width);
+    if (problem.empty()) {
+      result.views.push_back(view.view);
+    } else {
+      result.rejected.push_back({view.view.name, problem});
+    }
+  }
+  return result;
+}
+
+BoardViews selectViews(const std::vector<DetectedView>& detected, const BoardSpec& board,
+                       cv::Size image_size) {
+  BoardViews result = classifyViews(detected, image_size);
+  if (result.views.empty()) failWithoutViews(detected, result, board);
+  return result;
+}
+
+BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const DetectionProgress& progress) {
+  const cv::Size size = readGrey(pairs.pairs.front().left).size();
+  std::vector<DetectedView> detected(pairs.pairs.size());
+  std::vector<std::exception_ptr> problems(pairs.pairs.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  cv::parallel_for_(
+      {0, static_cast<int>(pairs.pairs.size())},
+      [&](const cv::Range& range) {
+        for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
+          try {
+            detected[i] = detectPair(pairs.pairs[i], board, size);
+          } catch (...) {
+            problems[i] = std::current_exception();
+          }
+          const std::lock_guard lock(mutex);
+          progress(++done);
+        }
+      },
+      static_cast<double>(pairs.pairs.size()));
+  for (const std::exception_ptr& problem : problems) {
+    if (problem) std::rethrow_exception(problem);
+  }
+  if (std::none_of(detected.begin(), detected.end(),
+                   [](const DetectedView& view) { return !view.view.left.empty(); })) {
+    detected.front().other_board = describeOtherBoard(readGrey(pairs.pairs.front().left), board);
+  }
+  BoardViews views = selectViews(detected, board, size);
+  views.rejected.insert(views.rejected.end(), pairs.unpaired.begin(), pairs.unpaired.end());
+  return views;
+}
+
+}  // namespace cartvo

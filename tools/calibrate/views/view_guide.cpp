@@ -1,0 +1,44 @@
+// Guides the person who holds the board during a live calibration.
+
+#include "tools/calibrate/views/view_guide.hpp"
+
+#include <cstdio>
+
+#include <unistd.h>
+
+namespace cartvo {
+
+ViewGuide::ViewGuide() : is_terminal_(isatty(STDERR_FILENO) == 1), last_drawn_(Clock::now()) {}
+
+void ViewGuide::show(const StreamProgress& progress) {
+  if (progress.has_new_view) printView(progress);
+  const auto pause = is_terminal_ ? std::chrono::milliseconds(150) : std::chrono::milliseconds(10'000);
+  if (Clock::now() - last_drawn_ < pause) return;
+  last_drawn_ = Clock::now();
+  drawn_ = true;
+  std::fprintf(stderr,
+               is_terminal_ ? "\r\033[K%4.0f s, %zu views; corners: left %zu, right %zu; %s"
+                            : "cartvo: %.0f s, %zu views; corners: left %zu, right %zu; %s\n",
+               progress.seconds, progress.so_far.views.size(), progress.left.corners.size(),
+               progress.right.corners.size(), progress.advice.c_str());
+  std::fflush(stderr);
+}
+
+void ViewGuide::printView(const StreamProgress& progress) {
+  end();
+  const BoardViews& so_far = progress.so_far;
+  if (progress.rejection.empty()) {
+    std::fprintf(stderr, "cartvo: view %zu taken at %.0f s; %s\n", so_far.views.size(), progress.seconds,
+                 progress.next_view_advice.empty() ? "enough views" : progress.next_view_advice.c_str());
+  } else {
+    std::fprintf(stderr, "cartvo: view at %.0f s rejected: %s\n", progress.seconds,
+                 progress.rejection.c_str());
+  }
+}
+
+void ViewGuide::end() {
+  if (drawn_ && is_terminal_) std::fputs("\r\033[K", stderr);
+  drawn_ = false;
+}
+
+}  // namespace cartvo

@@ -1,0 +1,86 @@
+// `cartvo evaluate`: compares an estimated trajectory with the truth.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/atomic_file.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/evaluate/association.hpp"
+#include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/plot.hpp"
+#include "tools/evaluate/report.hpp"
+#include "tools/trajectory/trajectory.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::filesystem::path estimate;
+  std::filesystem::path truth;
+  std::string json;
+  std::filesystem::path plot;
+};
+
+void writePlot(const std::filesystem::path& file, const AssociatedTrajectories& associated, TopView view) {
+  std::vector<unsigned char> png;
+  if (!cv::imencode(".png", plotTrajectories(associated, view), png)) {
+    throw std::runtime_error(file.string() + ": the plot cannot be encoded");
+  }
+  writeFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+void run(const Options& options, bool wants_json) {
+  const AssociatedTrajectories associated = associateFiles(options.estimate, options.truth);
+  const Evaluation evaluation = evaluate(associated);
+  const bool json_alone = wants_json && (options.json.empty() || options.json == "-");
+  if (wants_json) {
+    nlohmann::ordered_json json{{"estimate", options.estimate.string()}, {"truth", options.truth.string()}};
+    json.update(evaluationJson(evaluation));
+    const std::string text = json.dump(2) + "\n";
+    if (json_alone) {
+      std::fputs(text.c_str(), stdout);
+    } else {
+      writeFileAtomically(options.json, text);
+    }
+  }
+  if (!json_alone) std::fputs(evaluationTable(evaluation).c_str(), stdout);
+  if (!options.plot.empty()) {
+    const bool is_kitti = isKittiTrajectory(options.truth);
+    writePlot(options.plot, associated, is_kitti ? TopView::camera_axes : TopView::body_axes);
+  }
+}
+
+}  // namespace
+
+void addEvaluateCommand(CLI::App& cartvo) {
+  CLI::App* command = cartvo.add_subcommand("evaluate", "Compare a trajectory with the truth");
+  const auto options = std::make_shared<Options>();
+  command->add_option("ESTIMATE", options->estimate, "The trajectory, TUM or KITTI text")->required();
+  command
+      ->add_option("TRUTH", options->truth,
+                   "The true trajectory, TUM or KITTI text, of the same frame (camera or body)")
+      ->required();
+  CLI::Option* json = command
+                          ->add_option("--json", options->json,
+                                       "Write the results as JSON to FILE; with '-' or no FILE to standard "
+                                       "output instead of the table")
+                          ->type_name("FILE")
+                          ->expected(0, 1);
+  command->add_option("--plot", options->plot, "Draw both paths and the error into this PNG")
+      ->type_name("FILE");
+  command->footer(
+      "Two TUM files are compared by time: the truth is interpolated at the estimate's times. A KITTI file "
+      "has no\n"
+      "times: it is compared row by row, and both files must have the same number of rows.\n"
+      "Examples:\n"
+      "  cartvo evaluate out/poses.txt kitti_06/poses.txt --plot out/path.png\n"
+      "  cartvo evaluate out/trajectory.tum truth.tum --json out/errors.json");
+  command->callback([options, json] { run(*options, json->count() > 0); });
+}
+
+}  // namespace cartvo

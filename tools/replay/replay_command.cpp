@@ -1,0 +1,200 @@
+// `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <lcm/lcm-cpp.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "common/atomic_file.hpp"
+#include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/odometry_publisher.hpp"
+#include "daemon/service/configuration.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/report.hpp"
+#include "tools/replay/motion_csv.hpp"
+#include "tools/replay/output_files.hpp"
+#include "tools/replay/replay.hpp"
+#include "tools/replay/setting_names.hpp"
+#include "tools/replay/summary.hpp"
+#include "tools/replay/truth.hpp"
+#include "tools/trajectory/trajectory.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  ReplaySettings replay;
+  std::string estimator = estimatorName(OdometrySettings{}.estimator);
+  std::string rig_refinement = rigRefinementName(OdometrySettings{}.rig_refinement);
+  std::string clock = replayClockName(ReplayClock::configured);
+  std::optional<double> offset_ms;
+  double offset_uncertainty_ms = 0.0;
+  std::filesystem::path output;
+  std::filesystem::path truth;
+  int threads = 2;
+  bool publish = false;
+};
+
+/// Associates the estimate with the truth where that is known, both for the body.
+AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& truth) {
+  const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
+  AssociatedTrajectories associated;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!truth[i]) {
+      ++associated.unmatched;
+      continue;
+    }
+    const ReplayedPair& pair = replay.pairs[i];
+    associated.truth.push_back({pair.exposure_ns, *truth[i]});
+    associated.estimate.push_back(
+        {pair.exposure_ns, T_body_left * pair.T_first_left * T_body_left.inverse()});
+  }
+  return associated;
+}
+
+Replay replayBySource(const Options& options, const ReplayObserver& observer) {
+  if (options.replay.right_video.empty()) return replaySource(options.replay, observer);
+  ProgressBar progress("pictures searched for the offset");
+  return replayVideos(
+      options.replay, [&](std::size_t pictures, std::size_t expected) { progress.show(pictures, expected); },
+      observer);
+}
+
+Replay replayWithProgress(const Options& options) {
+  const Configuration defaults;
+  std::unique_ptr<lcm::LCM> lcm;
+  std::optional<OdometryPublisher> publisher;
+  if (options.publish) {
+    lcm = connectLcm(defaults.lcm_url);
+    publisher.emplace(*lcm, defaults.time_to_live);
+  }
+  ProgressBar progress("pairs");
+  return replayBySource(options, [&](const PairResult& result, std::size_t expected) {
+    if (publisher) publisher->publish(result);
+    progress.show(result.sequence + 1, expected);
+  });
+}
+
+void run(const Options& options) {
+  const OutputFolder output(options.output);
+  if (!options.truth.empty()) readTrajectory(options.truth);  // reports a bad file before the replay
+  cv::setNumThreads(options.threads);
+  const Replay replay = replayWithProgress(options);
+  std::optional<Truth> truth;
+  if (!options.truth.empty()) truth = readTruth(options.truth, replay);
+
+  nlohmann::ordered_json summary = replaySummary(options.replay, replay);
+  summary["threads"] = options.threads;
+  if (truth) {
+    summary["truth"] = options.truth.string();
+    summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
+  }
+  writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
+  writeTum(output / "trajectory.tum", bodyTrajectory(replay));
+  writeFileAtomically(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
+  writeFileAtomically(output / "timing.csv", timingCsv(replay));
+  writeFileAtomically(output / "summary.json", summary.dump(2) + "\n");
+
+  for (const std::string& problem : replay.problems)
+    std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());
+  if (!replay.self_check.empty())
+    std::fprintf(stderr, "cartvo: warning: self-check: %s\n", replay.self_check.c_str());
+  std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
+              replay.pairs.size(), summary["valid"].get<std::size_t>(),
+              summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
+              summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
+  if (replay.timing) {
+    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)\n",
+                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str());
+  }
+  if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
+}
+
+}  // namespace
+
+void addReplayCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("replay", "Estimate the motion from a recording or a folder of images");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("SOURCE", options->replay.source,
+                   "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left "
+                   "camera's video")
+      ->required();
+  CLI::Option* right =
+      command->add_option("RIGHT", options->replay.right_video, "The right camera's video, if SOURCE is one");
+  command
+      ->add_option(
+          "--offset-ms", options->offset_ms,
+          "Offset added to the right video's times; without it the offset is estimated from the images")
+      ->needs(right)
+      ->type_name("MS");
+  command->add_option("--output-dir", options->output, "Folder for the results; created if it is missing")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--rig", options->replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
+      ->type_name("FILE");
+  command->add_option("--estimator", options->estimator, "Motion estimator")
+      ->check(CLI::IsMember(estimatorNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--features", options->replay.odometry.features,
+                   "Target number of features in each left image")
+      ->check(CLI::Range(50, 20000))
+      ->capture_default_str();
+  command
+      ->add_option("--online-rig-refinement", options->rig_refinement,
+                   "Estimation and correction of the right camera's rotation relative to the rig file")
+      ->check(CLI::IsMember(rigRefinementNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--offset-uncertainty", options->offset_uncertainty_ms,
+                   "Standard deviation of the time offset in an image folder, ms; not used for recordings")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MS")
+      ->capture_default_str();
+  command
+      ->add_option("--clock", options->clock,
+                   "Timestamps of a recording: recomputed with the clock of its configuration, with another "
+                   "clock, or as recorded live")
+      ->check(CLI::IsMember(replayClockNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads for image operations; the results do not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command
+      ->add_option("--truth", options->truth,
+                   "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
+      ->type_name("FILE");
+  command->add_flag("--publish", options->publish, "Publish each pair over LCM too, as cartvod does");
+  command->footer(
+      "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml or KITTI's calib.txt "
+      "in the\n"
+      "folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), Motionestimation.csv, "
+      "timing.csv and\n"
+      "summary.json, described in cartvo-replay(1). The same source gives a byte for byte equal poses.txt.\n"
+      "Examples:\n"
+      "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
+      "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out\n"
+      "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
+  command->callback([options] {
+    options->replay.odometry.estimator = estimatorNamed(options->estimator);
+    options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
+    if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
+    options->replay.clock = replayClockNamed(options->clock);
+    options->replay.folder_offset_stddev = 1e-3 * options->offset_uncertainty_ms;
+    run(*options);
+  });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,193 @@
+// `cartvo simulate`: two RTSP cameras that show a rendered drive or a recorded sequence with ground truth.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/rtsp/password_file.hpp"
+#include "common/atomic_file.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/simulate/content_files.hpp"
+#include "tools/simulate/sequence_content.hpp"
+#include "tools/simulate/server/camera_pair_simulation.hpp"
+#include "tools/simulate/server/generated_password.hpp"
+#include "tools/simulate/simulate_options.hpp"
+#include "tools/simulate/stream/stream_cache.hpp"
+#include "tools/world/rendered_world.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace simulate;  // NOLINT(google-build-using-namespace): this file is that namespace's command line
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+void stopOnSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
+  if (!options.sequence.empty()) {
+    return std::make_unique<SequenceContent>(options.sequence,
+                                             SequenceSettings{.seconds = options.seconds,
+                                                              .offset_s = options.offset_ms * 1e-3,
+                                                              .offset_drift_ppm = options.offset_drift_ppm});
+  }
+  world::WorldSettings settings = options.drive;
+  settings.scenario = world::scenarioFromName(options.world);
+  if (options.seconds > 0.0) settings.seconds = options.seconds;
+  settings.image_size = parseSize(options.size);
+  settings.focal_length *= settings.image_size.width / 680.0;  // same field of view at any size
+  settings.offset_s = options.offset_ms * 1e-3;
+  settings.offset_drift_ppm = options.offset_drift_ppm;
+  return std::make_unique<world::RenderedWorld>(settings);
+}
+
+void printLine(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const SimulateOptions& options) {
+  const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
+  const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
+  if (!options.no_cache) {
+    if (auto cached = cache.load(key)) {
+      printLine("streams: cached in " + cache.fileFor(key).string());
+      return std::make_shared<const EncodedPair>(*std::move(cached));
+    }
+  }
+  printLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
+  ProgressBar bar("pairs");
+  auto streams = std::make_shared<const EncodedPair>(
+      encodeContent(content, options.encoder, [&bar](int done, int total) {
+        bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+      }));
+  if (!options.no_cache) cache.store(key, *streams);
+  return streams;
+}
+
+void writeCameras(const SimulateOptions& options, const Content& content,
+                  const CameraPairSimulation& simulation) {
+  const Rig rig = content.rig();
+  nlohmann::ordered_json cameras{
+      {"left", {{"url", simulation.left().url()}}},
+      {"right", {{"url", simulation.right().url()}}},
+      {"user", options.user},
+      {"width", rig.left.size.width},
+      {"height", rig.left.size.height},
+      {"frame_rate", content.frameRate()},
+      {"pairs", content.pairCount()},
+      {"offset_ms", options.offset_ms},
+      {"offset_drift_ppm", options.offset_drift_ppm},
+      {"bitrate_kbps", options.encoder.bitrate_kbps},
+      {"content",
+       options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};
+  // times_0.txt and times_1.txt are relative to this system time.
+  if (simulation.epoch()) {
+    cameras["epoch_ns"] = *simulation.epoch();
+  } else {
+    cameras["epoch_ns"] = nullptr;
+  }
+  writeFileAtomically(options.output / "cameras.json", cameras.dump(2) + "\n");
+}
+
+CameraPairSettings pairSettings(const SimulateOptions& options) {
+  using Seconds = std::chrono::duration<double>;
+  const auto nanoseconds = [](double seconds) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(Seconds(seconds));
+  };
+  return {.left = parseEndpoint(options.left),
+          .right = parseEndpoint(options.right),
+          .user = options.user,
+          .password = options.password_file.empty() ? ensurePassword(options.output / "password")
+                                                    : readPasswordFile(options.password_file),
+          .lead_in = nanoseconds(options.lead_in),
+          .latency = nanoseconds(options.latency_ms * 1e-3),
+          .start = options.start_when_watched ? ContentStart::when_watched : ContentStart::at_once,
+          .end = options.loop ? ContentEnd::repeat : ContentEnd::stop};
+}
+
+void serve(const SimulateOptions& options, const Content& content,
+           const std::shared_ptr<const EncodedPair>& streams) {
+  constexpr auto kPollInterval = std::chrono::milliseconds(20);
+  constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
+  stopOnSignals();
+  fs::create_directories(options.output);
+  fs::remove(options.output / "truth.tum");  // that of an earlier run has another epoch
+  CameraPairSimulation simulation(streams, pairSettings(options));
+  writeDescription(options.output, content);
+  writeCameras(options, content, simulation);
+  printLine("ready: " + simulation.left().url() + " " + simulation.right().url());
+  if (options.start_when_watched) printLine("waiting until clients play both cameras");
+
+  bool announced = false;
+  int polls_after_end = 0;
+  while (stop_requested == 0 && polls_after_end < kMaxPollsAfterEnd) {
+    simulation.update();
+    if (simulation.epoch() && !announced) {
+      announced = true;
+      writeTruth(options.output, content, *simulation.epoch());
+      writeCameras(options, content, simulation);
+      char line[160];
+      std::snprintf(line, sizeof line, "content: %d pairs at %.3f Hz from Unix time %.3f on%s",
+                    content.pairCount(), content.frameRate(), static_cast<double>(*simulation.epoch()) * 1e-9,
+                    options.loop ? ", repeated" : "");
+      printLine(line);
+    }
+    if (simulation.isFinished()) {
+      ++polls_after_end;
+      if (simulation.left().playingClients() + simulation.right().playingClients() == 0) break;
+    }
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  printLine(simulation.isFinished() ? "end of content" : "stopped");
+}
+
+void run(const SimulateOptions& options) {
+  const std::unique_ptr<Content> content = makeContent(options);
+  if (!options.render.empty()) {
+    ProgressBar bar("pairs");
+    renderFolder(options.render, *content, [&bar](int done, int total) {
+      bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+    });
+    std::printf("%d pairs: %s\n", content->pairCount(), options.render.c_str());
+    return;
+  }
+  const std::shared_ptr<const EncodedPair> streams = prepareStreams(*content, options);
+  if (!options.prepare_only) serve(options, *content, streams);
+}
+
+}  // namespace
+
+void addSimulateCommand(CLI::App& cartvo) {
+  CLI::App* command = cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with ground truth");
+  const auto options = std::make_shared<SimulateOptions>();
+  addSimulateOptions(*command, *options);
+  command->footer(
+      "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101, with H.264 without "
+      "B-frames,\n"
+      "Digest authentication (user admin, password in OUTPUT-DIR/password) and RTCP sender reports that "
+      "carry\n"
+      "the exposure instants. The line 'ready: URL URL' is printed when both listen. Encoded streams are "
+      "cached.\n"
+      "Exits with code 0 after the content, or on SIGTERM.\n"
+      "Examples:\n"
+      "  cartvo simulate                                      a campus drive of one minute\n"
+      "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
+      "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
+      "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,145 @@
+// Command-line options of `cartvo simulate`.
+#include "tools/simulate/simulate_options.hpp"
+
+#include <optional>
+#include <stdexcept>
+
+#include "common/image_size.hpp"
+#include "tools/simulate/server/camera_pair_simulation.hpp"
+
+namespace cartvo {
+namespace {
+
+/// An option's validator: text for which `parse` throws std::invalid_argument is an error of the command
+/// line.
+template <typename Parse>
+auto validatorFor(Parse parse) {
+  return [parse](const std::string& text) -> std::string {
+    try {
+      parse(text);
+      return {};
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+}
+
+void addContentOptions(CLI::App& command, SimulateOptions& options) {
+  std::string worlds;
+  for (const world::Scenario scenario : world::allScenarios()) {
+    worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
+  }
+  const auto group = command.add_option_group("Content", "What the cameras show");
+  CLI::Option* world = group->add_option("--world", options.world, "A rendered drive: " + worlds)
+                           ->type_name("NAME")
+                           ->check(validatorFor(world::scenarioFromName));
+  CLI::Option* sequence =
+      group
+          ->add_option("--sequence", options.sequence,
+                       "A recorded image sequence (KITTI or EuRoC layout), at its own rate")
+          ->type_name("DIR");
+  world->capture_default_str();
+  sequence->excludes(world);
+  group
+      ->add_option("--seconds", options.seconds,
+                   "Length in seconds (default: 60 if rendered, or the whole sequence)")
+      ->check(CLI::Range(0.05, 36000.0));
+  group->add_option("--seed", options.drive.seed, "Seed of the rendered world and its noise")
+      ->capture_default_str();
+  group
+      ->add_option("--size", options.size,
+                   "Size of the rendered images, px; the field of view does not change")
+      ->type_name("WIDTHxHEIGHT")
+      ->check(validatorFor(parseSize))
+      ->capture_default_str();
+  CLI::Option* rate =
+      group->add_option("--frame-rate", options.drive.frame_rate, "Frame rate of the rendered cameras, Hz")
+          ->check(CLI::Range(1.0, 120.0))
+          ->capture_default_str();
+  rate->excludes(sequence);
+  group
+      ->add_option("--offset-ms", options.offset_ms,
+                   "Time offset: right minus left exposure. For a sequence only the timestamps\n"
+                   "change, not the pictures")
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->capture_default_str();
+  group
+      ->add_option("--offset-drift-ppm", options.offset_drift_ppm,
+                   "Relative excess of the right camera's frame period (free-running crystals)")
+      ->check(CLI::Range(-10000.0, 10000.0))
+      ->capture_default_str();
+}
+
+void addCameraOptions(CLI::App& command, SimulateOptions& options) {
+  const auto group = command.add_option_group("Cameras", "How the cameras send it");
+  group->add_option("--left", options.left, "Address of the left camera's RTSP server")
+      ->type_name("ADDRESS:PORT")
+      ->check(validatorFor(simulate::parseEndpoint))
+      ->capture_default_str();
+  group->add_option("--right", options.right, "Address of the right camera's RTSP server")
+      ->type_name("ADDRESS:PORT")
+      ->check(validatorFor(simulate::parseEndpoint))
+      ->capture_default_str();
+  group->add_option("--user", options.user, "User for Digest authentication")->capture_default_str();
+  group
+      ->add_option("--password-file", options.password_file,
+                   "File with the password in its first line; other users must not be able to\n"
+                   "read it (default: a random password in OUTPUT-DIR/password)")
+      ->type_name("FILE");
+  group->add_option("--bitrate-kbps", options.encoder.bitrate_kbps, "H.264 constant bit rate of each camera")
+      ->check(CLI::Range(50, 200'000))
+      ->capture_default_str();
+  group->add_option("--slices", options.encoder.slices, "H.264 slices per picture")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  group
+      ->add_option("--lead-in", options.lead_in,
+                   "Seconds before the content, with its first picture (a sequence: blank)")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  group->add_option("--latency-ms", options.latency_ms, "Delay from the exposure of a picture to its sending")
+      ->check(CLI::Range(0.0, 10'000.0))
+      ->capture_default_str();
+  group->add_flag("--start-when-watched", options.start_when_watched,
+                  "Start the lead-in when clients play both cameras, not at once");
+  group->add_flag("--loop", options.loop,
+                  "Repeat the content for ever; the ground truth covers its first run");
+}
+
+void addFileOptions(CLI::App& command, SimulateOptions& options) {
+  const auto group = command.add_option_group("Files", "Output and cache");
+  group
+      ->add_option("--output-dir", options.output,
+                   "Folder for rig.yaml, truth.tum, poses.txt, cameras.json, ...")
+      ->type_name("DIR")
+      ->capture_default_str();
+  group->add_option("--cache-dir", options.cache_dir, "Folder of the cache of encoded streams")
+      ->type_name("DIR");
+  group
+      ->add_option("--cache-gb", options.cache_gigabytes,
+                   "Limit of the cache; least recently used streams are removed first")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  group->add_flag("--no-cache", options.no_cache, "Neither read nor write the cache");
+  group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
+  group
+      ->add_option("--render", options.render,
+                   "Write an image folder with its ground truth instead of serving cameras")
+      ->type_name("DIR");
+}
+
+}  // namespace
+
+cv::Size parseSize(const std::string& text) {
+  const std::optional<cv::Size> size = parseImageSize(text);
+  if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
+  return *size;
+}
+
+void addSimulateOptions(CLI::App& command, SimulateOptions& options) {
+  addContentOptions(command, options);
+  addCameraOptions(command, options);
+  addFileOptions(command, options);
+}
+
+}  // namespace cartvo

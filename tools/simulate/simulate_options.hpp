@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core/types.hpp>
+
+#include "tools/simulate/stream/stream_cache.hpp"
+#include "tools/simulate/stream/stream_encoder.hpp"
+#include "tools/world/world_settings.hpp"
+
+namespace cartvo {
+
+/// Command-line options of `cartvo simulate`.
+struct SimulateOptions {
+  std::string world = "campus";
+  std::filesystem::path sequence;
+  double seconds = 0.0;  ///< 0: the content's own length
+  world::WorldSettings drive;
+  std::string size = "680x420";
+  double offset_ms = 0.0;
+  double offset_drift_ppm = 0.0;
+
+  std::string left = "127.0.0.1:8554";
+  std::string right = "127.0.0.1:8555";
+  std::string user = "admin";
+  std::filesystem::path password_file;
+  simulate::EncoderSettings encoder;
+  double lead_in = 3.0;
+  double latency_ms = 0.0;
+  bool start_when_watched = false;
+  bool loop = false;
+
+  std::filesystem::path output = "simulation";
+  std::filesystem::path cache_dir = simulate::StreamCache::defaultFolder();
+  double cache_gigabytes = 4.0;
+  bool no_cache = false;
+  bool prepare_only = false;
+  std::filesystem::path render;
+};
+
+/// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
+cv::Size parseSize(const std::string& text);
+
+/// Adds the options to `command`; `options` must outlive it.
+void addSimulateOptions(CLI::App& command, SimulateOptions& options);
+
+}  // namespace cartvo

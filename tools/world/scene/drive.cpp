@@ -1,0 +1,99 @@
+// Integrates the cart's speed and spring-mass model once and keeps the result as splines over time.
+#include "tools/world/scene/drive.hpp"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tools/world/scene/speed_profile.hpp"
+#include "tools/world/scene/terrain.hpp"
+#include "tools/world/surface/hash.hpp"
+#include "tools/world/surface/noise.hpp"
+
+namespace cartvo::world {
+namespace {
+
+constexpr double kWheelbase = 1.65;  // m
+constexpr double kTrack = 0.9;       // m
+constexpr int kSubsteps = 4;         // integration steps of the springs in one kSpeedStep
+
+/// A damped spring that follows `target`: x'' = w^2 (target - x) - 2 d w x'.
+struct Spring {
+  double frequency = 10.0;  ///< rad/s
+  double damping = 0.35;
+  double x = 0.0;
+  double rate = 0.0;
+
+  void step(double target, double seconds) {
+    rate += seconds * (frequency * frequency * (target - x) - 2.0 * damping * frequency * rate);
+    x += seconds * rate;
+  }
+};
+
+/// Deviation of the road's height below a wheel, m, `distance` m along the path and `lateral` m to its left.
+double roughness(double distance, double lateral, double amplitude, std::uint32_t seed) {
+  return amplitude *
+         noise(static_cast<float>(distance), static_cast<float>(lateral), 0.3F, {9.6F, 0.6F, 0.62F}, seed);
+}
+
+double roughnessAmplitude(Scenario scenario) {
+  if (scenario == Scenario::bumpy) return 0.032;
+  if (scenario == Scenario::motorway) return 0.001;
+  return scenario == Scenario::low_texture ? 0.003 : 0.006;
+}
+
+}  // namespace
+
+Drive::Drive(const Path& path, const WorldSettings& settings)
+    : path_(path), speed_(kSpeedStep, speedProfile(path, settings)) {
+  constexpr double kPitchPerAcceleration = -0.011;  // rad/(m/s^2): the nose rises under acceleration
+  constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): the body rolls outward in a bend
+  const auto seed = hashOf({static_cast<std::uint32_t>(settings.seed), 501U});
+  const double amplitude = roughnessAmplitude(settings.scenario);
+  const auto wheel_height = [&](double distance, int wheel) {
+    return roughness(distance + ((wheel & 2) != 0 ? kWheelbase : 0.0),
+                     (wheel & 1) != 0 ? 0.5 * kTrack : -0.5 * kTrack, amplitude, seed);
+  };
+  std::array<Spring, 4> corners;  // right rear, left rear, right front, left front
+  for (int wheel = 0; wheel < 4; ++wheel)
+    corners[wheel].x = wheel_height(0.0, wheel);
+  Spring squat{7.0, 0.45};
+  Spring lean{7.0, 0.45};
+  std::vector<double> heave;
+  std::vector<double> pitch;
+  std::vector<double> roll;
+  const int steps = static_cast<int>(std::ceil((settings.seconds + 2.0) / kSpeedStep));
+  constexpr double kStep = kSpeedStep / kSubsteps;
+  for (int i = 0; i < steps * kSubsteps; ++i) {
+    const double time = i * kStep;
+    const double along = speed_.integral(time);
+    const double v = speed_.value(time);
+    const double acceleration = (speed_.value(time + kStep) - v) / kStep;
+    for (int wheel = 0; wheel < 4; ++wheel)
+      corners[wheel].step(wheel_height(along, wheel), kStep);
+    squat.step(kPitchPerAcceleration * acceleration, kStep);
+    lean.step(kRollPerAcceleration * v * v * path.at(along).curvature, kStep);
+    if (i % kSubsteps != 0) continue;
+    const double rear = 0.5 * (corners[0].x + corners[1].x);
+    const double front = 0.5 * (corners[2].x + corners[3].x);
+    const double left = 0.5 * (corners[1].x + corners[3].x);
+    const double right = 0.5 * (corners[0].x + corners[2].x);
+    heave.push_back(rear);
+    pitch.push_back((rear - front) / kWheelbase + squat.x);
+    roll.push_back((left - right) / kTrack + lean.x);
+  }
+  heave_ = UniformSpline(kSpeedStep, std::move(heave));
+  pitch_ = UniformSpline(kSpeedStep, std::move(pitch));
+  roll_ = UniformSpline(kSpeedStep, std::move(roll));
+}
+
+Eigen::Isometry3d Drive::T_map_body(double seconds) const {
+  Eigen::Isometry3d sprung = Eigen::Isometry3d::Identity();
+  sprung.translation().z() = heave_.value(seconds);
+  sprung.linear() = (Eigen::AngleAxisd(pitch_.value(seconds), Eigen::Vector3d::UnitY()) *
+                     Eigen::AngleAxisd(roll_.value(seconds), Eigen::Vector3d::UnitX()))
+                        .toRotationMatrix();
+  return groundPose(path_.at(distance(seconds)), 0.0, kWheelbase) * sprung;
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "tools/world/scene/path.hpp"
+#include "tools/world/scene/uniform_spline.hpp"
+#include "tools/world/world_settings.hpp"
+
+namespace cartvo::world {
+
+/// The cart's motion: along a path, at the scenario's speed limited by bends, motor and brakes, on springs
+/// excited by the road's roughness and by acceleration. All quantities are twice continuously differentiable
+/// in time.
+class Drive {
+ public:
+  /// `path` must outlive the drive.
+  Drive(const Path& path, const WorldSettings& settings);
+
+  double distance(double seconds) const { return speed_.integral(seconds); }  ///< m along the path
+  double speed(double seconds) const { return speed_.value(seconds); }        ///< m/s, negative: backward
+
+  /// Pose of the body (REP-103 axes, origin on the ground below the rear axle) in campus axes, at `seconds`.
+  Eigen::Isometry3d T_map_body(double seconds) const;
+
+ private:
+  const Path& path_;
+  UniformSpline speed_;
+  UniformSpline heave_;  ///< m
+  UniformSpline pitch_;  ///< rad, nose down is positive
+  UniformSpline roll_;   ///< rad, left side up is positive
+};
+
+}  // namespace cartvo::world

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "tools/world/scene/mesh.hpp"
+
+namespace cartvo::world {
+
+/// Street furniture; the foot of each mesh is the origin.
+Mesh makeLampPost();
+Mesh makeSign(std::uint32_t seed);
+Mesh makeBollard();
+Mesh makeBench();
+Mesh makeBin();
+
+/// Adds a picket fence from `from` to `to`, campus coordinates in m.
+void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
+
+/// Adds a brick garden wall with a coping from `from` to `to`.
+void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
+
+}  // namespace cartvo::world

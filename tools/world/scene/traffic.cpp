@@ -1,0 +1,156 @@
+// Moves vehicles and pedestrians as functions of time.
+#include "tools/world/scene/traffic.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "tools/world/scene/person.hpp"
+#include "tools/world/scene/terrain.hpp"
+#include "tools/world/scene/vehicle.hpp"
+#include "tools/world/surface/hash.hpp"
+#include "tools/world/surface/patterns.hpp"
+
+namespace cartvo::world {
+namespace {
+
+constexpr double kOtherLane = 3.4;  // m left of the path
+
+Instance moverInstance(std::uint32_t mesh, Random& random) {
+  Instance instance;
+  instance.mesh = mesh;
+  instance.seed = random.bits();
+  instance.tone_shift = static_cast<float>(random.uniform(-0.45, 0.5));
+  instance.moving = true;
+  return instance;
+}
+
+Eigen::Affine3f toAffine(const Eigen::Isometry3d& pose) {
+  return Eigen::Affine3f(pose.matrix().cast<float>());
+}
+
+}  // namespace
+
+Traffic::Traffic(const Path& path, const Drive& drive, const WorldSettings& settings, Campus& campus)
+    : path_(path), drive_(drive) {
+  if (settings.scenario == Scenario::motorway) return;
+  if (settings.scenario != Scenario::turns) addVehicles(settings, campus);
+  addPedestrians(settings, campus);
+}
+
+void Traffic::addVehicles(const WorldSettings& settings, Campus& campus) {
+  Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 401U}));
+  std::array<std::uint32_t, kVehicleKinds> meshes{};
+  for (int kind = 0; kind < kVehicleKinds; ++kind) {
+    meshes[kind] = static_cast<std::uint32_t>(campus.meshes.size());
+    campus.meshes.push_back(makeVehicle(static_cast<VehicleKind>(kind)));
+  }
+  const auto add = [&](VehicleKind kind, Vehicle vehicle) {
+    vehicle.instance = static_cast<std::uint32_t>(campus.instances.size());
+    vehicle.wheelbase = vehicleWheelbase(kind);
+    campus.instances.push_back(moverInstance(meshes[static_cast<std::size_t>(kind)], random));
+    vehicles_.push_back(vehicle);
+  };
+  const auto any_kind = [&] {
+    const double kind = random.uniform(0.0, 1.0);
+    return kind < 0.4    ? VehicleKind::hatchback
+           : kind < 0.7  ? VehicleKind::saloon
+           : kind < 0.88 ? VehicleKind::van
+                         : VehicleKind::bus;
+  };
+  const bool heavy = settings.scenario == Scenario::traffic;
+  const bool overtaking = settings.scenario == Scenario::standing;
+  const double gap = heavy || overtaking ? 17.0 : settings.scenario == Scenario::low_texture ? 140.0 : 55.0;
+  const int count = static_cast<int>(path_.length() / gap);
+  const double spacing = path_.length() / count;
+  const double speed = overtaking ? 4.5 : 5.5;
+  for (int i = 0; i < count; ++i) {
+    const double start = spacing * (i + 0.5) + random.uniform(-0.12, 0.12) * spacing;
+    const Course course = overtaking ? Course::overtaking : Course::oncoming;
+    add((heavy || overtaking) && i % 3 == 1 ? VehicleKind::bus : any_kind(),
+        {0, course, start, speed, 0.0, 0.0});
+  }
+  if (overtaking || settings.scenario == Scenario::reversing || settings.scenario == Scenario::low_texture)
+    return;
+  if (heavy) add(VehicleKind::bus, {0, Course::ahead, 8.6, 0.12, random.uniform(0.0, 6.0), 0.0});
+  if (!heavy) add(VehicleKind::saloon, {0, Course::ahead, 26.0, 0.25, random.uniform(0.0, 6.0), 0.0});
+}
+
+void Traffic::addPedestrians(const WorldSettings& settings, Campus& campus) {
+  if (settings.scenario == Scenario::low_texture) return;
+  Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 402U}));
+  const auto torso = static_cast<std::uint32_t>(campus.meshes.size());
+  campus.meshes.push_back(makeTorso());
+  campus.meshes.push_back(makeLeg());
+  campus.meshes.push_back(makeArm());
+  const std::array<std::uint32_t, 5> parts{torso, torso + 1, torso + 1, torso + 2, torso + 2};
+  const int count = static_cast<int>(path_.length() / 16.0);
+  for (int i = 0; i < count; ++i) {
+    Pedestrian person;
+    person.first_instance = static_cast<std::uint32_t>(campus.instances.size());
+    person.start = random.uniform(0.0, path_.length());
+    person.speed = random.uniform(1.0, 1.6) * (random.chance(0.5) ? 1.0 : -1.0);
+    const bool left = random.chance(0.5);
+    const double beside = 0.5 + 0.25 * static_cast<double>(random.below(5));
+    person.lateral = left ? campus.road.left_kerb + beside : campus.road.right_kerb - beside;
+    person.scale = random.uniform(0.92, 1.07);
+    const Instance look = moverInstance(torso, random);
+    for (const std::uint32_t part : parts) {
+      campus.instances.push_back(look);
+      campus.instances.back().mesh = part;
+    }
+    pedestrians_.push_back(person);
+  }
+}
+
+Eigen::Isometry3d Traffic::vehiclePose(const Vehicle& vehicle, double seconds) const {
+  const Eigen::AngleAxisd half_turn(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  switch (vehicle.course) {
+    case Course::oncoming:
+      return groundPose(path_.at(vehicle.start - vehicle.speed * seconds), kOtherLane, vehicle.wheelbase) *
+             half_turn;
+    case Course::ahead: {
+      const double distance =
+          vehicle.start * (1.0 + vehicle.speed * std::sin(0.37 * seconds + vehicle.phase));
+      return groundPose(path_.at(drive_.distance(seconds) + distance), 0.0, vehicle.wheelbase);
+    }
+    case Course::overtaking:
+      break;
+  }
+  // The cart is at standstill at distance 0: vehicles come from behind in the other lane and pull in ahead of
+  // it.
+  const double along = vehicle.start + vehicle.speed * seconds;
+  const double from_cart = along - path_.length() * std::floor(along / path_.length() + 0.5);
+  constexpr double kPullInFrom = 3.0;
+  constexpr double kPullInTo = 16.0;
+  const double t = std::clamp((from_cart - kPullInFrom) / (kPullInTo - kPullInFrom), 0.0, 1.0);
+  const double share = t * t * t * (t * (6.0 * t - 15.0) + 10.0);  // zero slope and curvature at both ends
+  const double slope = 30.0 * t * t * (t - 1.0) * (t - 1.0) / (kPullInTo - kPullInFrom);
+  const double heading = std::atan(-kOtherLane * slope);
+  return groundPose(path_.at(along), kOtherLane * (1.0 - share), vehicle.wheelbase) *
+         Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ());
+}
+
+void Traffic::placeAt(double seconds, std::vector<Instance>& instances) const {
+  for (const Vehicle& vehicle : vehicles_) {
+    instances[vehicle.instance].placement = toAffine(vehiclePose(vehicle, seconds));
+  }
+  const Eigen::AngleAxisd half_turn(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  for (const Pedestrian& person : pedestrians_) {
+    const double walked = person.speed * seconds;
+    const PathPoint at = path_.at(person.start + walked);
+    Eigen::Isometry3d pose = groundPose(at, clampWithinBend(at, person.lateral), 0.3);
+    const Eigen::Vector3d foot = pose.translation() + Eigen::Vector3d(0.0, 0.0, 0.12);
+    pose = Eigen::Translation3d(foot) *
+           Eigen::AngleAxisd(std::atan2(at.tangent.y(), at.tangent.x()), Eigen::Vector3d::UnitZ());
+    if (person.speed < 0.0) pose = pose * half_turn;
+    const auto limbs = limbPlacements(std::abs(walked) / person.scale);
+    for (std::size_t i = 0; i < limbs.size(); ++i) {
+      Eigen::Affine3f placement = toAffine(pose);
+      placement.scale(static_cast<float>(person.scale));
+      instances[person.first_instance + i].placement = placement * toAffine(limbs[i]);
+    }
+  }
+}
+
+}  // namespace cartvo::world

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "tools/world/scene/campus.hpp"
+#include "tools/world/scene/drive.hpp"
+#include "tools/world/scene/path.hpp"
+
+namespace cartvo::world {
+
+/// Moving vehicles and pedestrians. Their poses are smooth functions of time alone.
+class Traffic {
+ public:
+  /// Appends the meshes and instances of the moving objects to `campus`. `path` and `drive` must outlive this
+  /// object.
+  Traffic(const Path& path, const Drive& drive, const WorldSettings& settings, Campus& campus);
+
+  /// Sets the placements of the moving instances to those at `seconds`.
+  void placeAt(double seconds, std::vector<Instance>& instances) const;
+
+ private:
+  /// Course of a vehicle relative to the cart.
+  enum class Course : std::uint8_t {
+    oncoming,    ///< against the cart's direction, in the other lane
+    ahead,       ///< in the cart's lane, at a distance that oscillates
+    overtaking,  ///< past the cart at standstill and into its lane ahead of it
+  };
+  struct Vehicle {
+    std::uint32_t instance = 0;
+    Course course = Course::oncoming;
+    double start = 0.0;      ///< m along the path at time 0; `ahead`: mean distance to the cart, m
+    double speed = 0.0;      ///< m/s; `ahead`: relative amplitude of the distance
+    double phase = 0.0;      ///< rad, of that oscillation
+    double wheelbase = 2.6;  ///< m
+  };
+  struct Pedestrian {
+    std::uint32_t first_instance = 0;  ///< of five: torso, legs, arms
+    double start = 0.0;                ///< m along the path at time 0
+    double speed = 0.0;                ///< m/s, negative: against the path
+    double lateral = 0.0;              ///< m left of the path
+    double scale = 1.0;
+  };
+
+  void addVehicles(const WorldSettings& settings, Campus& campus);
+  void addPedestrians(const WorldSettings& settings, Campus& campus);
+  Eigen::Isometry3d vehiclePose(const Vehicle& vehicle, double seconds) const;
+
+  const Path& path_;
+  const Drive& drive_;
+  std::vector<Vehicle> vehicles_;
+  std::vector<Pedestrian> pedestrians_;
+};
+
+}  // namespace cartvo::world

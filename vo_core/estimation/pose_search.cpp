@@ -1,0 +1,236 @@
+// RANSAC and Gauss-Newton refinement of a camera pose from landmarks.
+#include "vo_core/estimation/pose_search.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vo_core/estimation/pose_residuals.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
+constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
+constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
+constexpr double kConvergedStep = 1e-5;     // m and rad
+constexpr double kBehindCameraError = 1e3;  // normalised error of a point behind the camera
+static_assert(kSubsetSize <= kDoubleLanes);
+
+using Transforms = FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>;
+
+/// Transforms from each anchor to the camera.
+Transforms fromAnchors(const PoseProblem& problem, const Eigen::Isometry3d& T_world_camera) {
+  const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
+  Transforms T_camera_anchor;
+  for (const Eigen::Isometry3d& T_world_anchor : problem.anchors)
+    T_camera_anchor.push_back(T_camera_world * T_world_anchor);
+  return T_camera_anchor;
+}
+
+/// Adds all points within the gate, with Cauchy weights.
+CARTVO_TARGET_CLONES
+void addEquations(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                  const Transforms& T_camera_anchor, double gate, PoseEquations& equations) {
+  const double inverse_square_gate = 1.0 / (gate * gate);
+  for (const PointBlock& block : blocks) {
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[block.anchor], block);
+    const DoubleLanes scaled = inverse_square_gate * at.square;
+    DoubleLanes weight = at.in_front * block.weight / (1.0 + scaled);
+    BitLanes within;
+    findNegative(scaled - 1.0, within);
+    keepWhere(within, weight);
+    equations.add(problem, block, at, weight);
+  }
+}
+
+/// Adds a block whose points have different anchors.
+CARTVO_TARGET_CLONES
+void addEquations(const PoseProblem& problem, const PointBlock& block, const TransformLanes& T_camera_anchor,
+                  PoseEquations& equations) {
+  const PointResiduals at = residualsOf(problem, T_camera_anchor, block);
+  equations.add(problem, block, at, at.in_front * block.weight);
+}
+
+/// Score of a pose: sum of the points' weights, each reduced linearly with its squared error.
+CARTVO_TARGET_CLONES
+double scoreOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+               const Transforms& T_camera_anchor, double gate) {
+  DoubleLanes sum{};
+  for (const PointBlock& block : blocks) {
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[block.anchor], block);
+    DoubleLanes fit = 1.0 - at.square / (gate * gate);
+    clampToMinimum(0.0, fit);
+    sum += block.weight * at.in_front * fit;
+  }
+  return sumOf(sum);
+}
+
+/// Squared error of each point of a block.
+struct SquareLanes {
+  DoubleLanes value;
+};
+
+CARTVO_TARGET_CLONES
+void findSquares(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                 const Transforms& T_camera_anchor, std::vector<SquareLanes>& squares) {
+  squares.reserve(blocks.capacity());
+  squares.resize(blocks.size());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const PointResiduals at = residualsOf(problem, T_camera_anchor[blocks[i].anchor], blocks[i]);
+    squares[i].value =
+        at.in_front > 0.0 ? at.square : kBehindCameraError * kBehindCameraError + DoubleLanes{};
+  }
+}
+
+/// Calls use(point, error) with each point's index and normalised error. `squares` is a buffer.
+template <typename Use>
+void forEachError(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                  const Eigen::Isometry3d& T_world_camera, std::vector<SquareLanes>& squares,
+                  const Use& use) {
+  findSquares(problem, blocks, fromAnchors(problem, T_world_camera), squares);
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    for (int lane = 0; lane < blocks[i].count; ++lane)
+      use(blocks[i].point[lane], std::sqrt(squares[i].value[lane]));
+}
+
+/// Performs Gauss-Newton steps with equations from build(pose, equations). Returns nothing if they are
+/// singular.
+template <typename Build>
+std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, const Build& build) {
+  for (int i = 0; i < steps; ++i) {
+    PoseEquations equations;
+    build(pose, equations);
+    const Eigen::LDLT<Matrix6d> factor(equations.hessian());
+    const auto pivots = factor.vectorD();
+    if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff()))
+      return std::nullopt;
+    const Vector6d change = factor.solve(equations.gradient());
+    if (!change.allFinite()) return std::nullopt;
+    pose = orthonormalised(pose * motionFromVector(change));
+    if (change.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
+  }
+  return pose;
+}
+
+/// One RANSAC search.
+class Search {
+ public:
+  Search(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+         const PoseSearchSettings& settings, SubsetRandom& random)
+      : problem_(problem), blocks_(blocks), settings_(settings), random_(random), start_(problem.start) {
+    for (const PosePoint& point : problem.points)
+      weight_ += point.weight;
+  }
+
+  /// Returns the best pose, or nothing if no pose within the motion gate was scored.
+  std::optional<Eigen::Isometry3d> run() {
+    consider(start_);
+    if (const auto refined = refine(start_, 3.0 * settings_.gate)) consider(*refined);
+    if (best_score_ < settings_.sufficient_support * weight_) drawSubsets();
+    if (best_score_ < 0.0) return std::nullopt;
+    for (const double gate : {2.0 * settings_.gate, settings_.gate})
+      if (const auto refined = refine(best_, gate); refined && isAdmissible(*refined)) best_ = *refined;
+    return best_;
+  }
+
+  /// Returns the weight of all points.
+  double weight() const { return weight_; }
+
+ private:
+  /// Refines a pose on all points within the gate.
+  std::optional<Eigen::Isometry3d> refine(const Eigen::Isometry3d& pose, double gate) const {
+    return iterate(pose, kRefinementSteps, [&](const Eigen::Isometry3d& T, PoseEquations& equations) {
+      addEquations(problem_, blocks_, fromAnchors(problem_, T), gate, equations);
+    });
+  }
+
+  void drawSubsets() {
+    const int count = static_cast<int>(problem_.points.size());
+    std::array<int, kSubsetSize> subset;
+    for (int i = 0; i < settings_.subsets; ++i) {
+      for (auto next = subset.begin(); next != subset.end();) {
+        *next = std::min(static_cast<int>(random_.uniform() * count), count - 1);
+        if (std::find(subset.begin(), next, *next) == next) ++next;
+      }
+      if (const auto pose = poseOf(subset)) consider(*pose);
+    }
+  }
+
+  std::optional<Eigen::Isometry3d> poseOf(const std::array<int, kSubsetSize>& subset) const {
+    PointBlock block = blockOf(problem_, subset.data(), kSubsetSize);
+    for (int lane = 0; lane < kSubsetSize; ++lane)
+      block.weight[lane] = 1.0;  // equal weights
+    return iterate(start_, kSubsetSteps, [&](const Eigen::Isometry3d& pose, PoseEquations& equations) {
+      const Eigen::Isometry3d T_camera_world = pose.inverse();
+      TransformLanes T_camera_anchor{};
+      for (int lane = 0; lane < kSubsetSize; ++lane) {
+        const Eigen::Isometry3d T = T_camera_world * problem_.anchors[problem_.points[subset[lane]].anchor];
+        for (int row = 0; row < 3; ++row)
+          for (int column = 0; column < 4; ++column)
+            T_camera_anchor.value[row][column][lane] = T(row, column);
+      }
+      addEquations(problem_, block, T_camera_anchor, equations);
+    });
+  }
+
+  void consider(const Eigen::Isometry3d& pose) {
+    if (!isAdmissible(pose)) return;
+    const double gate = 2.0 * settings_.gate;  // the pose of a subset is inaccurate
+    const double found = scoreOf(problem_, blocks_, fromAnchors(problem_, pose), gate);
+    if (found <= best_score_) return;
+    best_score_ = found;
+    best_ = pose;
+  }
+
+  bool isAdmissible(const Eigen::Isometry3d& pose) const {
+    if (!problem_.admissible_change) return true;
+    const Vector6d change = vectorFromMotion(start_.inverse() * pose);
+    return (change.cwiseAbs().array() <= problem_.admissible_change->array()).all();
+  }
+
+  const PoseProblem& problem_;
+  const std::vector<PointBlock>& blocks_;
+  const PoseSearchSettings& settings_;
+  SubsetRandom& random_;
+  Eigen::Isometry3d start_;
+  double weight_ = 0.0;
+  double best_score_ = -1.0;
+  Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace
+
+struct PoseFinder::Work {
+  PointBlocks points;
+  std::vector<SquareLanes> squares;
+};
+
+PoseFinder::PoseFinder() : work_(std::make_unique<Work>()) {}
+PoseFinder::PoseFinder(PoseFinder&&) noexcept = default;
+PoseFinder& PoseFinder::operator=(PoseFinder&&) noexcept = default;
+PoseFinder::~PoseFinder() = default;
+
+std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearchSettings& settings,
+                                          SubsetRandom& random) {
+  if (static_cast<int>(problem.points.size()) <= kSubsetSize) return std::nullopt;
+  auto& [points, squares] = *work_;
+  points.reset(problem);
+  Search search(problem, points.blocks, settings, random);
+  const auto pose = search.run();
+  if (!pose) return std::nullopt;
+  FoundPose found{*pose};
+  forEachError(problem, points.blocks, *pose, squares,
+               [&](int point, double error) { problem.points[point].inlier = error < settings.gate; });
+  for (const PosePoint& point : problem.points) {
+    if (!point.inlier) continue;
+    ++found.inliers;
+    found.weight += point.weight;
+  }
+  found.inlier_ratio = search.weight() > 0.0 ? found.weight / search.weight() : 0.0;
+  return found;
+}
+
+}  // namespace cartvo

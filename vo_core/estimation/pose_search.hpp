@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/geometry/subset_random.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+/// A landmark with a known depth that the current pair observes.
+struct PosePoint {
+  int anchor = 0;                                      ///< index into PoseProblem::anchors
+  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< in the anchor camera, z = 1
+  double inverse_depth = 0.0;                          ///< 1/m
+  double inverse_depth_stddev = 0.0;                   ///< 1/m
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, position in the current pair
+  double weight = 1.0;                                 ///< Landmark::trust
+  int level = 0;                                       ///< pyramid level, see Landmark
+  bool inlier = false;                                 ///< result: within the gate of the pose found
+};
+
+/// Input of the pose search; the points' `inlier` is output.
+struct PoseProblem {
+  StereoCamera camera;
+  FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> anchors;  ///< T_world_camera of the window's pairs
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< predicted T_world_camera
+  std::vector<PosePoint> points;
+  /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
+  /// patch is ignored: a gate that opens for blurred patches admits wrong matches (docs/experiments.md).
+  BundleNoises noise;
+  /// Motion gate: largest difference from `start` per component, m and rad. Unset without a prediction.
+  std::optional<Vector6d> admissible_change;
+};
+
+/// Result of the pose search.
+struct FoundPose {
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  int inliers = 0;            ///< number of points
+  double weight = 0.0;        ///< sum of the inliers' weights
+  double inlier_ratio = 0.0;  ///< `weight` over the weight of all points
+};
+
+/// Whether the inliers suffice to accept the pose.
+inline bool hasEnoughInliers(const FoundPose& found, const ValiditySettings& validity) {
+  return found.inliers >= validity.minimum_inliers && found.inlier_ratio >= validity.minimum_inlier_ratio;
+}
+
+/// Finds the current pose with the largest weight of inliers by RANSAC (M. Fischler, R. Bolles, 1981). Each
+/// subset of four points gives a pose by a few Gauss-Newton steps on the reprojection error from the
+/// predicted pose (A. Geiger et al., "StereoScan", 2011); the best pose and the prediction are refined on
+/// their inliers. Poses outside the motion gate are rejected: a moving vehicle may fill most of the view, but
+/// the cart has inertia.
+class PoseFinder {
+ public:
+  PoseFinder();
+  PoseFinder(PoseFinder&&) noexcept;
+  PoseFinder& operator=(PoseFinder&&) noexcept;
+  ~PoseFinder();
+
+  /// Returns nothing with too few points or if no pose within the motion gate has inliers.
+  std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
+                                SubsetRandom& random);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
+};
+
+}  // namespace cartvo

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/estimation/pose_search.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
+#include "vo_core/tracking/landmark.hpp"
+#include "vo_core/tracking/window_frame.hpp"
+
+// Conversion of a window of pairs and its landmarks to pose search and bundle problems. Output lists reserve
+// the capacity of the list of landmarks, so that the steady state allocates nothing.
+
+namespace cartvo {
+
+/// Poses of the window with times in s since its oldest pair.
+TimedPoses timedPoses(const std::vector<WindowFrame>& window);
+
+/// Fills `points` with the landmarks that have a depth and `chosen` with their indices. Their last
+/// observations must be in the current pair. `window` has the anchors and may end before the current pair; a
+/// landmark whose anchor is not in the window is left out.
+void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                  const StereoCamera& camera, std::vector<PosePoint>& points,
+                  std::vector<std::size_t>& chosen);
+
+/// Reduces points of toPosePoints() to the landmarks with a stereo match in the current pair and replaces
+/// `left` by the right position, corrected by `rig`: a pose search with them finds the pose of the right
+/// camera.
+void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
+                         const StereoCamera& camera, const RigCorrection& rig,
+                         std::vector<PosePoint>& points);
+
+/// Fills `items` with the landmarks that have more than one observation, right positions corrected by `rig`,
+/// and `chosen` with their indices. `window` ends with the current pair.
+void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                       const StereoCamera& camera, const RigCorrection& rig,
+                       std::vector<BundleLandmark>& items, std::vector<std::size_t>& chosen);
+
+/// Builds a problem of the newest pair's stereo matches alone: anchored in that pair, with the depths of
+/// their own disparities. Its row residuals do not depend on the rest of the window.
+BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
+                                     const std::vector<WindowFrame>& window, const StereoCamera& camera);
+
+/// Whether the depth of an adjusted landmark comes from observations rather than from the prior of a landmark
+/// without depth.
+bool depthIsObserved(const BundleLandmark& adjusted);
+
+}  // namespace cartvo

@@ -1,0 +1,186 @@
+// Projections of landmarks into the left and right cameras, and their derivatives by poses and depths.
+#include "vo_core/geometry/reprojection.hpp"
+
+#include <cmath>
+
+namespace cartvo {
+namespace {
+
+constexpr double kSimultaneous = 1e-7;  // s, a smaller offset counts as none
+
+/// Index of the pair to which the right camera of poses[index] is interpolated; -1 if there is none.
+int neighbourOf(std::span<const TimedPose> poses, int index) {
+  const int side = poses[index].offset > 0.0 ? 1 : -1;
+  for (const int neighbour : {index + side, index - side})
+    if (neighbour >= 0 && neighbour < static_cast<int>(poses.size())) return neighbour;
+  return -1;
+}
+
+/// Index of the third pair: on the pair's side away from the neighbour, else beyond the neighbour; -1 if
+/// there is none.
+int thirdOf(std::span<const TimedPose> poses, int index, int neighbour) {
+  const int side = neighbour - index;
+  for (const int third : {index - side, neighbour + side})
+    if (third >= 0 && third < static_cast<int>(poses.size())) return third;
+  return -1;
+}
+
+Eigen::Matrix3d inverseRightJacobianOfRotation(const Eigen::Vector3d& rotation) {
+  return rightJacobianOfRotation(rotation).inverse();
+}
+
+/// Share of the motion to another pose in the step from the left exposure to the right one.
+struct MotionTerm {
+  MotionTerm() = default;
+  MotionTerm(const TimedPose& own, const TimedPose& other)
+      : D(own.T_world_camera.inverse() * other.T_world_camera), vector(vectorFromMotion(D)) {}
+
+  Matrix6d byOwn(const Matrix6d& to_right) const {
+    Matrix6d vector_by_own = Matrix6d::Zero();
+    vector_by_own.topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+    vector_by_own.topRightCorner<3, 3>() = skew(vector.head<3>());
+    vector_by_own.bottomRightCorner<3, 3>() = -inverseRightJacobianOfRotation(-vector.tail<3>());
+    return weight * to_right * vector_by_own;
+  }
+  Matrix6d byOther(const Matrix6d& to_right) const {
+    Matrix6d vector_by_other = Matrix6d::Zero();
+    vector_by_other.topLeftCorner<3, 3>() = D.linear();
+    vector_by_other.bottomRightCorner<3, 3>() = inverseRightJacobianOfRotation(vector.tail<3>());
+    return weight * to_right * vector_by_other;
+  }
+
+  Eigen::Isometry3d D;
+  Vector6d vector;
+  double weight = 0.0;
+  double weight_by_offset = 0.0;  // 1/s
+};
+
+/// Jacobian of the perturbation on the right of a step by the change of the step.
+Matrix6d perturbationByStep(const Vector6d& step) {
+  Matrix6d to_right = Matrix6d::Zero();
+  to_right.topLeftCorner<3, 3>() = motionFromVector(step).linear().transpose();
+  to_right.bottomRightCorner<3, 3>() = rightJacobianOfRotation(step.tail<3>());
+  return to_right;
+}
+
+/// Interpolated motion from the left exposure of poses[index] to its right one.
+class InterpolatedMotion {
+ public:
+  InterpolatedMotion(std::span<const TimedPose> poses, int index) {
+    neighbour = neighbourOf(poses, index);
+    if (neighbour < 0) return;
+    const TimedPose& own = poses[index];
+    third = thirdOf(poses, index, neighbour);
+    const double to_neighbour = poses[neighbour].time - own.time;
+    MotionTerm& near = terms_.emplace_back(own, poses[neighbour]);
+    near.weight = own.offset / to_neighbour;
+    near.weight_by_offset = 1.0 / to_neighbour;
+    if (third >= 0) {
+      // Lagrange polynomials; that of the own pose, which is the origin, drops out.
+      const double to_third = poses[third].time - own.time;
+      near.weight *= (own.offset - to_third) / (to_neighbour - to_third);
+      near.weight_by_offset *= (2.0 * own.offset - to_third) / (to_neighbour - to_third);
+      const double square = to_third * (to_third - to_neighbour);
+      MotionTerm far(own, poses[third]);
+      far.weight = own.offset * (own.offset - to_neighbour) / square;
+      far.weight_by_offset = (2.0 * own.offset - to_neighbour) / square;
+      terms_.push_back(far);
+    }
+    Vector6d step_by_offset = Vector6d::Zero();
+    for (const MotionTerm& term : terms_) {
+      step_ += term.weight * term.vector;
+      step_by_offset += term.weight_by_offset * term.vector;
+    }
+    to_right_ = perturbationByStep(step_);
+    by_offset = to_right_ * step_by_offset;
+  }
+
+  Eigen::Isometry3d motion() const { return motionFromVector(step_); }
+  Matrix6d byOwn() const {
+    Matrix6d by_own = adjoint(motion().inverse());
+    for (const MotionTerm& term : terms_)
+      by_own += term.byOwn(to_right_);
+    return by_own;
+  }
+  Matrix6d byNeighbour() const { return terms_[0].byOther(to_right_); }
+  Matrix6d byThird() const { return terms_[1].byOther(to_right_); }
+
+  int neighbour = -1;
+  int third = -1;
+  Vector6d by_offset = Vector6d::Zero();
+
+ private:
+  FixedVector<MotionTerm, 2> terms_;
+  Vector6d step_ = Vector6d::Zero();
+  Matrix6d to_right_ = Matrix6d::Zero();
+};
+
+}  // namespace
+
+Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation) {
+  const double angle = rotation.norm();
+  const Eigen::Matrix3d W = skew(rotation);
+  if (angle < 1e-5) return Eigen::Matrix3d::Identity() - 0.5 * W + W * W / 6.0;
+  const double squared = angle * angle;
+  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / squared * W +
+         (angle - std::sin(angle)) / (squared * angle) * W * W;
+}
+
+RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline) {
+  const TimedPose& own = poses[index];
+  RightCamera right;
+  Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
+  T_left_right.translation().x() = baseline;
+  // Carries perturbations from the rig's left camera at that instant to the right camera.
+  const Matrix6d to_right = adjoint(T_left_right.inverse());
+
+  const InterpolatedMotion interpolated(poses, index);
+  right.by_offset = to_right * interpolated.by_offset;
+  if (interpolated.neighbour < 0 || std::abs(own.offset) < kSimultaneous) {
+    right.by_own = to_right;
+    right.T_world_camera = own.T_world_camera * T_left_right;
+    return right;
+  }
+  right.neighbour = interpolated.neighbour;
+  right.third = interpolated.third;
+  right.by_own = to_right * interpolated.byOwn();
+  right.by_neighbour = to_right * interpolated.byNeighbour();
+  if (right.third >= 0) right.by_third = to_right * interpolated.byThird();
+  right.T_world_camera = own.T_world_camera * interpolated.motion() * T_left_right;
+  return right;
+}
+
+Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline) {
+  const RightCamera right = rightCameraOf(poses, static_cast<int>(poses.size()) - 1, baseline);
+  return right.T_world_camera.inverse() * poses.back().T_world_camera;
+}
+
+Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
+                           const Eigen::Vector3d& bearing, double inverse_depth) {
+  Projection projection;
+  projection.ray = T_camera_anchor.linear() * bearing + inverse_depth * T_camera_anchor.translation();
+  if (!(projection.ray.z() > kNearestRay)) return projection;
+  projection.valid = true;
+  projection.pixel = project(camera, projection.ray);
+  return projection;
+}
+
+ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
+                                        const Eigen::Vector3d& bearing, double inverse_depth,
+                                        const Projection& projection) {
+  const Eigen::Vector3d& y = projection.ray;
+  const double scale = camera.focal_length / y.z();
+  Eigen::Matrix<double, 2, 3> by_ray;
+  by_ray << scale, 0.0, -scale * y.x() / y.z(), 0.0, scale, -scale * y.y() / y.z();
+
+  ProjectionJacobians jacobians;
+  jacobians.by_camera.leftCols<3>() = -inverse_depth * by_ray;
+  jacobians.by_camera.rightCols<3>() = by_ray * skew(y);
+  jacobians.by_bearing = by_ray * T_camera_anchor.linear();
+  jacobians.by_anchor.leftCols<3>() = inverse_depth * jacobians.by_bearing;
+  jacobians.by_anchor.rightCols<3>() = -jacobians.by_bearing * skew(bearing);
+  jacobians.by_inverse_depth = by_ray * T_camera_anchor.translation();
+  return jacobians;
+}
+
+}  // namespace cartvo

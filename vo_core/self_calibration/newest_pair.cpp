@@ -1,0 +1,13 @@
+// Stereo matching of the newest pair with the expected rotation of the right camera.
+#include "vo_core/self_calibration/newest_pair.hpp"
+
+namespace cartvo {
+
+void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks) {
+  const Eigen::Isometry3d right_rotation(rig.expected().rotation().transpose());
+  pair.tracker.matchStereo(landmarks, pair.window, pair.left, pair.right, right_rotation * T_right_left,
+                           pair.window.back().T_world_camera);
+}
+
+}  // namespace cartvo

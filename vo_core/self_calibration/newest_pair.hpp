@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "vo_core/self_calibration/rig_calibration_filter.hpp"
+#include "vo_core/tracking/landmark_tracker.hpp"
+
+namespace cartvo {
+
+/// The newest pair of a track and the tracker that matches its landmarks.
+struct NewestPair {
+  const LandmarkTracker& tracker;
+  const ImagePyramid& left;
+  const ImagePyramid& right;
+  const std::vector<WindowFrame>& window;  ///< the pair is the last
+};
+
+/// Searches the right image for the landmarks' last observations, with the right camera rotated by
+/// rig.expected(). `T_right_left`: newestRightFromLeft(), by the rig file alone.
+void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks);
+
+}  // namespace cartvo

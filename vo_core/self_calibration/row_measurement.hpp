@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "vo_core/estimation/bundle_adjustment.hpp"
+
+namespace cartvo {
+
+/// Errors of the right camera that shift the rows of stereo matches against the prediction. The cross term
+/// shifts rows in proportion to x * y: yaw + 2 p2. The lenses of a good calibration leave more of it than a
+/// yaw that matters; it is estimated to keep it out of the other errors, and not corrected.
+struct RowErrors {
+  static constexpr int kSize = 4;
+  enum Index { kPitch, kRoll, kCrossTerm, kDelay };  ///< rad, rad, rad, s; signs as RigCorrection's
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+};
+
+/// Row errors of one pair.
+struct RowMeasurement {
+  RowErrors::Vector errors = RowErrors::Vector::Zero();       ///< remaining after the applied correction
+  RowErrors::Matrix information = RowErrors::Matrix::Zero();  ///< zero if there are too few matches
+  /// Mean product of the rows' derivatives by the errors (px^2 per unit): sensitivity to row patterns that
+  /// are not modelled.
+  RowErrors::Matrix mean_products = RowErrors::Matrix::Zero();
+};
+
+/// Robust regression of the newest pair's vertical disparities on RowErrors, after subtraction of the motion
+/// between the two exposures of an unsynchronised pair.
+class RowRegression {
+ public:
+  RowRegression();
+  RowRegression(RowRegression&&) noexcept;
+  RowRegression& operator=(RowRegression&&) noexcept;
+  ~RowRegression();
+
+  RowMeasurement measure(const BundleProblem& adjusted);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // keeps its memory from problem to problem
+};
+
+/// Measurement of a single problem.
+RowMeasurement measureRows(const BundleProblem& adjusted);
+
+}  // namespace cartvo

@@ -1,0 +1,280 @@
+// Processing of a pair by a track: landmarks are tracked, the pose is searched, landmarks are replenished and
+// matched in stereo. Adjustment and standstill: visual_track_adjustment.cpp, visual_track_standstill.cpp.
+#include "vo_core/track/visual_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "vo_core/estimation/bundle_noise.hpp"
+#include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/geometry/triangulation.hpp"
+#include "vo_core/self_calibration/newest_pair.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kUnknownSpeed = 3.0;                // m/s, standard deviation of the speed at the first pair
+constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks at the start of the standstill
+// Maximum weight of the inliers of another first motion, relative to the best one's: on rendered worlds
+// without traffic it was at most 0.26; where a vehicle was taken for the static world, it was at least 0.65.
+constexpr double kMaximumSecondWeight = 0.5;
+// m and rad, part of the gate that is independent of the time step.
+constexpr double kTranslationSlack = 0.02, kRotationSlack = 0.01;
+
+double seconds(std::int64_t nanoseconds) {
+  return 1e-9 * static_cast<double>(nanoseconds);
+}
+
+WindowFrame frameOf(const PreparedPair& pair) {
+  WindowFrame frame;
+  frame.index = pair.index;
+  frame.exposure_ns = pair.left_exposure_ns;
+  frame.offset = seconds(pair.right_exposure_ns - pair.left_exposure_ns);
+  frame.left = pair.left;
+  return frame;
+}
+
+/// Initial depth of a landmark whose only observation is in stereo.
+void initialiseDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
+                     const Eigen::Vector2d& right_pixel, const BundleNoises& noises) {
+  const auto found = triangulate(camera, T_right_left, landmark.anchor().left, right_pixel);
+  if (!found) return;
+  landmark.inverse_depth = found->inverse_depth;
+  const BundleNoise& noise = noises[landmark.level];
+  const double stddev = (noise.disparity + noise.stretch * std::abs(landmark.anchor().stereo_offset.x())) /
+                        (camera.focal_length * found->sensitivity);
+  landmark.information = 1.0 / (stddev * stddev);
+}
+
+}  // namespace
+
+VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& settings,
+                         const PreparedPair& first, const RigCalibrationFilter& rig,
+                         PitchReinitialiser& reinitialiser, StageObserver& observer)
+    : camera_(camera),
+      settings_(settings),
+      tracker_(camera, settings),
+      random_(settings.seed),
+      rig_(rig),
+      pitch_reinitialiser_(camera),
+      standstill_(settings.standstill),
+      frozen_camera_(camera, settings),
+      last_exposure_ns_(first.left_exposure_ns) {
+  // All buffers reserve the capacity of these lists.
+  landmarks_.reserve(settings.features);
+  draft_.landmarks.reserve(settings.features);
+  {
+    const StageScope stage(observer, Stage::detect);
+    tracker_.replenish(landmarks_, *first.left, first.index);
+  }
+  const StageScope stage(observer, Stage::disparity);
+  window_.push_back(frameOf(first));
+  matchStereo(first, window_, reinitialiser, landmarks_);
+  // The speed is unknown: with a time offset the depths are uncertain.
+  const double relative_stddev = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
+  for (Landmark& landmark : landmarks_) {
+    if (!landmark.hasDepth() || relative_stddev == 0.0) continue;
+    const double stddev = relative_stddev * std::max(landmark.inverse_depth, 0.0);
+    landmark.information = 1.0 / (1.0 / landmark.information + stddev * stddev);
+  }
+}
+
+int VisualTrack::stereoCount() const {
+  return countStereo(landmarks_);
+}
+
+Matrix6d VisualTrack::poseCovariance() const {
+  return poseCovarianceOf(window_.back());
+}
+
+bool VisualTrack::estimatesRig() const {
+  return settings_.rig_refinement == RigRefinement::correct;
+}
+
+std::optional<RigCalibrationError> VisualTrack::rigCalibrationError() const {
+  if (!estimatesRig()) return std::nullopt;
+  return rig_.error();
+}
+
+double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
+  return seconds(pair.left_exposure_ns - last_exposure_ns_);
+}
+
+/// Pose at constant velocity or, while the left camera is frozen, the last pose.
+Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
+  const Eigen::Isometry3d& last = window_.back().T_world_camera;
+  return velocity_ && !leftIsFrozen() ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
+}
+
+TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
+  TrackedMotion motion = track(pair, observer);
+  draft_.window.clear();  // releases the images
+  return motion;
+}
+
+TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observer) {
+  TrackedMotion motion;
+  motion.time_step = secondsSinceLast(pair);
+  Draft& draft = draft_;
+  draft.landmarks = landmarks_;
+  draft.window = window_;
+  draft.window.push_back(frameOf(pair));
+  trackLandmarks(pair, draft, motion, observer);
+  {
+    const StageScope stage(observer, Stage::motion);
+    if (!searchPose(pair, draft, motion)) return motion;
+  }
+  const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
+                                                            draft.window.back().T_world_camera);
+  checkRightCamera(pair, within_standstill, draft, observer);
+  if (leftIsFrozen() || (!within_standstill && pair.repeats.right)) {
+    motion.reason = OdometryReason::repeated_picture;
+    return motion;
+  }
+  const bool still_stands = standing_ && within_standstill;
+  const bool stood = standing_;
+  if (standing_) {
+    motion.counts.detected = static_cast<int>(landmarks_.size());
+    if (still_stands) applyZeroVelocity(pair, motion);
+    const bool enough_landmarks =
+        motion.counts.matched >= kMinimumStandstillLandmarks * landmarks_when_stopped_;
+    if (still_stands && enough_landmarks) return motion;
+    // The pair is added: the cart moves, or too many landmarks of the start of the standstill are lost.
+    standing_ = still_stands;
+  }
+  replenishLandmarks(pair, draft, motion, observer);
+  const StageScope stage(observer, Stage::weights);
+  if (still_stands)
+    refreshStandstill(pair, draft, motion);
+  else
+    adjust(pair, draft, motion);
+  // The first motion after a standstill starts at the fixed pose, not at the true one.
+  if (stood && !still_stands) motion.motion_covariance += standstill_.covariance();
+  if (!still_stands && motion.valid() && standstill_.update(motion.T_world_camera, pair.left_exposure_ns)) {
+    standing_ = true;
+    landmarks_when_stopped_ = motion.counts.matched;
+    velocity_ = Vector6d::Zero();
+  }
+  return motion;
+}
+
+void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
+                                 StageObserver& observer) {
+  const StageScope stage(observer, Stage::optical_flow);
+  // The oldest pair of a full window leaves it when this pair is accepted.
+  const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
+  std::optional<Eigen::Isometry3d> expected;
+  if (velocity_) expected = expectedPose(pair);
+  tracker_.track(draft.landmarks, window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected);
+  if (pair.from_video) inflateCodecNoise(draft.landmarks);
+  motion.counts.tracked = static_cast<int>(draft.landmarks.size());
+}
+
+void VisualTrack::replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
+                                     StageObserver& observer) {
+  {
+    const StageScope stage(observer, Stage::detect);
+    tracker_.replenish(draft.landmarks, *pair.left, pair.index);
+    motion.counts.detected = static_cast<int>(draft.landmarks.size());
+  }
+  const StageScope stage(observer, Stage::disparity);
+  matchStereo(pair, draft.window, pitch_reinitialiser_, draft.landmarks);
+  motion.counts.stereo = countStereo(draft.landmarks);
+}
+
+void VisualTrack::accept(const PreparedPair& pair, Draft& draft) {
+  if (static_cast<int>(draft.window.size()) > settings_.bundle.frames)
+    draft.window.erase(draft.window.begin());
+  window_.swap(draft.window);
+  landmarks_.swap(draft.landmarks);
+  last_exposure_ns_ = pair.left_exposure_ns;
+}
+
+/// Finds the initial pose, which most landmarks agree on. Returns false and sets the reason if there is none.
+bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  buildPoseProblem(pair, draft);
+  motion.counts.matched = static_cast<int>(chosen_.size());
+  if (motion.counts.matched < settings_.validity.minimum_matches) {
+    motion.reason = OdometryReason::too_few_matches;
+    return false;
+  }
+  const auto found = pose_finder_.find(pose_problem_, settings_.pose_search, random_);
+  if (!found || !hasEnoughInliers(*found, settings_.validity)) {
+    motion.reason = OdometryReason::too_few_inliers;
+    return false;
+  }
+  motion.counts.inliers = found->inliers;
+  motion.ambiguous = !velocity_ && isAmbiguous(*found);
+  if (motion.ambiguous) {
+    motion.reason = OdometryReason::too_few_inliers;
+    return false;
+  }
+  draft.window.back().T_world_camera = found->T_world_camera;
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].trust *= 0.5;
+  std::erase_if(draft.landmarks,
+                [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
+  return true;
+}
+
+/// Whether the outliers of the found pose agree on another one that has nearly as much weight. Without a
+/// velocity prior, a vehicle that fills the view can win the RANSAC.
+bool VisualTrack::isAmbiguous(const FoundPose& found) const {
+  PoseProblem outliers = pose_problem_;
+  std::erase_if(outliers.points, [](const PosePoint& point) { return point.inlier; });
+  SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
+  const auto second = PoseFinder().find(outliers, settings_.pose_search, random);
+  return second && second->inliers >= settings_.validity.minimum_inliers &&
+         second->weight > kMaximumSecondWeight * found.weight;
+}
+
+/// Motion gate from the maximum linear and angular acceleration.
+Vector6d VisualTrack::admissibleChange(const PreparedPair& pair) const {
+  const double square = std::pow(secondsSinceLast(pair), 2);
+  const PoseSearchSettings& limits = settings_.pose_search;
+  Vector6d change;
+  change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square + kTranslationSlack),
+      Eigen::Vector3d::Constant(limits.maximum_angular_acceleration * square + kRotationSlack);
+  return change;
+}
+
+void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft) {
+  PoseProblem& problem = pose_problem_;
+  problem.camera = camera_;
+  problem.noise = noise_;
+  problem.anchors.clear();
+  for (const WindowFrame& frame : window_)
+    problem.anchors.push_back(frame.T_world_camera);
+  problem.start = expectedPose(pair);
+  problem.admissible_change.reset();
+  if (velocity_) problem.admissible_change = admissibleChange(pair);
+  toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
+}
+
+void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
+                              PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
+  const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
+  const auto match_rotated = [&](std::vector<Landmark>& wanted, const RigCalibrationFilter& rig) {
+    matchStereoRotated({tracker_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
+  };
+  const StereoMatchFunction match = std::cref(match_rotated);  // a reference: a copy would be allocated
+  match(landmarks, rig_);
+  if (estimatesRig() && reinitialiser.tryReinitialise({landmarks, window, match}, rig_)) {
+    discardLastStereo(landmarks);  // matches at the wrong pitch are by chance
+    match(landmarks, rig_);
+  }
+  // With a time offset the row residual carries motion; do not gate it.
+  if (pair.from_video && keepsRows(T_right_left)) rejectRowOutliers(landmarks, rows_);
+
+  const RigCorrection rig = rig_.correction();
+  for (Landmark& landmark : landmarks) {
+    const Observation& anchor = landmark.anchor();
+    if (landmark.hasDepth() || landmark.observations.size() > 1 || !anchor.stereo) continue;
+    initialiseDepth(landmark, camera_, T_right_left,
+                    correctedRight(camera_, rig, anchor.left - anchor.stereo_offset), noise_);
+  }
+}
+
+}  // namespace cartvo

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/estimation/patch_overlap.hpp"
+#include "vo_core/estimation/pose_search.hpp"
+#include "vo_core/integrity/frozen_camera_detector.hpp"
+#include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/integrity/standstill.hpp"
+#include "vo_core/odometry_estimate.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/self_calibration/pitch_reinitialiser.hpp"
+#include "vo_core/self_calibration/rig_calibration_filter.hpp"
+#include "vo_core/stage_observer.hpp"
+#include "vo_core/tracking/landmark_tracker.hpp"
+
+namespace cartvo {
+
+/// A pair with its image pyramids.
+struct PreparedPair {
+  std::int64_t index = 0;
+  std::int64_t left_exposure_ns = 0;
+  std::int64_t right_exposure_ns = 0;
+  double offset_stddev = 0.0;  ///< s
+  KeyFrames key_frames{};
+  bool from_video = false;            ///< its stream has had a key frame
+  double pose_noise_inflation = 1.0;  ///< factor on the variance of its pose: CodecErrorModel
+  SharedPyramid left, right;
+  ImageRepeats repeats;
+};
+
+/// Motion of a track to a pair.
+struct TrackedMotion {
+  OdometryReason reason = OdometryReason::none;  ///< why it is invalid, or zero_velocity
+  double time_step = 0.0;                        ///< s since the last tracked pair
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  Vector6d stddev_by_landmarks = Vector6d::Zero();  ///< of the motion, without inflation
+  bool noise_uncalibrated = false;  ///< one of the first motions: the noise level is still an assumption
+  Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
+  bool ambiguous = false;  ///< the first motion, and another one has nearly as many inliers
+  FeatureCounts counts;
+
+  bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
+};
+
+/// Motion through an uninterrupted sequence of pairs: a sliding window of poses and the landmarks they share.
+/// A pair with an invalid motion leaves the track unchanged.
+class VisualTrack {
+ public:
+  /// Starts at the pair `first`, which is the origin. `rig`: calibration error estimated so far.
+  /// `reinitialiser`: used for this pair; shared by all tracks, as each pair may start one.
+  VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
+              const RigCalibrationFilter& rig, PitchReinitialiser& reinitialiser, StageObserver& observer);
+
+  /// Tracks the next pair and, if its motion is valid, adds it.
+  TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
+  void setTargetFeatureCount(int features) { tracker_.setTargetFeatureCount(features); }
+
+  const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
+  Matrix6d poseCovariance() const;
+  std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
+  /// Whether the left image stands still while the right camera moves.
+  bool leftIsFrozen() const { return frozen_camera_.leftIsFrozen(); }
+  /// Velocity of the camera at the last pair in its axes, m/s and rad/s; empty after the first pair.
+  const std::optional<Vector6d>& velocity() const { return velocity_; }
+  int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
+  int stereoCount() const;  ///< landmarks found in the last pair's right image
+  const RigCalibrationFilter& rig() const { return rig_; }
+  std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
+
+ private:
+  /// Landmarks and window with the current pair, before it is accepted.
+  struct Draft {
+    std::vector<Landmark> landmarks;
+    std::vector<WindowFrame> window;  ///< the pair is the last
+  };
+
+  // visual_track.cpp
+  TrackedMotion track(const PreparedPair& pair, StageObserver& observer);
+  void trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion, StageObserver& observer);
+  void replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
+                          StageObserver& observer);
+  double secondsSinceLast(const PreparedPair& pair) const;
+  Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
+  bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  bool isAmbiguous(const FoundPose& found) const;
+  Vector6d admissibleChange(const PreparedPair& pair) const;
+  void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
+  void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
+                   PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks);
+  void accept(const PreparedPair& pair, Draft& draft);
+  bool estimatesRig() const;
+
+  // visual_track_standstill.cpp
+  void applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion);
+  void refreshStandstill(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
+  bool expectsMotion(const PreparedPair& pair) const;
+  void checkRightCamera(const PreparedPair& pair, bool within_standstill, Draft& draft,
+                        StageObserver& observer);
+
+  // visual_track_adjustment.cpp
+  void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
+  BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
+  void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  void updateWeights(Draft& draft) const;
+  OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
+  RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
+                                  const RigCorrection& applied);
+
+  StereoCamera camera_;
+  OdometrySettings settings_;
+  LandmarkTracker tracker_;
+  SubsetRandom random_;
+  BundleNoises noise_;
+  RigCalibrationFilter rig_;                ///< unchanged unless RigRefinement::correct
+  PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
+  StandstillDetector standstill_;
+  FrozenCameraDetector frozen_camera_;
+  bool standing_ = false;
+  int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
+  std::vector<Landmark> landmarks_;
+  std::vector<WindowFrame> window_;  ///< oldest first; never empty
+  std::optional<Vector6d> velocity_;
+  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddev_by_landmarks of the last motion
+  std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
+  // State of the current pair; members to reuse their memory.
+  Draft draft_;
+  std::vector<std::size_t>
+      chosen_;  ///< indices into draft_.landmarks of the landmarks of the last problem built
+  PoseProblem pose_problem_;
+  PoseFinder pose_finder_;
+  BundleProblem bundle_;
+  std::vector<double> rows_;
+  PatchOverlap overlap_;
+  BundleAdjuster adjuster_;
+  RowRegression row_regression_;
+};
+
+}  // namespace cartvo

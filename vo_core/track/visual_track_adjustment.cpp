@@ -1,0 +1,151 @@
+// Bundle adjustment of a track's window: problem, rig calibration, covariances, validation.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "vo_core/estimation/bundle_noise.hpp"
+#include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/geometry/plausible_motion.hpp"
+#include "vo_core/track/visual_track.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one is free
+constexpr double kMinimumRigChange =
+    0.02;  // px, change of the rig's correction that requires a new adjustment
+
+/// Difference of two corrections in normalised coordinates.
+double differenceOf(const RigCorrection& a, const RigCorrection& b) {
+  return std::abs(a.yaw - b.yaw) + std::abs(a.p2 - b.p2) + std::abs(a.pitch - b.pitch) +
+         std::abs(a.roll - b.roll);
+}
+
+/// Factor on the variance of the `n`-th motion of a track while the window of `window_pairs` pairs fills: the
+/// noise is still mostly an assumption, and in the dark, where few landmarks of a first pair are found again,
+/// many of them agree by chance. At dusk the squared error of the first motion was 11 times its variance,
+/// that of the second to the sixth 2.4 times (docs/accuracy.md). The covariance of a pose, which exceeds the
+/// sum of those of its motions, needs no factor.
+double startupInflation(int n, int window_pairs) {
+  constexpr double kFirstInflation = 9.0;
+  return n < window_pairs ? 1.0 + kFirstInflation / n : 1.0;
+}
+
+/// Sets priors on published, still free poses with `weight` times their information.
+void addPosePriors(const std::vector<WindowFrame>& window, double weight, BundleProblem& problem) {
+  problem.pose_prior_information.clear();
+  for (std::size_t i = 0; i + 1 < window.size(); ++i) {
+    Matrix6d& information = problem.pose_prior_information.emplace_back(Matrix6d::Zero());
+    if (weight > 0.0 && static_cast<int>(i) >= problem.fixed)
+      information = weight * window[i].local_covariance.ldlt().solve(Matrix6d::Identity());
+  }
+}
+
+}  // namespace
+
+void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& rig) {
+  BundleProblem& problem = bundle_;
+  problem.camera = camera_;
+  problem.noise = noise_;
+  problem.poses = timedPoses(draft.window);
+  const int poses = static_cast<int>(draft.window.size());
+  problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kMinimumFixedPoses));
+  problem.fixed_pose_weight = settings_.bundle.fixed_pose_weight;
+  addPosePriors(draft.window, settings_.bundle.prior_weight, problem);
+  toBundleLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen_);
+}
+
+/// Adjusts the window, and once more if the rig's correction changes by that: older poses are fixed, so that
+/// a wrong scale would last as long as the window. `updated_rig`: result.
+BundleResult VisualTrack::adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig) {
+  RigCorrection rig = rig_.correction();
+  buildBundleProblem(draft, rig);
+  BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
+  updated_rig = updatedRig(result, draft, rig);
+  if (const RigCorrection better = updated_rig.correction();
+      kMinimumRigChange < camera_.focal_length * differenceOf(better, rig)) {
+    rig = better;
+    buildBundleProblem(draft, rig);
+    result = adjuster_.adjust(bundle_, settings_.bundle);
+    updated_rig = updatedRig(result, draft, rig);
+  }
+  return result;
+}
+
+/// Adjusts the window and, if the motion is valid, accepts the draft.
+void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  RigCalibrationFilter updated_rig;
+  const BundleResult result = adjustWithRig(draft, updated_rig);
+  if (!result.converged) {
+    motion.reason = OdometryReason::degenerate_geometry;
+    return;
+  }
+  for (std::size_t i = 0; i < draft.window.size(); ++i)
+    draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
+  updateWeights(draft);
+  const MotionUncertainty uncertainty = updateUncertainties(
+      bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
+      draft.window);
+  motion.T_world_camera = draft.window.back().T_world_camera;
+  motion.T_previous_current =
+      draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
+  // Without the inflation, which makes a motion uncertain but not degenerate.
+  motion.reason = validate(motion, uncertainty.by_landmarks + uncertainty.byOffset());
+  if (!motion.valid()) return;
+  const double startup_inflation =
+      startupInflation(static_cast<int>(draft.window.size()) - 1, settings_.bundle.frames);
+  // The scale depends on disparities, which codec errors affect too.
+  motion.motion_covariance =
+      startup_inflation * pair.pose_noise_inflation * (uncertainty.by_landmarks + uncertainty.by_scale) +
+      uncertainty.byOffset();
+  motion.motion_offset_error = uncertainty.offset_error;
+  motion.stddev_by_landmarks = uncertainty.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt();
+  motion.noise_uncalibrated = startup_inflation > 1.0;
+
+  velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
+  last_stddev_ = motion.stddev_by_landmarks;
+  noise_ = adapted(noise_, result);
+  rig_ = updated_rig;
+  accept(pair, draft);
+}
+
+/// Updates the landmarks' depths, and their trust from their residuals.
+void VisualTrack::updateWeights(Draft& draft) const {
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    Landmark& landmark = draft.landmarks[chosen_[i]];
+    const BundleLandmark& adjusted = bundle_.landmarks[i];
+    const double ratio = adjusted.error / settings_.history.half_weight_stddevs;
+    const double square = ratio * ratio;
+    landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
+    if (!landmark.hasDepth() && !depthIsObserved(adjusted)) continue;
+    landmark.inverse_depth = adjusted.inverse_depth;
+    landmark.information = adjusted.information;
+    landmark.dinverse_depth_doffset = adjusted.dinverse_depth_doffset;
+  }
+  std::erase_if(draft.landmarks,
+                [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
+}
+
+OdometryReason VisualTrack::validate(const TrackedMotion& motion, const Matrix6d& covariance) const {
+  const ValiditySettings& validity = settings_.validity;
+  if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
+    return OdometryReason::implausible_motion;
+  if (!(covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
+    return OdometryReason::degenerate_geometry;
+  return OdometryReason::none;
+}
+
+/// The rig filter updated with the residuals of the adjusted pair, whose right pixels were corrected by
+/// `applied`; unchanged if it is off or the adjustment has not converged.
+RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const Draft& draft,
+                                             const RigCorrection& applied) {
+  RigCalibrationFilter rig = rig_;
+  if (!result.converged || !estimatesRig()) return rig;
+  const double time_step =
+      1e-9 * static_cast<double>(draft.window.back().exposure_ns - window_.back().exposure_ns);
+  rig.update(bundle_, result, row_regression_.measure(bundle_), applied, time_step);
+  return rig;
+}
+
+}  // namespace cartvo

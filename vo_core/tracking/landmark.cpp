@@ -1,0 +1,63 @@
+// Noise of landmark positions and rejection of stereo matches by their rows.
+#include "vo_core/tracking/landmark.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/statistics.hpp"
+#include "vo_core/image/image_pyramid.hpp"
+
+namespace cartvo {
+namespace {
+
+// Minimum stddev of a position, that of the steepest patch, in single and in inter-coded images. Fitted on
+// rendered worlds and kitti_06 (docs/accuracy.md).
+constexpr double kMinimumPatchNoise = 0.07, kMinimumCodecNoise = 0.12;  // px of the level
+constexpr double kTypicalNoise = 0.1;  // px of the full image: stddev of a typical patch
+
+}  // namespace
+
+int countStereo(const std::vector<Landmark>& landmarks) {
+  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
+                                        [](const Landmark& landmark) { return landmark.last().stereo; }));
+}
+
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
+  const double floor = kMinimumPatchNoise * levelScale(level);
+  return (variance.array() + floor * floor).sqrt() / kTypicalNoise;
+}
+
+void inflateCodecNoise(std::vector<Landmark>& landmarks) {
+  constexpr double kAddedVariance =
+      (kMinimumCodecNoise * kMinimumCodecNoise - kMinimumPatchNoise * kMinimumPatchNoise) /
+      (kTypicalNoise * kTypicalNoise);
+  for (Landmark& landmark : landmarks) {
+    const double scale = levelScale(landmark.level);
+    auto noise = landmark.observations.back().relative_noise.array();
+    noise = (noise.square() + kAddedVariance * scale * scale).sqrt();
+  }
+}
+
+void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
+  constexpr double kMinimumGate = 0.5;    // px of the level
+  constexpr double kGateInStddevs = 2.0;  // for rows that all scatter, as those of a rolled rig
+  rows.clear();
+  rows.reserve(landmarks.capacity());
+  for (const Landmark& landmark : landmarks)
+    if (landmark.last().stereo) rows.push_back(landmark.row_residual);
+  if (rows.empty()) return;
+  const double common = median(rows);  // nonzero if the rig has a pitch error
+  for (double& row : rows)
+    row = std::abs(row - common);
+  const double gate = std::max(kMinimumGate, kGateInStddevs * stddevFromMedian(rows));
+  for (Landmark& landmark : landmarks)
+    if (std::abs(landmark.row_residual - common) > gate * levelScale(landmark.level))
+      landmark.observations.back().stereo = false;
+}
+
+void discardLastStereo(std::vector<Landmark>& landmarks) {
+  for (Landmark& landmark : landmarks)
+    landmark.observations.back().stereo = false;
+}
+
+}  // namespace cartvo

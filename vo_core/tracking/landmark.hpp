@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "vo_core/geometry/fixed_vector.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo {
+
+/// Observation of a landmark by one pair.
+struct Observation {
+  std::int64_t frame = -1;                                  ///< index of the pair
+  bool stereo = false;                                      ///< whether it has a match in the right image
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< px
+  Eigen::Vector2d stereo_offset = Eigen::Vector2d::Zero();  ///< px, left minus right position; x: disparity
+  /// Stddev of each coordinate of `left` relative to that of a typical patch.
+  Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();
+};
+
+/// A patch of the world tracked through the left images. Its anchor, the first pair of its observations,
+/// defines the template that is compared with all later images, so that no error accumulates. Its position is
+/// the anchor's pixel and an inverse depth (J. Civera, A. Davison, J. Montiel, "Inverse depth parametrization
+/// for monocular SLAM", 2008), which suits points at infinity as well as near ones.
+struct Landmark {
+  int level = 0;       ///< pyramid level of the patch, below kLandmarkLevels
+  int age = 0;         ///< number of pairs with an observation, including those before a change of the anchor
+  double trust = 1.0;  ///< in [0, 1]: weight as part of the static world
+
+  FixedVector<Observation, kMaximumWindowPairs> observations;  ///< anchor first; never empty
+  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();          ///< of the patch, anchor to last left image
+  Eigen::Matrix2d stereo_warp =
+      Eigen::Matrix2d::Identity();  ///< of the patch, left to right image of the last stereo match
+  double row_residual = 0.0;        ///< px, row of the last stereo match minus the predicted row
+
+  double inverse_depth = 0.0;  ///< 1/m, along the z axis of the anchor camera
+  double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: no depth
+  /// Estimate of inverse_depth from earlier anchors; its information is reduced by
+  /// BundleSettings::fixed_pose_weight.
+  double prior_inverse_depth = 0.0;
+  double prior_information = 0.0;
+  /// Sensitivities of both to the time offset: error (1/m) per second by which the right cameras were exposed
+  /// later than assumed.
+  double dinverse_depth_doffset = 0.0;
+  double prior_dinverse_depth_doffset = 0.0;
+
+  const Observation& anchor() const { return observations.front(); }
+  const Observation& last() const { return observations.back(); }
+  bool hasDepth() const { return information > 0.0; }
+};
+
+/// Number of landmarks with a stereo match in the last pair.
+int countStereo(const std::vector<Landmark>& landmarks);
+
+/// Stddev of each coordinate of a left position relative to a typical patch, from the predicted variance of
+/// its alignment (px^2 of the full image), with a floor because no patch is a plane.
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level);
+
+/// Increases the noise of the last pair's positions for inter-coded pictures: a block that the encoder copies
+/// unchanged matches perfectly, but its position has an error.
+void inflateCodecNoise(std::vector<Landmark>& landmarks);
+
+/// Removes the last pair's stereo matches whose row residuals are outliers. At a low bit rate, blocks of a
+/// video are displaced by up to two pixels in both directions; the known row reveals it. `rows` is a buffer.
+void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& rows);
+
+/// Removes all stereo matches of the last pair.
+void discardLastStereo(std::vector<Landmark>& landmarks);
+
+}  // namespace cartvo

@@ -1,0 +1,363 @@
+// Tracking of landmarks: temporal and stereo alignment, change of the anchor, removal and detection.
+#include "vo_core/tracking/landmark_tracker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/parallel_loop.hpp"
+#include "vo_core/image/affine_alignment.hpp"
+#include "vo_core/image/shift_tracking.hpp"
+#include "vo_core/stereo/stereo_matcher.hpp"
+#include "vo_core/tracking/alignment_block.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr double kUnknownInverseDepth = 0.02;     // 1/m, predicts landmarks without depth
+constexpr int kShiftLevel = 1;                    // levels above the patch's own: finest level of the shift
+constexpr double kImageMargin = 8.0;              // px; landmarks predicted farther outside are removed
+constexpr double kMinimumShiftCorrelation = 0.4;  // before the alignment estimates the warp
+constexpr double kMaximumStretch = 0.35;          // of a warp from the identity; above, the anchor changes
+constexpr double kMaximumRowResidual = 1.5;       // px of the level, of a stereo match
+// Motion of the right camera since the left exposure below which rows are the same in both images.
+constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
+constexpr double kMaximumRowRoll = 0.01;          // rad
+
+bool isStretched(const Eigen::Matrix2d& warp) {
+  return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kMaximumStretch;
+}
+
+/// Whether the backward alignment ends at the start.
+bool isConsistentBackward(const AffineAlignment& found, const TrackingSettings& tracking) {
+  return found.forward_backward_error <= tracking.maximum_backward_error;
+}
+
+/// Pyramid levels of the shift before an alignment in `level`; `tracked` is the number of levels in use. With
+/// a predicted pose and a depth, the prediction errs by about 10 px at most and one level suffices; without a
+/// depth, one more level reaches all but the nearest landmarks, most of which are lost in any case. Without a
+/// predicted pose the search starts at the top.
+PyramidLevels shiftLevels(int level, bool pose_expected, bool has_depth, int tracked) {
+  const int finest = level + kShiftLevel;
+  const int top = std::max(finest, tracked - 1);
+  if (!pose_expected) return {finest, top};
+  return {finest, has_depth ? finest : std::min(finest + 1, top)};
+}
+
+/// Whether the landmark was a new corner before this pair; `found` is the outcome of its search.
+bool wasNew(const Landmark& landmark, bool found) {
+  return landmark.age == (found ? 2 : 1);
+}
+
+/// Warp model from the left to the right image. Between rectified cameras only the columns of a patch are
+/// stretched and sheared, whatever the baseline. A right camera that has moved since the left exposure
+/// changes the rows too; a model without them would bias the match sideways.
+WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left) {
+  return keepsRows(T_right_left) ? WarpModel::stereo : WarpModel::affine;
+}
+
+/// Epipolar line in the right image, to first order in the inverse depth.
+EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
+                          const Eigen::Vector2d& pixel) {
+  EpipolarLine line;
+  const Eigen::Vector3d bearing = bearingOf(camera, pixel);
+  const Projection infinity = projectLandmark(camera, T_right_left, bearing, 0.0);
+  if (!infinity.valid) return line;
+  line.at_infinity = infinity.pixel - pixel;
+  const ProjectionJacobians by = projectionJacobians(camera, T_right_left, bearing, 0.0, infinity);
+  line.per_disparity =
+      by.by_inverse_depth / (camera.focal_length * camera.baseline) + Eigen::Vector2d::UnitX();
+  return line;
+}
+
+/// Derivative of the landmark's ray y = R b + rho t in the new anchor by the time offset, due to the errors
+/// of both poses.
+Eigen::Vector3d rayByTimeOffset(const WindowFrame& old_anchor, const WindowFrame& new_anchor,
+                                const Eigen::Isometry3d& T_new_old, double rho,
+                                const Eigen::Vector3d& bearing, const Eigen::Vector3d& ray) {
+  const Vector6d& old_error = old_anchor.dpose_doffset;
+  const Vector6d& new_error = new_anchor.dpose_doffset;
+  return T_new_old.linear() * (old_error.tail<3>().cross(bearing) + rho * old_error.head<3>()) -
+         (new_error.tail<3>().cross(ray) + rho * new_error.head<3>());
+}
+
+/// Makes the last observation the anchor. The depth, transformed to it, becomes the prior with its
+/// information times `prior_factor`.
+void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window,
+                  double prior_factor) {
+  const WindowFrame* old_anchor = findFrame(window, landmark.anchor().frame);
+  const WindowFrame* new_anchor = findFrame(window, landmark.last().frame);
+  if (old_anchor != nullptr && new_anchor != nullptr && landmark.hasDepth()) {
+    const Eigen::Isometry3d T_new_old = new_anchor->T_world_camera.inverse() * old_anchor->T_world_camera;
+    const Eigen::Vector3d bearing = bearingOf(camera, landmark.anchor().left);
+    const Projection seen = projectLandmark(camera, T_new_old, bearing, landmark.inverse_depth);
+    if (seen.valid) {
+      // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
+      const double z = seen.ray.z();
+      const double slope = (z - landmark.inverse_depth * T_new_old.translation().z()) / (z * z);
+      const double z_by_offset =
+          rayByTimeOffset(*old_anchor, *new_anchor, T_new_old, landmark.inverse_depth, bearing, seen.ray).z();
+      landmark.dinverse_depth_doffset =
+          slope * landmark.dinverse_depth_doffset - landmark.inverse_depth / (z * z) * z_by_offset;
+      landmark.inverse_depth /= z;
+      landmark.information /= std::max(slope * slope, 1e-6);
+    }
+  }
+  // The stereo match of the new anchor already contributed to the depth: it is not used again.
+  landmark.prior_inverse_depth = landmark.inverse_depth;
+  landmark.prior_information = prior_factor * landmark.information;
+  landmark.prior_dinverse_depth_doffset = landmark.dinverse_depth_doffset;
+  Observation last = landmark.last();
+  last.stereo = false;
+  landmark.observations.clear();
+  landmark.observations.push_back(last);
+  landmark.warp.setIdentity();
+}
+
+}  // namespace
+
+bool keepsRows(const Eigen::Isometry3d& T_right_left) {
+  const Eigen::Vector3d place = T_right_left.inverse().translation();
+  const double roll = vectorFromMotion(T_right_left)[5];
+  return place.tail<2>().norm() < kMaximumRowTranslation && std::abs(roll) < kMaximumRowRoll;
+}
+
+LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
+    : camera_(camera),
+      settings_(settings),
+      detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
+
+void LandmarkTracker::setTargetFeatureCount(int features) {
+  settings_.features = features;
+  detector_.setTargetFeatureCount(features);
+}
+
+LandmarkTracker::Scene::Scene(const std::vector<WindowFrame>& in, const ImagePyramid& image,
+                              std::int64_t index, const std::optional<Eigen::Isometry3d>& T_world_camera)
+    : window(in), left(image), frame(index) {
+  if (!T_world_camera) return;
+  const Eigen::Isometry3d T_camera_world = T_world_camera->inverse();
+  for (const WindowFrame& seen : window)
+    T_camera_frame.push_back(T_camera_world * seen.T_world_camera);
+}
+
+/// Predicts the left pixel; returns nothing if it is outside the image by more than the margin.
+std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& landmark, int anchor,
+                                                              const Scene& scene) const {
+  Eigen::Vector2d pixel = landmark.last().left;
+  if (scene.hasPredictedPose()) {
+    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
+    const Projection predicted =
+        projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(anchor)],
+                        bearingOf(camera_, landmark.anchor().left), inverse_depth);
+    if (!predicted.valid) return std::nullopt;
+    pixel = predicted.pixel;
+  }
+  if (pixel.x() < -kImageMargin || pixel.y() < -kImageMargin || pixel.x() > camera_.width + kImageMargin ||
+      pixel.y() > camera_.height + kImageMargin)
+    return std::nullopt;
+  return pixel;
+}
+
+std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const Scene& scene,
+                                                     std::int64_t oldest_anchor) const {
+  const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
+  if (last == nullptr) return std::nullopt;
+  if (landmark.anchor().frame < oldest_anchor || isStretched(landmark.warp))
+    changeAnchor(landmark, camera_, scene.window, settings_.bundle.fixed_pose_weight);
+  const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
+  if (!anchor) return std::nullopt;
+  const auto expected = expectedPixel(landmark, *anchor, scene);
+  if (!expected) return std::nullopt;
+  const PyramidLevels levels =
+      shiftLevels(landmark.level, scene.hasPredictedPose(), landmark.hasDepth(), settings_.tracking.levels);
+  return ShiftTask{last->left.get(), &scene.left, landmark.last().left, *expected, levels};
+}
+
+void LandmarkTracker::shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                               std::span<TrackingAttempt> attempts) const {
+  FixedVector<ShiftTask, AlignmentBlock::kCapacity> tasks;
+  FixedVector<std::size_t, AlignmentBlock::kCapacity> of_landmark;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (const auto task = startShift(landmarks[i], scene, oldest_anchor)) {
+      tasks.push_back(*task);
+      of_landmark.push_back(i);
+    }
+  }
+  std::array<std::optional<Eigen::Vector2d>, AlignmentBlock::kCapacity> shifted;
+  trackShifts({tasks.begin(), tasks.size()}, kMinimumShiftCorrelation, {shifted.data(), tasks.size()});
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+    attempts[of_landmark[i]].shifted = shifted[i];
+}
+
+void LandmarkTracker::alignWithAnchors(std::span<const Landmark> landmarks, const Scene& scene,
+                                       std::span<TrackingAttempt> attempts) const {
+  const TrackingSettings& tracking = settings_.tracking;
+  AlignmentBlock block;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (!attempts[i].shifted || attempts[i].aligned) continue;
+    const Landmark& landmark = landmarks[i];
+    const WindowFrame* anchor = findFrame(scene.window, landmark.anchor().frame);
+    AffineAlignment start;
+    start.position = *attempts[i].shifted;
+    start.warp = landmark.warp;
+    block.add(i, {*anchor->left, scene.left, landmark.level}, landmark.anchor().left, start);
+  }
+  block.align(WarpModel::affine, tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+    if (aligned.correlation >= tracking.minimum_correlation && isConsistentBackward(aligned, tracking))
+      attempts[i].aligned = aligned;
+  });
+}
+
+void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& scene,
+                                 std::int64_t oldest_anchor, std::span<unsigned char> found) const {
+  std::array<TrackingAttempt, AlignmentBlock::kCapacity> attempts;
+  shiftAll(landmarks, scene, oldest_anchor, attempts);
+  alignWithAnchors(landmarks, scene, attempts);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    TrackingAttempt& attempt = attempts[i];
+    if (!attempt.shifted || attempt.aligned) continue;
+    if (landmarks[i].observations.size() > 1)
+      changeAnchor(landmarks[i], camera_, scene.window, settings_.bundle.fixed_pose_weight);
+    else
+      attempt.shifted.reset();
+  }
+  alignWithAnchors(landmarks, scene, attempts);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const auto& aligned = attempts[i].aligned;
+    found[i] = aligned ? 1 : 0;
+    if (!aligned) continue;
+    landmarks[i].warp = aligned->warp;
+    Observation observation;
+    observation.frame = scene.frame;
+    observation.left = aligned->position;
+    observation.relative_noise = relativeNoise(aligned->variance, landmarks[i].level);
+    landmarks[i].observations.push_back(observation);
+    ++landmarks[i].age;
+  }
+}
+
+void LandmarkTracker::track(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                            const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_anchor,
+                            const std::optional<Eigen::Isometry3d>& T_world_camera) {
+  const Scene scene(window, left, frame, T_world_camera);
+  found_.reserve(landmarks.capacity());
+  found_.resize(landmarks.size());
+  forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
+    trackBlock(std::span(landmarks).subspan(first, count), scene, oldest_anchor,
+               std::span(found_).subspan(first, count));
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (wasNew(landmarks[i], found_[i] != 0)) detector_.recordOutcome(landmarks[i], found_[i] != 0);
+    if (found_[i] == 0) continue;
+    if (kept != i) landmarks[kept] = std::move(landmarks[i]);
+    ++kept;
+  }
+  landmarks.resize(kept);
+}
+
+void LandmarkTracker::replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left,
+                                std::int64_t frame) {
+  ReplenishBuffers& now = buffers_;
+  now.spacing.reset(camera_.width, camera_.height, minimumDistance(settings_, camera_.width, camera_.height));
+  now.reserve(landmarks.capacity());
+  now.order.clear();
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    now.order.emplace_back(-landmarks[i].trust * std::min(landmarks[i].age, 10), i);
+  std::sort(now.order.begin(), now.order.end());
+  now.kept.clear();
+  for (const auto& [merit, index] : now.order) {
+    const Eigen::Vector2d pixel = landmarks[index].last().left;
+    if (!now.spacing.insert(pixel) || now.kept.size() >= static_cast<std::size_t>(settings_.features))
+      continue;
+    now.kept.push_back(std::move(landmarks[index]));
+  }
+  landmarks.swap(now.kept);
+
+  for (const LandmarkCorner& corner : detector_.detect(left, landmarks, now.spacing)) {
+    if (corner.score < settings_.tracking.minimum_score) continue;
+    Landmark landmark;
+    landmark.level = corner.level;
+    landmark.age = 1;
+    Observation observation;
+    observation.frame = frame;
+    observation.left = corner.pixel;
+    landmark.observations.push_back(observation);
+    landmarks.push_back(std::move(landmark));
+  }
+}
+
+/// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
+/// search along the epipolar line.
+std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
+                                                             double inverse_depth) const {
+  const Eigen::Vector2d& left = landmark.last().left;
+  AffineAlignment start;
+  if (inverse_depth > 0.0) {
+    const Projection expected =
+        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, left), inverse_depth);
+    if (!expected.valid) return std::nullopt;
+    start.position = expected.pixel;
+    start.warp = landmark.stereo_warp;
+    // The stereo warp model keeps rows: reset what an earlier affine alignment has estimated for them.
+    if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
+  } else {
+    const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
+    const auto found =
+        cartvo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
+    if (!found) return std::nullopt;
+    start.position = found->right;
+  }
+  if (!view.right.grey.front().contains(start.position)) return std::nullopt;
+  return start;
+}
+
+/// Predicted inverse depth in the newest left camera; 0 for landmarks without a depth or with an anchor
+/// outside the window.
+double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Scene& scene) const {
+  const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
+  if (!landmark.hasDepth() || !anchor) return 0.0;
+  const Projection seen = projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(*anchor)],
+                                          bearingOf(camera_, landmark.anchor().left), landmark.inverse_depth);
+  return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
+}
+
+void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
+                                 const StereoView& view) const {
+  std::array<double, AlignmentBlock::kCapacity> expected_row{};
+  AlignmentBlock block;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene));
+    if (!start) continue;
+    expected_row[i] = start->position.y();
+    block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
+  }
+  block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+    Landmark& landmark = landmarks[i];
+    const double row_residual = aligned.position.y() - expected_row[i];
+    if (aligned.correlation < settings_.stereo.minimum_correlation ||
+        std::abs(row_residual) > kMaximumRowResidual * levelScale(landmark.level) ||
+        !isConsistentBackward(aligned, settings_.tracking))
+      return;
+    Observation& observation = landmark.observations.back();
+    landmark.stereo_warp = aligned.warp;
+    landmark.row_residual = row_residual;
+    observation.stereo = true;
+    observation.stereo_offset = observation.left - aligned.position;
+  });
+}
+
+void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                                  const ImagePyramid& left, const ImagePyramid& right,
+                                  const Eigen::Isometry3d& T_right_left,
+                                  const Eigen::Isometry3d& T_world_camera) const {
+  const Scene scene(window, left, window.back().index, T_world_camera);
+  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left)};
+  forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
+    matchBlock(std::span(landmarks).subspan(first, count), scene, view);
+  });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/image/affine_alignment.hpp"
+#include "vo_core/image/image_pyramid.hpp"
+#include "vo_core/image/shift_tracking.hpp"
+#include "vo_core/odometry_settings.hpp"
+#include "vo_core/stereo_camera.hpp"
+#include "vo_core/tracking/landmark.hpp"
+#include "vo_core/tracking/landmark_detector.hpp"
+#include "vo_core/tracking/spacing_grid.hpp"
+#include "vo_core/tracking/window_frame.hpp"
+
+namespace cartvo {
+
+/// Tracks landmarks from pair to pair, matches them in the right images and detects new ones.
+class LandmarkTracker {
+ public:
+  LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings);
+
+  /// Sets the number of landmarks that replenish() targets, from the next pair on.
+  void setTargetFeatureCount(int features);
+
+  /// Searches each landmark in the left image of pair `frame`: first by a shift of the last pair's patch,
+  /// then by an alignment with the anchor's patch. Appends an observation to those found and removes the
+  /// others. `T_world_camera` is the predicted pose of that pair, if any. A landmark whose anchor's patch no
+  /// longer fits, or whose anchor is older than `oldest_anchor`, gets the last pair as its new anchor.
+  void track(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+             const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_anchor,
+             const std::optional<Eigen::Isometry3d>& T_world_camera);
+
+  /// Removes landmarks that are too close to each other or exceed the target count, those with less trust and
+  /// age first, and fills up with new corners.
+  void replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
+
+  /// Matches the landmarks' last observations, which must be in this pair, in the right image. `T_right_left`
+  /// is the predicted transform between the left and the right camera at their own exposure times,
+  /// `T_world_camera` the predicted pose.
+  void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                   const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_right_left,
+                   const Eigen::Isometry3d& T_world_camera) const;
+
+ private:
+  /// Left image in which landmarks are searched, the window and the predicted transforms.
+  struct Scene {
+    Scene(const std::vector<WindowFrame>& in, const ImagePyramid& image, std::int64_t index,
+          const std::optional<Eigen::Isometry3d>& T_world_camera);
+    bool hasPredictedPose() const { return !T_camera_frame.empty(); }
+
+    const std::vector<WindowFrame>& window;
+    const ImagePyramid& left;  ///< of the current pair
+    std::int64_t frame;        ///< index of the current pair
+    FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
+        T_camera_frame;  ///< predicted, for each pair of the window; empty without a predicted pose
+  };
+
+  /// Images of a stereo pair and their predicted geometry.
+  struct StereoView {
+    const ImagePyramid& left;
+    const ImagePyramid& right;
+    const Eigen::Isometry3d& T_right_left;  ///< predicted
+    WarpModel warp_model;
+  };
+
+  /// State of the search for one landmark.
+  struct TrackingAttempt {
+    std::optional<Eigen::Vector2d> shifted;  ///< px, by the last pair's patch; unset if the search failed
+    std::optional<AffineAlignment> aligned;  ///< alignment with the anchor's patch
+  };
+
+  std::optional<ShiftTask> startShift(Landmark& landmark, const Scene& scene,
+                                      std::int64_t oldest_anchor) const;
+  void shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                std::span<TrackingAttempt> attempts) const;
+  std::optional<Eigen::Vector2d> expectedPixel(const Landmark& landmark, int anchor,
+                                               const Scene& scene) const;
+  void alignWithAnchors(std::span<const Landmark> landmarks, const Scene& scene,
+                        std::span<TrackingAttempt> attempts) const;
+  void trackBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                  std::span<unsigned char> found) const;
+  std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
+                                              double inverse_depth) const;
+  double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
+  void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
+
+  StereoCamera camera_;
+  OdometrySettings settings_;
+  LandmarkDetector detector_;
+  std::vector<unsigned char> found_;  ///< result of track() for each landmark; reused for its memory
+
+  /// Memory of replenish(), reused so that the steady state allocates nothing.
+  struct ReplenishBuffers {
+    SpacingGrid spacing;
+    std::vector<std::pair<double, std::size_t>> order;  ///< negative merit and index of each landmark
+    std::vector<Landmark> kept;
+
+    void reserve(std::size_t landmarks) {
+      order.reserve(landmarks);
+      kept.reserve(landmarks);
+    }
+  } buffers_;
+};
+
+/// Whether each point has the same row in both images, each at its own exposure time: false if the right
+/// camera has moved along z or y, or rolled, since the left exposure.
+bool keepsRows(const Eigen::Isometry3d& T_right_left);
+
+}  // namespace cartvo

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/geometry/pose_drift.hpp"
+#include "vo_core/image/image_pyramid.hpp"
+#include "vo_core/rigid_motion.hpp"
+
+namespace cartvo {
+
+/// A pair in the window: the data that remain after its processing.
+struct WindowFrame {
+  std::int64_t index = -1;
+  std::int64_t exposure_ns = 0;  ///< ns, exposure of the left image
+  double offset = 0.0;           ///< s, right exposure minus left exposure
+  SharedPyramid left;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  PoseUncertainty uncertainty;                   ///< relative to the track's first pair
+  Matrix6d local_covariance = Matrix6d::Zero();  ///< relative to the landmarks at the time of the pair
+  Vector6d dpose_doffset = Vector6d::Zero();     ///< see TimedPose
+  /// Error of the pose relative to the first pair if all time offsets err by one stddev with the same sign.
+  /// Not part of `uncertainty`.
+  Vector6d offset_error = Vector6d::Zero();
+};
+
+/// Finds the position in the window of the pair with this index; nothing if the pair is not in the window.
+inline std::optional<int> findFrameIndex(const std::vector<WindowFrame>& window, std::int64_t index) {
+  for (std::size_t i = 0; i < window.size(); ++i)
+    if (window[i].index == index) return static_cast<int>(i);
+  return std::nullopt;
+}
+
+/// Finds the pair with this index, or returns nullptr.
+inline const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std::int64_t index) {
+  const std::optional<int> found = findFrameIndex(window, index);
+  return found ? &window[static_cast<std::size_t>(*found)] : nullptr;
+}
+
+}  // namespace cartvo

@@ -6,7 +6,7 @@
 
 #include "capture/frame.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Result of waiting for a frame.
 enum class ReadOutcome : std::uint8_t {
@@ -52,4 +52,4 @@ class CameraSource {
   virtual void interrupt() noexcept = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

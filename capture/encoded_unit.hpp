@@ -7,7 +7,7 @@
 
 #include "capture/frame.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Codec of a stream.
 enum class VideoCodec : std::uint8_t { h264, h265 };
@@ -47,4 +47,4 @@ class StreamObserver {
   virtual void onUnit(const EncodedUnit& unit) noexcept = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Whether a frame's picture is intact.
 enum class FrameStatus : std::uint8_t {
@@ -56,4 +56,4 @@ struct Frame {
   std::shared_ptr<const void> storage;  ///< owner of the image's memory, or empty if `image` owns it
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

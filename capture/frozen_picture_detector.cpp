@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr int kRowStep = 8;
@@ -35,4 +35,4 @@ FrozenPictureDetector::Clock::duration FrozenPictureDetector::update(const cv::M
   return now - since_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -6,7 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Detects a frozen camera: one that keeps sending, but always the same picture. Sensor noise makes the
 /// pictures of a standing cart differ, so only a frozen camera repeats every bit.
@@ -22,4 +22,4 @@ class FrozenPictureDetector {
   Clock::time_point since_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 PairSynchroniser::PairSynchroniser(const PairSynchroniserSettings& settings) : settings_(settings) {
   if (settings.period_ns < 0) throw std::invalid_argument("pairing: period_ns must not be negative");
@@ -103,4 +103,4 @@ void PairSynchroniser::drop(Side& side, std::uint64_t PairingCounts::*reason) {
   ++(side.counts.*reason);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

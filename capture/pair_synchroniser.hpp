@@ -11,7 +11,7 @@
 #include "capture/clock/frame_period_estimator.hpp"
 #include "capture/frame.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// A left and a right frame, at most half a period apart.
 struct FramePair {
@@ -101,4 +101,4 @@ class PairSynchroniser {
   bool time_restarted_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

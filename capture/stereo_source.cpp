@@ -10,7 +10,7 @@
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_source.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 StereoSource openRecording(const std::filesystem::path& path, const SourceSettings& settings) {
@@ -63,4 +63,4 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
       "in it or in mav0)");
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

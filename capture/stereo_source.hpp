@@ -12,7 +12,7 @@
 #include "capture/dataset/image_folder.hpp"
 #include "capture/recording/recording_timestamper.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Kind of a stereo source on disk.
 enum class SourceKind : std::uint8_t { recording, kitti, euroc, videos };
@@ -51,4 +51,4 @@ struct SourceSettings {
 };
 StereoSource openSource(const std::filesystem::path& path, const SourceSettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

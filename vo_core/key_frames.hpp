@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Which images of a pair are key frames: intra-coded in a stream whose other images are inter-coded. False
 /// for images that are not from such a stream.
@@ -12,4 +12,4 @@ struct KeyFrames {
   friend bool operator==(const KeyFrames&, const KeyFrames&) = default;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -12,7 +12,7 @@
 
 // Input and output of StereoOdometry: images in, motion and pose with covariances out.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A rectified image pair and its exposure instants.
 struct StereoImages {
@@ -107,4 +107,4 @@ struct OdometryEstimate {
   std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

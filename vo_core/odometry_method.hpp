@@ -4,7 +4,7 @@
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/stage_observer.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Interface of the estimators behind StereoOdometry, which checks the images.
 class OdometryMethod {
@@ -17,4 +17,4 @@ class OdometryMethod {
   virtual void acquireBuffers(StereoImages&) {}
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

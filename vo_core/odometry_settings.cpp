@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 template <typename Number>
@@ -106,4 +106,4 @@ void validate(const OdometrySettings& settings) {
   validate(settings.validity);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

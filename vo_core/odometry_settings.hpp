@@ -4,7 +4,7 @@
 
 // Settings of StereoOdometry with their defaults; validate() has the permitted ranges.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Method that estimates the motion.
 enum class Estimator : std::uint8_t {
@@ -153,4 +153,4 @@ double minimumDistance(const OdometrySettings& settings, int width, int height);
 /// "tracking.levels is 0: expected 1 to 8".
 void validate(const OdometrySettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

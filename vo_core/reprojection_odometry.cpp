@@ -10,7 +10,7 @@
 #include "vo_core/integrity/codec_error_model.hpp"
 #include "vo_core/track/visual_track.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 /// Removes the codec shift of a key frame from a pose or motion that ends there.
@@ -302,4 +302,4 @@ std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& cam
   return std::make_unique<ReprojectionOdometry>(camera, settings);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,11 +6,11 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// `estimator: reprojection`: robust least squares over a window of pairs on the reprojection error in both
 /// images, each at its own exposure instant.
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
                                                          const OdometrySettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

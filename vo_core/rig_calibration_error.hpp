@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// An estimate with its standard deviation, both in the same unit.
 struct EstimateWithStddev {
@@ -16,4 +16,4 @@ struct RigCalibrationError {
   EstimateWithStddev delay;  ///< s, by which the right exposure is later than its timestamp
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

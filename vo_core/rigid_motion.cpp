@@ -1,7 +1,7 @@
 // Calculus of rigid motions; see T. Barfoot, "State Estimation for Robotics", chapter 7.
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& vector) {
   Eigen::Matrix3d matrix;
@@ -45,4 +45,4 @@ Matrix6d composedCovariance(const Matrix6d& pose_covariance, const Eigen::Isomet
   return carried * pose_covariance * carried.transpose() + motion_covariance;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -27,4 +27,4 @@ Eigen::Isometry3d orthonormalised(const Eigen::Isometry3d& motion);
 Matrix6d composedCovariance(const Matrix6d& pose_covariance, const Eigen::Isometry3d& motion,
                             const Matrix6d& motion_covariance);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -1,7 +1,7 @@
 // Names of the stages in files and outputs.
 #include "vo_core/stage_observer.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 const char* stageName(Stage stage) {
   switch (stage) {
@@ -27,4 +27,4 @@ const char* stageName(Stage stage) {
   return "unknown";
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// The stages of one pair, in the order of the thesis' Table 5-2 where they occur there.
 enum class Stage : std::uint8_t {
@@ -51,4 +51,4 @@ class StageScope {
   Stage stage_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 void require(bool sensible, const char* name, double value, const char* expected) {
@@ -51,4 +51,4 @@ Eigen::Matrix3d pointCovariance(const StereoCamera& camera, const Eigen::Vector3
   return covariance;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A rectified stereo camera: both images share focal length and principal point, rows correspond.
 struct StereoCamera {
@@ -34,4 +34,4 @@ Eigen::Vector2d project(const StereoCamera& camera, const Eigen::Vector3d& point
 Eigen::Matrix3d pointCovariance(const StereoCamera& camera, const Eigen::Vector3d& point, double pixel_noise,
                                 double disparity_noise);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

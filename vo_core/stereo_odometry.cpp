@@ -8,7 +8,7 @@
 #include "vo_core/reprojection_odometry.hpp"
 #include "vo_core/thesis/thesis_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 void checkImage(const cv::Mat& image, const StereoCamera& camera, const char* name) {
@@ -67,4 +67,4 @@ OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserv
   return last_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 class OdometryMethod;
 class RepeatedImageDetector;
@@ -59,4 +59,4 @@ class StereoOdometry {
   OdometryEstimate last_;  ///< of the last pair
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include "calib/board/chessboard_detection.hpp"
 #include "calib/board/marker_detection.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 std::vector<SeenCorner> detectBoard(const cv::Mat& grey, const BoardSpec& board) {
   if (const auto* const chessboard = std::get_if<Chessboard>(&board))
@@ -18,4 +18,4 @@ std::string describeOtherBoard(const cv::Mat& grey, const BoardSpec& board) {
   return describeUnknownMarker(grey, board);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/board/board_spec.hpp"
 #include "calib/board/board_view.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Detects the corners of a board in a grey image (CV_8UC1), sorted by id, with subpixel accuracy. A
 /// chessboard must be visible completely; a board with markers may be visible in part. Empty if no board is
@@ -19,4 +19,4 @@ std::vector<SeenCorner> detectBoard(const cv::Mat& grey, const BoardSpec& board)
 /// with the number 40". Empty if there is none.
 std::string describeOtherBoard(const cv::Mat& grey, const BoardSpec& board);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

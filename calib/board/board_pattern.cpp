@@ -5,7 +5,7 @@
 
 #include "calib/board/marker_dictionary.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using Rectangles = std::vector<cv::Rect2d>;
@@ -87,4 +87,4 @@ std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board) {
   return std::visit([](const auto& kind) { return rectanglesOf(kind); }, board);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

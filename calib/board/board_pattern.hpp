@@ -6,10 +6,10 @@
 
 #include "calib/board/board_spec.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// The black areas of a board in board axes (see board_spec.hpp), m. The rectangles may touch but do not
 /// overlap.
 std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

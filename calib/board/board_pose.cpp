@@ -7,7 +7,7 @@
 
 #include "calib/model/lens.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
@@ -84,4 +84,4 @@ std::optional<Eigen::Isometry3d> boardPose(const CameraModel& camera, const std:
   return T_camera_board;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

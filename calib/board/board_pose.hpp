@@ -7,7 +7,7 @@
 #include "calib/board/board_view.hpp"
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Computes T_camera_board from the corners in one image: the homography from the board to the rays,
 /// decomposed into rotation and translation (Z. Zhang, "A flexible new technique for camera calibration",
@@ -16,4 +16,4 @@ namespace cartvo {
 std::optional<Eigen::Isometry3d> boardPose(const CameraModel& camera, const std::vector<SeenCorner>& seen,
                                            const std::vector<Eigen::Vector2d>& board_corners);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 
 #include "common/exact_text.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr const char* kForms =
@@ -240,4 +240,4 @@ std::vector<BoardMarker> boardMarkers(const BoardSpec& board) {
   return std::visit([](const auto& kind) { return markersOf(kind); }, board);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

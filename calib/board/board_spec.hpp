@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// A chessboard. As in OpenCV, its size is the number of inner corners, where four squares meet.
 struct Chessboard {
@@ -70,4 +70,4 @@ struct BoardMarker {
 /// The markers of a board, indexed by id. Empty for a chessboard.
 std::vector<BoardMarker> boardMarkers(const BoardSpec& board);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// A corner of a board, detected in an image.
 struct SeenCorner {
@@ -21,4 +21,4 @@ struct BoardView {
   std::vector<SeenCorner> right;  ///< sorted by id
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -12,7 +12,7 @@
 #include "calib/board/corner_refinement.hpp"
 #include "calib/board/search_image.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using Corners = std::vector<cv::Point2f>;
@@ -159,4 +159,4 @@ std::string describeChessboard(const cv::Mat& grey) {
   return "a chessboard of " + std::to_string(meta.cols) + "x" + std::to_string(meta.rows) + " inner corners";
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

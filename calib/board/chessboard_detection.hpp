@@ -8,7 +8,7 @@
 #include "calib/board/board_spec.hpp"
 #include "calib/board/board_view.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Detects the inner corners of a chessboard that is completely visible; empty otherwise. The numbering is
 /// the same in both cameras: the top left square of a board with one odd and one even side is its black
@@ -20,4 +20,4 @@ std::vector<SeenCorner> detectChessboard(const cv::Mat& grey, const Chessboard& 
 /// there is none.
 std::string describeChessboard(const cv::Mat& grey);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 std::optional<Eigen::Vector2d> refineCorner(const cv::Mat& grey, const Eigen::Vector2d& start, double room) {
   constexpr int kMinReach = 2, kMaxReach = 11;
@@ -26,4 +26,4 @@ std::optional<Eigen::Vector2d> refineCorner(const cv::Mat& grey, const Eigen::Ve
   return refined;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -16,7 +16,7 @@
 #include "calib/board/marker_dictionary.hpp"
 #include "calib/board/search_image.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using MarkerCorners = std::array<Eigen::Vector2d, 4>;  ///< px of the full image, ordered as in BoardMarker
@@ -148,4 +148,4 @@ std::string describeUnknownMarker(const cv::Mat& grey, const BoardSpec& board) {
   return "a marker with the number " + std::to_string(seen.rbegin()->first);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/board/board_spec.hpp"
 #include "calib/board/board_view.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Detects the inner corners that are adjacent to a detected marker. Empty with fewer than two markers.
 std::vector<SeenCorner> detectCharuco(const cv::Mat& grey, const Charuco& board);
@@ -20,4 +20,4 @@ std::vector<SeenCorner> detectAprilGrid(const cv::Mat& grey, const AprilGrid& bo
 /// Empty if there is none.
 std::string describeUnknownMarker(const cv::Mat& grey, const BoardSpec& board);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

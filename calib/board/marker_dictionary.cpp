@@ -4,7 +4,7 @@
 #include <array>
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 /// OpenCV's dictionaries of 50, 100, 250 and 1000 markers of n x n bits start with the same codes, and their
@@ -31,4 +31,4 @@ MarkerDictionary markerDictionary(const BoardSpec& board) {
   throw std::invalid_argument("a chessboard has no markers");
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

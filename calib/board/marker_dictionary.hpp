@@ -4,7 +4,7 @@
 
 #include "calib/board/board_spec.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// The coding of a board's markers, for drawing and detection.
 struct MarkerDictionary {
@@ -16,4 +16,4 @@ struct MarkerDictionary {
 /// Throws std::invalid_argument for a chessboard, which has no markers.
 MarkerDictionary markerDictionary(const BoardSpec& board);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

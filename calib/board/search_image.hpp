@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// A downscaled copy of a large image, to speed up the search for boards. The corners found are refined in
 /// the full image.
@@ -26,4 +26,4 @@ struct SearchImage {
   }
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

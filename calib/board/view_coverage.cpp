@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr double kMinCoverage = 0.7;  // share of the cells
@@ -94,4 +94,4 @@ std::string nextViewAdvice(const ImageCoverage& left, const ImageCoverage& right
   return {};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -9,7 +9,7 @@
 
 #include "calib/board/board_view.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Coverage of an image by corners: the number of corners in cells of equal size, row by row.
 struct ImageCoverage {
@@ -41,4 +41,4 @@ TiltCoverage tiltsOf(const std::vector<Eigen::Isometry3d>& T_camera_board);
 /// of both images, and the board tilted in all four directions.
 std::string nextViewAdvice(const ImageCoverage& left, const ImageCoverage& right, const TiltCoverage& tilts);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

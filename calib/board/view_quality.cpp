@@ -9,7 +9,7 @@
 
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 std::string oneDigit(double value) {
@@ -98,4 +98,4 @@ std::string qualityProblem(const ViewQuality& quality, double usual_edge_width) 
   return {};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 
 #include "calib/board/board_view.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Image quality of a board, measured around its corners.
 struct ViewQuality {
@@ -29,4 +29,4 @@ ViewQuality viewQuality(const cv::Mat& grey, const std::vector<SeenCorner>& seen
 /// `usual_edge_width`: that of the other views, px.
 std::string qualityProblem(const ViewQuality& quality, double usual_edge_width);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

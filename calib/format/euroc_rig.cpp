@@ -7,7 +7,7 @@
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr std::size_t kCoefficients = 4;
@@ -60,4 +60,4 @@ EurocText eurocText(const Rig& rig) {
           cameraText(rig.right, rig.T_body_camera * rig.T_right_left.inverse())};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

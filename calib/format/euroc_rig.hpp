@@ -5,7 +5,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Reads the two sensor.yaml of a EuRoC sequence: pinhole cameras with radial-tangential (k1 k2 p1 p2) or
 /// equidistant (the wide lens) distortion. T_BS takes a camera's axes to those of the sensor body, so
@@ -23,4 +23,4 @@ struct EurocText {
 /// that radial-tangential cannot represent.
 EurocText eurocText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr std::size_t kCoefficients = 4;
@@ -61,4 +61,4 @@ std::string kalibrText(const Rig& rig) {
          cameraText(rig.right, 1);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

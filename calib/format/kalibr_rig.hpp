@@ -6,8 +6,10 @@
 #include "calib/model/rig.hpp"
 
 namespace cartvo {
-
 class StrictYaml;
+}  // namespace cartvo
+
+namespace cartvo::calib {
 
 /// Parses the first two cameras, left and right, of a Kalibr camchain.yaml: pinhole cameras with radtan (k1
 /// k2 p1 p2), no or equidistant (the wide lens) distortion. T_cn_cnm1 takes the previous camera's axes to
@@ -20,4 +22,4 @@ Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name);
 /// cannot represent.
 std::string kalibrText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

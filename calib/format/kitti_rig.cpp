@@ -10,7 +10,7 @@
 #include "calib/format/rig_parts.hpp"
 #include "common/exact_text.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ProjectionMatrix = std::vector<double>;  ///< 3x4, row by row
@@ -89,4 +89,4 @@ std::string kittiText(const Rig& rig) {
          projectionRow("P1:", rig.right, rig.right.fx * rig.T_right_left.translation().x());
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

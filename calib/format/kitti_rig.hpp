@@ -7,7 +7,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Reads P0 and P1 of a KITTI odometry sequence's calib.txt. The images are rectified, and P1(0,3) = -f *
 /// baseline. The file does not contain the image size. T_body_camera is forwardLookingMount(). Throws
@@ -21,4 +21,4 @@ bool isKittiRig(const Rig& rig);
 /// isKittiRig().
 std::string kittiText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -9,7 +9,7 @@
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr double kFirstPixel = 1.0;  // px; MATLAB counts pixels from one
@@ -95,4 +95,4 @@ std::string matlabText(const Rig& rig) {
          ",\n  \"TranslationOfCamera2\": " + exactText({t.x(), t.y(), t.z()}) + "\n}\n";
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -6,8 +6,10 @@
 #include "calib/model/rig.hpp"
 
 namespace cartvo {
-
 class StrictYaml;
+}  // namespace cartvo
+
+namespace cartvo::calib {
 
 /// Parses MATLAB's stereoParameters as JSON: jsonencode of a struct with the properties CameraParameters1,
 /// CameraParameters2 (each with IntrinsicMatrix, RadialDistortion, TangentialDistortion, ImageSize,
@@ -29,4 +31,4 @@ Rig parseMatlabRig(const StrictYaml& yaml, const std::filesystem::path& name);
 /// MATLAB's cameraParameters cannot represent (k4 k5 k6, wide lenses).
 std::string matlabText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 CameraModel readCamera(const StrictYaml& yaml, const std::string& number, cv::Size size, LensModel lens) {
@@ -67,4 +67,4 @@ std::string openCvText(const Rig& rig) {
          matrixText("T", 1, {t.x(), t.y(), t.z()});
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

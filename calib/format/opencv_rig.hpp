@@ -6,8 +6,10 @@
 #include "calib/model/rig.hpp"
 
 namespace cartvo {
-
 class StrictYaml;
+}  // namespace cartvo
+
+namespace cartvo::calib {
 
 /// Reads an OpenCV FileStorage (YAML) with K1 D1 K2 D2 R T image_size, as cv::stereoCalibrate returns them: R
 /// and T take the left camera's axes to the right's, and T must be in metres. With `fisheye_model: 1` (as
@@ -24,4 +26,4 @@ Rig parseOpenCvRig(const StrictYaml& yaml, const std::filesystem::path& name);
 /// different lens models.
 std::string openCvText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

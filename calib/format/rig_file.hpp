@@ -5,7 +5,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Reads a rig in cartvo's own YAML format (see config/ and `rigText`), an OpenCV FileStorage, a Kalibr
 /// camchain or MATLAB's stereoParameters as JSON. The format is recognised by the contents. In cartvo's own
@@ -22,9 +22,4 @@ std::string rigText(const Rig& rig);
 /// Writes `rigText` atomically, see writeFileAtomically. Throws std::invalid_argument if the rig is invalid.
 void writeRig(const std::filesystem::path& file, const Rig& rig);
 
-/// Throws std::invalid_argument, naming the value, if an image size, focal length, principal point,
-/// distortion, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m (a larger
-/// one is a calibration in millimetres).
-void validateRig(const Rig& rig);
-
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -11,9 +11,10 @@
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "calib/format/ros_rig.hpp"
+#include "calib/model/rig_validation.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +90,4 @@ std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format) {
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

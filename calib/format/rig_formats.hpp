@@ -10,7 +10,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// File formats of rigs. All but cartvo's own lack the mount.
 enum class RigFormat : std::uint8_t {
@@ -44,4 +44,4 @@ struct RigFile {
 /// represent it.
 std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -5,9 +5,10 @@
 #include <stdexcept>
 
 #include "calib/format/rig_file.hpp"
+#include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 template <int N>
@@ -105,4 +106,4 @@ std::vector<double> cameraMatrixRows(const CameraModel& camera) {
   return {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -10,7 +10,7 @@
 #include "calib/model/rig.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 // Parts of a rig in the YAML files of other tools. All readers throw std::runtime_error naming file, line,
 // key and what was expected.
@@ -52,4 +52,4 @@ std::vector<double> rowsOf(const Eigen::Matrix4d& matrix);
 /// [fx 0 cx; 0 fy cy; 0 0 1], row by row.
 std::vector<double> cameraMatrixRows(const CameraModel& camera);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

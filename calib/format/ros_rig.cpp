@@ -9,7 +9,7 @@
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr std::size_t kPlumbBob = 5;  // k1 k2 p1 p2 k3
@@ -107,4 +107,4 @@ RosText rosText(const Rig& rig) {
           cameraText("right", rig.right, rectified.R_rectified_right, rectified, rectified.baseline)};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

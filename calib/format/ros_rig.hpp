@@ -5,7 +5,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Reads the two camera_info files (YAML) of a stereo pair in ROS. Distortion: plumb_bob, rational_polynomial
 /// or equidistant (the wide lens). The relative pose follows from the rectification: R of each camera takes
@@ -22,4 +22,4 @@ struct RosText {
 /// std::invalid_argument if the rig cannot be rectified.
 RosText rosText(const Rig& rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

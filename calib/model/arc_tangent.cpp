@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 double portableArcTangent(double x) {
   // atan x = 2 atan(x / (1 + sqrt(1 + x^2))): four halvings reduce pi/2 to pi/32, where the first omitted
@@ -30,4 +30,4 @@ double portableTangent(double angle) {
   return tangent;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

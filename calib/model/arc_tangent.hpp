@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cartvo {
+namespace cartvo::calib {
 
 // Functions with the same bits on every machine. The C library's differ in the last bits; these use only
 // additions, multiplications, divisions and square roots, which IEEE 754 defines to the last bit.
@@ -11,4 +11,4 @@ double portableArcTangent(double x);
 /// The tangent of an angle from 0 to 1.56 rad. Relative error below 1e-13 up to 1.5 rad.
 double portableTangent(double angle);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

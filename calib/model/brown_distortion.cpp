@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 BrownDistortion::BrownDistortion(const CameraModel& camera)
     : k1_(camera.distortion[0]),
@@ -80,4 +80,4 @@ NormalisedPoint BrownDistortion::undistort(NormalisedPoint distorted) const {
       "than Brown's model can hold");
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -3,7 +3,7 @@
 #include "calib/model/normalised_point.hpp"
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Brown's distortion (thesis 4.5-4.7 with L(r) = 1 + k1 r^2 + k2 r^4, extended by k3, OpenCV's rational
 /// denominator k4 k5 k6 and the tangential p1 p2). It is limited to the radius where it is invertible:
@@ -31,4 +31,4 @@ class BrownDistortion {
   double max_radius_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 std::variant<BrownDistortion, WideDistortion> distortionOf(const CameraModel& camera) {
@@ -27,4 +27,4 @@ Eigen::Vector3d Lens::undistort(NormalisedPoint distorted) const {
   return {ideal.x, ideal.y, 1.0};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/model/rig.hpp"
 #include "calib/model/wide_distortion.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// The distortion of a camera's lens, of either model: rays to distorted normalised coordinates (before focal
 /// length and principal point) and back. The same bits on every machine.
@@ -28,4 +28,4 @@ class Lens {
   std::variant<BrownDistortion, WideDistortion> distortion_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 /// Distorted normalised coordinates, with derivatives.
@@ -105,4 +105,4 @@ std::optional<LensProjection> project(const CameraModel& camera, const Eigen::Ve
   return projection;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -5,7 +5,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// fx fy cx cy and the eight coefficients of CameraModel::distortion.
 inline constexpr int kCameraParameters = 12;
@@ -27,4 +27,4 @@ struct LensProjection {
 /// behind the camera's plane, the wide one on the negative optical axis.
 std::optional<LensProjection> project(const CameraModel& camera, const Eigen::Vector3d& point);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

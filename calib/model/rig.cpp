@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 std::size_t distortionCount(LensModel lens) {
   return lens == LensModel::wide ? 4 : 8;
@@ -23,4 +23,4 @@ Eigen::Isometry3d forwardLookingMount() {
   return T_body_camera;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -7,7 +7,7 @@
 
 #include <opencv2/core/types.hpp>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Lens model; see BrownDistortion and WideDistortion.
 enum class LensModel : std::uint8_t {
@@ -59,4 +59,4 @@ struct Rig {
 /// forward) to body axes (x forward, y left, z up). The default mount of a rig.
 Eigen::Isometry3d forwardLookingMount();
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

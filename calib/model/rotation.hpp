@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Whether a matrix is a rotation, within the rounding of files (1e-5).
 inline bool isRotation(const Eigen::Matrix3d& matrix) {
@@ -18,4 +18,4 @@ inline Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& matrix) {
   return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

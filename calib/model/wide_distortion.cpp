@@ -6,7 +6,7 @@
 
 #include "calib/model/arc_tangent.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 WideDistortion::WideDistortion(const CameraModel& camera)
     : k1_(camera.distortion[0]),
@@ -70,4 +70,4 @@ Eigen::Vector3d WideDistortion::undistort(NormalisedPoint distorted) const {
   return {sine * distorted.x / target, sine * distorted.y / target, cosine};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -5,7 +5,7 @@
 #include "calib/model/normalised_point.hpp"
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Distortion of a wide-angle or fisheye lens (J. Kannala and S. S. Brandt, "A generic camera model and
 /// calibration method for conventional, wide-angle, and fish-eye lenses", 2006, in the form of OpenCV's
@@ -35,4 +35,4 @@ class WideDistortion {
   double max_angle_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

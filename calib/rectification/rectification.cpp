@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "calib/format/rig_file.hpp"
 #include "calib/model/lens.hpp"
+#include "calib/model/rig_validation.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 /// An axis-aligned rectangle on the rectified image plane, in normalised coordinates.
@@ -177,4 +177,4 @@ Rectification computeRectification(const Rig& rig, const RectificationSettings& 
   return rectification;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -6,7 +6,7 @@
 
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// The virtual cameras of the rectified images: two equal, parallel pinhole cameras without distortion, the
 /// right one at (baseline, 0, 0) in the left one's axes. Corresponding points are in the same row, and a
@@ -39,4 +39,4 @@ RectifyingRotations rectifyingRotations(const Rig& rig);
 /// horizontal, distortion that folds the image).
 Rectification computeRectification(const Rig& rig, const RectificationSettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

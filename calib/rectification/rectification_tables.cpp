@@ -10,7 +10,7 @@
 
 #include "calib/model/lens.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 /// Incremented with each change in how tables are computed or stored, so that older files are rebuilt.
@@ -123,4 +123,4 @@ LoadedTables loadOrBuildTables(const Rig& rig, const RectificationSettings& sett
   return loaded;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -11,7 +11,7 @@
 #include "calib/model/rig.hpp"
 #include "calib/rectification/rectification.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Source position in the raw image of each rectified pixel, row by row, in fixed point with 8 fractional
 /// bits: (column + column_fraction / 256, row + row_fraction / 256), rounded to the nearest 1/256 px
@@ -78,4 +78,4 @@ struct LoadedTables {
 LoadedTables loadOrBuildTables(const Rig& rig, const RectificationSettings& settings,
                                const std::filesystem::path& file);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

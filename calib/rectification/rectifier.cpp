@@ -7,7 +7,7 @@
 #include "calib/rectification/remap.hpp"
 #include "common/image_size.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 Rectifier::Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables)
     : rig_name_(rig.name), rectification_(computeRectification(rig, settings)), tables_(std::move(tables)) {
@@ -45,4 +45,4 @@ void Rectifier::rectify(const char* side, const PixelSources& sources, const cv:
   remap(raw, sources, rectified);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/rectification/rectification.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Rectifies images. Immutable, so several threads may use one object at the same time.
 class Rectifier {
@@ -34,4 +34,4 @@ class Rectifier {
   RectificationTables tables_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -23,7 +23,7 @@
 #include "common/atomic_file.hpp"
 #include "common/image_size.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the arrays are written in the host's byte order");
@@ -151,4 +151,4 @@ RectificationTables readTables(const std::filesystem::path& file, cv::Size size,
   return tables;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

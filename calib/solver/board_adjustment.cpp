@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -227,4 +227,4 @@ BoardAdjustment adjustBoards(const RigAndBoards& start, const std::vector<BoardV
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/model/rig.hpp"
 #include "calib/solver/calibration_model.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Reprojection residuals of a view: detected minus projected corners, px, in the order of the view's
 /// corners.
@@ -49,4 +49,4 @@ BoardAdjustment adjustBoards(const RigAndBoards& start, const std::vector<BoardV
                              const std::vector<Eigen::Vector2d>& board_corners,
                              const AdjustmentSettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -14,7 +14,7 @@
 #include "calib/solver/initial_calibration.hpp"
 #include "calib/solver/rectified_points.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr std::size_t kMinViews = 6;
@@ -291,4 +291,4 @@ Calibration calibrateViews(const std::vector<BoardView>& views, const BoardSpec&
   return calibration;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -11,7 +11,7 @@
 #include "calib/solver/stereo_calibration.hpp"
 #include "calib/solver/sync_fault.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// A calibration model with its result.
 struct CandidateModel {
@@ -73,4 +73,4 @@ double scaleStddev(const Calibration& calibration);
 Calibration calibrateViews(const std::vector<BoardView>& views, const BoardSpec& board, cv::Size image_size,
                            const std::vector<CalibrationModel>& models);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

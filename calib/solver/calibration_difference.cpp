@@ -10,7 +10,7 @@
 #include "calib/model/lens.hpp"
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr double kMinCosine = 0.5;  // of 60 degrees
@@ -128,4 +128,4 @@ CalibrationDifference compareCalibrations(const Rig& a, const Rig& b, const Imag
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

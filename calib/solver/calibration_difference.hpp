@@ -5,7 +5,7 @@
 #include "calib/board/view_coverage.hpp"
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Difference in depth between two calibrations at one distance. Infinite if no point at this distance is
 /// visible in covered cells of both images.
@@ -30,4 +30,4 @@ struct CalibrationDifference {
 CalibrationDifference compareCalibrations(const Rig& a, const Rig& b, const ImageCoverage& left,
                                           const ImageCoverage& right, const std::vector<double>& distances);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

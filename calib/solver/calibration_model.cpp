@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr std::array kBrownNames{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
@@ -75,4 +75,4 @@ ParameterName parameterName(int rig_parameter, LensModel lens) {
   return {std::string(is_left ? "left " : "right ") + name, parameter < kDistortion ? "px" : ""};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

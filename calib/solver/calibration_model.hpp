@@ -7,7 +7,7 @@
 #include "calib/model/projection.hpp"
 #include "calib/model/rig.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// The distortion coefficients that are estimated for each camera, besides focal lengths and principal point.
 enum class CalibrationModel : std::uint8_t {
@@ -40,4 +40,4 @@ struct ParameterName {
 };
 ParameterName parameterName(int rig_parameter, LensModel lens);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

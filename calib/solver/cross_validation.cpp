@@ -11,7 +11,7 @@
 #include "calib/solver/initial_calibration.hpp"
 #include "calib/solver/rectified_points.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 /// Fits the board's pose to a held-out view. The error is infinite if that fails.
@@ -88,4 +88,4 @@ CrossValidation crossValidate(const StereoCalibration& calibration, const std::v
   return validation;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

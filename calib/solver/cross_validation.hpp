@@ -5,7 +5,7 @@
 #include "calib/board/board_view.hpp"
 #include "calib/solver/stereo_calibration.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Errors of a view under a calibration from the other views.
 struct HeldOutView {
@@ -27,4 +27,4 @@ struct CrossValidation {
 CrossValidation crossValidate(const StereoCalibration& calibration, const std::vector<BoardView>& views,
                               const std::vector<Eigen::Vector2d>& board_corners, int folds);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

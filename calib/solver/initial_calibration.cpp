@@ -10,7 +10,7 @@
 #include "calib/board/board_pose.hpp"
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -184,4 +184,4 @@ std::optional<Eigen::Isometry3d> fitBoardPose(const Rig& rig, const BoardView& v
   return adjusted.estimate.T_left_board.front();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

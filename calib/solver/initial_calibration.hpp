@@ -8,7 +8,7 @@
 #include "calib/model/rig.hpp"
 #include "calib/solver/board_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Computes a first estimate of a rig from views alone, to start the adjustment from. Each camera's focal
 /// length is the one of a range that fits the corners to a flat board best, and is then adjusted together
@@ -28,4 +28,4 @@ std::optional<Eigen::Isometry3d> fitBoardPose(const Rig& rig, const BoardView& v
 /// with outliers.
 double robustStddev(const std::vector<ViewResiduals>& residuals);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

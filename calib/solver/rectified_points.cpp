@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::calib {
 
 RectifiedPoints::RectifiedPoints(const Rig& rig)
     : left_(rig.left),
@@ -44,4 +44,4 @@ std::vector<double> verticalDisparities(const RectifiedPoints& rectified, const 
   return disparities;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -9,7 +9,7 @@
 #include "calib/model/rig.hpp"
 #include "calib/rectification/rectification.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Rectified coordinates of raw pixels. The focal length is the mean of the cameras', so that the resolution
 /// equals that of the raw images in their middle, whatever is cropped.
@@ -45,4 +45,4 @@ class RectifiedPoints {
 /// calibration only the corners' noise remains.
 std::vector<double> verticalDisparities(const RectifiedPoints& rectified, const BoardView& view);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

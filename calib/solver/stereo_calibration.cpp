@@ -9,7 +9,7 @@
 
 #include "calib/solver/initial_calibration.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 std::vector<ViewResiduals> residualsOf(const RigAndBoards& estimate, const std::vector<BoardView>& views,
@@ -148,4 +148,4 @@ CleanedViews rejectOutliers(const StereoCalibration& calibration, const std::vec
   return cleaned;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -9,7 +9,7 @@
 #include "calib/solver/board_adjustment.hpp"
 #include "calib/solver/calibration_model.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// One of the rig's parameters and its uncertainty.
 struct ParameterEstimate {
@@ -61,4 +61,4 @@ CleanedViews rejectOutliers(const StereoCalibration& calibration, const std::vec
 /// RMS reprojection residual over the corners of both cameras, px.
 double residualRms(const ViewResiduals& residuals);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

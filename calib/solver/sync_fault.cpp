@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 Eigen::Vector2d meanOf(const std::vector<Eigen::Vector2d>& residuals) {
@@ -37,4 +37,4 @@ SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double c
   return diagnosis;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

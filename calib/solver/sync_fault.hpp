@@ -4,7 +4,7 @@
 
 #include "calib/solver/board_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 
 /// Views in which the board moved between the exposures of the two cameras.
 struct SyncDiagnosis {
@@ -18,4 +18,4 @@ struct SyncDiagnosis {
 /// since the relative pose absorbs what is common to all views. `corner_stddev`: noise of the corners, px.
 SyncDiagnosis diagnoseSync(const std::vector<ViewResiduals>& residuals, double corner_stddev);
 
-}  // namespace cartvo
+}  // namespace cartvo::calib

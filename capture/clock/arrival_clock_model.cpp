@@ -9,7 +9,7 @@
 
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr double kBlockLength = 2.0;        // s
@@ -120,4 +120,4 @@ void ArrivalClockModel::updateStddev() {
   stddev_ns_ = std::hypot(kMinStddev_ns, kBlockStddev_ns / count, std::hypot(scatter, recent_delay));
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <deque>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Clock model of a camera's RTP clock against the host's clock, from packet arrivals: the affine lower bound
 /// of all arrivals over RTP time. Its value is the arrival of a packet with the least network delay, its
@@ -55,4 +55,4 @@ class ArrivalClockModel {
   std::uint64_t restarts_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr double kMaxLatencyStddev_ns = 12e6;
@@ -54,4 +54,4 @@ std::optional<std::int64_t> CameraClockModel::latencyNs() const {
   return minDelayArrivalNs() - reports_.at(rtp_ns_);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

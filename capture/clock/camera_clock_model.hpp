@@ -7,7 +7,7 @@
 #include "capture/clock/sender_report_clock_model.hpp"
 #include "capture/clock/sender_report_extractor.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// The time stamps of one picture as received.
 struct RtpTimestamps {
@@ -65,4 +65,4 @@ class CameraClockModel {
   std::int64_t rtp_ns_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

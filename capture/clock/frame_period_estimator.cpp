@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::size_t kMinIntervals = 4;
@@ -28,4 +28,4 @@ void FramePeriodEstimator::add(std::int64_t instant_ns) {
   period_ns_ = *quartile;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

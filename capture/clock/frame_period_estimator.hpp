@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Estimates a camera's frame period from the instants of its frames.
 class FramePeriodEstimator {
@@ -26,4 +26,4 @@ class FramePeriodEstimator {
   std::int64_t period_ns_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -9,7 +9,7 @@
 
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr double kWindow = 600.0;  // s
@@ -139,4 +139,4 @@ double SenderReportClockModel::estimateScatter() const {
   return std::max(1.4826 * (1.0 + 4.0 / count) * medianOf(std::move(sizes)), kMinScatter_ns);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

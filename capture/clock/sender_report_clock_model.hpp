@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <deque>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Clock model of a camera's RTP clock against the camera's own wall clock, from RTCP sender reports. A
 /// report is a noisy sample, because cameras put the time of sending into it. Offset and skew are fitted
@@ -59,4 +59,4 @@ class SenderReportClockModel {
   std::uint64_t steps_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

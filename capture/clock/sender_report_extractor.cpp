@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::int64_t kTicksPerSecond = 90000;
@@ -42,4 +42,4 @@ std::int64_t SenderReportExtractor::missingWraps(std::int64_t difference_us) {
   return wrapped && corrected_reports_ < kClockErrorReports ? wraps : 0;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Extracts RTCP sender reports (RFC 3550, 6.4.1) from FFmpeg's output, which gives the instant of each
 /// picture by the last report. Pure.
@@ -28,4 +28,4 @@ class SenderReportExtractor {
   int corrected_reports_ = 0;  ///< consecutive reports that agree only after a wrap is undone
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 // Standard deviations of each estimate's assumption.
@@ -253,4 +253,4 @@ ClockStatus StereoTimestamper::status() const {
   return status;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -11,7 +11,7 @@
 #include "capture/clock/camera_clock_model.hpp"
 #include "capture/frame.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Which offset estimates relate the two cameras' exposures.
 enum class ClockChoice : std::uint8_t {
@@ -109,4 +109,4 @@ class StereoTimestamper {
   InstantSource source_ = InstantSource::arrival;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <new>
 
-namespace cartvo::ffmpeg {
+namespace cartvo::capture::ffmpeg {
 
 Packet makePacket() {
   Packet packet(av_packet_alloc());
@@ -46,4 +46,4 @@ void readPictureSize(AVCodecParameters& parameters, const std::vector<std::uint8
   parameters.height = parser->height;
 }
 
-}  // namespace cartvo::ffmpeg
+}  // namespace cartvo::capture::ffmpeg

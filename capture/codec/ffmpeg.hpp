@@ -14,7 +14,7 @@ extern "C" {
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo::ffmpeg {
+namespace cartvo::capture::ffmpeg {
 
 struct InputCloser {
   void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
@@ -49,4 +49,4 @@ void setExtradata(AVCodecParameters& parameters, const std::vector<std::uint8_t>
 /// unchanged if that fails.
 void readPictureSize(AVCodecParameters& parameters, const std::vector<std::uint8_t>& picture);
 
-}  // namespace cartvo::ffmpeg
+}  // namespace cartvo::capture::ffmpeg

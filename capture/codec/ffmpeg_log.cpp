@@ -14,7 +14,7 @@ extern "C" {
 #include <libavutil/log.h>
 }
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 // FFmpeg has one log per process, hence one sink.
@@ -112,4 +112,4 @@ std::string withoutCredentials(const std::string& text) {
   return result.append(text, copied, std::string::npos);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Receives FFmpeg's messages, one line each, without credentials.
 using FfmpegLogSink = std::function<void(const std::string& message)>;
@@ -36,4 +36,4 @@ class MissedPacketCounter {
 /// Replaces the user and password of each URL in a text by "***".
 std::string withoutCredentials(const std::string& text);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

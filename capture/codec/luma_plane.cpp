@@ -6,7 +6,7 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
-namespace cartvo {
+namespace cartvo::capture {
 
 cv::Mat lumaPlane(const AVFrame& frame) {
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
@@ -24,4 +24,4 @@ cv::Mat lumaPlane(const AVFrame& frame) {
   return grey;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

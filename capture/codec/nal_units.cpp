@@ -6,7 +6,7 @@
 #include <array>
 #include <iterator>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kStartCode = {0, 0, 1};
@@ -114,4 +114,4 @@ std::int32_t BitReader::readSignedExpGolomb() {
   return code % 2 == 1 ? magnitude : -magnitude;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

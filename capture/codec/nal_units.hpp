@@ -8,7 +8,7 @@
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Kind of a NAL unit (ITU-T H.264 table 7-1, ITU-T H.265 table 7-1).
 enum class NalKind : std::uint8_t { slice, key_slice, parameter_set, other };
@@ -55,4 +55,4 @@ class BitReader {
   bool exhausted_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

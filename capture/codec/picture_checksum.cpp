@@ -8,7 +8,7 @@ extern "C" {
 
 #include "capture/codec/nal_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::uint32_t kInitial = 0xffffffffU;
@@ -31,4 +31,4 @@ std::uint32_t textChecksum(std::string_view text) {
   return ~add(kInitial, reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

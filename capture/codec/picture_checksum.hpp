@@ -6,7 +6,7 @@
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// CRC-32 (IEEE 802.3) of a picture's NAL units without parameter sets and start codes. A container stores
 /// those differently, so the checksum is the same before and after storage.
@@ -15,4 +15,4 @@ std::uint32_t pictureChecksum(VideoCodec codec, std::span<const std::uint8_t> un
 /// CRC-32 (IEEE 802.3) of a text.
 std::uint32_t textChecksum(std::string_view text);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

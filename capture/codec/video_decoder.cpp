@@ -13,7 +13,7 @@
 #include "capture/codec/nal_units.hpp"
 #include "common/host_clock.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 /// Maximum number of frames in the decoder (H.264's largest decoded picture buffer).
@@ -181,4 +181,4 @@ bool VideoDecoder::updateDamage(const Pending& pending, bool decoder_failed) {
   return self.damaged || pending.status == FrameStatus::damaged;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -8,7 +8,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/frame.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Decodes H.264 or H.265 picture by picture without delay. The grey image is the luma plane in the decoder's
 /// memory. Full-range and limited-range luma are not converted.
@@ -42,4 +42,4 @@ class VideoDecoder {
   std::uint64_t failures_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -4,7 +4,7 @@
 
 #include "capture/dataset/image_folder_layouts.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ ImageFolder readEurocFolder(const fs::path& folder) {
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -12,7 +12,7 @@
 
 #include "capture/dataset/image_folder_layouts.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folder) {
   if (isKittiFolder(folder)) return FolderLayout::kitti;
@@ -109,4 +109,4 @@ CameraHealth ImageSequenceSource::health() const {
   return health;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -10,7 +10,7 @@
 
 #include "capture/camera_source.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Layout of an image folder.
 enum class FolderLayout : std::uint8_t { kitti, euroc };
@@ -77,4 +77,4 @@ class ImageSequenceSource : public CameraSource {
   std::atomic<bool> interrupted_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -12,7 +12,7 @@
 
 #include "capture/dataset/image_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 bool isKittiFolder(const std::filesystem::path& folder);
 ImageFolder readKittiFolder(const std::filesystem::path& folder);
@@ -50,4 +50,4 @@ std::optional<Number> parseNumber(std::string_view text) {
 void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
                        const std::filesystem::path& file, const TextLine& line);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

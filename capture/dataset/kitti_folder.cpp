@@ -9,7 +9,7 @@
 
 #include "capture/dataset/image_folder_layouts.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ ImageFolder readKittiFolder(const fs::path& folder) {
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -17,7 +17,7 @@ extern "C" {
 #include <libavutil/parseutils.h>
 }
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr int kMaxSide = 16384;  // px
@@ -222,4 +222,4 @@ std::int64_t VideoFileSource::creationNs() const {
   return creation_us * 1000;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 
 #include "capture/camera_source.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Clock model of a video file: exposure = origin + offset + (1 + skew) * file time.
 struct VideoFileTime {
@@ -51,4 +51,4 @@ class VideoFileSource : public CameraSource {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <optional>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::uint32_t kEbmlHeader = 0x1A45DFA3;
@@ -52,4 +52,4 @@ bool isMatroskaFinalised(const std::filesystem::path& matroska_file) {
   return readIdentifier(input) == kSegment && readSize(input).has_value();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

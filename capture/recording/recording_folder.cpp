@@ -18,7 +18,7 @@
 
 #include "common/durable_file.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr const char* kDescriptionFile = "recording.json";
@@ -120,4 +120,4 @@ std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& rec
   return segments;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 
 #include "capture/camera_side.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Version of the recording format. A recording is a folder that contains recording.json and one folder per
 /// segment of about one minute (000000, 000001, ...) with left.mkv and right.mkv, the streams as received,
@@ -58,4 +58,4 @@ RecordingSegment recordingSegment(const std::filesystem::path& recording, std::u
 /// std::filesystem::filesystem_error if the folder cannot be read.
 std::vector<RecordingSegment> recordingSegments(const std::filesystem::path& recording);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

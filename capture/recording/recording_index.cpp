@@ -12,7 +12,7 @@
 
 #include "capture/codec/picture_checksum.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::string_view kHeader =
@@ -166,4 +166,4 @@ RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::pa
   return index;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -12,7 +12,7 @@
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Index entry of one picture. Instants are those of EncodedUnit.
 struct IndexRow {
@@ -64,4 +64,4 @@ RecordingIndex readRecordingIndex(const std::filesystem::path& file);
 /// As above, from a stream; `name` is the file name for messages.
 RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::path& name);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 RecordingIndexReader::RecordingIndexReader(const std::filesystem::path& recording, CameraSide side)
     : segments_(recordingSegments(recording)), side_(side) {}
@@ -32,4 +32,4 @@ const IndexRow* RecordingIndexReader::next() {
   return &index_.rows[next_row_++];
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

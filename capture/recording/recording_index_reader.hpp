@@ -9,7 +9,7 @@
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_index.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Reads the index rows of one camera's pictures, segment by segment. Skips indices that cannot be read,
 /// without an error: RecordingReader reports those. Holds one segment's rows at a time.
@@ -34,4 +34,4 @@ class RecordingIndexReader {
   std::size_t next_row_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

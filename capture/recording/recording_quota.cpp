@@ -10,7 +10,7 @@
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_writer.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,4 +129,4 @@ QuotaOutcome enforceQuota(const RecordingQuota& quota, const fs::path& recording
   return outcome;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Limits on the disk space of recordings. Zero: no limit.
 struct RecordingQuota {
@@ -31,4 +31,4 @@ struct QuotaOutcome {
 QuotaOutcome enforceQuota(const RecordingQuota& quota, const std::filesystem::path& recording,
                           std::uint64_t oldest_open);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

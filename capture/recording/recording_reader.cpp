@@ -13,7 +13,7 @@
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_index.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 void requireSuccess(int result, const std::filesystem::path& file) {
@@ -258,4 +258,4 @@ const RecordingDamage& RecordingReader::damage() const {
   return implementation_->damage;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -11,7 +11,7 @@
 #include "capture/camera_side.hpp"
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// One picture of a recording with its index entry.
 struct RecordedUnit {
@@ -52,4 +52,4 @@ class RecordingReader {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

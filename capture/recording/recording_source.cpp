@@ -11,7 +11,7 @@
 #include "capture/codec/video_decoder.hpp"
 #include "capture/recording/recording_timestamper.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 /// One sentence for the health report: the first damage and the number of further ones.
@@ -131,4 +131,4 @@ void RecordingSource::interrupt() noexcept {
   implementation_->interrupted = true;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 #include "capture/camera_source.hpp"
 #include "capture/recording/recording_reader.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 class RecordingTimestamper;
 
@@ -37,4 +37,4 @@ class RecordingSource : public CameraSource {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

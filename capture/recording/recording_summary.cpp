@@ -12,7 +12,7 @@
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_writer.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 void readFirstPicture(const std::filesystem::path& folder, CameraSide side, RecordedCamera& camera) {
@@ -87,4 +87,4 @@ RecordingSummary summariseRecording(const std::filesystem::path& folder) {
   return summary;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -12,7 +12,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Statistics of one camera's pictures, from the index.
 struct RecordedCamera {
@@ -53,4 +53,4 @@ struct RecordingSummary {
 /// Throws the errors of readRecordingInfo.
 RecordingSummary summariseRecording(const std::filesystem::path& folder);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -2,7 +2,7 @@
 
 #include "capture/recording/recording_timestamper.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 /// Time stamps that wait while the other camera sends nothing, several hours of them; the oldest are dropped.
@@ -48,4 +48,4 @@ std::optional<ExposureTimestamp> RecordingTimestamper::stamp(CameraSide which, s
   return timestamp;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

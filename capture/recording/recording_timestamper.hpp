@@ -10,7 +10,7 @@
 #include "capture/clock/stereo_timestamper.hpp"
 #include "capture/recording/recording_index_reader.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Recomputes the time stamps of a recording's pictures by the same clock model as live: from the RTP times,
 /// sender reports and arrivals in the indices, of both cameras in the order of their arrival, whether or not
@@ -47,4 +47,4 @@ class RecordingTimestamper {
   std::array<Side, 2> sides_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

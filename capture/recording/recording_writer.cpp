@@ -14,7 +14,7 @@
 #include "capture/recording/stream_writer.hpp"
 #include "common/durable_file.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 void prepareFolder(const std::filesystem::path& folder) {
@@ -123,4 +123,4 @@ bool isBeingWritten(const std::filesystem::path& recording) {
   return locked;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -11,7 +11,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 class StreamWriter;
 
@@ -70,4 +70,4 @@ class RecordingWriter {
 /// Whether a RecordingWriter, of any process, is writing the recording.
 bool isBeingWritten(const std::filesystem::path& recording);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -17,7 +17,7 @@
 #include "capture/recording/recording_writer.hpp"
 #include "common/host_clock.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -279,4 +279,4 @@ void StreamRecorder::finish() {
   implementation_->finish();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -10,7 +10,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_quota.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Longest part of a recording that a power cut can lose, if the disk is fast enough.
 inline constexpr std::chrono::milliseconds kMaxPowerCutLoss{1000};
@@ -68,4 +68,4 @@ class StreamRecorder {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -14,7 +14,7 @@
 #include "capture/recording/recording_index.hpp"
 #include "common/durable_file.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::int64_t kMaxExposureStep_ns =
@@ -147,4 +147,4 @@ void StreamWriter::requireSuccess(int result) const {
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

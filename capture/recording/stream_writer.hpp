@@ -11,7 +11,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Writes one camera's stream as received into one segment: a Matroska file and its index. Internal to
 /// capture: StreamRecorder handles its errors. All members throw std::runtime_error naming the file if it
@@ -56,4 +56,4 @@ class StreamWriter {
   std::int64_t last_arrival_ns_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

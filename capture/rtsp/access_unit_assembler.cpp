@@ -7,7 +7,7 @@
 
 #include "capture/codec/nal_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 void AccessUnitAssembler::add(const StreamFragment& fragment) {
   if (fragment.data.empty() || isRepeated(fragment)) return;
@@ -130,4 +130,4 @@ void AccessUnitAssembler::rejectRule() {
   confirmations_ = 0;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

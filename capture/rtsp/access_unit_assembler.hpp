@@ -9,7 +9,7 @@
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// The payload of one RTP packet, unparsed, as FFmpeg delivers it: whole NAL units behind start codes, or one
 /// fragment of a NAL unit (RFC 6184 FU-A, RFC 7798 FU). Only the first fragment begins with a start code.
@@ -96,4 +96,4 @@ class AccessUnitAssembler {
   std::uint64_t premature_units_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

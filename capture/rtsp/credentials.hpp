@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// User and password of a camera. Separate from the URL, so that the URL may be logged.
 struct Credentials {
@@ -10,4 +10,4 @@ struct Credentials {
   std::string password;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,7 +7,7 @@
 
 #include "capture/codec/nal_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 bool isKey(const std::vector<NalUnit>& units) {
@@ -121,4 +121,4 @@ void LossDetector::parseSequenceParameterSet(std::span<const std::uint8_t> nal) 
   gaps_allowed_ = gaps_allowed;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -6,7 +6,7 @@
 
 #include "capture/encoded_unit.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Detects that pictures are missing from a stream, and marks the pictures up to the next key frame as
 /// damaged, because each picture is predicted from earlier ones. Pure.
@@ -33,4 +33,4 @@ class LossDetector {
   bool damaged_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

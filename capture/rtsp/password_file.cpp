@@ -9,7 +9,7 @@
 
 #include <sys/stat.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr off_t kMaxFileSize = 1024;  // bytes
@@ -43,4 +43,4 @@ std::string readPasswordFile(const std::filesystem::path& file) {
   return password;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -20,7 +20,7 @@
 #include "capture/rtsp/loss_detector.hpp"
 #include "capture/rtsp/rtsp_session.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using Clock = RtspSession::Clock;
@@ -340,4 +340,4 @@ void RtspCamera::interrupt() noexcept {
   receiver_->interrupt();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

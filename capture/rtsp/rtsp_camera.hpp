@@ -10,7 +10,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/rtsp/credentials.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Transport of the RTP packets.
 enum class RtspTransport : std::uint8_t { tcp, udp };
@@ -69,4 +69,4 @@ class RtspCamera : public CameraSource {
   std::unique_ptr<Receiver> receiver_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -11,7 +11,7 @@
 #include "capture/rtsp/tcp_connect.hpp"
 #include "common/host_clock.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr char kScheme[] = "rtsp://";
@@ -229,4 +229,4 @@ std::string rtspHost(const std::string& url) {
   return url.substr(begin, url.find_first_of("/?#", begin) - begin);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

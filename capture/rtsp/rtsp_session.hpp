@@ -11,7 +11,7 @@
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Error while opening a connection. The text names the camera, but not its password.
 class RtspError : public std::runtime_error {
@@ -60,4 +60,4 @@ void checkRtspUrl(const std::string& url);
 /// The URL's "host[:port]".
 std::string rtspHost(const std::string& url);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

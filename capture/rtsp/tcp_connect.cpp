@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -83,4 +83,4 @@ std::optional<std::string> tcpConnectError(const std::string& host, std::chrono:
   return std::strerror(error);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

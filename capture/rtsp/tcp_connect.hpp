@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Tests whether a server accepts TCP connections at "HOST:PORT" by connecting and closing. Returns the
 /// error's text; nothing if the connection succeeds. Takes at most `timeout`, plus the time to resolve a host
@@ -16,4 +16,4 @@ namespace cartvo {
 std::optional<std::string> tcpConnectError(const std::string& host, std::chrono::milliseconds timeout,
                                            const std::atomic<bool>& interrupted);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

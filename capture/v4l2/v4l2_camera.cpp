@@ -19,7 +19,7 @@
 #include "capture/frozen_picture_detector.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -225,4 +225,4 @@ void V4l2Camera::interrupt() noexcept {
   receiver_->interrupt();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

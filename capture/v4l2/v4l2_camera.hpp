@@ -10,7 +10,7 @@
 #include "capture/camera_source.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Settings of one V4L2 camera.
 struct V4l2CameraSettings {
@@ -53,4 +53,4 @@ class V4l2Camera : public CameraSource {
   std::unique_ptr<Receiver> receiver_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -18,7 +18,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::uint32_t kBufferCount = 4;
@@ -270,4 +270,4 @@ std::optional<V4l2Buffer> V4l2Device::dequeue(std::chrono::steady_clock::time_po
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -15,7 +15,7 @@
 
 // Internal to V4l2Camera.
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Requested configuration of a camera.
 struct V4l2Mode {
@@ -82,4 +82,4 @@ class V4l2Device {
   std::optional<std::uint32_t> dequeued_;  ///< index of the buffer that the caller is using
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 /// Whether the buffer contains `size` pixels of `bytes_per_pixel`.
@@ -48,4 +48,4 @@ cv::Mat toGreyImage(PixelFormat format, std::span<const std::uint8_t> buffer, co
   return grey;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

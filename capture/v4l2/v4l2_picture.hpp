@@ -6,7 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace cartvo {
+namespace cartvo::capture {
 
 /// Pixel format of a V4L2 camera (linux/videodev2.h, V4L2_PIX_FMT_...).
 enum class PixelFormat : std::uint8_t {
@@ -37,4 +37,4 @@ constexpr const char* formatName(PixelFormat format) {
 cv::Mat toGreyImage(PixelFormat format, std::span<const std::uint8_t> buffer, const cv::Size& size,
                     std::size_t stride);
 
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -7,22 +7,22 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
-const char* stateName(CameraState state) {
+const char* stateName(capture::CameraState state) {
   switch (state) {
-    case CameraState::connecting:
+    case capture::CameraState::connecting:
       return "connecting";
-    case CameraState::streaming:
+    case capture::CameraState::streaming:
       return "streaming";
-    case CameraState::stalled:
+    case capture::CameraState::stalled:
       return "stalled";
-    case CameraState::refused:
+    case capture::CameraState::refused:
       return "refused";
-    case CameraState::ended:
+    case capture::CameraState::ended:
       return "ended";
-    case CameraState::frozen:
+    case capture::CameraState::frozen:
       return "frozen";
   }
   return "unknown";
@@ -30,11 +30,11 @@ const char* stateName(CameraState state) {
 
 }  // namespace
 
-std::vector<CameraLog::Line> CameraLog::due(const CameraHealth& health, Clock::time_point now) {
+std::vector<CameraLog::Line> CameraLog::due(const capture::CameraHealth& health, Clock::time_point now) {
   std::vector<Line> lines;
   const bool changed = std::exchange(state_, health.state) != health.state;
   unlogged_reconnections_ += health.reconnections - std::exchange(reconnections_, health.reconnections);
-  if (health.state == CameraState::streaming) {
+  if (health.state == capture::CameraState::streaming) {
     addMissedFaultLine(health, now, lines);
     if (changed && lines.empty()) addStateLine(health, changed, now, lines);
   } else {
@@ -44,10 +44,10 @@ std::vector<CameraLog::Line> CameraLog::due(const CameraHealth& health, Clock::t
   return lines;
 }
 
-void CameraLog::addStateLine(const CameraHealth& health, bool changed, Clock::time_point now,
+void CameraLog::addStateLine(const capture::CameraHealth& health, bool changed, Clock::time_point now,
                              std::vector<Line>& lines) {
   const std::string state = fmt::format("{}: {}", name_, stateName(health.state));
-  if (health.state == CameraState::streaming || health.last_error.empty()) {
+  if (health.state == capture::CameraState::streaming || health.last_error.empty()) {
     if (changed) lines.push_back({spdlog::level::info, state});
     return;
   }
@@ -58,7 +58,7 @@ void CameraLog::addStateLine(const CameraHealth& health, bool changed, Clock::ti
 }
 
 /// Adds a line if the camera failed and was reopened between two polls.
-void CameraLog::addMissedFaultLine(const CameraHealth& health, Clock::time_point now,
+void CameraLog::addMissedFaultLine(const capture::CameraHealth& health, Clock::time_point now,
                                    std::vector<Line>& lines) {
   if (!budget_.allows(now) || unlogged_reconnections_ == 0) return;
   const std::string faults =
@@ -69,9 +69,9 @@ void CameraLog::addMissedFaultLine(const CameraHealth& health, Clock::time_point
   unlogged_reconnections_ = 0;
 }
 
-void CameraLog::log(const CameraHealth& health) {
+void CameraLog::log(const capture::CameraHealth& health) {
   for (const Line& line : due(health, Clock::now()))
     spdlog::log(line.level, line.text);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -16,7 +16,7 @@
 #include "common/statistics.hpp"
 #include "common/units.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr std::size_t kMaxTextSize = 200;  // bytes, so that the message fits into one Ethernet frame
@@ -34,35 +34,35 @@ std::string shortened(const std::string& text) {
   return std::string(utf8Prefix(text, kMaxTextSize));
 }
 
-std::int8_t stateCode(CameraState state) {
+std::int8_t stateCode(capture::CameraState state) {
   switch (state) {
-    case CameraState::connecting:
+    case capture::CameraState::connecting:
       return camera_health_t::CONNECTING;
-    case CameraState::streaming:
+    case capture::CameraState::streaming:
       return camera_health_t::STREAMING;
-    case CameraState::stalled:
+    case capture::CameraState::stalled:
       return camera_health_t::STALLED;
-    case CameraState::refused:
+    case capture::CameraState::refused:
       return camera_health_t::REFUSED;
-    case CameraState::ended:
+    case capture::CameraState::ended:
       return camera_health_t::ENDED;
-    case CameraState::frozen:
+    case capture::CameraState::frozen:
       return camera_health_t::FROZEN;
   }
   return camera_health_t::CONNECTING;
 }
 
-std::int8_t sourceCode(InstantSource source) {
+std::int8_t sourceCode(capture::InstantSource source) {
   switch (source) {
-    case InstantSource::file:
+    case capture::InstantSource::file:
       return camera_health_t::FILE_INSTANTS;
-    case InstantSource::sender_report:
+    case capture::InstantSource::sender_report:
       return camera_health_t::SENDER_REPORT;
-    case InstantSource::arrival:
+    case capture::InstantSource::arrival:
       return camera_health_t::ARRIVAL;
-    case InstantSource::pictures:
+    case capture::InstantSource::pictures:
       return camera_health_t::PICTURES;
-    case InstantSource::kernel:
+    case capture::InstantSource::kernel:
       return camera_health_t::KERNEL;
   }
   return camera_health_t::ARRIVAL;
@@ -73,8 +73,8 @@ float milliseconds(const std::optional<double>& nanoseconds) {
   return static_cast<float>(1e-6 * nanoseconds.value_or(std::numeric_limits<double>::quiet_NaN()));
 }
 
-camera_health_t cameraMessage(const CameraHealth& health, const ClockStatus::Camera& clock, double frame_rate,
-                              double decode_ms) {
+camera_health_t cameraMessage(const capture::CameraHealth& health, const capture::ClockStatus::Camera& clock,
+                              double frame_rate, double decode_ms) {
   camera_health_t message{};
   message.state = stateCode(health.state);
   message.instant_source = sourceCode(health.instant_source);
@@ -100,17 +100,17 @@ std::string overloadMessage(const health_t& message) {
 
 std::string firstProblem(const HealthSnapshot& snapshot) {
   if (!snapshot.problem.empty()) return snapshot.problem;
-  if (snapshot.left.state != CameraState::streaming && !snapshot.left.last_error.empty()) {
+  if (snapshot.left.state != capture::CameraState::streaming && !snapshot.left.last_error.empty()) {
     return "left camera: " + snapshot.left.last_error;
   }
-  if (snapshot.right.state != CameraState::streaming && !snapshot.right.last_error.empty()) {
+  if (snapshot.right.state != capture::CameraState::streaming && !snapshot.right.last_error.empty()) {
     return "right camera: " + snapshot.right.last_error;
   }
   return snapshot.clock.problem.empty() ? snapshot.recording : snapshot.clock.problem;
 }
 
-void setClock(health_t& message, const ClockStatus& clock) {
-  const auto value = [](const std::optional<OffsetEstimate>& estimate) {
+void setClock(health_t& message, const capture::ClockStatus& clock) {
+  const auto value = [](const std::optional<capture::OffsetEstimate>& estimate) {
     return estimate ? std::optional(estimate->value_ns) : std::nullopt;
   };
   message.clock_deviation_ms = milliseconds(clock.offset.stddev_ns);
@@ -131,12 +131,12 @@ void setCounts(health_t& message, const PipelineCounts& counts) {
 
 void setSelfCheck(health_t& message, const SelfCheck& check) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  constexpr EstimateWithStddev kNothing{kUnknown, kUnknown};
-  const RigCalibrationError rig =
-      check.rig().value_or(RigCalibrationError{kNothing, kNothing, kNothing, kNothing});
+  constexpr vo::EstimateWithStddev kNothing{kUnknown, kUnknown};
+  const vo::RigCalibrationError rig =
+      check.rig().value_or(vo::RigCalibrationError{kNothing, kNothing, kNothing, kNothing});
   message.right_late_ms = static_cast<float>(1e3 * rig.delay.value);
   message.right_late_deviation_ms = static_cast<float>(1e3 * rig.delay.stddev);
-  const std::array<EstimateWithStddev, 3> angles{rig.pitch, rig.yaw, rig.roll};
+  const std::array<vo::EstimateWithStddev, 3> angles{rig.pitch, rig.yaw, rig.roll};
   for (std::size_t i = 0; i < angles.size(); ++i) {
     message.right_rotation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].value);
     message.right_rotation_deviation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].stddev);
@@ -207,4 +207,4 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   return message;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

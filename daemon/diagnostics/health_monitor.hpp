@@ -15,14 +15,14 @@
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// State of the daemon's other parts when a health message is built.
 struct HealthSnapshot {
-  CameraHealth left;
-  CameraHealth right;
+  capture::CameraHealth left;
+  capture::CameraHealth right;
   PipelineCounts counts;
-  ClockStatus clock;
+  capture::ClockStatus clock;
   std::string problem;    ///< the problem to fix first; empty: see the cameras' last errors
   int features = 0;       ///< as configured
   std::string recording;  ///< why a configured recording is not written; lowest priority of all problems
@@ -63,4 +63,4 @@ class HealthMonitor {
   SelfCheck self_check_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

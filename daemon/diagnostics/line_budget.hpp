@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Rate limit for repeated log lines: five at once, then one in ten seconds. Not thread-safe.
 class LineBudget {
@@ -32,4 +32,4 @@ class LineBudget {
   std::optional<Clock::time_point> last_refill_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -2,16 +2,27 @@
 
 #include "daemon/diagnostics/log.hpp"
 
+#include <cstdlib>
 #include <memory>
+#include <string>
 
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "daemon/service/service_manager.hpp"
-
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
+
+/// True if standard error goes to the journal, which adds the time to each line (systemd.exec(5),
+/// $JOURNAL_STREAM).
+bool logsToJournal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) return false;
+  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
+}
 
 constexpr std::chrono::minutes kRepeatPeriod{1};
 constexpr std::size_t kMaxTexts = 64;
@@ -68,4 +79,4 @@ void RepeatedWarnings::warn(const std::string& text) {
   if (!line.empty()) spdlog::warn(line);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

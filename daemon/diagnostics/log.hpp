@@ -7,7 +7,7 @@
 
 #include <spdlog/common.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Sends spdlog's lines to standard error: for the journal with a priority prefix (sd-daemon(3)) and without
 /// the date, which the journal adds; otherwise with date and time.
@@ -34,4 +34,4 @@ class RepeatedWarnings {
   std::map<std::string, Entry> entries_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -9,7 +9,7 @@
 
 #include "common/units.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kMinTimeOffset = 1e-3;                       // s; smaller ones are not reported
@@ -20,12 +20,12 @@ constexpr double kMinShownStddev = 0.01;                      // deg
 constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
 
 /// Time offset, then the angles.
-std::array<EstimateWithStddev, 4> asArray(const RigCalibrationError& rig) {
+std::array<vo::EstimateWithStddev, 4> asArray(const vo::RigCalibrationError& rig) {
   return {rig.delay, rig.pitch, rig.yaw, rig.roll};
 }
 constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
 
-std::string timeOffsetMessage(const EstimateWithStddev& delay) {
+std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
   return fmt::format(
       "the right camera is exposed {:.1f} ± {:.1f} ms {} than its timestamps say: check both cameras' clocks",
       1e3 * std::abs(delay.value), 1e3 * delay.stddev, delay.value > 0.0 ? "later" : "earlier");
@@ -33,14 +33,14 @@ std::string timeOffsetMessage(const EstimateWithStddev& delay) {
 
 }  // namespace
 
-void SelfCheck::update(const OdometryEstimate& estimate) {
+void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   if (estimate.rig) updateRig(*estimate.rig);
   const bool were_missing = matches_.matchesMissing();
   matches_.update(estimate);
   changed_ = changed_ || matches_.matchesMissing() != were_missing;
 }
 
-void SelfCheck::updateRig(const RigCalibrationError& rig) {
+void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
   rig_ = rig;
   const auto list = asArray(rig);
   for (std::size_t i = 0; i < kQuantities; ++i) {
@@ -89,4 +89,4 @@ bool SelfCheck::consumeChange() {
   return changed;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

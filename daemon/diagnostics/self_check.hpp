@@ -9,14 +9,14 @@
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Reports errors of the rig calibration and of the time offset that the odometry has estimated, and missing
 /// stereo matches. An error is reported once it is significant (3 standard deviations) and large enough to
 /// matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
-  void update(const OdometryEstimate& estimate);
+  void update(const vo::OdometryEstimate& estimate);
 
   /// Faults with their latest numbers and what to do; empty if there is none.
   std::string message() const;
@@ -24,19 +24,19 @@ class SelfCheck {
   /// True once after each change of the set of faults.
   bool consumeChange();
 
-  const std::optional<RigCalibrationError>& rig() const { return rig_; }
+  const std::optional<vo::RigCalibrationError>& rig() const { return rig_; }
 
  private:
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
 
-  void updateRig(const RigCalibrationError& rig);
+  void updateRig(const vo::RigCalibrationError& rig);
   bool anglesCauseMissingMatches() const;
   std::string anglesMessage() const;
 
-  std::optional<RigCalibrationError> rig_;
+  std::optional<vo::RigCalibrationError> rig_;
   std::array<bool, kQuantities> faulty_{};
   StereoMatchMonitor matches_;
   bool changed_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

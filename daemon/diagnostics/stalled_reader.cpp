@@ -2,7 +2,7 @@
 
 #include "daemon/diagnostics/stalled_reader.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 std::string stalledReader(const PipelineProgress& progress, double reader_timeout) {
   if (progress.left_reader > reader_timeout) return "left camera's reader";
@@ -10,4 +10,4 @@ std::string stalledReader(const PipelineProgress& progress, double reader_timeou
   return {};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -4,7 +4,7 @@
 
 #include "daemon/pipeline/pipeline.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Name of the camera reader that is stalled, i.e. whose last loop started more than `reader_timeout` s ago
 /// (LiveCamera::readerTimeout); empty if none is. The reader of an absent, silent or refusing camera still
@@ -12,4 +12,4 @@ namespace cartvo {
 /// thread calls this between two pairs, so a stalled odometry starves the watchdog as well.
 std::string stalledReader(const PipelineProgress& progress, double reader_timeout);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

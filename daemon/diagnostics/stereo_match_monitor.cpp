@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr int kMinCorners = 100;
@@ -13,19 +13,19 @@ constexpr double kMinMatchFraction = 0.03;
 constexpr std::int64_t kMinDuration_ns = 5'000'000'000;
 constexpr std::int64_t kMaxGap_ns = 1'000'000'000;  // pairs farther apart are not consecutive
 
-bool hasTooFewMatches(const FeatureCounts& counts) {
+bool hasTooFewMatches(const vo::FeatureCounts& counts) {
   return counts.stereo < kMinMatchFraction * counts.detected;
 }
 
 /// True if the pair's stereo matches were counted: false for a rejected pair and for a zero-velocity update.
-bool isObservable(const OdometryReasons& reasons) {
-  return reasons != OdometryReason::zero_velocity && reasons != OdometryReason::offset_uncertain &&
-         reasons != OdometryReason::repeated_picture && reasons != OdometryReason::time_step;
+bool isObservable(const vo::OdometryReasons& reasons) {
+  return reasons != vo::OdometryReason::zero_velocity && reasons != vo::OdometryReason::offset_uncertain &&
+         reasons != vo::OdometryReason::repeated_picture && reasons != vo::OdometryReason::time_step;
 }
 
 }  // namespace
 
-void StereoMatchMonitor::update(const OdometryEstimate& estimate) {
+void StereoMatchMonitor::update(const vo::OdometryEstimate& estimate) {
   if (!isObservable(estimate.reasons)) return;
   counts_ = estimate.counts;
   if (counts_.detected < kMinCorners || !hasTooFewMatches(counts_)) {
@@ -47,4 +47,4 @@ std::string StereoMatchMonitor::message() const {
       counts_.stereo, counts_.detected);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -6,14 +6,14 @@
 
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Detects missing stereo matches: for five seconds the left images had many corners, but hardly any was
 /// found in the right ones. So few matches do not determine by which angle a camera is turned, so the message
 /// lists what to check. Not thread-safe.
 class StereoMatchMonitor {
  public:
-  void update(const OdometryEstimate& estimate);
+  void update(const vo::OdometryEstimate& estimate);
 
   bool matchesMissing() const { return missing_; }
   /// Possible causes, with the counts of the last pair; empty if matches are not missing.
@@ -23,7 +23,7 @@ class StereoMatchMonitor {
   std::optional<std::int64_t> since_ns_;  ///< exposure of the first consecutive pair without matches
   std::int64_t last_ns_ = 0;              ///< exposure of the last one
   bool missing_ = false;
-  FeatureCounts counts_;
+  vo::FeatureCounts counts_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -7,7 +7,7 @@
 
 #include "daemon/publish/odometry_reasons.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 std::string validityText(const odometry_t& message) {
@@ -41,4 +41,4 @@ void ValidityLog::log(const odometry_t& message) {
   if (!line.empty()) spdlog::info(line);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

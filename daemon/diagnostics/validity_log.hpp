@@ -8,7 +8,7 @@
 
 #include "daemon/diagnostics/line_budget.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Logs when the odometry becomes valid or invalid. If that changes often, as on an overloaded host, the
 /// first five changes get a line each, later ones share at most one line in ten seconds with their number.
@@ -32,4 +32,4 @@ class ValidityLog {
   Clock::time_point last_logged_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -9,7 +9,7 @@
 
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kSmallAngle = 1e-5;  // rad; below it the series are exact to double precision
@@ -17,7 +17,7 @@ constexpr double kSmallAngle = 1e-5;  // rad; below it the series are exact to d
 // V(theta), which maps the linear velocity to the translation (Solà, eq. 174).
 Eigen::Matrix3d translationJacobian(const Eigen::Vector3d& rotation) {
   const double angle = rotation.norm();
-  const Eigen::Matrix3d W = skew(rotation);
+  const Eigen::Matrix3d W = vo::skew(rotation);
   if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
   const double squared = angle * angle;
   return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / squared * W +
@@ -34,32 +34,32 @@ Eigen::Vector3d rotationLogarithm(const Eigen::Matrix3d& rotation) {
 
 // Inverse of the right Jacobian of SE(3), as a series in Bernoulli numbers (Barfoot, eq. 7.76b, with the sign
 // of the right Jacobian). The next term is ad^6/30240: below 1e-9 for the 0.2 rad of a fast turn.
-Matrix6d inverseRightJacobian(const Vector6d& twist) {
-  Matrix6d ad = Matrix6d::Zero();
-  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(twist.tail<3>());
-  ad.topRightCorner<3, 3>() = skew(twist.head<3>());
-  const Matrix6d squared = ad * ad;
-  return Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
+vo::Matrix6d inverseRightJacobian(const vo::Vector6d& twist) {
+  vo::Matrix6d ad = vo::Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = vo::skew(twist.tail<3>());
+  ad.topRightCorner<3, 3>() = vo::skew(twist.head<3>());
+  const vo::Matrix6d squared = ad * ad;
+  return vo::Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
 }
 
 /// Error of a pose or motion for a scale that is off by one standard deviation: all distances are too long by
 /// the same fraction. Right perturbation.
-Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_stddev) {
-  Vector6d error = Vector6d::Zero();
+vo::Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_stddev) {
+  vo::Vector6d error = vo::Vector6d::Zero();
   error.head<3>() = scale_stddev * (pose.linear().transpose() * pose.translation());
   return error;
 }
 
 }  // namespace
 
-Vector6d logarithm(const Eigen::Isometry3d& motion) {
+vo::Vector6d logarithm(const Eigen::Isometry3d& motion) {
   const Eigen::Vector3d rotation = rotationLogarithm(motion.rotation());
-  Vector6d twist;
+  vo::Vector6d twist;
   twist << translationJacobian(rotation).inverse() * motion.translation(), rotation;
   return twist;
 }
 
-Eigen::Isometry3d exponential(const Vector6d& twist) {
+Eigen::Isometry3d exponential(const vo::Vector6d& twist) {
   const Eigen::Vector3d rotation = twist.tail<3>();
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   if (const double angle = rotation.norm(); angle > 0.0) {
@@ -69,15 +69,15 @@ Eigen::Isometry3d exponential(const Vector6d& twist) {
   return motion;
 }
 
-BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
+BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
                       double scale_stddev) {
   const Eigen::Isometry3d T_rectified_body = T_body_rectified.inverse();
-  const Matrix6d Ad = adjoint(T_body_rectified);
+  const vo::Matrix6d Ad = vo::adjoint(T_body_rectified);
 
   BodyMotion motion;
   motion.T_world_body = T_body_rectified * estimate.T_world_camera * T_rectified_body;
   // T_body (T exp(x)) T_body^-1 = (T_body T T_body^-1) exp(Ad x): Solà, eq. 20.
-  const Vector6d pose_scale_error = Ad * scaleError(estimate.T_world_camera, scale_stddev);
+  const vo::Vector6d pose_scale_error = Ad * scaleError(estimate.T_world_camera, scale_stddev);
   motion.pose_covariance =
       Ad * estimate.pose_covariance * Ad.transpose() + pose_scale_error * pose_scale_error.transpose();
   motion.T_previous_current = T_body_rectified * estimate.T_previous_current * T_rectified_body;
@@ -91,10 +91,10 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
     motion.twist_scale_error.setConstant(kUnknown);
     return motion;
   }
-  const Vector6d twist = logarithm(motion.T_previous_current);
+  const vo::Vector6d twist = logarithm(motion.T_previous_current);
   motion.velocity = twist.head<3>() / estimate.time_step;
   motion.angular_velocity = twist.tail<3>() / estimate.time_step;
-  const Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
+  const vo::Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
   motion.twist_offset_error = J * estimate.motion_offset_error;
   motion.twist_scale_error = J * scaleError(estimate.T_previous_current, scale_stddev);
   motion.twist_covariance = J * estimate.motion_covariance * J.transpose() +
@@ -102,4 +102,4 @@ BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d&
   return motion;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

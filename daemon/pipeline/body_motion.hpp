@@ -4,37 +4,37 @@
 
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Motion of the cart's body, computed from one odometry estimate. Body axes (REP-103): x forward, y left,
 /// z up; the rig file defines the origin. Covariances: order (x, y, z, rotation about x, y, z), SI units,
 /// right perturbations, that is in the axes of the current body.
 struct BodyMotion {
   Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();  ///< world: the body at the first pair
-  Matrix6d pose_covariance = Matrix6d::Zero();
+  vo::Matrix6d pose_covariance = vo::Matrix6d::Zero();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body's origin, in body axes, m/s
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw rate in body axes, rad/s
-  Matrix6d twist_covariance = Matrix6d::Zero();
+  vo::Matrix6d twist_covariance = vo::Matrix6d::Zero();
   /// Error of the twist for a time offset that is off by one standard deviation. Its outer product is part of
   /// twist_covariance; consecutive velocities share this error. NaN if there is no velocity.
-  Vector6d twist_offset_error = Vector6d::Zero();
+  vo::Vector6d twist_offset_error = vo::Vector6d::Zero();
   /// Error of the twist for a rig scale that is off by one standard deviation; otherwise as above.
-  Vector6d twist_scale_error = Vector6d::Zero();
+  vo::Vector6d twist_scale_error = vo::Vector6d::Zero();
 };
 
 /// Transforms an estimate from the rectified left camera to the body. `T_body_rectified`: rectified left
 /// camera axes to body axes. Velocity and rates belong to the constant twist that produces the motion in its
 /// time step; they are NaN if the estimate is invalid or has no time step. `scale_stddev`: relative standard
 /// deviation of the rig's scale, which no image observes; its covariance is added to the estimate's.
-BodyMotion bodyMotion(const OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
+BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
                       double scale_stddev = 0.0);
 
 /// Logarithm of SE(3): the twist (v, omega) which, applied for one unit of time, produces `motion`. Rotations
 /// below pi. (J. Solà et al., "A micro Lie theory for state estimation in robotics", 2018, eq. 173.)
-Vector6d logarithm(const Eigen::Isometry3d& motion);
+vo::Vector6d logarithm(const Eigen::Isometry3d& motion);
 
 /// Exponential of SE(3), the inverse of `logarithm` (ibid., eq. 172).
-Eigen::Isometry3d exponential(const Vector6d& twist);
+Eigen::Isometry3d exponential(const vo::Vector6d& twist);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

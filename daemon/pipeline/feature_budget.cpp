@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kMaxLoad = 0.8;             // periods; above it the number of features is reduced
@@ -31,4 +31,4 @@ int FeatureBudget::update(double processing_time) {
   return static_cast<int>(std::lround(features_));
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

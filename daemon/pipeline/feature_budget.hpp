@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Limits the number of features so that each pair is processed before the next one arrives. On an overloaded
 /// computer fewer features in time are worth more than all of them late: processing time grows with their
@@ -24,4 +24,4 @@ class FeatureBudget {
   double last_load_ = 0.0;  ///< processing time of the previous pair, in periods
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

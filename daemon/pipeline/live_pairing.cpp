@@ -6,11 +6,11 @@
 
 #include "common/image_size.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
-PairingTotals totals(const PairSynchroniser& synchroniser) {
-  const PairingCounts& left = synchroniser.counts(CameraSide::left);
-  const PairingCounts& right = synchroniser.counts(CameraSide::right);
+PairingTotals totals(const capture::PairSynchroniser& synchroniser) {
+  const capture::PairingCounts& left = synchroniser.counts(capture::CameraSide::left);
+  const capture::PairingCounts& right = synchroniser.counts(capture::CameraSide::right);
   PairingTotals sum;
   sum.pairs = left.paired;
   sum.frames.received = left.received + right.received;
@@ -23,17 +23,17 @@ PairingTotals totals(const PairSynchroniser& synchroniser) {
   return sum;
 }
 
-std::string wrongSizeMessage(CameraSide side, cv::Size stream, cv::Size rig) {
-  return std::string(side == CameraSide::left ? "left" : "right") + " camera: the stream is " +
+std::string wrongSizeMessage(capture::CameraSide side, cv::Size stream, cv::Size rig) {
+  return std::string(side == capture::CameraSide::left ? "left" : "right") + " camera: the stream is " +
          sizeText(stream) + ", but the rig is for " + sizeText(rig) +
          "; set the camera to the rig's resolution, or calibrate at the stream's (a camera may crop instead "
          "of scale)";
 }
 
-LivePairing::LivePairing(const PairSynchroniserSettings& settings, cv::Size image_size)
+LivePairing::LivePairing(const capture::PairSynchroniserSettings& settings, cv::Size image_size)
     : synchroniser_(settings), image_size_(image_size) {}
 
-void LivePairing::push(CameraSide side, Frame frame) {
+void LivePairing::push(capture::CameraSide side, capture::Frame frame) {
   const std::lock_guard lock(mutex_);
   std::optional<cv::Size>& refused = refused_[static_cast<std::size_t>(side)];
   if (frame.image.size() != image_size_) {
@@ -43,21 +43,21 @@ void LivePairing::push(CameraSide side, Frame frame) {
   }
   refused.reset();
   synchroniser_.push(side, std::move(frame));
-  while (std::optional<FramePair> pair = synchroniser_.pop()) {
+  while (std::optional<capture::FramePair> pair = synchroniser_.pop()) {
     if (newest_) ++skipped_;
     newest_ = std::move(pair);
   }
   if (newest_) changed_.notify_one();
 }
 
-void LivePairing::finish(CameraSide side) {
+void LivePairing::finish(capture::CameraSide side) {
   const std::lock_guard lock(mutex_);
   synchroniser_.finish(side);
   finished_[static_cast<std::size_t>(side)] = true;
   changed_.notify_one();
 }
 
-std::optional<FramePair> LivePairing::waitForPair(std::chrono::steady_clock::time_point deadline) {
+std::optional<capture::FramePair> LivePairing::waitForPair(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [this] { return newest_.has_value() || bothFinished(); });
   return std::exchange(newest_, std::nullopt);
@@ -75,11 +75,11 @@ LivePairing::Counts LivePairing::counts() const {
 
 std::string LivePairing::problem() const {
   const std::lock_guard lock(mutex_);
-  for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+  for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
     const std::optional<cv::Size>& refused = refused_[static_cast<std::size_t>(side)];
     if (refused) return wrongSizeMessage(side, *refused, image_size_);
   }
   return {};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

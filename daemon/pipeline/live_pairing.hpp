@@ -12,31 +12,31 @@
 
 #include "capture/pair_synchroniser.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Counts of both cameras, summed.
 struct PairingTotals {
-  PairingCounts frames;
+  capture::PairingCounts frames;
   std::uint64_t pairs = 0;
 };
-PairingTotals totals(const PairSynchroniser& synchroniser);
+PairingTotals totals(const capture::PairSynchroniser& synchroniser);
 
 /// Passes frames from the two reader threads to the odometry's thread as pairs. Keeps only the newest pair:
 /// one that was not fetched before the next one is formed is skipped and counted, so that no queue adds
 /// latency. Thread-safe.
 class LivePairing {
  public:
-  LivePairing(const PairSynchroniserSettings& settings, cv::Size image_size);
+  LivePairing(const capture::PairSynchroniserSettings& settings, cv::Size image_size);
 
   /// Adds a frame of one camera. A frame whose size is not the rig's is rejected and counted.
-  void push(CameraSide side, Frame frame);
+  void push(capture::CameraSide side, capture::Frame frame);
 
   /// Marks the end of a camera's frames.
-  void finish(CameraSide side);
+  void finish(capture::CameraSide side);
 
   /// Waits for a pair until the deadline. Returns nothing if none arrived, and returns at once when both
   /// cameras have finished.
-  std::optional<FramePair> waitForPair(std::chrono::steady_clock::time_point deadline);
+  std::optional<capture::FramePair> waitForPair(std::chrono::steady_clock::time_point deadline);
 
   bool finished() const;
 
@@ -55,9 +55,9 @@ class LivePairing {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  PairSynchroniser synchroniser_;
+  capture::PairSynchroniser synchroniser_;
   cv::Size image_size_;
-  std::optional<FramePair> newest_;
+  std::optional<capture::FramePair> newest_;
   std::array<bool, 2> finished_{};
   std::array<std::optional<cv::Size>, 2> refused_;  ///< size of each side's latest frame, if rejected
   std::uint64_t skipped_ = 0;
@@ -65,6 +65,6 @@ class LivePairing {
 };
 
 /// Error text: "left camera: the stream is 704x576, but the rig is for 680x420; ..."
-std::string wrongSizeMessage(CameraSide side, cv::Size stream, cv::Size rig);
+std::string wrongSizeMessage(capture::CameraSide side, cv::Size stream, cv::Size rig);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

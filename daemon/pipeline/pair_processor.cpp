@@ -8,11 +8,11 @@
 #include "common/parallel_loop.hpp"
 #include "daemon/pipeline/velocity_at_exposure.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
-StereoCamera stereoCamera(const Rectification& rectification) {
-  StereoCamera camera;
+vo::StereoCamera stereoCamera(const calib::Rectification& rectification) {
+  vo::StereoCamera camera;
   camera.focal_length = rectification.focal_length;
   camera.cx = rectification.cx;
   camera.cy = rectification.cy;
@@ -28,7 +28,7 @@ Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
   return transform;
 }
 
-FrameInstants instants(const Frame& frame) {
+FrameInstants instants(const capture::Frame& frame) {
   return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.min_delay_arrival_ns};
 }
 
@@ -36,7 +36,7 @@ FrameInstants instants(const Frame& frame) {
 
 class PairProcessor::Implementation {
  public:
-  Implementation(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+  Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings)
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
@@ -44,7 +44,7 @@ class PairProcessor::Implementation {
         odometry_(stereoCamera(rectifier_.rectification()), settings),
         features_(settings.features) {}
 
-  PairResult process(const FramePair& pair) {
+  PairResult process(const capture::FramePair& pair) {
     PairResult result;
     result.sequence = next_sequence_++;
     result.left = instants(pair.left);
@@ -67,20 +67,21 @@ class PairProcessor::Implementation {
   }
   int features() const { return features_; }
 
-  const Rectifier& rectifier() const { return rectifier_; }
+  const calib::Rectifier& rectifier() const { return rectifier_; }
   const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
 
  private:
   void extrapolateVelocity(PairResult& result) {
     const double time_step = result.estimate.time_step;
     if (!result.estimate.valid || !(time_step > 0.0)) return velocity_.reset();
-    if (result.estimate.reasons == OdometryReason::zero_velocity) return velocity_.setStandstill(time_step);
+    if (result.estimate.reasons == vo::OdometryReason::zero_velocity)
+      return velocity_.setStandstill(time_step);
     Twist mean;
     mean.value << result.motion.velocity, result.motion.angular_velocity;
     // Errors shared by consecutive velocities are not noise of their change.
-    const Vector6d& by_offset = result.motion.twist_offset_error;
-    const Vector6d& by_scale = result.motion.twist_scale_error;
-    const Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
+    const vo::Vector6d& by_offset = result.motion.twist_offset_error;
+    const vo::Vector6d& by_scale = result.motion.twist_scale_error;
+    const vo::Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
     mean.covariance = result.motion.twist_covariance - shared;
     const Twist now = velocity_.extrapolate(mean, time_step);
     result.motion.velocity = now.value.head<3>();
@@ -88,37 +89,38 @@ class PairProcessor::Implementation {
     result.motion.twist_covariance = now.covariance + shared;
   }
 
-  void rectify(const FramePair& pair) {
+  void rectify(const capture::FramePair& pair) {
     images_.left_exposure_ns = pair.left.exposure_ns;
     images_.right_exposure_ns = pair.right.exposure_ns;
     images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
-    clock_.begin(Stage::rectify);
+    clock_.begin(vo::Stage::rectify);
     odometry_.acquireBuffers(images_);
     doBoth([&] { rectifier_.rectifyLeft(pair.left.image, images_.left); },
            [&] { rectifier_.rectifyRight(pair.right.image, images_.right); });
-    clock_.end(Stage::rectify);
+    clock_.end(vo::Stage::rectify);
   }
 
-  Rectifier rectifier_;
+  calib::Rectifier rectifier_;
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
   double scale_stddev_;
-  StereoImages images_;  ///< rectified; in the odometry's buffers, or kept to reuse their memory
-  StereoOdometry odometry_;
+  vo::StereoImages images_;  ///< rectified; in the odometry's buffers, or kept to reuse their memory
+  vo::StereoOdometry odometry_;
   int features_;
   VelocityAtExposure velocity_;
   StageClock clock_;
   std::uint64_t next_sequence_ = 0;
 };
 
-PairProcessor::PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings)
+PairProcessor::PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier,
+                             const vo::OdometrySettings& settings)
     : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings)) {}
 PairProcessor::~PairProcessor() = default;
 PairProcessor::PairProcessor(PairProcessor&&) noexcept = default;
 PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;
 
-PairResult PairProcessor::process(const FramePair& pair) {
+PairResult PairProcessor::process(const capture::FramePair& pair) {
   return implementation_->process(pair);
 }
 void PairProcessor::setTargetFeatureCount(int features) {
@@ -127,11 +129,11 @@ void PairProcessor::setTargetFeatureCount(int features) {
 int PairProcessor::features() const {
   return implementation_->features();
 }
-const Rectifier& PairProcessor::rectifier() const {
+const calib::Rectifier& PairProcessor::rectifier() const {
   return implementation_->rectifier();
 }
 Eigen::Isometry3d PairProcessor::T_left_rectified() const {
   return implementation_->T_left_rectified();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -11,9 +11,11 @@
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
-
+namespace cartvo::calib {
 class Rectifier;
+}  // namespace cartvo::calib
+
+namespace cartvo::daemon {
 
 /// Timestamps (see Frame) and number of one frame.
 struct FrameInstants {
@@ -29,9 +31,9 @@ struct PairResult {
   std::uint64_t sequence = 0;  ///< counts the processed pairs from 0
   FrameInstants left;
   FrameInstants right;
-  OdometryEstimate estimate;  ///< of the rectified left camera
-  int features = 0;           ///< target number
-  BodyMotion motion;          ///< of the cart's body; velocities at the exposure (VelocityAtExposure)
+  vo::OdometryEstimate estimate;  ///< of the rectified left camera
+  int features = 0;               ///< target number
+  BodyMotion motion;              ///< of the cart's body; velocities at the exposure (VelocityAtExposure)
   StageTimes times;
 
   /// Right minus left exposure, ns.
@@ -49,18 +51,18 @@ struct PairResult {
 class PairProcessor {
  public:
   /// `rectifier`: built for `rig` (loadOrBuildTables). Throws what the odometry throws.
-  PairProcessor(const Rig& rig, Rectifier rectifier, const OdometrySettings& settings);
+  PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings);
   ~PairProcessor();
   PairProcessor(PairProcessor&&) noexcept;
   PairProcessor& operator=(PairProcessor&&) noexcept;
 
-  PairResult process(const FramePair& pair);
+  PairResult process(const capture::FramePair& pair);
 
   /// Sets the target number of features from the next pair on.
   void setTargetFeatureCount(int features);
   int features() const;
 
-  const Rectifier& rectifier() const;
+  const calib::Rectifier& rectifier() const;
 
   /// Rotation from the rectified left camera to the rig's left camera.
   Eigen::Isometry3d T_left_rectified() const;
@@ -70,4 +72,4 @@ class PairProcessor {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -16,7 +16,7 @@
 #include "daemon/pipeline/feature_budget.hpp"
 #include "daemon/pipeline/live_pairing.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
@@ -24,8 +24,8 @@ using SteadyClock = std::chrono::steady_clock;
 /// Time that a reader waits for a frame before it loops.
 constexpr std::chrono::milliseconds kReadTimeout{200};
 
-PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
-  PairSynchroniserSettings settings;
+capture::PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
+  capture::PairSynchroniserSettings settings;
   settings.period_ns = period_ns;
   return settings;
 }
@@ -67,7 +67,7 @@ NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& 
 }
 
 /// Order of two frames: of recording, which does not depend on clocks; where it is unknown, of exposure.
-bool comesFirst(const Frame& left, const Frame& right) {
+bool comesFirst(const capture::Frame& left, const capture::Frame& right) {
   if (left.order > 0 && right.order > 0) return left.order < right.order;
   return left.exposure_ns <= right.exposure_ns;
 }
@@ -75,24 +75,24 @@ bool comesFirst(const Frame& left, const Frame& right) {
 /// Reads one source a frame ahead, so that two sources can be merged in order.
 class LookAhead {
  public:
-  explicit LookAhead(CameraSource& source) : source_(source) {}
+  explicit LookAhead(capture::CameraSource& source) : source_(source) {}
 
   /// Returns the next frame, or nullptr at the end of the source.
-  const Frame* peek() {
+  const capture::Frame* peek() {
     while (!frame_ && !ended_) {
-      Frame frame;
-      const ReadOutcome outcome = source_.read(frame, kReadTimeout);
-      if (outcome == ReadOutcome::frame) frame_ = std::move(frame);
-      ended_ = outcome == ReadOutcome::ended;
+      capture::Frame frame;
+      const capture::ReadOutcome outcome = source_.read(frame, kReadTimeout);
+      if (outcome == capture::ReadOutcome::frame) frame_ = std::move(frame);
+      ended_ = outcome == capture::ReadOutcome::ended;
     }
     return frame_ ? &*frame_ : nullptr;
   }
   /// Removes and returns the frame that `peek` returned.
-  Frame pop() { return *std::exchange(frame_, std::nullopt); }
+  capture::Frame pop() { return *std::exchange(frame_, std::nullopt); }
 
  private:
-  CameraSource& source_;
-  std::optional<Frame> frame_;
+  capture::CameraSource& source_;
+  std::optional<capture::Frame> frame_;
   bool ended_ = false;
 };
 
@@ -100,7 +100,7 @@ class LookAhead {
 
 class Pipeline::Implementation {
  public:
-  Implementation(CameraSource& left, CameraSource& right, PairProcessor& processor,
+  Implementation(capture::CameraSource& left, capture::CameraSource& right, PairProcessor& processor,
                  const PipelineSettings& settings)
       : left_(left),
         right_(right),
@@ -116,13 +116,13 @@ class Pipeline::Implementation {
   PipelineProgress progress() const { return {left_beat_.age(), right_beat_.age()}; }
 
  private:
-  void readCamera(CameraSource& source, CameraSide side, Heartbeat& heartbeat) noexcept;
+  void readCamera(capture::CameraSource& source, capture::CameraSide side, Heartbeat& heartbeat) noexcept;
   void processNewestPairs(const PipelineSink& sink);
-  PairResult processPair(const FramePair& pair, const PipelineSink& sink);
-  void requireRigSize(CameraSide side, const Frame& frame) const;
+  PairResult processPair(const capture::FramePair& pair, const PipelineSink& sink);
+  void requireRigSize(capture::CameraSide side, const capture::Frame& frame) const;
 
-  CameraSource& left_;
-  CameraSource& right_;
+  capture::CameraSource& left_;
+  capture::CameraSource& right_;
   PairProcessor& processor_;
   PipelineSettings settings_;
   LivePairing live_;
@@ -135,7 +135,7 @@ class Pipeline::Implementation {
   std::exception_ptr reader_failure_;      // guarded by mutex_
 };
 
-PairResult Pipeline::Implementation::processPair(const FramePair& pair, const PipelineSink& sink) {
+PairResult Pipeline::Implementation::processPair(const capture::FramePair& pair, const PipelineSink& sink) {
   PairResult result = processor_.process(pair);
   ++processed_;
   sink.pair(result);
@@ -143,20 +143,20 @@ PairResult Pipeline::Implementation::processPair(const FramePair& pair, const Pi
 }
 
 void Pipeline::Implementation::replay(const PipelineSink& sink) {
-  PairSynchroniser synchroniser(synchroniserSettings(settings_.period_ns));
+  capture::PairSynchroniser synchroniser(synchroniserSettings(settings_.period_ns));
   LookAhead left(left_);
   LookAhead right(right_);
   while (!stopped_) {
-    const Frame* next_left = left.peek();
-    const Frame* next_right = right.peek();
+    const capture::Frame* next_left = left.peek();
+    const capture::Frame* next_right = right.peek();
     if (next_left == nullptr && next_right == nullptr) break;
     const bool left_is_next =
         next_right == nullptr || (next_left != nullptr && comesFirst(*next_left, *next_right));
-    const CameraSide side = left_is_next ? CameraSide::left : CameraSide::right;
-    Frame frame = left_is_next ? left.pop() : right.pop();
+    const capture::CameraSide side = left_is_next ? capture::CameraSide::left : capture::CameraSide::right;
+    capture::Frame frame = left_is_next ? left.pop() : right.pop();
     requireRigSize(side, frame);
     synchroniser.push(side, std::move(frame));
-    while (const std::optional<FramePair> pair = synchroniser.pop()) {
+    while (const std::optional<capture::FramePair> pair = synchroniser.pop()) {
       processPair(*pair, sink);
     }
   }
@@ -168,8 +168,8 @@ void Pipeline::Implementation::runLive(const PipelineSink& sink) {
   if (settings_.period_ns <= 0)
     throw std::invalid_argument("PipelineSettings::period_ns must be positive for live cameras");
   {
-    const std::jthread left_reader([this] { readCamera(left_, CameraSide::left, left_beat_); });
-    const std::jthread right_reader([this] { readCamera(right_, CameraSide::right, right_beat_); });
+    const std::jthread left_reader([this] { readCamera(left_, capture::CameraSide::left, left_beat_); });
+    const std::jthread right_reader([this] { readCamera(right_, capture::CameraSide::right, right_beat_); });
     try {
       processNewestPairs(sink);
     } catch (...) {
@@ -182,15 +182,15 @@ void Pipeline::Implementation::runLive(const PipelineSink& sink) {
   if (reader_failure_) std::rethrow_exception(reader_failure_);
 }
 
-void Pipeline::Implementation::readCamera(CameraSource& source, CameraSide side,
+void Pipeline::Implementation::readCamera(capture::CameraSource& source, capture::CameraSide side,
                                           Heartbeat& heartbeat) noexcept {
   try {
-    ReadOutcome outcome = ReadOutcome::timed_out;
-    while (!stopped_ && outcome != ReadOutcome::ended) {
+    capture::ReadOutcome outcome = capture::ReadOutcome::timed_out;
+    while (!stopped_ && outcome != capture::ReadOutcome::ended) {
       heartbeat.beat();
-      Frame frame;
+      capture::Frame frame;
       outcome = source.read(frame, kReadTimeout);
-      if (outcome == ReadOutcome::frame) live_.push(side, std::move(frame));
+      if (outcome == capture::ReadOutcome::frame) live_.push(side, std::move(frame));
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -208,7 +208,7 @@ void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
-    const std::optional<FramePair> pair = live_.waitForPair(missed);
+    const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
     if (pair) {
       processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total));
       missed = SteadyClock::now() + 2 * period;
@@ -222,7 +222,7 @@ void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   }
 }
 
-void Pipeline::Implementation::requireRigSize(CameraSide side, const Frame& frame) const {
+void Pipeline::Implementation::requireRigSize(capture::CameraSide side, const capture::Frame& frame) const {
   if (frame.image.size() == settings_.image_size) return;
   throw std::runtime_error(wrongSizeMessage(side, frame.image.size(), settings_.image_size));
 }
@@ -244,7 +244,7 @@ PipelineCounts Pipeline::Implementation::counts() const {
   return counts;
 }
 
-Pipeline::Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor,
+Pipeline::Pipeline(capture::CameraSource& left, capture::CameraSource& right, PairProcessor& processor,
                    const PipelineSettings& settings)
     : implementation_(std::make_unique<Implementation>(left, right, processor, settings)) {}
 Pipeline::~Pipeline() = default;
@@ -267,4 +267,4 @@ PipelineProgress Pipeline::progress() const {
   return implementation_->progress();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

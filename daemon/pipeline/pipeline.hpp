@@ -10,7 +10,7 @@
 #include "capture/camera_source.hpp"
 #include "daemon/pipeline/pair_processor.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Reason why a pair that was due did not arrive.
 enum class NoPairCause : std::uint8_t {
@@ -64,7 +64,7 @@ struct PipelineProgress {
 class Pipeline {
  public:
   /// The sources and the processor must outlive the pipeline.
-  Pipeline(CameraSource& left, CameraSource& right, PairProcessor& processor,
+  Pipeline(capture::CameraSource& left, capture::CameraSource& right, PairProcessor& processor,
            const PipelineSettings& settings);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
@@ -100,4 +100,4 @@ class Pipeline {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -2,7 +2,7 @@
 
 #include "daemon/pipeline/stage_clock.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 double seconds(std::chrono::steady_clock::duration duration) {
@@ -16,11 +16,11 @@ void StageClock::startPair() {
   pair_start_ = Clock::now();
 }
 
-void StageClock::begin(Stage stage) {
+void StageClock::begin(vo::Stage stage) {
   starts_[static_cast<std::size_t>(stage)] = Clock::now();
 }
 
-void StageClock::end(Stage stage) {
+void StageClock::end(vo::Stage stage) {
   const auto index = static_cast<std::size_t>(stage);
   times_.stages[index] += seconds(Clock::now() - starts_[index]);
 }
@@ -30,4 +30,4 @@ StageTimes StageClock::endPair() {
   return times_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

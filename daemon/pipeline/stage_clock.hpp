@@ -5,32 +5,32 @@
 
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Processing time of each stage of one pair, s, summed if a stage ran more than once. `total` is measured,
 /// not summed, because stages may be nested or skipped.
 struct StageTimes {
-  std::array<double, kStageCount> stages{};
+  std::array<double, vo::kStageCount> stages{};
   double total = 0.0;
 
-  double stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  double stage(vo::Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 };
 
 /// Measures the stages that the odometry reports.
-class StageClock : public StageObserver {
+class StageClock : public vo::StageObserver {
  public:
   /// Discards the previous pair's times and starts `total`.
   void startPair();
-  void begin(Stage stage) override;
-  void end(Stage stage) override;
+  void begin(vo::Stage stage) override;
+  void end(vo::Stage stage) override;
   /// Stops `total` and returns the times.
   StageTimes endPair();
 
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point pair_start_;
-  std::array<Clock::time_point, kStageCount> starts_{};
+  std::array<Clock::time_point, vo::kStageCount> starts_{};
   StageTimes times_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -4,12 +4,12 @@
 
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// A twist in body axes: velocity m/s, angular velocity rad/s.
 struct Twist {
-  Vector6d value = Vector6d::Zero();
-  Matrix6d covariance = Matrix6d::Zero();
+  vo::Vector6d value = vo::Vector6d::Zero();
+  vo::Matrix6d covariance = vo::Matrix6d::Zero();
 };
 
 /// Velocity at the exposure of a pair. A motion yields the mean velocity over the time step, which lags by
@@ -43,14 +43,14 @@ class VelocityAtExposure {
 
  private:
   struct Mean {
-    Vector6d value = Vector6d::Zero();
+    vo::Vector6d value = vo::Vector6d::Zero();
     double time_step = 0.0;
   };
 
   /// Exponentially weighted means of outer products, of the acceleration and of the jerk.
-  Matrix6d acceleration_moment_, jerk_moment_;
+  vo::Matrix6d acceleration_moment_, jerk_moment_;
   std::optional<Mean> last_;
-  std::optional<Vector6d> last_slope_;  ///< change of the mean per second
+  std::optional<vo::Vector6d> last_slope_;  ///< change of the mean per second
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

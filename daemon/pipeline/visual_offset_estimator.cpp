@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kMemory = 10.0;          // s: PitchRollFilter's, so that both are means over the same pairs
@@ -18,8 +18,8 @@ constexpr double kLinearRange_ns = 12e6;
 
 }  // namespace
 
-std::optional<OffsetEstimate> VisualOffsetEstimator::update(const std::optional<RigCalibrationError>& rig,
-                                                            double applied_correction_ns, double time_step) {
+std::optional<capture::OffsetEstimate> VisualOffsetEstimator::update(
+    const std::optional<vo::RigCalibrationError>& rig, double applied_correction_ns, double time_step) {
   const double elapsed = std::max(time_step, 1e-3);
   weight_ = weight_ * std::exp(-elapsed / kMemory) + elapsed;
   applied_correction_ns_ += elapsed / weight_ * (applied_correction_ns - applied_correction_ns_);
@@ -32,8 +32,8 @@ std::optional<OffsetEstimate> VisualOffsetEstimator::update(const std::optional<
   const double stddev_ns = std::hypot(noise_ns, bias_ns);
   const bool better = estimate_ && stddev_ns < estimate_->stddev_ns;
   if (noise_ns < kMaxStddev_ns || better)
-    estimate_ = OffsetEstimate{applied_correction_ns_ + delay_ns, stddev_ns};
+    estimate_ = capture::OffsetEstimate{applied_correction_ns_ + delay_ns, stddev_ns};
   return estimate_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

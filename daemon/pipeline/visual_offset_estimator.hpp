@@ -5,7 +5,7 @@
 #include "capture/clock/stereo_timestamper.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Estimates the time offset (right exposure minus left) relative to the minimum-delay arrival times from the
 /// images: the correction already applied to the timestamps plus the residual offset that the odometry
@@ -16,13 +16,13 @@ class VisualOffsetEstimator {
   /// Adds a processed pair. `rig`: its rig calibration errors, empty while unknown. `applied_correction_ns`:
   /// PairResult::applied_correction_ns. `time_step`: s since the previous pair. Returns the latest estimate;
   /// at a standstill its standard deviation grows with time.
-  std::optional<OffsetEstimate> update(const std::optional<RigCalibrationError>& rig,
-                                       double applied_correction_ns, double time_step);
+  std::optional<capture::OffsetEstimate> update(const std::optional<vo::RigCalibrationError>& rig,
+                                                double applied_correction_ns, double time_step);
 
  private:
   double applied_correction_ns_ = 0.0;  ///< mean with the time constant of the odometry's offset estimate
   double weight_ = 0.0;                 ///< of that mean, s
-  std::optional<OffsetEstimate> estimate_;
+  std::optional<capture::OffsetEstimate> estimate_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

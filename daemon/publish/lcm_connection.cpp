@@ -17,7 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 struct GroupUrl {
@@ -146,4 +146,4 @@ std::string multicastWarning(const MulticastRoute& route) {
   return {};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -7,7 +7,7 @@ namespace lcm {
 class LCM;
 }
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 constexpr const char* kOdometryChannel = "CARTVO_ODOMETRY";
 constexpr const char* kHealthChannel = "CARTVO_HEALTH";
@@ -36,4 +36,4 @@ std::unique_ptr<lcm::LCM> connectLcm(const std::string& url);
 /// without an error. Empty if the route fits.
 std::string multicastWarning(const MulticastRoute& route);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -10,7 +10,7 @@
 #include "common/host_clock.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
@@ -18,31 +18,31 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Bit of the message for one reason; 0 if there is none. The switch has no default, so that the compiler
 /// reports a missing reason.
-constexpr std::int32_t messageBit(OdometryReason reason) {
+constexpr std::int32_t messageBit(vo::OdometryReason reason) {
   switch (reason) {
-    case OdometryReason::none:
+    case vo::OdometryReason::none:
       return 0;
-    case OdometryReason::first_pair:
+    case vo::OdometryReason::first_pair:
       return odometry_t::REASON_FIRST_PAIR;
-    case OdometryReason::too_few_features:
+    case vo::OdometryReason::too_few_features:
       return odometry_t::REASON_TOO_FEW_FEATURES;
-    case OdometryReason::too_few_matches:
+    case vo::OdometryReason::too_few_matches:
       return odometry_t::REASON_TOO_FEW_MATCHES;
-    case OdometryReason::too_few_inliers:
+    case vo::OdometryReason::too_few_inliers:
       return odometry_t::REASON_TOO_FEW_INLIERS;
-    case OdometryReason::high_residual:
+    case vo::OdometryReason::high_residual:
       return odometry_t::REASON_HIGH_RESIDUAL;
-    case OdometryReason::time_step:
+    case vo::OdometryReason::time_step:
       return odometry_t::REASON_TIME_STEP;
-    case OdometryReason::implausible_motion:
+    case vo::OdometryReason::implausible_motion:
       return odometry_t::REASON_IMPLAUSIBLE_MOTION;
-    case OdometryReason::degenerate_geometry:
+    case vo::OdometryReason::degenerate_geometry:
       return odometry_t::REASON_DEGENERATE_GEOMETRY;
-    case OdometryReason::offset_uncertain:
+    case vo::OdometryReason::offset_uncertain:
       return odometry_t::REASON_OFFSET_UNCERTAIN;
-    case OdometryReason::repeated_picture:
+    case vo::OdometryReason::repeated_picture:
       return odometry_t::REASON_REPEATED_PICTURE;
-    case OdometryReason::zero_velocity:
+    case vo::OdometryReason::zero_velocity:
       return odometry_t::REASON_ZERO_VELOCITY;
   }
   return 0;
@@ -55,7 +55,7 @@ void setPose(odometry_t& message, const Eigen::Isometry3d& T_world_body) {
   Eigen::Map<Eigen::Vector4d>(message.orientation_world_body) << q.w(), q.x(), q.y(), q.z();
 }
 
-void setMatrix(double (&rows)[36], const Matrix6d& matrix) {
+void setMatrix(double (&rows)[36], const vo::Matrix6d& matrix) {
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{rows} = matrix;
 }
 
@@ -85,17 +85,17 @@ std::int32_t noPairBits(NoPairCause cause) {
 
 }  // namespace
 
-std::int32_t reasonBits(const OdometryReasons& reasons) {
+std::int32_t reasonBits(const vo::OdometryReasons& reasons) {
   std::int32_t bits = 0;
-  for (int i = 0; i < kOdometryReasonCount; ++i) {
-    const auto reason = static_cast<OdometryReason>(i);
+  for (int i = 0; i < vo::kOdometryReasonCount; ++i) {
+    const auto reason = static_cast<vo::OdometryReason>(i);
     if (reasons.has(reason)) bits |= messageBit(reason);
   }
   return bits;
 }
 
 odometry_t odometryMessage(const PairResult& result) {
-  const OdometryEstimate& estimate = result.estimate;
+  const vo::OdometryEstimate& estimate = result.estimate;
   odometry_t message{};
   message.utime = result.left.exposure_ns / kNanosecondsPerMicrosecond;
   message.arrival_utime = result.arrival_ns() / kNanosecondsPerMicrosecond;
@@ -155,4 +155,4 @@ const odometry_t& OdometryPublisher::send(const odometry_t& message) {
   return last_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -11,10 +11,10 @@ namespace lcm {
 class LCM;
 }
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Maps the odometry's reasons to the bits of odometry_t.reasons.
-std::int32_t reasonBits(const OdometryReasons& reasons);
+std::int32_t reasonBits(const vo::OdometryReasons& reasons);
 
 /// Builds the message for one pair. daemon/messages/odometry_t.lcm defines the content of an invalid one.
 odometry_t odometryMessage(const PairResult& result);
@@ -46,4 +46,4 @@ class OdometryPublisher {
   std::uint64_t failures_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

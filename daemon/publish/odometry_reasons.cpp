@@ -7,7 +7,7 @@
 
 #include <cartvo/odometry_t.hpp>
 
-namespace cartvo {
+namespace cartvo::daemon {
 std::string reasonNames(std::int32_t reasons) {
   static constexpr std::array<std::pair<std::int32_t, const char*>, 14> kNames{{
       {odometry_t::REASON_FIRST_PAIR, "first pair"},
@@ -32,4 +32,4 @@ std::string reasonNames(std::int32_t reasons) {
   return names;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

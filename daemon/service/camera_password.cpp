@@ -7,7 +7,7 @@
 
 #include "capture/rtsp/password_file.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 std::filesystem::path credentialFile(const std::string& name) {
@@ -25,8 +25,8 @@ std::filesystem::path credentialFile(const std::string& name) {
 
 std::string readPassword(const CameraConfiguration& camera) {
   if (camera.username.empty()) return {};
-  return readPasswordFile(camera.password_file.empty() ? credentialFile(camera.password_credential)
-                                                       : camera.password_file);
+  return capture::readPasswordFile(camera.password_file.empty() ? credentialFile(camera.password_credential)
+                                                                : camera.password_file);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

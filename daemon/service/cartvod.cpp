@@ -50,7 +50,8 @@ std::filesystem::path folderOfThisStart(const std::filesystem::path& recordings)
 }
 
 /// Stops the daemon at the first signal; returns when `end` is requested.
-void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals, cartvo::Daemon& daemon) {
+void watchSignals(const std::stop_token& end, const cartvo::daemon::StopSignals& signals,
+                  cartvo::daemon::Daemon& daemon) {
   while (!end.stop_requested()) {
     const std::optional<int> signal = signals.wait(std::chrono::milliseconds(50));
     if (!signal) continue;
@@ -61,10 +62,10 @@ void watchSignals(const std::stop_token& end, const cartvo::StopSignals& signals
 }
 
 int run(const CommandLine& command_line) {
-  const cartvo::StopSignals signals;
-  cartvo::Configuration configuration;
+  const cartvo::daemon::StopSignals signals;
+  cartvo::daemon::Configuration configuration;
   try {
-    configuration = cartvo::readConfiguration(command_line.configuration);
+    configuration = cartvo::daemon::readConfiguration(command_line.configuration);
     if (!command_line.recording_directory.empty()) {
       // With --record nothing in that folder is deleted to free disk space.
       configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
@@ -72,7 +73,7 @@ int run(const CommandLine& command_line) {
       configuration.recording_quota.recordings = configuration.recording_directory;
       configuration.recording_directory = folderOfThisStart(configuration.recording_directory);
     }
-    cartvo::checkConfiguration(configuration);
+    cartvo::daemon::checkConfiguration(configuration);
   } catch (const std::exception& error) {
     spdlog::error(error.what());
     return kWrongConfiguration;
@@ -82,8 +83,8 @@ int run(const CommandLine& command_line) {
     return kStopped;
   }
   try {
-    cartvo::setUpLog(configuration.log_level);
-    cartvo::Daemon daemon(configuration);
+    cartvo::daemon::setUpLog(configuration.log_level);
+    cartvo::daemon::Daemon daemon(configuration);
     const std::jthread signal_watch([&](const std::stop_token& end) { watchSignals(end, signals, daemon); });
     daemon.run();
   } catch (const std::exception& error) {
@@ -97,7 +98,7 @@ int run(const CommandLine& command_line) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
-  cartvo::setUpLog(spdlog::level::info);
+  cartvo::daemon::setUpLog(spdlog::level::info);
   CLI::App app;
   CommandLine command_line;
   describe(app, command_line);

@@ -14,7 +14,7 @@
 #include "common/strict_yaml.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using Keys = std::initializer_list<const char*>;
@@ -37,20 +37,22 @@ constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", 
                                                                       {"info", LogLevel::info},
                                                                       {"warning", LogLevel::warn},
                                                                       {"error", LogLevel::err}}};
-constexpr std::array<std::pair<const char*, RtspTransport>, 2> kTransports{
-    {{"tcp", RtspTransport::tcp}, {"udp", RtspTransport::udp}}};
-constexpr std::array<std::pair<const char*, PixelFormat>, 4> kFormats{{{"grey", PixelFormat::grey},
-                                                                       {"nv12", PixelFormat::nv12},
-                                                                       {"yuyv", PixelFormat::yuyv},
-                                                                       {"mjpeg", PixelFormat::mjpeg}}};
-constexpr std::array<std::pair<const char*, ClockChoice>, 4> kClocks{{{"auto", ClockChoice::automatic},
-                                                                      {"ntp", ClockChoice::ntp},
-                                                                      {"arrival", ClockChoice::arrival},
-                                                                      {"visual", ClockChoice::visual}}};
-constexpr std::array<std::pair<const char*, RigRefinement>, 2> kRigRefinements{
-    {{"off", RigRefinement::off}, {"correct", RigRefinement::correct}}};
-constexpr std::array<std::pair<const char*, Estimator>, 2> kEstimators{
-    {{"reprojection", Estimator::reprojection}, {"thesis", Estimator::thesis}}};
+constexpr std::array<std::pair<const char*, capture::RtspTransport>, 2> kTransports{
+    {{"tcp", capture::RtspTransport::tcp}, {"udp", capture::RtspTransport::udp}}};
+constexpr std::array<std::pair<const char*, capture::PixelFormat>, 4> kFormats{
+    {{"grey", capture::PixelFormat::grey},
+     {"nv12", capture::PixelFormat::nv12},
+     {"yuyv", capture::PixelFormat::yuyv},
+     {"mjpeg", capture::PixelFormat::mjpeg}}};
+constexpr std::array<std::pair<const char*, capture::ClockChoice>, 4> kClocks{
+    {{"auto", capture::ClockChoice::automatic},
+     {"ntp", capture::ClockChoice::ntp},
+     {"arrival", capture::ClockChoice::arrival},
+     {"visual", capture::ClockChoice::visual}}};
+constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
+    {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
+constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{
+    {{"reprojection", vo::Estimator::reprojection}, {"thesis", vo::Estimator::thesis}}};
 
 /// Parses one of the named values; the error lists them.
 template <typename Value, std::size_t count>
@@ -167,7 +169,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   readTimeouts(yaml, configuration);
 }
 
-RigRefinement rigRefinement(const StrictYaml& yaml) {
+vo::RigRefinement rigRefinement(const StrictYaml& yaml) {
   if (yaml.text() == "monitor") {
     yaml.fail(
         "'monitor' was removed: use 'correct' to have the right camera's rotation estimated, published and "
@@ -178,7 +180,7 @@ RigRefinement rigRefinement(const StrictYaml& yaml) {
 
 void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kOdometryKeys);
-  OdometrySettings& odometry = configuration.odometry;
+  vo::OdometrySettings& odometry = configuration.odometry;
   if (yaml.has("estimator")) {
     odometry.estimator = choice(yaml["estimator"], kEstimators);
   }
@@ -215,7 +217,7 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
                    Configuration& configuration) {
   yaml.allowOnly(kRecordingKeys);
   if (yaml.has("directory")) configuration.recording_directory = path(yaml["directory"], folder);
-  RecordingQuota& quota = configuration.recording_quota;
+  capture::RecordingQuota& quota = configuration.recording_quota;
   const auto bytes = [](const StrictYaml& gigabytes, double minimum) {
     return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6) * kGigabyte));
   };
@@ -233,7 +235,7 @@ void readLogging(const StrictYaml& yaml, Configuration& configuration) {
 }
 
 void emitRecording(YAML::Emitter& yaml, const Configuration& configuration) {
-  const RecordingQuota& quota = configuration.recording_quota;
+  const capture::RecordingQuota& quota = configuration.recording_quota;
   yaml << YAML::Key << "recording" << YAML::BeginMap;
   if (!configuration.recording_directory.empty())
     yaml << YAML::Key << "directory" << configuration.recording_directory.string();
@@ -332,4 +334,4 @@ std::vector<std::string> configurationKeys() {
   return keys;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

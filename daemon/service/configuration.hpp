@@ -15,7 +15,7 @@
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Configuration of one camera.
 struct CameraConfiguration {
@@ -24,8 +24,8 @@ struct CameraConfiguration {
   std::filesystem::path password_file;  ///< absolute; empty: see `password_credential`
   std::string password_credential;      ///< name of a file in $CREDENTIALS_DIRECTORY; empty: none
   cv::Size size;                        ///< px, V4L2 only; empty: the rig's
-  std::optional<PixelFormat> format;    ///< V4L2 only, see V4l2CameraSettings, as are the next two
-  std::optional<double> exposure;       ///< s
+  std::optional<capture::PixelFormat> format;  ///< V4L2 only, see V4l2CameraSettings, as are the next two
+  std::optional<double> exposure;              ///< s
   std::optional<int> gain;
 
   bool isV4l2() const { return url.starts_with("v4l2:"); }
@@ -37,8 +37,8 @@ struct CameraConfiguration {
 struct Configuration {
   CameraConfiguration left;
   CameraConfiguration right;
-  RtspTransport transport = RtspTransport::tcp;
-  ClockChoice clock = ClockChoice::automatic;
+  capture::RtspTransport transport = capture::RtspTransport::tcp;
+  capture::ClockChoice clock = capture::ClockChoice::automatic;
   double frame_rate = 18.0;  ///< Hz
   std::chrono::milliseconds answer_timeout{
       1000};  ///< IP cameras only, see RtspCameraSettings, as is the next
@@ -48,7 +48,7 @@ struct Configuration {
   std::filesystem::path rig;     ///< absolute
   std::filesystem::path tables;  ///< absolute; empty: tables are computed at each start
 
-  OdometrySettings odometry;
+  vo::OdometrySettings odometry;
   int threads = 2;  ///< for the image operations of one pair
 
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
@@ -56,7 +56,7 @@ struct Configuration {
 
   std::filesystem::path recording_directory;  ///< absolute; empty: no recording
   /// `recordings` (the folder whose old recordings may be deleted) is set by cartvod, not by the file.
-  RecordingQuota recording_quota{{}, 20'000'000'000, std::chrono::seconds{0}, 1'000'000'000};
+  capture::RecordingQuota recording_quota{{}, 20'000'000'000, std::chrono::seconds{0}, 1'000'000'000};
   spdlog::level::level_enum log_level = spdlog::level::info;
 };
 
@@ -76,4 +76,4 @@ std::string effectiveConfiguration(const Configuration& configuration);
 /// All keys that `readConfiguration` accepts, for example "cameras.left.url".
 std::vector<std::string> configurationKeys();
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

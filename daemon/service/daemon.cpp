@@ -33,21 +33,21 @@
 #include "daemon/service/live_camera.hpp"
 #include "daemon/service/service_manager.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kHealthPeriod{1};
 
-Rectifier loadRectifier(const Rig& rig, const std::filesystem::path& tables_file) {
-  const RectificationSettings& settings = rig.rectification;
-  if (tables_file.empty()) return {rig, settings, buildTables(rig, settings)};
-  LoadedTables loaded = loadOrBuildTables(rig, settings, tables_file);
+calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::path& tables_file) {
+  const calib::RectificationSettings& settings = rig.rectification;
+  if (tables_file.empty()) return {rig, settings, calib::buildTables(rig, settings)};
+  calib::LoadedTables loaded = calib::loadOrBuildTables(rig, settings, tables_file);
   spdlog::info("rectification tables: {}", loaded.message);
   return {rig, settings, std::move(loaded.tables)};
 }
 
-PipelineSettings pipelineSettings(const Configuration& configuration, const Rig& rig) {
+PipelineSettings pipelineSettings(const Configuration& configuration, const calib::Rig& rig) {
   return {rig.left.size, std::llround(1e9 / configuration.frame_rate)};
 }
 
@@ -74,14 +74,14 @@ class Daemon::Implementation {
   std::string statusLine(const health_t& health) const;
 
   Configuration configuration_;
-  Rig rig_;
+  calib::Rig rig_;
   std::unique_ptr<lcm::LCM> lcm_;
-  std::unique_ptr<StreamRecorder> recorder_;      ///< must outlive the cameras that feed it
-  std::string recording_refused_;                 ///< why recording could not start
-  std::string recording_error_;                   ///< as of the last health message, as are the next two
-  std::uint64_t recording_dropped_pictures_ = 0;  ///< pictures
+  std::unique_ptr<capture::StreamRecorder> recorder_;  ///< must outlive the cameras that feed it
+  std::string recording_refused_;                      ///< why recording could not start
+  std::string recording_error_;                        ///< as of the last health message, as are the next two
+  std::uint64_t recording_dropped_pictures_ = 0;       ///< pictures
   std::uint64_t recording_resumptions_ = 0;
-  StereoTimestamper clock_;  ///< must outlive the cameras
+  capture::StereoTimestamper clock_;  ///< must outlive the cameras
   VisualOffsetEstimator visual_offset_;
   LiveCamera left_;
   LiveCamera right_;
@@ -100,11 +100,11 @@ class Daemon::Implementation {
 
 Daemon::Implementation::Implementation(const Configuration& configuration)
     : configuration_(configuration),
-      rig_(readRig(configuration.rig)),
+      rig_(calib::readRig(configuration.rig)),
       lcm_(connectLcm(configuration.lcm_url)),
       clock_(configuration.clock),
-      left_(configuration, CameraSide::left, rig_.left.size, clock_),
-      right_(configuration, CameraSide::right, rig_.left.size, clock_),
+      left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
+      right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_)),
       publisher_(*lcm_, configuration.time_to_live),
@@ -123,12 +123,12 @@ void Daemon::Implementation::startRecording() {
   try {
     if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
       throw std::runtime_error("only IP cameras can be recorded, because V4L2 cameras send no encoded video");
-    RecordingSettings settings;
+    capture::RecordingSettings settings;
     settings.folder = configuration_.recording_directory;
     settings.configuration = effectiveConfiguration(configuration_);
     settings.rig = fileText(configuration_.rig);
     settings.quota = configuration_.recording_quota;
-    recorder_ = std::make_unique<StreamRecorder>(settings);
+    recorder_ = std::make_unique<capture::StreamRecorder>(settings);
   } catch (const std::exception& error) {
     recording_refused_ = std::string("not recording: ") + error.what();
     spdlog::error(recording_refused_);
@@ -142,7 +142,7 @@ void Daemon::Implementation::startRecording() {
 /// Recording problem since the last call; empty if none.
 std::string Daemon::Implementation::recordingProblem() {
   if (!recorder_) return recording_refused_;
-  const RecorderHealth health = recorder_->health();
+  const capture::RecorderHealth health = recorder_->health();
   if (health.resumptions > std::exchange(recording_resumptions_, health.resumptions))
     spdlog::info("recording again, in a new segment in {}", configuration_.recording_directory.string());
   if (health.error.empty()) warnings_.forget(recording_error_);
@@ -242,9 +242,9 @@ void Daemon::stop() noexcept {
 }
 
 void checkConfiguration(const Configuration& configuration) {
-  const Rig rig = readRig(configuration.rig);
-  computeRectification(rig, rig.rectification);
-  validate(configuration.odometry);
+  const calib::Rig rig = calib::readRig(configuration.rig);
+  calib::computeRectification(rig, rig.rectification);
+  vo::validate(configuration.odometry);
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
     // systemd passes credentials only to the running service.
     const bool given_by_systemd =
@@ -254,4 +254,4 @@ void checkConfiguration(const Configuration& configuration) {
   findMulticastRoute(configuration.lcm_url);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

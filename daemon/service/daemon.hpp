@@ -4,7 +4,7 @@
 
 #include "daemon/service/configuration.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// cartvod: connects two cameras, the pipeline, LCM, the log and systemd as the configuration says.
 class Daemon {
@@ -31,4 +31,4 @@ class Daemon {
 /// the passwords, the LCM URL. Throws std::runtime_error that names the fault.
 void checkConfiguration(const Configuration& configuration);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

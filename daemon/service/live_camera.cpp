@@ -9,7 +9,7 @@
 
 #include "daemon/service/camera_password.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 /// Time that a V4L2 driver may need to open a camera; some wait for the hardware.
@@ -21,8 +21,9 @@ double twice(std::chrono::milliseconds duration) {
 
 }  // namespace
 
-RtspCameraSettings rtspSettings(const Configuration& configuration, const CameraConfiguration& camera) {
-  RtspCameraSettings settings;
+capture::RtspCameraSettings rtspSettings(const Configuration& configuration,
+                                         const CameraConfiguration& camera) {
+  capture::RtspCameraSettings settings;
   settings.url = camera.url;
   settings.credentials = {camera.username, readPassword(camera)};
   settings.transport = configuration.transport;
@@ -32,9 +33,9 @@ RtspCameraSettings rtspSettings(const Configuration& configuration, const Camera
   return settings;
 }
 
-V4l2CameraSettings v4l2Settings(const Configuration& configuration, const CameraConfiguration& camera,
-                                const cv::Size& size) {
-  V4l2CameraSettings settings;
+capture::V4l2CameraSettings v4l2Settings(const Configuration& configuration,
+                                         const CameraConfiguration& camera, const cv::Size& size) {
+  capture::V4l2CameraSettings settings;
   settings.device = camera.device();
   settings.size = camera.size.empty() ? size : camera.size;
   if (settings.size.empty()) {
@@ -50,19 +51,21 @@ V4l2CameraSettings v4l2Settings(const Configuration& configuration, const Camera
   return settings;
 }
 
-LiveCamera::LiveCamera(const Configuration& configuration, CameraSide side, const cv::Size& size,
-                       StereoTimestamper& clock) {
-  const CameraConfiguration& camera = side == CameraSide::left ? configuration.left : configuration.right;
+LiveCamera::LiveCamera(const Configuration& configuration, capture::CameraSide side, const cv::Size& size,
+                       capture::StereoTimestamper& clock) {
+  const CameraConfiguration& camera =
+      side == capture::CameraSide::left ? configuration.left : configuration.right;
   if (camera.isV4l2()) {
-    source_ = std::make_unique<V4l2Camera>(v4l2Settings(configuration, camera, size));
+    source_ = std::make_unique<capture::V4l2Camera>(v4l2Settings(configuration, camera, size));
     reader_timeout_ = twice(std::max<std::chrono::milliseconds>(kMaxOpenTime, configuration.stall_timeout));
   } else {
     connect(rtspSettings(configuration, camera), side, clock);
   }
 }
 
-void LiveCamera::connect(const RtspCameraSettings& settings, CameraSide side, StereoTimestamper& clock) {
-  auto camera = std::make_unique<RtspCamera>(settings);
+void LiveCamera::connect(const capture::RtspCameraSettings& settings, capture::CameraSide side,
+                         capture::StereoTimestamper& clock) {
+  auto camera = std::make_unique<capture::RtspCamera>(settings);
   camera->setTimestamper(clock, side);
   rtsp_ = camera.get();
   source_ = std::move(camera);
@@ -70,9 +73,9 @@ void LiveCamera::connect(const RtspCameraSettings& settings, CameraSide side, St
       twice(std::max(settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
 }
 
-bool LiveCamera::observe(StreamObserver& observer) {
+bool LiveCamera::observe(capture::StreamObserver& observer) {
   if (rtsp_ != nullptr) rtsp_->setObserver(observer);
   return rtsp_ != nullptr;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -9,7 +9,7 @@
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 ServiceManager::ServiceManager() {
   std::uint64_t period_us = 0;
@@ -41,11 +41,4 @@ void ServiceManager::notifyStopping() {
   sd_notify(0, "STOPPING=1\nSTATUS=stopping");
 }
 
-bool logsToJournal() {
-  const char* stream = std::getenv("JOURNAL_STREAM");
-  struct stat status {};
-  if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) return false;
-  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
-}
-
-}  // namespace cartvo
+}  // namespace cartvo::daemon

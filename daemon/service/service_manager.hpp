@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Notifications to systemd (sd_notify(3)); without systemd each call does nothing.
 class ServiceManager {
@@ -26,8 +26,4 @@ class ServiceManager {
   std::chrono::steady_clock::time_point last_fed_;
 };
 
-/// True if standard error goes to the journal, which adds the time to each line (systemd.exec(5),
-/// $JOURNAL_STREAM).
-bool logsToJournal();
-
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <optional>
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// Waits for SIGTERM and SIGINT without a signal handler. Both are blocked from construction on, also in
 /// threads started later.
@@ -31,4 +31,4 @@ class StopSignals {
   sigset_t signals_{};
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

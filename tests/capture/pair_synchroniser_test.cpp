@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr std::int64_t kPeriod = 50'000'000;
@@ -319,4 +319,4 @@ TEST(FramePair, OffsetVarianceIsSumOfBothVariances) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

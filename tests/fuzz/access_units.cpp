@@ -34,25 +34,26 @@ std::vector<Packet> parsePackets(fuzz::Bytes& bytes) {
   return packets;
 }
 
-void checkNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
+void checkNalUnits(capture::VideoCodec codec, std::span<const std::uint8_t> data) {
   std::size_t bytes = 0;
   std::size_t sets = 0;
-  for (const NalUnit& unit : splitNalUnits(codec, data)) {
-    fuzz::require(unit.bytes.size() >= nalHeaderSize(codec), "a NAL unit has a header");
+  for (const capture::NalUnit& unit : capture::splitNalUnits(codec, data)) {
+    fuzz::require(unit.bytes.size() >= capture::nalHeaderSize(codec), "a NAL unit has a header");
     bytes += unit.bytes.size();
-    if (unit.kind == NalKind::parameter_set) ++sets;
+    if (unit.kind == capture::NalKind::parameter_set) ++sets;
   }
   fuzz::require(bytes <= data.size(), "NAL units do not overlap");
-  const std::vector<std::uint8_t> extracted = parameterSets(codec, data);
-  fuzz::require(splitNalUnits(codec, extracted).size() == sets, "parameter sets are found again");
-  fuzz::require(parameterSets(codec, extracted) == extracted, "parameter sets are nothing else");
+  const std::vector<std::uint8_t> extracted = capture::parameterSets(codec, data);
+  fuzz::require(capture::splitNalUnits(codec, extracted).size() == sets, "parameter sets are found again");
+  fuzz::require(capture::parameterSets(codec, extracted) == extracted, "parameter sets are nothing else");
 }
 
 /// Sends the packets round by round and checks the pictures.
-void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
-  AccessUnitAssembler assembler(codec);
-  const StreamFormat format{codec, packets.empty() ? std::vector<std::uint8_t>() : packets.front().data};
-  LossDetector detector(format);
+void receive(capture::VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
+  capture::AccessUnitAssembler assembler(codec);
+  const capture::StreamFormat format{codec,
+                                     packets.empty() ? std::vector<std::uint8_t>() : packets.front().data};
+  capture::LossDetector detector(format);
   std::size_t sent = 0, received = 0;
   std::int64_t pts = 0, now_ns = 0;
   for (int i = 0; i < rounds; ++i) {
@@ -60,7 +61,7 @@ void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
       if (packet.begins_picture) pts += 3600;
       assembler.add({packet.data, pts, ++now_ns, std::nullopt, packet.data_lost});
       sent += packet.data.size();
-      while (const std::optional<AssembledUnit> unit = assembler.popUnit()) {
+      while (const std::optional<capture::AssembledUnit> unit = assembler.popUnit()) {
         received += unit->data.size();
         fuzz::require(unit->first_arrival_ns <= unit->arrival_ns, "a picture begins before it ends");
         detector.inspect(unit->data, unit->data_lost, 0);
@@ -75,7 +76,8 @@ void receive(VideoCodec codec, const std::vector<Packet>& packets, int rounds) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Bytes bytes(data, size);
-  const VideoCodec codec = bytes.readByte() % 2 == 0 ? VideoCodec::h264 : VideoCodec::h265;
+  const capture::VideoCodec codec =
+      bytes.readByte() % 2 == 0 ? capture::VideoCodec::h264 : capture::VideoCodec::h265;
   const int rounds = 1 + bytes.readByte() % kMaxRounds;
   checkNalUnits(codec, {data, size});
   receive(codec, parsePackets(bytes), rounds);

@@ -31,12 +31,12 @@ std::int64_t hostTime(std::int64_t now_ns, std::int64_t step_ns) {
   return overflows || sum < 0 || sum > kLatest_ns ? now_ns : sum;
 }
 
-bool isFinite(const OffsetEstimate& estimate) {
+bool isFinite(const capture::OffsetEstimate& estimate) {
   return std::isfinite(estimate.value_ns) && std::isfinite(estimate.stddev_ns) && estimate.stddev_ns >= 0.0;
 }
 
-void check(const ClockStatus& status) {
-  for (const ClockStatus::Camera& camera : status.cameras) {
+void check(const capture::ClockStatus& status) {
+  for (const capture::ClockStatus::Camera& camera : status.cameras) {
     fuzz::require(std::isfinite(camera.skew) && std::abs(camera.skew) < 0.001,
                   "the skew of a crystal is small");
     fuzz::require(std::isfinite(camera.latency_ns.value_or(0.0)), "a latency is finite");
@@ -48,7 +48,7 @@ void check(const ClockStatus& status) {
 
 class Cameras {
  public:
-  explicit Cameras(ClockChoice choice) : timestamper_(choice) {}
+  explicit Cameras(capture::ClockChoice choice) : timestamper_(choice) {}
 
   void runLines(const std::vector<std::string>& lines, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && lines_++ < kMaxLines; ++i) {
@@ -56,10 +56,10 @@ class Cameras {
       std::string verb;
       words >> verb;
       if (verb == "left" || verb == "right") {
-        picture(verb == "left" ? CameraSide::left : CameraSide::right, words);
+        picture(verb == "left" ? capture::CameraSide::left : capture::CameraSide::right, words);
       } else if (verb == "connect") {
         words >> verb;
-        timestamper_.connect(verb == "left" ? CameraSide::left : CameraSide::right);
+        timestamper_.connect(verb == "left" ? capture::CameraSide::left : capture::CameraSide::right);
       } else if (verb == "visual") {
         setVisual(words);
       } else if (verb == "again") {
@@ -81,7 +81,7 @@ class Cameras {
     std::optional<std::int64_t> exposure_ns;
   };
 
-  void picture(CameraSide side, std::istringstream& words) {
+  void picture(capture::CameraSide side, std::istringstream& words) {
     std::int64_t ticks = 0, step_ns = 0, report_us = 0;
     words >> ticks >> step_ns;
     Camera& camera = cameras_[static_cast<std::size_t>(side)];
@@ -89,10 +89,10 @@ class Cameras {
     const auto last_ticks = static_cast<std::uint32_t>(camera.pts);
     if (__builtin_add_overflow(camera.pts, ticks, &camera.pts)) camera.pts = ticks;
     const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - last_ticks);
-    RtpTimestamps timestamps{camera.pts, std::nullopt, now_ns_};
+    capture::RtpTimestamps timestamps{camera.pts, std::nullopt, now_ns_};
     if (words >> report_us && !__builtin_add_overflow(now_ns_ / 1000, report_us, &report_us))
       timestamps.reference_us = report_us;
-    const ExposureTimestamp instant = timestamper_.stamp(side, timestamps);
+    const capture::ExposureTimestamp instant = timestamper_.stamp(side, timestamps);
     fuzz::require(instant.stddev_ns >= 0, "a standard deviation is not negative");
     const bool is_later = now_ns_ >= camera.arrival_ns && step > 0;
     fuzz::require(!camera.exposure_ns || !is_later || instant.exposure_ns > *camera.exposure_ns,
@@ -106,22 +106,22 @@ class Cameras {
     std::int64_t value_ns = 0, stddev_ns = 0;
     if (!(words >> value_ns >> stddev_ns)) return timestamper_.setVisual(std::nullopt);
     timestamper_.setVisual(
-        OffsetEstimate{static_cast<double>(std::clamp(value_ns, -kMaxOffset_ns, kMaxOffset_ns)),
-                       static_cast<double>(std::clamp(stddev_ns, std::int64_t{1}, kMaxOffset_ns))});
+        capture::OffsetEstimate{static_cast<double>(std::clamp(value_ns, -kMaxOffset_ns, kMaxOffset_ns)),
+                                static_cast<double>(std::clamp(stddev_ns, std::int64_t{1}, kMaxOffset_ns))});
   }
 
-  StereoTimestamper timestamper_;
+  capture::StereoTimestamper timestamper_;
   std::array<Camera, 2> cameras_;
   std::int64_t now_ns_ = kStart_ns;
   int lines_ = 0;
 };
 
-ClockChoice parseChoice(const std::vector<std::string>& lines) {
+capture::ClockChoice parseChoice(const std::vector<std::string>& lines) {
   constexpr int kChoices = 4;
   int number = 0;
   if (!lines.empty() && lines.front().starts_with("choice "))
     std::istringstream(lines[0].substr(7)) >> number;
-  return static_cast<ClockChoice>(std::clamp(number, 0, kChoices - 1));
+  return static_cast<capture::ClockChoice>(std::clamp(number, 0, kChoices - 1));
 }
 
 }  // namespace

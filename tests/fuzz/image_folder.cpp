@@ -47,12 +47,13 @@ void makeEuroc(std::vector<std::string> parts) {
   fuzz::writeScratch("sequence/mav0/cam1/data.csv", parts[3]);
 }
 
-void check(const ImageSequence& sequence) {
+void check(const capture::ImageSequence& sequence) {
   fuzz::require(!sequence.images.empty() && sequence.images.size() == sequence.instants_ns.size(),
                 "each image has an instant");
   for (std::size_t i = 1; i < sequence.instants_ns.size(); ++i)
     fuzz::require(sequence.instants_ns[i] > sequence.instants_ns[i - 1], "instants increase");
-  fuzz::require(sequence.images.size() == 1 || nominalPeriodNs(sequence) > 0, "frames have a period");
+  fuzz::require(sequence.images.size() == 1 || capture::nominalPeriodNs(sequence) > 0,
+                "frames have a period");
 }
 
 }  // namespace
@@ -62,7 +63,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const fs::path folder = fuzz::scratchFolder() / "sequence";
   fs::remove_all(folder);
   parts.front() == "euroc\n" ? makeEuroc(parts) : makeKitti(parts);
-  const auto images = fuzz::parseOrReject([&] { return readImageFolder(folder); }, folder.string());
+  const auto images = fuzz::parseOrReject([&] { return capture::readImageFolder(folder); }, folder.string());
   if (!images) return 0;
   check(images->left);
   check(images->right);

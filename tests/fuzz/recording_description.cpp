@@ -7,9 +7,9 @@ using namespace cartvo;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr const char* kName = "recording.json";
-  const auto info =
-      fuzz::parseOrReject([&] { return parseRecordingInfo(fuzz::toText(data, size), kName); }, kName);
+  const auto info = fuzz::parseOrReject(
+      [&] { return capture::parseRecordingInfo(fuzz::toText(data, size), kName); }, kName);
   if (!info) return 0;
-  fuzz::require(info->format_version == kRecordingFormatVersion, "other formats are rejected");
+  fuzz::require(info->format_version == capture::kRecordingFormatVersion, "other formats are rejected");
   return 0;
 }

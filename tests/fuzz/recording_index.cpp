@@ -41,12 +41,13 @@ std::vector<std::uint8_t> picture(int number) {
 /// Makes a recording of both cameras by RecordingWriter.
 fs::path makeRecording() {
   fs::path folder = fuzz::scratchFolder() / "recording";
-  RecordingWriter writer(folder, {kRecordingFormatVersion, "0", 0, "", ""}, std::chrono::minutes(1));
-  const StreamFormat format{VideoCodec::h264, kParameterSets};
-  for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+  capture::RecordingWriter writer(folder, {capture::kRecordingFormatVersion, "0", 0, "", ""},
+                                  std::chrono::minutes(1));
+  const capture::StreamFormat format{capture::VideoCodec::h264, kParameterSets};
+  for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
     writer.beginConnection(side, format);
     for (int i = 0; i < kPictures; ++i) {
-      EncodedUnit unit;
+      capture::EncodedUnit unit;
       unit.data = picture(i);
       unit.key = i == 0;
       unit.sequence = static_cast<std::uint64_t>(i);
@@ -62,10 +63,11 @@ fs::path makeRecording() {
 
 /// The text with valid checksums, except in lines that end in "!".
 std::string withChecksums(const std::string& text) {
-  std::string result = indexHeader() + "\n";
+  std::string result = capture::indexHeader() + "\n";
   for (const std::string& line : fuzz::splitLines(text)) {
     if (line.starts_with("number,")) continue;
-    result += line.ends_with("!") || line.find(',') == std::string::npos ? line : withLineChecksum(line);
+    result +=
+        line.ends_with("!") || line.find(',') == std::string::npos ? line : capture::withLineChecksum(line);
     result += "\n";
   }
   return result;
@@ -76,14 +78,14 @@ bool checkIndex(const std::string& text) {
   const auto index = fuzz::parseOrReject(
       [&] {
         std::istringstream stream(text);
-        return readRecordingIndex(stream, "left.csv");
+        return capture::readRecordingIndex(stream, "left.csv");
       },
       "left.csv");
   if (!index) return false;
   fuzz::require((index->damaged_lines == 0) == index->damage.empty(), "damage is reported");
   for (std::size_t i = 0; i < index->rows.size(); ++i) {
-    const std::string line = formatIndexRow(index->rows[i]);
-    const std::optional<IndexRow> again = parseIndexRow(line);
+    const std::string line = capture::formatIndexRow(index->rows[i]);
+    const std::optional<capture::IndexRow> again = capture::parseIndexRow(line);
     fuzz::require(again && formatIndexRow(*again) == line, "a row is read back: " + line);
     fuzz::require(i == 0 || (index->rows[i].number > index->rows[i - 1].number &&
                              index->rows[i].time_ms > index->rows[i - 1].time_ms),
@@ -96,11 +98,11 @@ void readPictures(const fs::path& recording) {
   std::uint64_t pictures = 0;
   fuzz::parseOrReject(
       [&] {
-        RecordingReader reader(recording, CameraSide::left);
-        RecordedUnit recorded;
+        capture::RecordingReader reader(recording, capture::CameraSide::left);
+        capture::RecordedUnit recorded;
         for (; reader.next(recorded); ++pictures)
           fuzz::require(!recorded.unit.data.empty(), "a picture has data");
-        fuzz::require(reader.damage().places.size() <= kMaxDamagePlaces,
+        fuzz::require(reader.damage().places.size() <= capture::kMaxDamagePlaces,
                       "the damage report has a limited length");
         return pictures;
       },
@@ -109,11 +111,11 @@ void readPictures(const fs::path& recording) {
 }
 
 void recomputeTimestamps(const fs::path& recording) {
-  for (const ClockChoice choice : {ClockChoice::automatic, ClockChoice::ntp}) {
-    RecordingTimestamper clock(recording, choice);
+  for (const capture::ClockChoice choice : {capture::ClockChoice::automatic, capture::ClockChoice::ntp}) {
+    capture::RecordingTimestamper clock(recording, choice);
     for (std::uint64_t order = 0; order < 2 * kPictures; ++order) {
-      for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
-        const std::optional<ExposureTimestamp> instant = clock.stamp(side, order);
+      for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
+        const std::optional<capture::ExposureTimestamp> instant = clock.stamp(side, order);
         fuzz::require(!instant || instant->stddev_ns >= 0, "a standard deviation is not negative");
       }
     }
@@ -128,9 +130,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   checkIndex(text);
   const std::string index = withChecksums(text);
   if (!checkIndex(index)) return 0;  // nothing to read, and opening the stream is slow
-  fuzz::writeScratch(recordingSegment(recording, 0).index(CameraSide::left), index);
+  fuzz::writeScratch(capture::recordingSegment(recording, 0).index(capture::CameraSide::left), index);
   readPictures(recording);
-  fuzz::require(summariseRecording(recording).cameras[1].pictures == kPictures,
+  fuzz::require(capture::summariseRecording(recording).cameras[1].pictures == kPictures,
                 "the other camera is unchanged");
   recomputeTimestamps(recording);
   return 0;

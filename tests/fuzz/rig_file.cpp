@@ -2,16 +2,18 @@
 
 #include "calib/format/rig_file.hpp"
 
+#include "calib/model/rig_validation.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr const char* kName = "rig.yaml";
-  const auto rig = fuzz::parseOrReject([&] { return parseRig(fuzz::toText(data, size), kName); }, kName);
+  const auto rig =
+      fuzz::parseOrReject([&] { return calib::parseRig(fuzz::toText(data, size), kName); }, kName);
   if (!rig) return 0;
-  validateRig(*rig);
-  const std::string text = rigText(*rig);
-  fuzz::require(rigText(parseRig(text, kName)) == text, "a rig is read back to the last bit");
+  calib::validateRig(*rig);
+  const std::string text = calib::rigText(*rig);
+  fuzz::require(calib::rigText(calib::parseRig(text, kName)) == text, "a rig is read back to the last bit");
   return 0;
 }

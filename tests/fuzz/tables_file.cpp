@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kFingerprint = 0x0123456789abcdef;
 const cv::Size kSize(4, 3);
 
-void check(const PixelSources& sources) {
+void check(const calib::PixelSources& sources) {
   const auto pixels = static_cast<std::size_t>(kSize.area());
   fuzz::require(sources.column.size() == pixels && sources.row.size() == pixels &&
                     sources.column_fraction.size() == pixels && sources.row_fraction.size() == pixels,
@@ -29,12 +29,12 @@ void check(const PixelSources& sources) {
 void read(const std::string& bytes) {
   const std::filesystem::path file = fuzz::writeScratch("tables", bytes);
   const auto tables =
-      fuzz::parseOrReject([&] { return readTables(file, kSize, kFingerprint); }, file.string());
+      fuzz::parseOrReject([&] { return calib::readTables(file, kSize, kFingerprint); }, file.string());
   if (!tables) return;
   check(tables->left);
   check(tables->right);
-  writeTables(file, *tables);
-  fuzz::require(readTables(file, kSize, kFingerprint) == *tables, "tables are read back");
+  calib::writeTables(file, *tables);
+  fuzz::require(calib::readTables(file, kSize, kFingerprint) == *tables, "tables are read back");
 }
 
 }  // namespace

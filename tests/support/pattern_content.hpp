@@ -29,8 +29,8 @@ class PatternContent : public simulate::Content {
  public:
   explicit PatternContent(const PatternSettings& settings) : settings_(settings) {}
 
-  Rig rig() const override {
-    Rig rig;
+  calib::Rig rig() const override {
+    calib::Rig rig;
     rig.name = "pattern";
     rig.left.size = settings_.size;
     rig.left.fx = rig.left.fy = settings_.focal_length;
@@ -38,7 +38,7 @@ class PatternContent : public simulate::Content {
     rig.left.cy = (settings_.size.height - 1) / 2.0;
     rig.right = rig.left;
     rig.T_right_left.translation().x() = -settings_.baseline;
-    rig.T_body_camera = forwardLookingMount();
+    rig.T_body_camera = calib::forwardLookingMount();
     return rig;
   }
 

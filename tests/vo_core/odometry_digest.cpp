@@ -13,7 +13,7 @@
 #include "support/vo_core/corridor_world.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kPairs = 5;
@@ -72,7 +72,7 @@ void drive(const std::string& file) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo
 
 int main(int argc, char** argv) {
   try {

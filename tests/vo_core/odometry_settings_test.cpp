@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 std::string errorOf(const std::function<void(OdometrySettings&)>& change) {
@@ -45,4 +45,4 @@ TEST(OdometrySettings, ErrorNamesTheValueAndItsRange) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

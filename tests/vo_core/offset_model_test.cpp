@@ -7,7 +7,7 @@
 #include "support/vo_core/corridor_world.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
@@ -67,4 +67,4 @@ TEST(TimeOffset, CausesErrorsIfIgnored) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/stereo_camera.hpp"
 #include "vo_core/thesis/feature_history.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 Eigen::Isometry3d someMotion() {
@@ -128,4 +128,4 @@ TEST(FeatureHistory, StaticFeatureKeepsItsWeight) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

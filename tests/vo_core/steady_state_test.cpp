@@ -55,7 +55,7 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexc
 }
 }
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr StereoCamera kCamera{230.0, 159.5, 119.5, 0.15, 320, 240};
@@ -135,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(ThreadsAndFeatures, SteadyState,
                          testing::Values(Run{1, 150}, Run{1, 500}, Run{2, 150}, Run{2, 500}));
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

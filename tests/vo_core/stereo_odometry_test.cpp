@@ -9,7 +9,7 @@
 
 #include "support/vo_core/corridor_world.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
@@ -347,4 +347,4 @@ TEST(CodecErrors, AreNotEstimatedFromFirstMotions) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

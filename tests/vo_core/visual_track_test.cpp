@@ -11,7 +11,7 @@
 
 #include "support/vo_core/corridor_world.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
@@ -315,4 +315,4 @@ TEST_F(VisualTrackTest, HasNoRigCalibrationErrorWithoutRigRefinement) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

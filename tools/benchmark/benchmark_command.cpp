@@ -34,7 +34,7 @@ struct AccuracyOptions {
   double offset_ms = 0.0;
   std::vector<double> bitrates;
   std::vector<std::string> estimators = estimatorNames();
-  int features = OdometrySettings{}.features;
+  int features = vo::OdometrySettings{}.features;
   fs::path cache = simulate::StreamCache::defaultFolder();
   bool quick = false;
 };
@@ -160,7 +160,7 @@ void runThesis(const ThesisOptions& options) {
   checkOutput(options.common.output);
   ThesisSettings settings;
   settings.data = dataFolder(options.common);
-  settings.odometry.estimator = Estimator::thesis;
+  settings.odometry.estimator = vo::Estimator::thesis;
   settings.threads = options.common.threads;
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;

@@ -71,7 +71,7 @@ struct DriveOptions {
   std::vector<std::string> scenarios;
   std::vector<std::uint64_t> seeds{1};
   double seconds = 20.0;
-  int features = OdometrySettings{}.features;
+  int features = vo::OdometrySettings{}.features;
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();
 };
 

@@ -11,19 +11,19 @@
 namespace cartvo::benchmark {
 namespace {
 
-class EncodedStreamSource final : public CameraSource {
+class EncodedStreamSource final : public capture::CameraSource {
  public:
   /// `stream` must be part of the pair that `owner` keeps alive.
   EncodedStreamSource(std::shared_ptr<const simulate::EncodedPair> owner,
                       const simulate::EncodedStream& stream)
-      : owner_(std::move(owner)), stream_(stream), decoder_(StreamFormat{}, 1) {}
+      : owner_(std::move(owner)), stream_(stream), decoder_(capture::StreamFormat{}, 1) {}
 
-  ReadOutcome read(Frame& frame, std::chrono::milliseconds /*timeout*/) override {
+  capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds /*timeout*/) override {
     while (!interrupted_) {
-      if (std::optional<Frame> decoded = decoder_.receive()) {
+      if (std::optional<capture::Frame> decoded = decoder_.receive()) {
         frame = *std::move(decoded);
         ++frames_;
-        return ReadOutcome::frame;
+        return capture::ReadOutcome::frame;
       }
       if (is_finished_) break;
       if (next_ < stream_.units.size()) {
@@ -33,12 +33,12 @@ class EncodedStreamSource final : public CameraSource {
         is_finished_ = true;
       }
     }
-    return ReadOutcome::ended;
+    return capture::ReadOutcome::ended;
   }
 
-  CameraHealth health() const override {
-    CameraHealth health;
-    health.state = CameraState::streaming;
+  capture::CameraHealth health() const override {
+    capture::CameraHealth health;
+    health.state = capture::CameraState::streaming;
     health.frames = frames_;
     return health;
   }
@@ -46,23 +46,23 @@ class EncodedStreamSource final : public CameraSource {
   void interrupt() noexcept override { interrupted_ = true; }
 
  private:
-  EncodedUnit nextUnit() {
+  capture::EncodedUnit nextUnit() {
     const simulate::AccessUnit& unit = stream_.units[next_];
     const auto data = stream_.data(unit);
-    EncodedUnit sent;
+    capture::EncodedUnit sent;
     sent.data.assign(data.begin(), data.end());
     sent.pts = std::llround(static_cast<double>(unit.instant_ns) * 9e-5);  // 90 kHz
     sent.exposure_ns = unit.instant_ns;
     sent.arrival_ns = unit.instant_ns;
     sent.sequence = next_++;
-    sent.instant_source = InstantSource::file;
+    sent.instant_source = capture::InstantSource::file;
     sent.key = unit.key_frame;
     return sent;
   }
 
   std::shared_ptr<const simulate::EncodedPair> owner_;
   const simulate::EncodedStream& stream_;
-  VideoDecoder decoder_;
+  capture::VideoDecoder decoder_;
   std::size_t next_ = 0;
   bool is_finished_ = false;
   std::atomic<std::uint64_t> frames_ = 0;
@@ -71,9 +71,9 @@ class EncodedStreamSource final : public CameraSource {
 
 }  // namespace
 
-StereoSource openEncoded(const std::shared_ptr<const simulate::EncodedPair>& streams) {
-  StereoSource source;
-  source.kind = SourceKind::recording;
+capture::StereoSource openEncoded(const std::shared_ptr<const simulate::EncodedPair>& streams) {
+  capture::StereoSource source;
+  source.kind = capture::SourceKind::recording;
   source.left = std::make_unique<EncodedStreamSource>(streams, streams->left);
   source.right = std::make_unique<EncodedStreamSource>(streams, streams->right);
   source.period_ns = std::llround(1e9 / streams->left.frame_rate);

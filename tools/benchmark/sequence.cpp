@@ -16,7 +16,7 @@ namespace cartvo::benchmark {
 namespace fs = std::filesystem;
 namespace {
 
-std::optional<Trajectory> truthOf(const fs::path& folder, const ImageSequence& left) {
+std::optional<Trajectory> truthOf(const fs::path& folder, const capture::ImageSequence& left) {
   Trajectory truth;
   const fs::path poses = folder / "poses.txt";
   if (fs::exists(poses)) {
@@ -38,13 +38,13 @@ std::optional<Trajectory> truthOf(const fs::path& folder, const ImageSequence& l
 
 /// The derivative of the exact pose by central differences. The drive is twice differentiable, so a step of
 /// half a millisecond leaves an error below 1e-6 m/s.
-Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
+vo::Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
   constexpr double kStep = 5e-4;  // s
   const double time = 1e-9 * static_cast<double>(time_ns);
   // One-sided at the start of the drive, where the time is clamped.
   const Eigen::Isometry3d before = world.T_world_body(std::max(0.0, time - kStep));
   const Eigen::Isometry3d after = world.T_world_body(time + kStep);
-  return logarithm(before.inverse() * after) / (time + kStep - std::max(0.0, time - kStep));
+  return daemon::logarithm(before.inverse() * after) / (time + kStep - std::max(0.0, time - kStep));
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ std::vector<Sequence> realSequences(const fs::path& data) {
   std::sort(folders.begin(), folders.end());
   std::vector<Sequence> sequences;
   for (const fs::path& folder : folders) {
-    const ImageFolder images = readImageFolder(folder);
+    const capture::ImageFolder images = capture::readImageFolder(folder);
     if (std::optional<Trajectory> truth = truthOf(folder, images.left)) {
       sequences.push_back({folder.filename().string(), SequenceKind::real, folder, {*std::move(truth), {}}});
     }

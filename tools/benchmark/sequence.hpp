@@ -23,7 +23,7 @@ struct SequenceTruth {
   Trajectory left_camera;  ///< in its own axes, relative to the first pose; one pose per left instant
   /// Twist of the body origin at the same instants, (m/s, rad/s) in body axes as in BodyMotion; empty if the
   /// truth consists of poses only.
-  std::vector<Vector6d> body_twist;
+  std::vector<vo::Vector6d> body_twist;
 };
 
 /// A sequence of image pairs on disk with its ground truth.

@@ -10,8 +10,9 @@ namespace {
 
 /// `right` with the instants of the left images, paired as by PairSynchroniser: each image with the first
 /// free one within half a period.
-ImageSequence stampedAs(const ImageSequence& left, const ImageSequence& right, std::int64_t period_ns) {
-  ImageSequence stamped;
+capture::ImageSequence stampedAs(const capture::ImageSequence& left, const capture::ImageSequence& right,
+                                 std::int64_t period_ns) {
+  capture::ImageSequence stamped;
   std::size_t partner = 0;
   for (std::size_t i = 0; i < right.images.size(); ++i) {
     while (partner < left.instants_ns.size() &&
@@ -28,14 +29,15 @@ ImageSequence stampedAs(const ImageSequence& left, const ImageSequence& right, s
 
 }  // namespace
 
-void playSimultaneously(StereoSource& source, const ImageSequence& left, const ImageSequence& right) {
-  source.left = std::make_unique<ImageSequenceSource>(left);
-  source.right = std::make_unique<ImageSequenceSource>(stampedAs(left, right, source.period_ns));
+void playSimultaneously(capture::StereoSource& source, const capture::ImageSequence& left,
+                        const capture::ImageSequence& right) {
+  source.left = std::make_unique<capture::ImageSequenceSource>(left);
+  source.right = std::make_unique<capture::ImageSequenceSource>(stampedAs(left, right, source.period_ns));
 }
 
-StereoSource openSimultaneous(const std::filesystem::path& folder) {
-  const ImageFolder images = readImageFolder(folder);
-  StereoSource source = openSource(folder);
+capture::StereoSource openSimultaneous(const std::filesystem::path& folder) {
+  const capture::ImageFolder images = capture::readImageFolder(folder);
+  capture::StereoSource source = capture::openSource(folder);
   playSimultaneously(source, images.left, images.right);
   return source;
 }

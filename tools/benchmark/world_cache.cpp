@@ -43,7 +43,7 @@ class WithLeftImages final : public simulate::Content {
   WithLeftImages(const world::RenderedWorld& world, fs::path left_images)
       : world_(world), left_images_(std::move(left_images)) {}
 
-  Rig rig() const override { return world_.rig(); }
+  calib::Rig rig() const override { return world_.rig(); }
   double frameRate() const override { return world_.frameRate(); }
   int pairCount() const override { return world_.pairCount(); }
   std::int64_t leftInstant(int index) const override { return world_.leftInstant(index); }
@@ -53,8 +53,8 @@ class WithLeftImages final : public simulate::Content {
   void images(int index, cv::Mat& left, cv::Mat& right) const override {
     char name[24];
     std::snprintf(name, sizeof name, "%06d.png", index);
-    left = readGreyImage(left_images_ / name);
-    right = world_.image(index, CameraSide::right);
+    left = capture::readGreyImage(left_images_ / name);
+    right = world_.image(index, capture::CameraSide::right);
   }
 
  private:

@@ -25,8 +25,8 @@ struct Options {
   fs::path output;
 };
 
-void write(const fs::path& output, const std::vector<RigFile>& files) {
-  for (const RigFile& file : files) {
+void write(const fs::path& output, const std::vector<calib::RigFile>& files) {
+  for (const calib::RigFile& file : files) {
     const fs::path path = file.name.empty() ? output : output / file.name;
     if (!file.name.empty()) fs::create_directories(path.parent_path());
     writeFileAtomically(path, file.text);
@@ -34,23 +34,23 @@ void write(const fs::path& output, const std::vector<RigFile>& files) {
   }
 }
 
-void warnOfLostScaleUncertainty(const Rig& rig, RigFormat format) {
-  if (format == RigFormat::cartvo || !(rig.scale_stddev > 0.0)) return;
+void warnOfLostScaleUncertainty(const calib::Rig& rig, calib::RigFormat format) {
+  if (format == calib::RigFormat::cartvo || !(rig.scale_stddev > 0.0)) return;
   std::fprintf(
       stderr,
       "cartvo: the format %s cannot store the scale's uncertainty (scale_deviation: %g); when read back, the "
       "scale counts as exact\n",
-      rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_stddev);
+      calib::rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_stddev);
 }
 
 void run(const Options& options) {
   std::optional<cv::Size> image_size;
   if (!options.image_size.empty()) image_size = parseSize(options.image_size);
-  const Rig rig = readRigFiles(options.files, image_size);
+  const calib::Rig rig = calib::readRigFiles(options.files, image_size);
   // Rejects a rig that cannot be rectified now, not at the daemon's start.
-  const Rectification rectified = computeRectification(rig, rig.rectification);
-  const RigFormat format = parseRigFormat(options.format);
-  write(options.output, rigFilesOf(rig, format));
+  const calib::Rectification rectified = calib::computeRectification(rig, rig.rectification);
+  const calib::RigFormat format = calib::parseRigFormat(options.format);
+  write(options.output, calib::rigFilesOf(rig, format));
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
   warnOfLostScaleUncertainty(rig, format);
@@ -68,7 +68,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
       ->required()
       ->expected(1, 2);
   command->add_option("--to", options->format, "Format to write")
-      ->check(CLI::IsMember(rigFormatNames()))
+      ->check(CLI::IsMember(calib::rigFormatNames()))
       ->type_name("NAME")
       ->capture_default_str();
   command->add_option("--output", options->output, "File to write; a folder for ros and euroc")

@@ -53,9 +53,9 @@ void stopOnFirstInterrupt() {
   sigaction(SIGINT, &action, nullptr);
 }
 
-const std::map<std::string, std::vector<CalibrationModel>>& modelChoices() {
-  using enum CalibrationModel;
-  static const std::map<std::string, std::vector<CalibrationModel>> choices{
+const std::map<std::string, std::vector<calib::CalibrationModel>>& modelChoices() {
+  using enum calib::CalibrationModel;
+  static const std::map<std::string, std::vector<calib::CalibrationModel>> choices{
       {"auto", {brown2, brown4, brown5, brown8, wide}},
       {"brown", {brown2, brown4, brown5, brown8}},
       {"brown2", {brown2}},
@@ -73,10 +73,10 @@ ImagePairs findPairs(const Options& options) {
 
 /// The rig file that the output will replace, if any. Throws if the output exists but is no rig file, before
 /// any work is done.
-std::optional<Rig> rigBefore(const std::filesystem::path& output) {
+std::optional<calib::Rig> rigBefore(const std::filesystem::path& output) {
   if (!std::filesystem::exists(output)) return std::nullopt;
   try {
-    return readRig(output);
+    return calib::readRig(output);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string("--output exists and is not a rig file, so it is not replaced: ") +
                              error.what());
@@ -84,18 +84,19 @@ std::optional<Rig> rigBefore(const std::filesystem::path& output) {
 }
 
 /// The calibrated rig, with the name and the mounting of the rig file that it replaces.
-Rig rigToWrite(const Calibration& calibration, const std::optional<Rig>& before, const Options& options) {
-  Rig rig = calibration.rig();
+calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional<calib::Rig>& before,
+                      const Options& options) {
+  calib::Rig rig = calibration.rig();
   rig.name = before ? before->name : options.output.stem().string();
-  rig.T_body_camera = before ? before->T_body_camera : forwardLookingMount();
+  rig.T_body_camera = before ? before->T_body_camera : calib::forwardLookingMount();
   rig.rectification.free_scaling = options.free_scaling;
-  rig.scale_stddev = scaleStddev(calibration);
+  rig.scale_stddev = calib::scaleStddev(calibration);
   return rig;
 }
 
 /// True if the views come from streams, false if they come from images.
 bool usesStreams(const Options& options) {
-  return options.left.empty() && (options.source == "live" || isRecording(options.source));
+  return options.left.empty() && (options.source == "live" || capture::isRecording(options.source));
 }
 
 /// The views and their images.
@@ -105,7 +106,7 @@ struct FoundViews {
   std::vector<DetectedView> streamed;  ///< views from streams
 };
 
-FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
+FoundViews viewsOfPairs(const Options& options, const calib::BoardSpec& board) {
   FoundViews found;
   found.pairs = findPairs(options);
   ProgressBar progress("pairs");
@@ -114,8 +115,8 @@ FoundViews viewsOfPairs(const Options& options, const BoardSpec& board) {
   return found;
 }
 
-FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
-                          StreamViewSettings settings, LivePage* page) {
+FoundViews viewsOfStreams(capture::CameraSource& left, capture::CameraSource& right,
+                          const calib::BoardSpec& board, StreamViewSettings settings, LivePage* page) {
   stopOnFirstInterrupt();
   settings.is_stop_requested = [] { return stop_requested != 0; };
   ViewGuide guide;
@@ -130,7 +131,7 @@ FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSp
     throw std::runtime_error(
         "no view of the board: both cameras must see it, held still for a second; check "
         "that --board " +
-        boardSpecText(board) + " is the board shown");
+        calib::boardSpecText(board) + " is the board shown");
   }
   FoundViews found;
   found.views = selectViews(streamed.views, board, streamed.image_size);
@@ -138,11 +139,11 @@ FoundViews viewsOfStreams(CameraSource& left, CameraSource& right, const BoardSp
   return found;
 }
 
-FoundViews viewsOfLiveCameras(const Options& options, const BoardSpec& board, LivePage* page) {
-  const Configuration configuration = readConfiguration(options.configuration);
-  StereoTimestamper clock(configuration.clock);
-  LiveCamera left(configuration, CameraSide::left, {}, clock);
-  LiveCamera right(configuration, CameraSide::right, {}, clock);
+FoundViews viewsOfLiveCameras(const Options& options, const calib::BoardSpec& board, LivePage* page) {
+  const daemon::Configuration configuration = daemon::readConfiguration(options.configuration);
+  capture::StereoTimestamper clock(configuration.clock);
+  daemon::LiveCamera left(configuration, capture::CameraSide::left, {}, clock);
+  daemon::LiveCamera right(configuration, capture::CameraSide::right, {}, clock);
   NewestFrame newest_left(left.source()), newest_right(right.source());
   std::fprintf(
       stderr,
@@ -152,16 +153,17 @@ FoundViews viewsOfLiveCameras(const Options& options, const BoardSpec& board, Li
                         page);
 }
 
-FoundViews viewsOf(const Options& options, const BoardSpec& board, LivePage* page) {
+FoundViews viewsOf(const Options& options, const calib::BoardSpec& board, LivePage* page) {
   if (!usesStreams(options)) return viewsOfPairs(options, board);
   if (options.source == "live") return viewsOfLiveCameras(options, board, page);
-  RecordingSource left(options.source, CameraSide::left), right(options.source, CameraSide::right);
+  capture::RecordingSource left(options.source, capture::CameraSide::left),
+      right(options.source, capture::CameraSide::right);
   return viewsOfStreams(left, right, board, {.max_seconds = 3600.0, .stop_when_complete = false}, page);
 }
 
 /// The first used view whose images are available.
-ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
-  for (const BoardView& used : calibration.views) {
+ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibration) {
+  for (const calib::BoardView& used : calibration.views) {
     for (const ImagePair& pair : found.pairs.pairs) {
       if (pair.name == used.name) return {pair.name, readGrey(pair.left), readGrey(pair.right)};
     }
@@ -175,11 +177,11 @@ ReportPair reportPair(const FoundViews& found, const Calibration& calibration) {
 
 /// Calibrates, reports, and writes the rig file if the calibration passes. `summary`: receives the text
 /// report.
-void calibrate(const Options& options, const BoardSpec& board, LivePage* page, std::string& summary) {
-  const std::optional<Rig> before = rigBefore(options.output);
+void calibrate(const Options& options, const calib::BoardSpec& board, LivePage* page, std::string& summary) {
+  const std::optional<calib::Rig> before = rigBefore(options.output);
   const FoundViews found = viewsOf(options, board, page);
-  Calibration calibration =
-      calibrateViews(found.views.views, board, found.views.image_size, modelChoices().at(options.model));
+  calib::Calibration calibration = calib::calibrateViews(found.views.views, board, found.views.image_size,
+                                                         modelChoices().at(options.model));
   calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
                               found.views.rejected.end());
   const std::string json = calibrationJson(calibration).dump(2) + "\n";
@@ -195,11 +197,11 @@ void calibrate(const Options& options, const BoardSpec& board, LivePage* page, s
     throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
                              " is not changed");
   }
-  writeRig(options.output, rigToWrite(calibration, before, options));
+  calib::writeRig(options.output, rigToWrite(calibration, before, options));
   std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
 }
 
-std::unique_ptr<LivePage> servePage(const PageAddress& address, const BoardSpec& board) {
+std::unique_ptr<LivePage> servePage(const PageAddress& address, const calib::BoardSpec& board) {
   auto page = std::make_unique<LivePage>(address, board);
   std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
   if (!address.isLoopback())
@@ -208,7 +210,7 @@ std::unique_ptr<LivePage> servePage(const PageAddress& address, const BoardSpec&
 }
 
 void run(const Options& options) {
-  const BoardSpec board = parseBoardSpec(options.board);
+  const calib::BoardSpec board = calib::parseBoardSpec(options.board);
   const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
   std::string summary;
   try {
@@ -287,7 +289,7 @@ void addCalibrateRig(CLI::App& calibrate) {
     if (options->board.empty()) throw CLI::RequiredError("--board");
     if (options->output.empty()) throw CLI::RequiredError("--output");
     try {
-      parseBoardSpec(options->board);
+      calib::parseBoardSpec(options->board);
     } catch (const std::invalid_argument& error) {
       throw CLI::ValidationError("--board", error.what());
     }

@@ -8,6 +8,6 @@
 namespace cartvo::calibrate {
 
 /// Calls `use` with each pair of a source on disk, in order, until it returns false.
-void forEachPair(StereoSource& source, const std::function<bool(const FramePair&)>& use);
+void forEachPair(capture::StereoSource& source, const std::function<bool(const capture::FramePair&)>& use);
 
 }  // namespace cartvo::calibrate

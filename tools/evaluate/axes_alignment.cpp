@@ -36,9 +36,9 @@ std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& asso
 }
 
 Eigen::Isometry3d rotationTransform(const Eigen::Vector3d& rotation) {
-  Vector6d motion;
+  vo::Vector6d motion;
   motion << Eigen::Vector3d::Zero(), rotation;
-  return motionFromVector(motion);
+  return vo::motionFromVector(motion);
 }
 
 /// Minimum-norm solution of matrix x = right_side, without the unobservable directions.
@@ -67,13 +67,13 @@ std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associ
     for (const Displacements& displacement : displacements) {
       // Rotated by a further w, t becomes t - skew(t) w to first order.
       const Eigen::Vector3d turned = turn * displacement.estimate;
-      const Eigen::Matrix3d by_rotation = -skew(turned);
+      const Eigen::Matrix3d by_rotation = -vo::skew(turned);
       hessian += by_rotation.transpose() * by_rotation;
       gradient += by_rotation.transpose() * (displacement.truth - turned);
     }
     turn = rotationTransform(solveObservable(hessian / count, gradient / count)) * turn;
   }
-  return vectorFromMotion(turn).tail<3>();
+  return vo::vectorFromMotion(turn).tail<3>();
 }
 
 Trajectory rotateAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation) {

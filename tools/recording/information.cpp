@@ -19,28 +19,28 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 5> kInstantSources = {"file", "sender_report", "arrival", "pictures",
                                                         "kernel"};
 
-constexpr double kMaxLoss_s = 1e-3 * static_cast<double>(kMaxPowerCutLoss.count());
+constexpr double kMaxLoss_s = 1e-3 * static_cast<double>(capture::kMaxPowerCutLoss.count());
 
-const char* codecName(const std::optional<VideoCodec>& codec) {
+const char* codecName(const std::optional<capture::VideoCodec>& codec) {
   if (!codec) return "unreadable";
-  return *codec == VideoCodec::h264 ? "H.264" : "H.265";
+  return *codec == capture::VideoCodec::h264 ? "H.264" : "H.265";
 }
 
-double frameRate(const RecordedCamera& camera) {
+double frameRate(const capture::RecordedCamera& camera) {
   const double seconds = camera.seconds();
   return seconds > 0.0 ? static_cast<double>(camera.pictures + camera.missed - 1) / seconds : 0.0;
 }
 
-double megabits(const RecordedCamera& camera) {
+double megabits(const capture::RecordedCamera& camera) {
   const double seconds = camera.seconds();
   return seconds > 0.0 ? 8e-6 * static_cast<double>(camera.bytes) / seconds : 0.0;
 }
 
 /// Time from the first to the last picture of both cameras, s.
-double duration(const RecordingSummary& summary) {
+double duration(const capture::RecordingSummary& summary) {
   std::int64_t first = 0;
   std::int64_t last = 0;
-  for (const RecordedCamera& camera : summary.cameras) {
+  for (const capture::RecordedCamera& camera : summary.cameras) {
     if (camera.pictures == 0) continue;
     first = first == 0 ? camera.first_arrival_ns : std::min(first, camera.first_arrival_ns);
     last = std::max(last, camera.last_arrival_ns);
@@ -57,7 +57,7 @@ std::string utc(std::int64_t instant_ns) {
   return text.data();
 }
 
-Json cameraJson(const RecordedCamera& camera) {
+Json cameraJson(const capture::RecordedCamera& camera) {
   Json sources = Json::object();
   for (std::size_t i = 0; i < kInstantSources.size(); ++i) {
     if (camera.by_instant_source[i] > 0) sources[kInstantSources[i]] = camera.by_instant_source[i];
@@ -77,7 +77,7 @@ Json cameraJson(const RecordedCamera& camera) {
           {"instant_sources", sources}};
 }
 
-std::string instantSources(const RecordedCamera& camera) {
+std::string instantSources(const capture::RecordedCamera& camera) {
   std::string text;
   for (std::size_t i = 0; i < kInstantSources.size(); ++i) {
     if (camera.by_instant_source[i] == 0) continue;
@@ -89,10 +89,10 @@ std::string instantSources(const RecordedCamera& camera) {
   return text.empty() ? kNoValue : text;
 }
 
-Json unfinalisedJson(const RecordingSummary& summary) {
+Json unfinalisedJson(const capture::RecordingSummary& summary) {
   Json parts = Json::array();
-  for (const UnfinalisedPart& part : summary.unfinalised) {
-    parts.push_back({{"camera", sideName(part.side)},
+  for (const capture::UnfinalisedPart& part : summary.unfinalised) {
+    parts.push_back({{"camera", capture::sideName(part.side)},
                      {"segment", part.segment},
                      {"last_arrival_ns", part.last_arrival_ns ? Json(*part.last_arrival_ns) : Json()},
                      {"most_lost_s", kMaxLoss_s}});
@@ -101,12 +101,12 @@ Json unfinalisedJson(const RecordingSummary& summary) {
 }
 
 /// One sentence for each video file without a trailer.
-std::string unfinalisedText(const RecordingSummary& summary) {
+std::string unfinalisedText(const capture::RecordingSummary& summary) {
   std::string text;
-  for (const UnfinalisedPart& part : summary.unfinalised) {
+  for (const capture::UnfinalisedPart& part : summary.unfinalised) {
     std::array<char, 32> segment{};
     std::snprintf(segment.data(), segment.size(), "%06llu/", static_cast<unsigned long long>(part.segment));
-    text.append("NOT ENDED: ").append(segment.data()).append(sideName(part.side));
+    text.append("NOT ENDED: ").append(segment.data()).append(capture::sideName(part.side));
     text += ".mkv has no trailer, as after a power cut, kill -9 or on a full disk; ";
     text +=
         part.last_arrival_ns ? "its last picture is from " + utc(*part.last_arrival_ns) : "it has no picture";
@@ -117,7 +117,7 @@ std::string unfinalisedText(const RecordingSummary& summary) {
 
 }  // namespace
 
-Json informationJson(const RecordingSummary& summary) {
+Json informationJson(const capture::RecordingSummary& summary) {
   return {{"format_version", summary.info.format_version},
           {"software_version", summary.info.software_version},
           {"started_ns", summary.info.started_ns},
@@ -132,7 +132,7 @@ Json informationJson(const RecordingSummary& summary) {
           {"right", cameraJson(summary.cameras[1])}};
 }
 
-std::string informationText(const RecordingSummary& summary) {
+std::string informationText(const capture::RecordingSummary& summary) {
   std::string text = "format " + std::to_string(summary.info.format_version) + ", by cartvo " +
                      summary.info.software_version + ", started " + utc(summary.info.started_ns) + "\n" +
                      fixed(duration(summary), 1) + " s in " + std::to_string(summary.segments) +
@@ -146,18 +146,18 @@ std::string informationText(const RecordingSummary& summary) {
   const auto row = [&](const char* name, const auto& value) {
     table.add({name, value(summary.cameras[0]), value(summary.cameras[1])});
   };
-  const auto count = [&](const char* name, std::uint64_t RecordedCamera::*member) {
-    row(name, [member](const RecordedCamera& camera) { return std::to_string(camera.*member); });
+  const auto count = [&](const char* name, std::uint64_t capture::RecordedCamera::*member) {
+    row(name, [member](const capture::RecordedCamera& camera) { return std::to_string(camera.*member); });
   };
-  row("codec", [](const RecordedCamera& camera) { return std::string(codecName(camera.codec)); });
-  row("picture size", [](const RecordedCamera& camera) { return sizeText(camera.picture_size); });
-  row("frames/s", [](const RecordedCamera& camera) { return fixed(frameRate(camera), 2); });
-  row("Mbit/s", [](const RecordedCamera& camera) { return fixed(megabits(camera), 2); });
-  count("pictures", &RecordedCamera::pictures);
-  count("key pictures", &RecordedCamera::key_pictures);
-  count("damaged by loss", &RecordedCamera::damaged);
-  count("missed", &RecordedCamera::missed);
-  count("connections", &RecordedCamera::connections);
+  row("codec", [](const capture::RecordedCamera& camera) { return std::string(codecName(camera.codec)); });
+  row("picture size", [](const capture::RecordedCamera& camera) { return sizeText(camera.picture_size); });
+  row("frames/s", [](const capture::RecordedCamera& camera) { return fixed(frameRate(camera), 2); });
+  row("Mbit/s", [](const capture::RecordedCamera& camera) { return fixed(megabits(camera), 2); });
+  count("pictures", &capture::RecordedCamera::pictures);
+  count("key pictures", &capture::RecordedCamera::key_pictures);
+  count("damaged by loss", &capture::RecordedCamera::damaged);
+  count("missed", &capture::RecordedCamera::missed);
+  count("connections", &capture::RecordedCamera::connections);
   row("instants by", instantSources);
   return text + table.text();
 }

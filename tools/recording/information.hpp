@@ -9,9 +9,9 @@
 namespace cartvo {
 
 /// The summary as JSON: durations in s, timestamps in ns since the Unix epoch.
-nlohmann::ordered_json informationJson(const RecordingSummary& summary);
+nlohmann::ordered_json informationJson(const capture::RecordingSummary& summary);
 
 /// The summary as text: a few lines and a table with a column for each camera.
-std::string informationText(const RecordingSummary& summary);
+std::string informationText(const capture::RecordingSummary& summary);
 
 }  // namespace cartvo

@@ -21,7 +21,7 @@ struct Options {
 };
 
 void inform(const Options& options) {
-  const RecordingSummary summary = summariseRecording(options.folder);
+  const capture::RecordingSummary summary = capture::summariseRecording(options.folder);
   const std::string text = options.json ? informationJson(summary).dump(2) + "\n" : informationText(summary);
   std::fputs(text.c_str(), stdout);
 }
@@ -29,7 +29,7 @@ void inform(const Options& options) {
 void verify(const Options& options) {
   Verification verification;
   {
-    const RecordingSummary summary = summariseRecording(options.folder);
+    const capture::RecordingSummary summary = capture::summariseRecording(options.folder);
     ProgressBar progress("pictures");
     verification = verifyRecording(options.folder, [&](std::size_t pictures) {
       progress.show(pictures, summary.cameras[0].pictures + summary.cameras[1].pictures);

@@ -16,13 +16,14 @@ namespace cartvo {
 namespace {
 
 constexpr std::chrono::seconds kSegmentLength{60};
-constexpr std::array<CameraSide, 2> kSides = {CameraSide::left, CameraSide::right};
+constexpr std::array<capture::CameraSide, 2> kSides = {capture::CameraSide::left, capture::CameraSide::right};
 
 std::int64_t firstArrival(const std::filesystem::path& recording) {
   std::optional<std::int64_t> first;
-  for (const CameraSide side : kSides) {
-    RecordingIndexReader rows(recording, side);
-    if (const IndexRow* row = rows.next()) first = std::min(first.value_or(row->arrival_ns), row->arrival_ns);
+  for (const capture::CameraSide side : kSides) {
+    capture::RecordingIndexReader rows(recording, side);
+    if (const capture::IndexRow* row = rows.next())
+      first = std::min(first.value_or(row->arrival_ns), row->arrival_ns);
   }
   if (!first) throw std::runtime_error(recording.string() + ": contains no picture");
   return *first;
@@ -31,21 +32,21 @@ std::int64_t firstArrival(const std::filesystem::path& recording) {
 /// The pictures of one camera in the part, in recorded order.
 class TrimmedCamera {
  public:
-  TrimmedCamera(const std::filesystem::path& recording, CameraSide side, std::int64_t from_ns,
+  TrimmedCamera(const std::filesystem::path& recording, capture::CameraSide side, std::int64_t from_ns,
                 std::int64_t to_ns)
       : side_(side), reader_(recording, side), to_ns_(to_ns), first_order_(1) {
-    RecordingIndexReader rows(recording, side);
+    capture::RecordingIndexReader rows(recording, side);
     finished_ = true;
-    for (const IndexRow* row = rows.next(); row != nullptr && finished_; row = rows.next()) {
+    for (const capture::IndexRow* row = rows.next(); row != nullptr && finished_; row = rows.next()) {
       if (row->key && row->arrival_ns <= from_ns) first_order_ = row->order;
       finished_ = row->arrival_ns < from_ns;
     }
     if (!finished_) advance();
   }
 
-  CameraSide side() const { return side_; }
+  capture::CameraSide side() const { return side_; }
   bool isFinished() const { return finished_; }
-  const RecordedUnit& unit() const { return unit_; }
+  const capture::RecordedUnit& unit() const { return unit_; }
 
   void advance() {
     do {
@@ -54,11 +55,11 @@ class TrimmedCamera {
   }
 
  private:
-  CameraSide side_;
-  RecordingReader reader_;
+  capture::CameraSide side_;
+  capture::RecordingReader reader_;
   std::int64_t to_ns_;
   std::uint64_t first_order_;
-  RecordedUnit unit_;
+  capture::RecordedUnit unit_;
   bool finished_ = false;
 };
 
@@ -73,20 +74,21 @@ TrimmedCamera& earlierOf(TrimmedCamera& left, TrimmedCamera& right) {
 
 std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
                                            const std::filesystem::path& output) {
-  const RecordingInfo info = readRecordingInfo(recording);
+  const capture::RecordingInfo info = capture::readRecordingInfo(recording);
   const std::int64_t first_ns = firstArrival(recording);
   const auto after_first = [first_ns](double seconds) {
     return first_ns + static_cast<std::int64_t>(std::llround(1e9 * std::min(seconds, 1e9)));
   };
-  TrimmedCamera left(recording, CameraSide::left, after_first(part.from), after_first(part.to));
-  TrimmedCamera right(recording, CameraSide::right, after_first(part.from), after_first(part.to));
+  TrimmedCamera left(recording, capture::CameraSide::left, after_first(part.from), after_first(part.to));
+  TrimmedCamera right(recording, capture::CameraSide::right, after_first(part.from), after_first(part.to));
   if (left.isFinished() || right.isFinished()) {
-    throw std::runtime_error(recording.string() + ": contains no picture of the " +
-                             sideName(left.isFinished() ? CameraSide::left : CameraSide::right) +
-                             " camera between --from and --to");
+    throw std::runtime_error(
+        recording.string() + ": contains no picture of the " +
+        capture::sideName(left.isFinished() ? capture::CameraSide::left : capture::CameraSide::right) +
+        " camera between --from and --to");
   }
 
-  RecordingWriter writer(output, info, kSegmentLength);
+  capture::RecordingWriter writer(output, info, kSegmentLength);
   std::array<std::uint64_t, 2> copied{};
   std::array<std::uint64_t, 2> connections{};
   while (!left.isFinished() || !right.isFinished()) {

@@ -11,19 +11,19 @@
 namespace cartvo {
 namespace {
 
-constexpr std::array<CameraSide, 2> kSides = {CameraSide::left, CameraSide::right};
+constexpr std::array<capture::CameraSide, 2> kSides = {capture::CameraSide::left, capture::CameraSide::right};
 
 bool isUndamaged(const VerifiedCamera& camera) {
   return camera.unreadable.empty() && camera.files.places.empty();
 }
 
-VerifiedCamera verify(const std::filesystem::path& folder, CameraSide side, std::size_t& pictures_read,
-                      const VerificationProgress& progress) {
+VerifiedCamera verify(const std::filesystem::path& folder, capture::CameraSide side,
+                      std::size_t& pictures_read, const VerificationProgress& progress) {
   VerifiedCamera camera;
   try {
-    RecordingSource source(folder, side);
-    Frame frame;
-    while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame)
+    capture::RecordingSource source(folder, side);
+    capture::Frame frame;
+    while (source.read(frame, std::chrono::milliseconds(0)) == capture::ReadOutcome::frame)
       progress(++pictures_read);
     camera.pictures = source.health().frames;
     camera.damaged = source.health().damaged;
@@ -41,10 +41,10 @@ bool Verification::isWhole() const {
 }
 
 Verification verifyRecording(const std::filesystem::path& folder, const VerificationProgress& progress) {
-  readRecordingInfo(folder);
+  capture::readRecordingInfo(folder);
   Verification verification;
   std::size_t pictures_read = 0;
-  for (const CameraSide side : kSides)
+  for (const capture::CameraSide side : kSides)
     verification.cameras[static_cast<std::size_t>(side)] = verify(folder, side, pictures_read, progress);
   return verification;
 }
@@ -52,23 +52,23 @@ Verification verifyRecording(const std::filesystem::path& folder, const Verifica
 nlohmann::ordered_json verificationJson(const Verification& verification) {
   nlohmann::ordered_json json;
   json["whole"] = verification.isWhole();
-  for (const CameraSide side : kSides) {
+  for (const capture::CameraSide side : kSides) {
     const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
-    json[sideName(side)] = {{"pictures", camera.pictures},
-                            {"damaged", camera.damaged},
-                            {"lost", camera.files.lost},
-                            {"altered", camera.files.altered},
-                            {"places", camera.files.places}};
-    if (!camera.unreadable.empty()) json[sideName(side)]["unreadable"] = camera.unreadable;
+    json[capture::sideName(side)] = {{"pictures", camera.pictures},
+                                     {"damaged", camera.damaged},
+                                     {"lost", camera.files.lost},
+                                     {"altered", camera.files.altered},
+                                     {"places", camera.files.places}};
+    if (!camera.unreadable.empty()) json[capture::sideName(side)]["unreadable"] = camera.unreadable;
   }
   return json;
 }
 
 std::string verificationText(const Verification& verification) {
   std::string text;
-  for (const CameraSide side : kSides) {
+  for (const capture::CameraSide side : kSides) {
     const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
-    text += std::string(sideName(side)) + ": ";
+    text += std::string(capture::sideName(side)) + ": ";
     if (!camera.unreadable.empty()) {
       text += camera.unreadable + "\n";
       continue;

@@ -16,7 +16,7 @@ namespace cartvo {
 struct VerifiedCamera {
   std::uint64_t pictures = 0;  ///< number decoded
   std::uint64_t damaged = 0;   ///< decoded with errors, by packet loss or damaged files
-  RecordingDamage files;
+  capture::RecordingDamage files;
   std::string unreadable;  ///< error if no picture can be read, else empty
 };
 

@@ -20,7 +20,7 @@ void add(Row& row, double value) {
   row += std::isfinite(value) ? text : ",";
 }
 
-void add(Row& row, const Vector6d& motion) {
+void add(Row& row, const vo::Vector6d& motion) {
   for (const double value : motion)
     add(row, value);
 }
@@ -30,15 +30,15 @@ void addEmpty(Row& row, int columns) {
 }
 
 /// Velocities and rates in the order of the columns.
-Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity) {
-  Vector6d columns;
+vo::Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity) {
+  vo::Vector6d columns;
   columns << velocity, angular_velocity.y(), angular_velocity.z(), angular_velocity.x();
   return columns;
 }
 
 /// Constant twist of the true motion between two pairs.
-Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
-  const Vector6d twist = logarithm(before.inverse() * now) / time_step;
+vo::Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
+  const vo::Vector6d twist = daemon::logarithm(before.inverse() * now) / time_step;
   return motionColumns(twist.head<3>(), twist.tail<3>());
 }
 
@@ -70,7 +70,7 @@ void addErrors(Row& row, const Replay& replay, const Truth& truth, std::size_t i
   const ReplayedPair& pair = replay.pairs[index];
   const std::size_t previous = pair.valid && index > 0 ? startPairOf(replay, index) : index;
   if (previous != index && truth[index] && truth[previous]) {
-    const Vector6d measured = motionColumns(pair.velocity, pair.angular_velocity);
+    const vo::Vector6d measured = motionColumns(pair.velocity, pair.angular_velocity);
     add(row, measured - trueMotion(*truth[previous], *truth[index], pair.time_step));
   } else {
     addEmpty(row, 6);

@@ -45,12 +45,12 @@ OutputFolder::~OutputFolder() {
 
 std::string timingCsv(const Replay& replay) {
   std::string csv = "pair";
-  for (int stage = 0; stage < kStageCount; ++stage)
-    csv += std::string(",") + stageName(static_cast<Stage>(stage)) + "_ms";
+  for (int stage = 0; stage < vo::kStageCount; ++stage)
+    csv += std::string(",") + vo::stageName(static_cast<vo::Stage>(stage)) + "_ms";
   csv += ",total_ms\n";
   char text[32];
   for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
-    const StageTimes& times = replay.pairs[index].times;
+    const daemon::StageTimes& times = replay.pairs[index].times;
     csv += std::to_string(index);
     for (const double seconds : times.stages) {
       std::snprintf(text, sizeof text, ",%.4f", 1000.0 * seconds);

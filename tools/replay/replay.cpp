@@ -21,7 +21,7 @@ namespace {
 class ContinuousPath {
  public:
   /// Returns the pose relative to the first pair.
-  Eigen::Isometry3d add(const OdometryEstimate& estimate) {
+  Eigen::Isometry3d add(const vo::OdometryEstimate& estimate) {
     if (estimate.reset_counter != epoch_) {
       epoch_ = estimate.reset_counter;
       T_first_epoch_ = T_first_current_;
@@ -40,23 +40,23 @@ class ContinuousPath {
 class RectificationInverse {
  public:
   explicit RectificationInverse(const Eigen::Isometry3d& T_left_rectified)
-      : T_left_rectified_(T_left_rectified), adjoint_(adjoint(T_left_rectified)) {}
+      : T_left_rectified_(T_left_rectified), adjoint_(vo::adjoint(T_left_rectified)) {}
 
   Eigen::Isometry3d transform(const Eigen::Isometry3d& motion) const {
     return T_left_rectified_ * motion * T_left_rectified_.inverse();
   }
-  Matrix6d transform(const Matrix6d& covariance) const {
+  vo::Matrix6d transform(const vo::Matrix6d& covariance) const {
     return adjoint_ * covariance * adjoint_.transpose();
   }
 
  private:
   Eigen::Isometry3d T_left_rectified_;
-  Matrix6d adjoint_;
+  vo::Matrix6d adjoint_;
 };
 
-ReplayedPair toReplayedPair(const PairResult& result, const RectificationInverse& left,
+ReplayedPair toReplayedPair(const daemon::PairResult& result, const RectificationInverse& left,
                             ContinuousPath& path) {
-  const OdometryEstimate& estimate = result.estimate;
+  const vo::OdometryEstimate& estimate = result.estimate;
   ReplayedPair pair;
   pair.exposure_ns = result.left.exposure_ns;
   pair.offset_ns = result.offset_ns();
@@ -78,32 +78,32 @@ ReplayedPair toReplayedPair(const PairResult& result, const RectificationInverse
   return pair;
 }
 
-Rectifier buildRectifier(const Rig& rig) {
-  return {rig, rig.rectification, buildTables(rig, rig.rectification)};
+calib::Rectifier buildRectifier(const calib::Rig& rig) {
+  return {rig, rig.rectification, calib::buildTables(rig, rig.rectification)};
 }
 
-ClockChoice toClockChoice(ReplayClock clock) {
+capture::ClockChoice toClockChoice(ReplayClock clock) {
   switch (clock) {
     case ReplayClock::ntp:
-      return ClockChoice::ntp;
+      return capture::ClockChoice::ntp;
     case ReplayClock::arrival:
-      return ClockChoice::arrival;
+      return capture::ClockChoice::arrival;
     case ReplayClock::visual:
-      return ClockChoice::visual;
+      return capture::ClockChoice::visual;
     default:
-      return ClockChoice::automatic;
+      return capture::ClockChoice::automatic;
   }
 }
 
 /// Settings to open the source with; those of a recording come from its configuration.
-SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
-  SourceSettings opened;
+capture::SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
+  capture::SourceSettings opened;
   opened.folder_offset_stddev_ns = 1e9 * settings.folder_offset_stddev;
-  if (!isRecording(settings.source)) return opened;
-  const std::string text = readRecordingInfo(settings.source).configuration;
-  std::optional<Configuration> configuration;
+  if (!capture::isRecording(settings.source)) return opened;
+  const std::string text = capture::readRecordingInfo(settings.source).configuration;
+  std::optional<daemon::Configuration> configuration;
   try {
-    if (!text.empty()) configuration = parseConfiguration(text, settings.source / "recording.json");
+    if (!text.empty()) configuration = daemon::parseConfiguration(text, settings.source / "recording.json");
   } catch (const std::runtime_error& error) {
     problems.push_back(std::string("the recording's configuration cannot be used: ") + error.what());
   }
@@ -115,19 +115,19 @@ SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::s
 
 }  // namespace
 
-Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySettings& odometry,
+Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
                    const ReplayObserver& observer) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
 
-  PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry);
+  daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry);
   const RectificationInverse left(processor.T_left_rectified());
-  Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
+  daemon::Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
   ContinuousPath path;
-  VisualOffsetEstimator visual_offset_estimator;
-  SelfCheck self_check;
-  pipeline.replay({[&](const PairResult& result) {
+  daemon::VisualOffsetEstimator visual_offset_estimator;
+  daemon::SelfCheck self_check;
+  pipeline.replay({[&](const daemon::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      self_check.update(result.estimate);
                      if (source.clock) {
@@ -142,7 +142,7 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
   replay.counts = pipeline.counts();
   replay.self_check = self_check.message();
   if (source.clock) replay.clock = source.clock->status();
-  for (const CameraSource* camera : {source.left.get(), source.right.get()}) {
+  for (const capture::CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
       replay.problems.push_back(error);
   }
@@ -151,7 +151,7 @@ Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySett
 
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
   std::vector<std::string> problems;
-  StereoSource source = openSource(settings.source, sourceSettings(settings, problems));
+  capture::StereoSource source = capture::openSource(settings.source, sourceSettings(settings, problems));
   const FoundRig rig = findRig(source, settings.source, settings.rig);
   Replay replay = replayPairs(source, rig, settings.odometry, observer);
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
@@ -173,7 +173,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
   } else {
     timing = findVideoTiming(videos, rig.rig, progress);
   }
-  StereoSource source = openVideos(videos, timing, {});
+  capture::StereoSource source = openVideos(videos, timing, {});
   Replay replay = replayPairs(source, rig, settings.odometry, observer);
   replay.timing = timing;
   if (replay.pairs.empty()) {

@@ -33,7 +33,7 @@ struct ReplaySettings {
   std::optional<double>
       video_offset;           ///< s, added to the right video's times; empty: estimated from the images
   std::filesystem::path rig;  ///< empty: searched in the source's folder
-  OdometrySettings odometry;
+  vo::OdometrySettings odometry;
   double folder_offset_stddev = 0.0;  ///< s, of the time offsets of pairs in an image folder
   ReplayClock clock = ReplayClock::configured;
 };
@@ -43,13 +43,13 @@ struct ReplayedPair {
   std::int64_t exposure_ns = 0;  ///< of the left image
   std::int64_t offset_ns = 0;
   bool valid = false;
-  OdometryReasons reasons;
+  vo::OdometryReasons reasons;
   std::uint32_t reset_counter = 0;
   double time_step = 0.0;  ///< s, duration of the motion; 0 if not valid
-  FeatureCounts counts;
+  vo::FeatureCounts counts;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as in BodyMotion; NaN if not valid
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as in BodyMotion; NaN if not valid
-  Matrix6d twist_covariance = Matrix6d::Zero();                ///< as in BodyMotion; NaN if not valid
+  vo::Matrix6d twist_covariance = vo::Matrix6d::Zero();        ///< as in BodyMotion; NaN if not valid
 
   // The velocities and their covariance are as published and include the rig's scale uncertainty; the
   // following covariances do not. Poses and motions are those of the rig's left camera, in its own axes:
@@ -59,32 +59,32 @@ struct ReplayedPair {
   Eigen::Isometry3d T_first_left = Eigen::Isometry3d::Identity();
   /// Pose relative to the start of the epoch, and its covariance.
   Eigen::Isometry3d T_epoch_left = Eigen::Isometry3d::Identity();
-  Matrix6d pose_covariance = Matrix6d::Zero();
+  vo::Matrix6d pose_covariance = vo::Matrix6d::Zero();
   /// Motion in `time_step` (identity if not valid) and its covariance (zero if not valid).
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
-  Matrix6d motion_covariance = Matrix6d::Zero();
-  StageTimes times;
-  std::optional<RigCalibrationError> rig;
+  vo::Matrix6d motion_covariance = vo::Matrix6d::Zero();
+  daemon::StageTimes times;
+  std::optional<vo::RigCalibrationError> rig;
 };
 
 /// Result of a replay. After a loss of tracking the new epoch continues from the last known pose, and a pair
 /// without an estimate repeats it, so that the path is continuous.
 struct Replay {
-  SourceKind kind = SourceKind::kitti;
+  capture::SourceKind kind = capture::SourceKind::kitti;
   FoundRig rig;
   std::vector<ReplayedPair> pairs;
-  PipelineCounts counts;
-  std::optional<VideoTiming> timing;  ///< for two videos
-  std::optional<ClockStatus> clock;   ///< final state, for a recording with recomputed timestamps
-  std::string self_check;             ///< SelfCheck::message at the end; empty: no fault
-  std::vector<std::string> problems;  ///< errors of the sources (for example a truncated recording)
+  daemon::PipelineCounts counts;
+  std::optional<VideoTiming> timing;          ///< for two videos
+  std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
+  std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
+  std::vector<std::string> problems;          ///< errors of the sources (for example a truncated recording)
 };
 
 /// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
-using ReplayObserver = std::function<void(const PairResult& result, std::size_t expected)>;
+using ReplayObserver = std::function<void(const daemon::PairResult& result, std::size_t expected)>;
 
 /// Processes all pairs of a source with the daemon's pipeline. Throws if the rig or the settings are invalid.
-Replay replayPairs(StereoSource& source, const FoundRig& rig, const OdometrySettings& odometry,
+Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
                    const ReplayObserver& observer);
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can

@@ -29,8 +29,8 @@ namespace {
 
 struct Options {
   ReplaySettings replay;
-  std::string estimator = estimatorName(OdometrySettings{}.estimator);
-  std::string rig_refinement = rigRefinementName(OdometrySettings{}.rig_refinement);
+  std::string estimator = estimatorName(vo::OdometrySettings{}.estimator);
+  std::string rig_refinement = rigRefinementName(vo::OdometrySettings{}.rig_refinement);
   std::string clock = replayClockName(ReplayClock::configured);
   std::optional<double> offset_ms;
   double offset_uncertainty_ms = 0.0;
@@ -66,15 +66,15 @@ Replay replayBySource(const Options& options, const ReplayObserver& observer) {
 }
 
 Replay replayWithProgress(const Options& options) {
-  const Configuration defaults;
+  const daemon::Configuration defaults;
   std::unique_ptr<lcm::LCM> lcm;
-  std::optional<OdometryPublisher> publisher;
+  std::optional<daemon::OdometryPublisher> publisher;
   if (options.publish) {
-    lcm = connectLcm(defaults.lcm_url);
+    lcm = daemon::connectLcm(defaults.lcm_url);
     publisher.emplace(*lcm, defaults.time_to_live);
   }
   ProgressBar progress("pairs");
-  return replayBySource(options, [&](const PairResult& result, std::size_t expected) {
+  return replayBySource(options, [&](const daemon::PairResult& result, std::size_t expected) {
     if (publisher) publisher->publish(result);
     progress.show(result.sequence + 1, expected);
   });

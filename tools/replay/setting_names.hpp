@@ -12,12 +12,12 @@
 namespace cartvo {
 
 /// Names of the estimators on the command line and in results, as in cartvod's configuration.
-inline constexpr std::array<std::pair<Estimator, const char*>, 2> kEstimatorNames{
-    {{Estimator::reprojection, "reprojection"}, {Estimator::thesis, "thesis"}}};
+inline constexpr std::array<std::pair<vo::Estimator, const char*>, 2> kEstimatorNames{
+    {{vo::Estimator::reprojection, "reprojection"}, {vo::Estimator::thesis, "thesis"}}};
 
 /// Names of the choices for the online refinement of the rig calibration.
-inline constexpr std::array<std::pair<RigRefinement, const char*>, 2> kRigRefinementNames{
-    {{RigRefinement::off, "off"}, {RigRefinement::correct, "correct"}}};
+inline constexpr std::array<std::pair<vo::RigRefinement, const char*>, 2> kRigRefinementNames{
+    {{vo::RigRefinement::off, "off"}, {vo::RigRefinement::correct, "correct"}}};
 
 /// Names of the timestamp sources.
 inline constexpr std::array<std::pair<ReplayClock, const char*>, 6> kReplayClockNames{
@@ -48,22 +48,22 @@ std::vector<std::string> listOf(const Names& names) {
   return list;
 }
 
-inline std::string estimatorName(Estimator estimator) {
+inline std::string estimatorName(vo::Estimator estimator) {
   return nameIn(kEstimatorNames, estimator);
 }
 /// `name` must be in `estimatorNames`.
-inline Estimator estimatorNamed(const std::string& name) {
+inline vo::Estimator estimatorNamed(const std::string& name) {
   return valueIn(kEstimatorNames, name);
 }
 inline std::vector<std::string> estimatorNames() {
   return listOf(kEstimatorNames);
 }
 
-inline std::string rigRefinementName(RigRefinement refinement) {
+inline std::string rigRefinementName(vo::RigRefinement refinement) {
   return nameIn(kRigRefinementNames, refinement);
 }
 /// `name` must be in `rigRefinementNames`.
-inline RigRefinement rigRefinementNamed(const std::string& name) {
+inline vo::RigRefinement rigRefinementNamed(const std::string& name) {
   return valueIn(kRigRefinementNames, name);
 }
 inline std::vector<std::string> rigRefinementNames() {

@@ -18,45 +18,45 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* reasonName(OdometryReason reason) {
+const char* reasonName(vo::OdometryReason reason) {
   switch (reason) {
-    case OdometryReason::none:
+    case vo::OdometryReason::none:
       return "none";
-    case OdometryReason::first_pair:
+    case vo::OdometryReason::first_pair:
       return "first_pair";
-    case OdometryReason::too_few_features:
+    case vo::OdometryReason::too_few_features:
       return "too_few_features";
-    case OdometryReason::too_few_matches:
+    case vo::OdometryReason::too_few_matches:
       return "too_few_matches";
-    case OdometryReason::too_few_inliers:
+    case vo::OdometryReason::too_few_inliers:
       return "too_few_inliers";
-    case OdometryReason::high_residual:
+    case vo::OdometryReason::high_residual:
       return "high_residual";
-    case OdometryReason::time_step:
+    case vo::OdometryReason::time_step:
       return "time_step";
-    case OdometryReason::implausible_motion:
+    case vo::OdometryReason::implausible_motion:
       return "implausible_motion";
-    case OdometryReason::degenerate_geometry:
+    case vo::OdometryReason::degenerate_geometry:
       return "degenerate_geometry";
-    case OdometryReason::offset_uncertain:
+    case vo::OdometryReason::offset_uncertain:
       return "offset_uncertain";
-    case OdometryReason::repeated_picture:
+    case vo::OdometryReason::repeated_picture:
       return "repeated_picture";
-    case OdometryReason::zero_velocity:
+    case vo::OdometryReason::zero_velocity:
       return "zero_velocity";
   }
   return "unknown";
 }
 
-const char* kindName(SourceKind kind) {
+const char* kindName(capture::SourceKind kind) {
   switch (kind) {
-    case SourceKind::recording:
+    case capture::SourceKind::recording:
       return "recording";
-    case SourceKind::kitti:
+    case capture::SourceKind::kitti:
       return "kitti";
-    case SourceKind::euroc:
+    case capture::SourceKind::euroc:
       return "euroc";
-    case SourceKind::videos:
+    case capture::SourceKind::videos:
       return "videos";
   }
   return "unknown";
@@ -69,8 +69,8 @@ Json pairsJson(const Replay& replay) {
     const ReplayedPair& pair = replay.pairs[index];
     if (pair.valid) continue;
     invalid.push_back(index);
-    for (int i = 0; i < kOdometryReasonCount; ++i) {
-      const auto reason = static_cast<OdometryReason>(i);
+    for (int i = 0; i < vo::kOdometryReasonCount; ++i) {
+      const auto reason = static_cast<vo::OdometryReason>(i);
       if (!pair.reasons.has(reason)) continue;
       const std::string name = reasonName(reason);
       by_reason[name] = by_reason.value(name, 0) + 1;
@@ -86,7 +86,7 @@ Json pairsJson(const Replay& replay) {
   return json;
 }
 
-Json framesJson(const PipelineCounts& counts) {
+Json framesJson(const daemon::PipelineCounts& counts) {
   return {{"dropped_no_partner", counts.dropped_no_partner},
           {"dropped_damaged", counts.dropped_damaged},
           {"dropped_out_of_order", counts.dropped_out_of_order},
@@ -109,11 +109,11 @@ Json timesJson(const Replay& replay, Value value) {
 
 Json timesJson(const Replay& replay) {
   Json json;
-  json["total"] = timesJson(replay, [](const StageTimes& times) { return times.total; });
-  for (int i = 0; i < kStageCount; ++i) {
-    const auto stage = static_cast<Stage>(i);
-    json[stageName(stage)] =
-        timesJson(replay, [stage](const StageTimes& times) { return times.stage(stage); });
+  json["total"] = timesJson(replay, [](const daemon::StageTimes& times) { return times.total; });
+  for (int i = 0; i < vo::kStageCount; ++i) {
+    const auto stage = static_cast<vo::Stage>(i);
+    json[vo::stageName(stage)] =
+        timesJson(replay, [stage](const daemon::StageTimes& times) { return times.stage(stage); });
   }
   return json;
 }
@@ -123,8 +123,8 @@ Json selfCheckJson(const Replay& replay) {
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
   if (last == replay.pairs.rend()) return nullptr;
-  const RigCalibrationError& rig = *last->rig;
-  const auto scaled = [](const EstimateWithStddev& checked, double unit) -> Json {
+  const vo::RigCalibrationError& rig = *last->rig;
+  const auto scaled = [](const vo::EstimateWithStddev& checked, double unit) -> Json {
     return {{"value", checked.value * unit}, {"deviation", checked.stddev * unit}};
   };
   return {{"right_late_ms", scaled(rig.delay, 1e3)},
@@ -135,12 +135,12 @@ Json selfCheckJson(const Replay& replay) {
 
 /// Source of a recording's timestamps; null for other sources.
 Json clockJson(const ReplaySettings& settings, const Replay& replay) {
-  if (replay.kind != SourceKind::recording) return nullptr;
+  if (replay.kind != capture::SourceKind::recording) return nullptr;
   Json json;
   json["choice"] = replayClockName(settings.clock);
   json["stamped_anew"] = replay.clock.has_value();
   if (!replay.clock) return json;
-  const auto milliseconds = [](const std::optional<OffsetEstimate>& estimate) -> Json {
+  const auto milliseconds = [](const std::optional<capture::OffsetEstimate>& estimate) -> Json {
     return estimate ? Json(1e-6 * estimate->value_ns) : Json(nullptr);
   };
   json["deviation_ms"] = 1e-6 * replay.clock->offset.stddev_ns;
@@ -165,7 +165,7 @@ Json timingJson(const Replay& replay) {
 }  // namespace
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
-  const Rig& rig = replay.rig.rig;
+  const calib::Rig& rig = replay.rig.rig;
   Json json;
   json["source"] = settings.source.string();
   if (!settings.right_video.empty()) json["right_video"] = settings.right_video.string();

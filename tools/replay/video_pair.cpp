@@ -38,12 +38,13 @@ VideoPart partWithMostMotion(const ImageMotion& motion, double length) {
 }
 
 /// Remaining time offset estimated by the odometry; empty if it is too uncertain.
-std::optional<EstimateWithStddev> remainingOffsetByOdometry(const VideoPair& videos,
-                                                            const VideoTiming& timing, const VideoPart& part,
-                                                            const Rig& rig) {
-  StereoSource source = openVideos(videos, timing, part);
+std::optional<vo::EstimateWithStddev> remainingOffsetByOdometry(const VideoPair& videos,
+                                                                const VideoTiming& timing,
+                                                                const VideoPart& part,
+                                                                const calib::Rig& rig) {
+  capture::StereoSource source = openVideos(videos, timing, part);
   const Replay replay =
-      replayPairs(source, {rig, ""}, OdometrySettings{}, [](const PairResult&, std::size_t) {});
+      replayPairs(source, {rig, ""}, vo::OdometrySettings{}, [](const daemon::PairResult&, std::size_t) {});
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
   if (last == replay.pairs.rend() || last->rig->delay.stddev > kMaxOdometryStddev) return std::nullopt;
@@ -51,15 +52,15 @@ std::optional<EstimateWithStddev> remainingOffsetByOdometry(const VideoPair& vid
 }
 
 /// Offset estimated by the odometry over `part`, with its standard deviation; empty if it is too uncertain.
-std::optional<EstimateWithStddev> offsetByOdometry(const VideoPair& videos, VideoTiming timing,
-                                                   const VideoPart& part, const Rig& rig) {
+std::optional<vo::EstimateWithStddev> offsetByOdometry(const VideoPair& videos, VideoTiming timing,
+                                                       const VideoPart& part, const calib::Rig& rig) {
   const double before = timing.offset;
-  std::optional<EstimateWithStddev> found;
+  std::optional<vo::EstimateWithStddev> found;
   for (int round = 0; round < kMaxIterations; ++round) {
-    const std::optional<EstimateWithStddev> delay = remainingOffsetByOdometry(videos, timing, part, rig);
+    const std::optional<vo::EstimateWithStddev> delay = remainingOffsetByOdometry(videos, timing, part, rig);
     if (!delay || std::abs(timing.offset + delay->value - before) > kMaxCorrection) return std::nullopt;
     timing.offset += delay->value;
-    found = EstimateWithStddev{timing.offset, std::hypot(delay->stddev, kUnderestimate * delay->value)};
+    found = vo::EstimateWithStddev{timing.offset, std::hypot(delay->stddev, kUnderestimate * delay->value)};
     if (std::abs(delay->value) < delay->stddev) break;
   }
   return found;
@@ -67,8 +68,8 @@ std::optional<EstimateWithStddev> offsetByOdometry(const VideoPair& videos, Vide
 
 /// Combines image motion and odometry weighted by their inverse variances; the standard deviation grows if
 /// they disagree.
-void refine(const VideoPair& videos, const VideoPart& part, const Rig& rig, VideoTiming& timing) {
-  const std::optional<EstimateWithStddev> odometry = offsetByOdometry(videos, timing, part, rig);
+void refine(const VideoPair& videos, const VideoPart& part, const calib::Rig& rig, VideoTiming& timing) {
+  const std::optional<vo::EstimateWithStddev> odometry = offsetByOdometry(videos, timing, part, rig);
   if (!odometry) return;
   const double motion_weight = 1.0 / (timing.stddev * timing.stddev);
   const double odometry_weight = 1.0 / (odometry->stddev * odometry->stddev);
@@ -83,32 +84,32 @@ void refine(const VideoPair& videos, const VideoPart& part, const Rig& rig, Vide
 
 }  // namespace
 
-StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part) {
+capture::StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part) {
   const double each = timing.stddev / std::sqrt(2.0);
-  VideoFileTime left_time;
+  capture::VideoFileTime left_time;
   left_time.stddev = each;
   left_time.from = part.from;
   left_time.to = part.to;
-  left_time.origin_ns = VideoFileSource(videos.left, {}).creationNs();
-  VideoFileTime right_time = left_time;
+  left_time.origin_ns = capture::VideoFileSource(videos.left, {}).creationNs();
+  capture::VideoFileTime right_time = left_time;
   right_time.offset = timing.offset;
   right_time.skew = timing.skew;
   right_time.from = (part.from - timing.offset) / (1.0 + timing.skew);
   right_time.to = (part.to - timing.offset) / (1.0 + timing.skew);
 
-  StereoSource source;
-  source.kind = SourceKind::videos;
-  auto left = std::make_unique<VideoFileSource>(videos.left, left_time);
-  auto right = std::make_unique<VideoFileSource>(videos.right, right_time);
+  capture::StereoSource source;
+  source.kind = capture::SourceKind::videos;
+  auto left = std::make_unique<capture::VideoFileSource>(videos.left, left_time);
+  auto right = std::make_unique<capture::VideoFileSource>(videos.right, right_time);
   source.pairs = std::min(left->expectedPictures(), right->expectedPictures());
   source.left = std::move(left);
   source.right = std::move(right);
   return source;
 }
 
-VideoTiming findVideoTiming(const VideoPair& videos, const Rig& rig, const VideoProgress& progress) {
-  VideoFileSource left(videos.left, {});
-  VideoFileSource right(videos.right, {});
+VideoTiming findVideoTiming(const VideoPair& videos, const calib::Rig& rig, const VideoProgress& progress) {
+  capture::VideoFileSource left(videos.left, {});
+  capture::VideoFileSource right(videos.right, {});
   const std::size_t expected = left.expectedPictures() + right.expectedPictures();
   std::size_t pictures = 0;
   const auto count = [&] { progress(++pictures, expected); };

@@ -36,7 +36,7 @@ struct VideoPart {
 
 /// Opens the two videos as a source. Exposures are their timestamps, relative to the left video's creation
 /// time (to 1970 if it has none). Throws what VideoFileSource throws.
-StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part);
+capture::StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part);
 
 /// Progress: number of pictures of both videos that have been read, and their total number (0: unknown).
 using VideoProgress = std::function<void(std::size_t pictures, std::size_t expected)>;
@@ -44,6 +44,6 @@ using VideoProgress = std::function<void(std::size_t pictures, std::size_t expec
 /// Estimates the timing from the images: first from the image motion of both videos (findPictureOffset), then
 /// refined with the odometry's time offset over the part with the most motion, iterated until the remaining
 /// offset is insignificant. Throws what findPictureOffset and VideoFileSource throw.
-VideoTiming findVideoTiming(const VideoPair& videos, const Rig& rig, const VideoProgress& progress);
+VideoTiming findVideoTiming(const VideoPair& videos, const calib::Rig& rig, const VideoProgress& progress);
 
 }  // namespace cartvo

@@ -16,7 +16,7 @@ class Content {
  public:
   virtual ~Content() = default;
 
-  virtual Rig rig() const = 0;
+  virtual calib::Rig rig() const = 0;
   virtual double frameRate() const = 0;  ///< nominal, Hz
   virtual int pairCount() const = 0;
   virtual std::int64_t leftInstant(int index) const = 0;

@@ -38,8 +38,8 @@ void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
 
 void writeDescription(const fs::path& folder, const Content& content) {
   fs::create_directories(folder);
-  const Rig rig = content.rig();
-  writeRig(folder / "rig.yaml", rig);
+  const calib::Rig rig = content.rig();
+  calib::writeRig(folder / "rig.yaml", rig);
   std::string left_times;
   std::string right_times;
   for (int index = 0; index < content.pairCount(); ++index) {
@@ -78,7 +78,8 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   }
   writeDescription(partial, content);
   writeTruth(partial, content, 0);
-  if (isKittiRig(content.rig())) writeFileAtomically(partial / "calib.txt", kittiText(content.rig()));
+  if (calib::isKittiRig(content.rig()))
+    writeFileAtomically(partial / "calib.txt", calib::kittiText(content.rig()));
   fs::rename(partial, folder);
 }
 

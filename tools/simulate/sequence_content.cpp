@@ -19,13 +19,13 @@ cv::Size evenSize(cv::Size size) {
   return {size.width / 2 * 2, size.height / 2 * 2};
 }
 
-void truncate(ImageSequence& sequence, std::size_t count) {
+void truncate(capture::ImageSequence& sequence, std::size_t count) {
   sequence.images.resize(count);
   sequence.instants_ns.resize(count);
 }
 
 // Number of pairs whose left instant is less than `seconds` after the first; at least 1.
-std::size_t countPairsWithin(const ImageSequence& left, double seconds) {
+std::size_t countPairsWithin(const capture::ImageSequence& left, double seconds) {
   const std::int64_t end = left.instants_ns.front() + std::llround(seconds * 1e9);
   const auto after = std::lower_bound(left.instants_ns.begin(), left.instants_ns.end(), end);
   return std::max<std::size_t>(1, static_cast<std::size_t>(after - left.instants_ns.begin()));
@@ -39,10 +39,10 @@ std::string fileSignature(const fs::path& file) {
 }  // namespace
 
 SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings& settings)
-    : folder_(readImageFolder(folder)), settings_(settings) {
+    : folder_(capture::readImageFolder(folder)), settings_(settings) {
   if (folder_.left.images.empty()) throw std::runtime_error(folder.string() + ": contains no image pair");
   readTruth(folder_.folder / "poses.txt");
-  const std::int64_t period = nominalPeriodNs(folder_.left);
+  const std::int64_t period = capture::nominalPeriodNs(folder_.left);
   frame_rate_ = period > 0 ? 1e9 / static_cast<double>(period) : 10.0;
   if (settings_.seconds > 0.0) {
     const std::size_t count = countPairsWithin(folder_.left, settings_.seconds);
@@ -50,7 +50,7 @@ SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings&
     truncate(folder_.right, count);
     if (!truth_.empty()) truth_.resize(count);
   }
-  readRigFor(readGreyImage(folder_.left.images.front()).size());
+  readRigFor(capture::readGreyImage(folder_.left.images.front()).size());
   truth_ = bodyTrajectory(truth_, rig_);
   for (std::size_t index = 0; index < truth_.size(); ++index) {
     truth_[index].time_ns = leftInstant(static_cast<int>(index));
@@ -59,11 +59,11 @@ SequenceContent::SequenceContent(const fs::path& folder, const SequenceSettings&
 
 void SequenceContent::readRigFor(cv::Size image_size) {
   if (!folder_.rig_file.empty()) {
-    rig_ = readRig(folder_.rig_file);
+    rig_ = calib::readRig(folder_.rig_file);
   } else if (!folder_.calib_file.empty()) {
-    rig_ = readKittiRig(folder_.calib_file, image_size);
+    rig_ = calib::readKittiRig(folder_.calib_file, image_size);
   } else if (!folder_.sensor_files[0].empty() && !folder_.sensor_files[1].empty()) {
-    rig_ = readEurocRig(folder_.sensor_files[0], folder_.sensor_files[1]);
+    rig_ = calib::readEurocRig(folder_.sensor_files[0], folder_.sensor_files[1]);
   } else {
     throw std::runtime_error(folder_.folder.string() +
                              ": no calibration found; expected calib.txt (KITTI) or rig.yaml");
@@ -100,7 +100,7 @@ std::int64_t SequenceContent::rightInstant(int index) const {
 
 void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
   const auto read = [&](const fs::path& file, cv::Size even) {
-    const cv::Mat image = readGreyImage(file);
+    const cv::Mat image = capture::readGreyImage(file);
     if (evenSize(image.size()) != even) {
       throw std::runtime_error(file.string() + ": its size differs from that of the first image");
     }

@@ -22,7 +22,7 @@ class SequenceContent final : public Content {
   /// Throws std::runtime_error that names the file if something is missing, unreadable or inconsistent.
   SequenceContent(const std::filesystem::path& folder, const SequenceSettings& settings);
 
-  Rig rig() const override { return rig_; }
+  calib::Rig rig() const override { return rig_; }
   double frameRate() const override { return frame_rate_; }
   int pairCount() const override { return static_cast<int>(folder_.left.images.size()); }
   std::int64_t leftInstant(int index) const override;
@@ -37,9 +37,9 @@ class SequenceContent final : public Content {
   void readRigFor(cv::Size image_size);
   void readTruth(const std::filesystem::path& poses);
 
-  ImageFolder folder_;
+  capture::ImageFolder folder_;
   SequenceSettings settings_;
-  Rig rig_;
+  calib::Rig rig_;
   double frame_rate_ = 0.0;
   Trajectory truth_;
 };

@@ -79,7 +79,7 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
 
 void writeCameras(const SimulateOptions& options, const Content& content,
                   const CameraPairSimulation& simulation) {
-  const Rig rig = content.rig();
+  const calib::Rig rig = content.rig();
   nlohmann::ordered_json cameras{
       {"left", {{"url", simulation.left().url()}}},
       {"right", {{"url", simulation.right().url()}}},
@@ -111,7 +111,7 @@ CameraPairSettings pairSettings(const SimulateOptions& options) {
           .right = parseEndpoint(options.right),
           .user = options.user,
           .password = options.password_file.empty() ? ensurePassword(options.output / "password")
-                                                    : readPasswordFile(options.password_file),
+                                                    : capture::readPasswordFile(options.password_file),
           .lead_in = nanoseconds(options.lead_in),
           .latency = nanoseconds(options.latency_ms * 1e-3),
           .start = options.start_when_watched ? ContentStart::when_watched : ContentStart::at_once,

@@ -17,11 +17,11 @@ Trajectory changeBodyFrame(const Trajectory& poses, const Eigen::Isometry3d& T_t
 
 }  // namespace
 
-Trajectory bodyTrajectory(const Trajectory& camera_poses, const Rig& rig) {
+Trajectory bodyTrajectory(const Trajectory& camera_poses, const calib::Rig& rig) {
   return changeBodyFrame(camera_poses, rig.T_body_camera);
 }
 
-Trajectory cameraTrajectory(const Trajectory& body_poses, const Rig& rig) {
+Trajectory cameraTrajectory(const Trajectory& body_poses, const calib::Rig& rig) {
   return changeBodyFrame(body_poses, rig.T_body_camera.inverse());
 }
 

@@ -11,9 +11,9 @@ namespace cartvo::simulate {
 // camera relative to the first one, in the rig's own axes. Timestamps are kept.
 
 /// Body poses of the left camera's KITTI poses.
-Trajectory bodyTrajectory(const Trajectory& camera_poses, const Rig& rig);
+Trajectory bodyTrajectory(const Trajectory& camera_poses, const calib::Rig& rig);
 /// KITTI poses of the left camera of body poses.
-Trajectory cameraTrajectory(const Trajectory& body_poses, const Rig& rig);
+Trajectory cameraTrajectory(const Trajectory& body_poses, const calib::Rig& rig);
 
 /// The same poses with `by_ns` added to their timestamps.
 Trajectory shifted(Trajectory trajectory, std::int64_t by_ns);

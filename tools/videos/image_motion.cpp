@@ -71,10 +71,10 @@ void ImageMotionTracker::addImage(double time, const cv::Mat& image) {
   motion_.positions.push_back(position);
 }
 
-ImageMotion measureImageMotion(VideoFileSource& video, const std::function<void()>& progress) {
+ImageMotion measureImageMotion(capture::VideoFileSource& video, const std::function<void()>& progress) {
   ImageMotionTracker tracker;
-  Frame frame;
-  while (video.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame) {
+  capture::Frame frame;
+  while (video.read(frame, std::chrono::milliseconds(0)) == capture::ReadOutcome::frame) {
     tracker.addImage(video.fileTime(), frame.image);
     progress();
   }

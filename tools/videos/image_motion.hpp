@@ -33,6 +33,6 @@ class ImageMotionTracker {
 };
 
 /// Measures the image motion of a whole video; calls `progress` after each picture.
-ImageMotion measureImageMotion(VideoFileSource& video, const std::function<void()>& progress);
+ImageMotion measureImageMotion(capture::VideoFileSource& video, const std::function<void()>& progress);
 
 }  // namespace cartvo

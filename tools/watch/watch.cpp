@@ -70,8 +70,10 @@ class LiveLine {
 class OdometryReceiver {
  public:
   explicit OdometryReceiver(lcm::LCM& lcm) : lcm_(lcm) {
-    lcm.subscribe(kOdometryChannel, &OdometryReceiver::onMessage, this)->setQueueCapacity(kQueueCapacity);
-    lcm.subscribe(kHealthChannel, &OdometryReceiver::onHealth, this)->setQueueCapacity(kQueueCapacity);
+    lcm.subscribe(daemon::kOdometryChannel, &OdometryReceiver::onMessage, this)
+        ->setQueueCapacity(kQueueCapacity);
+    lcm.subscribe(daemon::kHealthChannel, &OdometryReceiver::onHealth, this)
+        ->setQueueCapacity(kQueueCapacity);
   }
 
   /// Waits up to 50 ms; returns whether an odometry message arrived.
@@ -107,16 +109,16 @@ class OdometryReceiver {
 };
 
 [[noreturn]] void failWithoutMessages(const WatchSettings& settings) {
-  const MulticastRoute route = findMulticastRoute(settings.url);
-  throw std::runtime_error(
-      fmt::format("no message on {} within {:.0f} s.\n"
-                  "  Is the daemon running?      systemctl status cartvod; it publishes at the full rate "
-                  "even without cameras\n"
-                  "  Does it use the same URL?   here: {}; daemon: lcm.url in its configuration\n"
-                  "  Is the route the same?      here: {}; compare 'ip route get {}' on both computers\n"
-                  "  Is it on another computer?  the daemon needs ttl=1 in lcm.url, and the network must "
-                  "forward multicast",
-                  kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
+  const daemon::MulticastRoute route = daemon::findMulticastRoute(settings.url);
+  throw std::runtime_error(fmt::format(
+      "no message on {} within {:.0f} s.\n"
+      "  Is the daemon running?      systemctl status cartvod; it publishes at the full rate "
+      "even without cameras\n"
+      "  Does it use the same URL?   here: {}; daemon: lcm.url in its configuration\n"
+      "  Is the route the same?      here: {}; compare 'ip route get {}' on both computers\n"
+      "  Is it on another computer?  the daemon needs ttl=1 in lcm.url, and the network must "
+      "forward multicast",
+      daemon::kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
 }
 
 std::string delayText(const OdometrySummary& summary) {
@@ -134,9 +136,10 @@ std::string delayText(const OdometrySummary& summary) {
 }  // namespace
 
 OdometryStatistics watchOdometry(const WatchSettings& settings) {
-  const StopSignals signals;
-  const std::unique_ptr<lcm::LCM> lcm = connectLcm(settings.url);
-  if (const std::string warning = multicastWarning(findMulticastRoute(settings.url)); !warning.empty()) {
+  const daemon::StopSignals signals;
+  const std::unique_ptr<lcm::LCM> lcm = daemon::connectLcm(settings.url);
+  if (const std::string warning = daemon::multicastWarning(daemon::findMulticastRoute(settings.url));
+      !warning.empty()) {
     std::fprintf(stderr, "cartvo watch: %s\n", warning.c_str());
   }
   OdometryReceiver receiver(*lcm);
@@ -181,7 +184,7 @@ std::string clockText(const health_t& message) {
 
 std::string liveLine(const odometry_t& message, double frame_rate) {
   if (message.status != odometry_t::VALID) {
-    return fmt::format("{:5.1f} fps  INVALID: {}", frame_rate, reasonNames(message.reasons));
+    return fmt::format("{:5.1f} fps  INVALID: {}", frame_rate, daemon::reasonNames(message.reasons));
   }
   const std::optional<double> latency = latencyMs(message);
   return fmt::format(

@@ -52,8 +52,8 @@ const WorldSettings& validated(const WorldSettings& s) {
   return s;
 }
 
-std::size_t sideIndex(CameraSide side) {
-  return side == CameraSide::left ? 0 : 1;
+std::size_t sideIndex(capture::CameraSide side) {
+  return side == capture::CameraSide::left ? 0 : 1;
 }
 
 TextureStyle styleOf(const WorldSettings& settings) {
@@ -77,8 +77,8 @@ std::uint32_t samplePatternSeed(const Eigen::Isometry3d& T_map_camera) {
 }
 
 /// The camera with the same field of view in 34 px width, for exposure metering.
-CameraModel meterModel(const CameraModel& camera) {
-  CameraModel model = camera;
+calib::CameraModel meterModel(const calib::CameraModel& camera) {
+  calib::CameraModel model = camera;
   const double scale = 34.0 / camera.size.width;
   model.size = cv::Size(34, std::max(1, static_cast<int>(std::lround(camera.size.height * scale))));
   model.fx *= scale;
@@ -105,16 +105,16 @@ class RenderedWorld::Implementation {
         T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
         T_start_map(drive.T_map_body(0.0).inverse()) {}
 
-  double instant(int index, CameraSide side) const {
+  double instant(int index, capture::CameraSide side) const {
     const double period = 1.0 / settings.frame_rate;
-    if (side == CameraSide::left) return index * period;
+    if (side == capture::CameraSide::left) return index * period;
     return settings.offset_s + index * period * (1.0 + 1e-6 * settings.offset_drift_ppm);
   }
-  std::int64_t instantNs(int index, CameraSide side) const {
+  std::int64_t instantNs(int index, capture::CameraSide side) const {
     return std::llround(1e9 * instant(index, side));
   }
 
-  cv::Mat image(int index, CameraSide side) {
+  cv::Mat image(int index, capture::CameraSide side) {
     const std::lock_guard lock(mutex);
     meterExposure();
     const std::size_t camera = sideIndex(side);
@@ -124,7 +124,7 @@ class RenderedWorld::Implementation {
                 static_cast<std::uint32_t>(camera)});
     SensorSettings sensor;
     sensor.gain = camera == 0 ? 1.0F : 1.03F;
-    const CameraModel& model = camera == 0 ? rig.left : rig.right;
+    const calib::CameraModel& model = camera == 0 ? rig.left : rig.right;
     sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
     sensor.vignette = camera == 0 ? 0.30F : 0.33F;
     sensor.noise = static_cast<float>(settings.noise);
@@ -132,13 +132,13 @@ class RenderedWorld::Implementation {
                        mixBits(image_seed + 17U), settings.threads);
   }
 
-  cv::Mat radiance(int index, CameraSide side) {
+  cv::Mat radiance(int index, capture::CameraSide side) {
     const std::lock_guard lock(mutex);
     buildSceneState();
     return radianceAt(1e-9 * static_cast<double>(instantNs(index, side)), sideIndex(side));
   }
 
-  DepthImage depth(int index, CameraSide side) {
+  DepthImage depth(int index, capture::CameraSide side) {
     const std::lock_guard lock(mutex);
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
@@ -220,13 +220,13 @@ class RenderedWorld::Implementation {
 
  public:
   const WorldSettings settings;
-  const Rig rig;
+  const calib::Rig rig;
   const Path path;
   const Drive drive;
   const Lighting lighting;
   const TextureStyle style;
   const std::array<RayTable, 2> rays;
-  const CameraModel meter_model;
+  const calib::CameraModel meter_model;
   const RayTable meter_rays;
   const std::array<Eigen::Isometry3d, 2> T_body_camera;
   const Eigen::Isometry3d T_start_map;
@@ -240,7 +240,7 @@ RenderedWorld::RenderedWorld(const WorldSettings& settings)
 
 RenderedWorld::~RenderedWorld() = default;
 
-Rig RenderedWorld::rig() const {
+calib::Rig RenderedWorld::rig() const {
   return implementation_->rig;
 }
 
@@ -253,31 +253,31 @@ int RenderedWorld::pairCount() const {
 }
 
 std::int64_t RenderedWorld::leftInstant(int index) const {
-  return implementation_->instantNs(index, CameraSide::left);
+  return implementation_->instantNs(index, capture::CameraSide::left);
 }
 
 std::int64_t RenderedWorld::rightInstant(int index) const {
-  return implementation_->instantNs(index, CameraSide::right);
+  return implementation_->instantNs(index, capture::CameraSide::right);
 }
 
 void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
-  left = image(index, CameraSide::left);
-  right = image(index, CameraSide::right);
+  left = image(index, capture::CameraSide::left);
+  right = image(index, capture::CameraSide::right);
 }
 
 const WorldSettings& RenderedWorld::settings() const {
   return implementation_->settings;
 }
 
-cv::Mat RenderedWorld::image(int index, CameraSide side) const {
+cv::Mat RenderedWorld::image(int index, capture::CameraSide side) const {
   return implementation_->image(index, side);
 }
 
-cv::Mat RenderedWorld::radiance(int index, CameraSide side) const {
+cv::Mat RenderedWorld::radiance(int index, capture::CameraSide side) const {
   return implementation_->radiance(index, side);
 }
 
-DepthImage RenderedWorld::renderDepth(int index, CameraSide side) const {
+DepthImage RenderedWorld::renderDepth(int index, capture::CameraSide side) const {
   return implementation_->depth(index, side);
 }
 

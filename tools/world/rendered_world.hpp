@@ -28,7 +28,7 @@ class RenderedWorld final : public simulate::Content {
   RenderedWorld(const RenderedWorld&) = delete;
   RenderedWorld& operator=(const RenderedWorld&) = delete;
 
-  Rig rig() const override;
+  calib::Rig rig() const override;
   double frameRate() const override;
   int pairCount() const override;
   std::int64_t leftInstant(int index) const override;
@@ -41,14 +41,14 @@ class RenderedWorld final : public simulate::Content {
   const WorldSettings& settings() const;
 
   /// The image of one camera (CV_8UC1).
-  cv::Mat image(int index, CameraSide side) const;
+  cv::Mat image(int index, capture::CameraSide side) const;
 
   /// Radiance of that image, CV_32FC1, unit as in meanRadiance(): before lens blur, exposure, noise, tone
   /// curve and rounding. For tests of the renderer.
-  cv::Mat radiance(int index, CameraSide side) const;
+  cv::Mat radiance(int index, capture::CameraSide side) const;
 
   /// Depth and moving objects of that image, by one ray through each pixel's centre.
-  DepthImage renderDepth(int index, CameraSide side) const;
+  DepthImage renderDepth(int index, capture::CameraSide side) const;
 
   /// Mean radiance of the left camera's view at `seconds` (1: a white surface that faces the midday sun).
   double meanRadiance(double seconds) const;

@@ -12,7 +12,7 @@
 #include "vo_core/estimation/rig_system.hpp"
 #include "vo_core/estimation/time_offset_sensitivity.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kBehindCameraError = 1e3;  // normalised error of a landmark behind a camera
@@ -179,4 +179,4 @@ BundleResult BundleAdjuster::adjust(BundleProblem& problem, const BundleSettings
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -11,7 +11,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Measured position of a landmark in one pair, see Observation.
 struct BundleObservation {
@@ -113,4 +113,4 @@ class BundleAdjuster {
   std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

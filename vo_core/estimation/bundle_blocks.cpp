@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 void BundleBlocks::reset(const BundleProblem& problem) {
   order_.reserve(problem.landmarks.capacity());
@@ -62,4 +62,4 @@ void BundleBlocks::add(const BundleProblem& problem, int anchor, const int* firs
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 
 // Landmarks of a bundle problem in SIMD blocks of four. Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Up to four landmarks of one anchor, one in each lane. Lanes from `count` on have no observation and no
 /// weight.
@@ -46,4 +46,4 @@ class BundleBlocks {
   SimdGroups order_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -1,7 +1,7 @@
 // Camera transforms of a bundle problem and their derivatives by the time offset.
 #include "vo_core/estimation/bundle_cameras.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 /// Derivative of T = T_camera_anchor by perturbations, on the right, of both poses.
@@ -65,4 +65,4 @@ BundleCameras::Change BundleCameras::rightByTimeOffset(const BundleProblem& prob
   return changeOf(rightFromAnchor(camera, anchor), moved, fixedPoseCorrection(problem, anchor));
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

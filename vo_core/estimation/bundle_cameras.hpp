@@ -7,7 +7,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Transforms from every left camera of a problem to every left and right camera.
 class BundleCameras {
@@ -44,4 +44,4 @@ class BundleCameras {
   std::vector<Eigen::Isometry3d> T_left_anchor_, T_right_anchor_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

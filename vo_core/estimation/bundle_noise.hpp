@@ -4,7 +4,7 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Updates the assumed noise by the residuals of an adjusted window: exponential average, clamped.
 inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result) {
@@ -21,4 +21,4 @@ inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& resul
   return next;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 // Linearised residuals of a bundle problem, four landmarks at a time. All functions are inline because their
 // callers are compiled for several instruction sets. Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr int kRowPoses = 4;  // maximum number of poses that one residual depends on
 
@@ -171,4 +171,4 @@ class BlockResiduals {
   double robustness_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

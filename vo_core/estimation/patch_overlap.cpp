@@ -6,7 +6,7 @@
 
 #include "vo_core/image/affine_alignment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kMaximumSampledPatches = 250;  // per level; larger sets are subsampled
@@ -76,4 +76,4 @@ double PatchOverlap::compute(const BundleProblem& problem) {
   return all.information > 0.0 ? all.overlap / all.information : 1.0;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

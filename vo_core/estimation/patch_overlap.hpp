@@ -7,7 +7,7 @@
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/simd/counting_sort.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Mean overlap of the patches of an adjusted bundle's landmarks: inflates the covariance for pixel noise
 /// that landmarks share. Overlapping patches have correlated errors, but the least squares treat them as
@@ -42,4 +42,4 @@ class PatchOverlap {
   int columns_ = 0, rows_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Priors that tie free poses to their initial values (BundleProblem::pose_prior_information).
 class PosePriors {
@@ -43,4 +43,4 @@ class PosePriors {
   FixedVector<Start, kMaximumWindowPairs> starts_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

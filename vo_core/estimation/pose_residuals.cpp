@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
   PointBlock block;
@@ -51,4 +51,4 @@ Vector6d PoseEquations::gradient() const {
   return sums;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 
 // Residuals of a pose search, four points at a time. Internal to the pose search.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Up to four points, one in each lane. Lanes from `count` on have no weight.
 struct PointBlock {
@@ -110,4 +110,4 @@ class PoseEquations {
   PoseLanes gradient_{};
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

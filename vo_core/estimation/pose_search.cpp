@@ -9,7 +9,7 @@
 #include "vo_core/estimation/pose_residuals.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
@@ -233,4 +233,4 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   return found;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -10,7 +10,7 @@
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A landmark with a known depth that the current pair observes.
 struct PosePoint {
@@ -71,4 +71,4 @@ class PoseFinder {
   std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

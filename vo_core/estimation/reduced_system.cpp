@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 PoseVector sumOf(const PoseSums& sums) {
   PoseVector total(6 * static_cast<Eigen::Index>(sums.size()));
@@ -59,4 +59,4 @@ void ReducedSystem::sumParts() {
   gradient = sumOf(all.gradient);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Normal equations of the inverse depths of a block.
 struct DepthBlock {
@@ -165,4 +165,4 @@ class ReducedSystem {
   std::vector<PoseLanes> by_poses_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

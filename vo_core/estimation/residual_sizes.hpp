@@ -10,7 +10,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Magnitudes of the residuals, per pyramid level over all landmarks and for each landmark's last
 /// observation.
@@ -84,4 +84,4 @@ class ResidualSizes {
   const LandmarkBlock* block_ = nullptr;  ///< current block
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

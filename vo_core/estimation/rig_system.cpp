@@ -1,7 +1,7 @@
 // Solution of the normal equations of the rig's correction and the window's scale.
 #include "vo_core/estimation/rig_system.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);  // prior: 5 % stddev of an unobserved scale factor
@@ -33,4 +33,4 @@ void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatr
   result.rig_gradient = gradient.head<n>() - by_scale * (gradient[n] / hessian(n, n));
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

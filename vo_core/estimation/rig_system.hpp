@@ -7,7 +7,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Normal equations of the rig's correction and the window's scale after elimination of the inverse depths.
 class RigSystem {
@@ -82,4 +82,4 @@ class RigSystem {
   FixedVector<SharedByPose, kMaximumWindowPairs> by_poses_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

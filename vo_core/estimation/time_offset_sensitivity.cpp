@@ -1,7 +1,7 @@
 // Sensitivity of a bundle adjustment's result to the time offset.
 #include "vo_core/estimation/time_offset_sensitivity.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 void TimeOffsetSensitivity::reset(const BundleProblem& problem, const BundleCameras& cameras,
                                   const BundleBlocks& blocks) {
@@ -37,4 +37,4 @@ void TimeOffsetSensitivity::conclude(const Eigen::LDLT<PoseMatrix>& factor, cons
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

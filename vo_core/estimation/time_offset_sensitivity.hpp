@@ -9,7 +9,7 @@
 
 // Internal to the bundle adjustment.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Sensitivity of poses and depths to the time offset: their errors for each second by which all right
 /// cameras were exposed later than assumed. With the state x, the error d of the offset, the residuals z -
@@ -82,4 +82,4 @@ class TimeOffsetSensitivity {
   std::vector<DepthLanes> by_depths_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 
 #include "vo_core/geometry/triangulation.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Prior of a landmark without a stereo match.
@@ -122,4 +122,4 @@ bool depthIsObserved(const BundleLandmark& adjusted) {
   return adjusted.information >= 4.0 * kMonocularInformation;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -12,7 +12,7 @@
 // Conversion of a window of pairs and its landmarks to pose search and bundle problems. Output lists reserve
 // the capacity of the list of landmarks, so that the steady state allocates nothing.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Poses of the window with times in s since its oldest pair.
 TimedPoses timedPoses(const std::vector<WindowFrame>& window);
@@ -46,4 +46,4 @@ BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
 /// without depth.
 bool depthIsObserved(const BundleLandmark& adjusted);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -1,7 +1,7 @@
 // Covariances of adjusted poses: noise, drift, scale and the common error of the time offset.
 #include "vo_core/estimation/window_uncertainty.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // The covariance of a motion is less than the sum of those of its poses, because both are estimated relative
@@ -99,4 +99,4 @@ Matrix6d poseCovarianceOf(const WindowFrame& frame) {
   return frame.uncertainty.pose + frame.offset_error * frame.offset_error.transpose();
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Covariance of the motion from the last but one to the last pair of a window, by cause; perturbations on
 /// the right.
@@ -35,4 +35,4 @@ MotionUncertainty updateUncertainties(const BundleProblem& problem, const Bundle
 /// Covariance of a pair's pose relative to the first one, including the error due to the time offset.
 Matrix6d poseCovarianceOf(const WindowFrame& frame);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

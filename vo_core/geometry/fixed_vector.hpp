@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Vector of at most `kCapacity` items that are stored in place, so that no pair allocates memory per
 /// landmark (C++26 has std::inplace_vector). Throws std::length_error for more. Memory is written only for
@@ -74,4 +74,4 @@ class FixedVector {
   std::size_t size_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

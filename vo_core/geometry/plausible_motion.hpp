@@ -5,7 +5,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Whether a cart can make this motion in `time_step` seconds: within the maximum speed and angular rate.
 inline bool isPlausibleMotion(const Eigen::Isometry3d& motion, double time_step,
@@ -24,4 +24,4 @@ inline bool canStop(const Vector6d& velocity, double time_step) {
          velocity.tail<3>().norm() <= kMaximumAngularDeceleration * time_step;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Fitted on rendered worlds to the growth of pose errors after a standstill and after a start at speed
@@ -38,4 +38,4 @@ PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry
   return after;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

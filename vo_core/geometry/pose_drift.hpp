@@ -2,7 +2,7 @@
 
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Covariance of a pose relative to the first pose of its track. The error grows by noise that is independent
 /// in each pair and by a drift that neighbouring pairs share, because they observe the same landmarks with
@@ -27,4 +27,4 @@ struct MotionErrors {
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
                             const MotionErrors& errors);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kSimultaneous = 1e-7;  // s, a smaller offset counts as none
@@ -183,4 +183,4 @@ ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen:
   return jacobians;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A pair in the estimator: the pose of the left camera at its exposure, and the time offset of the right
 /// one.
@@ -81,4 +81,4 @@ inline Eigen::Vector3d bearingOf(const StereoCamera& camera, const Eigen::Vector
   return {(pixel.x() - camera.cx) / camera.focal_length, (pixel.y() - camera.cy) / camera.focal_length, 1.0};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 // SIMD version of reprojection.hpp for four landmarks of one anchor: the same definitions of projections and
 // of perturbations (on the right).
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Bearings and inverse depths of four landmarks in the anchor camera.
 struct PlaceLanes {
@@ -85,4 +85,4 @@ inline PoseLanes rowByAnchor(const Transform& T, const ViewLanes& view, const Pl
   return byAnchor(T, 1, view.y, view, place);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Correction of the rig's calibration: the rotation of the right camera relative to the rig file, and the
 /// decentring p2 (Brown) of its lens. Angles about the axes of the rectified right camera (x right, y down,
@@ -46,4 +46,4 @@ inline Eigen::Vector2d correctedRight(const StereoCamera& camera, const RigCorre
                              (yaw + 2.0 * p2) * x * y - pitch * (1.0 + y * y) + roll * x);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

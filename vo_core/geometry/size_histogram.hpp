@@ -7,7 +7,7 @@
 
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Histogram of error magnitudes by their leading binary digits: the median of thousands to a thousandth of
 /// itself, in the time that it takes to record them.
@@ -50,4 +50,4 @@ class SizeHistogram {
   int count_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

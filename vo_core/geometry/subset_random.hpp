@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Uniform random numbers, the same on each platform.
 class SubsetRandom {
@@ -16,4 +16,4 @@ class SubsetRandom {
   std::mt19937_64 engine_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/geometry/reprojection.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Inverse depth from two cameras at their own exposure instants.
 struct Triangulation {
@@ -29,4 +29,4 @@ inline std::optional<Triangulation> triangulate(const StereoCamera& camera,
   return Triangulation{sensitivity.dot(seen * turned.z() - turned.head<2>()) / square, std::sqrt(square)};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 #include "vo_core/image/patch_comparison.hpp"
 #include "vo_core/image/patch_sums.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kBatchSize = kDoubleLanes;
@@ -145,4 +145,4 @@ std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const Pyr
   return aligned;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

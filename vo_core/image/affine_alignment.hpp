@@ -7,7 +7,7 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr int kPatchSide =
     15;  ///< px of the pyramid level that the patch is taken from; side of the square patch
@@ -54,4 +54,4 @@ struct AlignmentTask {
 void alignAffine(std::span<const AlignmentTask> tasks, WarpModel model, int iterations, double convergence,
                  std::span<std::optional<AffineAlignment>> aligned);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -11,7 +11,7 @@
 // Gauss-Newton equations of four affine alignments, one SIMD lane each. Each step waits for the one before,
 // so that four patches take no longer than one. Internal to affine_alignment.cpp.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr double kMaximumStretch = 0.6;  ///< largest difference of a warp element from the identity
 constexpr double kMaximumMove = 3.0;     ///< px, largest distance from the start
@@ -224,4 +224,4 @@ inline void forwardBackwardErrors(const SumsOfFour<ForwardBackwardSums>& sums, c
         miss < kMaximumMove ? miss : kMaximumMove;  // also replaces NaN, which a patch without texture gives
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/simd/lanes.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Row step of the compared patch. Every second row is compared, which halves the work; neighbouring rows
 /// carry nearly the same information.
@@ -41,4 +41,4 @@ constexpr AlignedPatch kAlignedOnes = [] {
   return ones;
 }();
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/image/patch_lanes.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Samples rows of pixels around a position, all at the same sub-pixel fraction, with constant interpolation
 /// weights.
@@ -40,4 +40,4 @@ class ConstantFractionSampler {
   typename Lanes::RowPair rows_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

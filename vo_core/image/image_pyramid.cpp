@@ -8,7 +8,7 @@
 
 #include "vo_core/simd/vector_widths.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kTaps = 5;                // of both filters
@@ -279,4 +279,4 @@ ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels) {
   return *PyramidPool(grey_levels).build(image);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -10,7 +10,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Size of a pixel of this level in px of the full image.
 constexpr double levelScale(int level) {
@@ -105,4 +105,4 @@ class PyramidPool {
   std::vector<std::uint16_t> row_sums_;  ///< five rows after the horizontal filter
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

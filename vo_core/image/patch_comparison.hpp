@@ -14,7 +14,7 @@
 
 // Templates and their comparison with patches of another image. Internal to tracking.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Template, the patch before: its derivatives by the parameters (a gradient in x or y, times 1 or times the
 /// pixel's offset from the centre in half patch sides), then its grey values.
@@ -198,4 +198,4 @@ void compareForwardBackward(const AlignedTemplate<Parameters>& before, const Ali
       [&](int i) { return patches[i]; }, sums);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

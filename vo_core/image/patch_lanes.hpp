@@ -10,7 +10,7 @@
 // SIMD kernels on sixteen or more values of an AlignedPatch, specialised by processor: the same bits on each.
 // Internal to tracking and stereo matching.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Sub-pixel position of a patch's pixels: distance to the whole pixel to the left and above.
 struct PixelFraction {
@@ -306,4 +306,4 @@ class PatchLanes<ByteShufflingProcessor> {
 };
 #endif
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -10,7 +10,7 @@
 
 // Sums over a patch and their transposition into the equations of four patches. Internal to tracking.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 // Numbers of parameters: of a shift; in stereo also of the stretch and shear of columns; then also of rows.
 constexpr int kShiftParameters = 2;   ///< x, y
@@ -151,4 +151,4 @@ struct LevelBounds {
   }
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

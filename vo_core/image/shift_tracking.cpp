@@ -9,7 +9,7 @@
 #include "vo_core/image/patch_sums.hpp"
 #include "vo_core/simd/double_lanes.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr std::size_t kBatchSize = kDoubleLanes;
@@ -208,4 +208,4 @@ std::optional<Eigen::Vector2d> trackShift(const ShiftTask& task, double minimum_
   return shifted;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Range of pyramid levels, both ends included.
 struct PyramidLevels {
@@ -39,4 +39,4 @@ void trackShifts(std::span<const ShiftTask> tasks, double minimum_correlation,
 /// Tracks one patch.
 std::optional<Eigen::Vector2d> trackShift(const ShiftTask& task, double minimum_correlation);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 #include "vo_core/image/patch_lanes.hpp"
 #include "vo_core/simd/bilinear_gather.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Sampling grid of a patch around `position`, which must lie inside the level, under a warp from offsets in
 /// the patch to offsets in the level. All integers: coordinates in 1/65536 px.
@@ -99,4 +99,4 @@ class WarpedRows {
   IntLanes x_ramp_, y_ramp_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Axes = Eigen::Array<double, 6, 1>;
@@ -142,4 +142,4 @@ void CodecErrorModel::updateBias(const Vector6d& innovation, const Sensitivities
   bias.variance = bias.variance.cwiseMax(kMinimumBiasStddev * kMinimumBiasStddev);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 #include "vo_core/key_frames.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Error of a pair's pose by its codec: perturbation on the right, in the axes of that pair's camera, m and
 /// rad.
@@ -87,4 +87,4 @@ class CodecErrorModel {
   int rough_pairs_ = 0;  ///< number of pairs in both, up to the length of the memory
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/geometry/subset_random.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Factor on the standstill limits of the left camera: a pose by right positions and depths has the noise of
@@ -101,4 +101,4 @@ void FrozenCameraDetector::compare(const Start& now) {
   left_is_frozen_ = false;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -10,7 +10,7 @@
 #include "vo_core/self_calibration/newest_pair.hpp"
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Detects a left camera that is frozen and continues to send: its images show a standstill wherever the cart
 /// drives. During a standstill the right camera, localised by its own image, must stay in place relative to
@@ -82,4 +82,4 @@ class FrozenCameraDetector {
   bool left_is_frozen_ = false;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 
 #include "vo_core/geometry/plausible_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kComparedRows = 32;  // evenly spread over the image; motion changes some of them
@@ -42,4 +42,4 @@ ImageRepeats RepeatedImageDetector::update(const StereoImages& images, const Odo
   return repeats;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 
 #include "vo_core/odometry_estimate.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Which images of a pair equal those of the previous pair byte for byte.
 struct ImageRepeats {
@@ -36,4 +36,4 @@ class RepeatedImageDetector {
   std::array<Camera, 2> cameras_;  ///< left and right
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

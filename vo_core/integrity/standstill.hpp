@@ -7,7 +7,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Detects a standstill: the pose has stayed within a few millimetres for a minimum time.
 class StandstillDetector {
@@ -44,4 +44,4 @@ class StandstillDetector {
   std::optional<Start> start_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the non-negative garrote", 1998) with a
 /// limit: zero for |value| <= dead_zone, continuous, close to the value far beyond; the magnitude is at most
@@ -14,4 +14,4 @@ inline double applyDeadZone(double value, double dead_zone, double limit) {
   return std::copysign(std::min(size - dead_zone * dead_zone / size, limit), value);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

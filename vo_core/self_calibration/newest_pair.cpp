@@ -1,7 +1,7 @@
 // Stereo matching of the newest pair with the expected rotation of the right camera.
 #include "vo_core/self_calibration/newest_pair.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                         const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks) {
@@ -10,4 +10,4 @@ void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right
                            pair.window.back().T_world_camera);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

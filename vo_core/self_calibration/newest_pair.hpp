@@ -6,7 +6,7 @@
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// The newest pair of a track and the tracker that matches its landmarks.
 struct NewestPair {
@@ -21,4 +21,4 @@ struct NewestPair {
 void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                         const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

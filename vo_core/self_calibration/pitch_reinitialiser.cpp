@@ -6,7 +6,7 @@
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/self_calibration/pitch_search.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 bool PitchReinitialiser::tryReinitialise(const MatchedPair& pair, RigCalibrationFilter& rig) {
   const std::int64_t index = pair.window.back().index;
@@ -36,4 +36,4 @@ void PitchReinitialiser::refine(const MatchedPair& pair, std::vector<Landmark> l
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Searches the right image for the landmarks' last observations, with the right camera rotated by
 /// rig.expected(). Keeps existing matches of landmarks that it does not find.
@@ -40,4 +40,4 @@ class PitchReinitialiser {
   std::int64_t next_pair_ = 0;  ///< index of the first pair of the next search
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 
 #include "vo_core/self_calibration/dead_zone.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector = RowErrors::Vector;
@@ -114,4 +114,4 @@ RigCorrection PitchRollFilter::correction() const {
   return correctionBeyond((kCorrectedSignificance * stddev()).cwiseMax(kDeadZone));
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

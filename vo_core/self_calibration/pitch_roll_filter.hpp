@@ -5,7 +5,7 @@
 #include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Information filter for the right camera's pitch, roll and delay, measured by rows. Its memory is some
 /// seconds, so that it follows a bumped camera.
@@ -48,4 +48,4 @@ class PitchRollFilter {
   std::optional<double> usual_cross_term_;  ///< running mean; empty until the filter has settled
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

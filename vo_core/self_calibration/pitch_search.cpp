@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Shares of matched landmarks. With a correct rig at least a quarter is matched in most scenes; at a pitch
@@ -83,4 +83,4 @@ std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double f
   return best.pitch;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

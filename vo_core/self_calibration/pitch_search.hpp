@@ -6,7 +6,7 @@
 
 #include "vo_core/tracking/landmark.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Searches the right image for the landmarks' last observations, with the right camera at `pitch` (rad).
 using MatchAtPitch = std::function<void(std::vector<Landmark>& landmarks, double pitch)>;
@@ -21,4 +21,4 @@ bool hasFewMatches(const std::vector<Landmark>& landmarks);
 std::optional<double> findPitch(const std::vector<Landmark>& landmarks, double focal_length,
                                 const MatchAtPitch& match);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kMinimumWindowPath = 0.5;  // m driven within the window; less does not determine the yaw
@@ -53,4 +53,4 @@ RigCalibrationError RigCalibrationFilter::error() const {
       of_rows(RowErrors::kPitch), {yaw, yaw_stddev}, of_rows(RowErrors::kRoll), of_rows(RowErrors::kDelay)};
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

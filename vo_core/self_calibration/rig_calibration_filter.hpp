@@ -6,7 +6,7 @@
 #include "vo_core/self_calibration/row_measurement.hpp"
 #include "vo_core/self_calibration/yaw_filter.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Estimates the rig's calibration error while driving: yaw and p2 from disparities, pitch, roll and delay
 /// from rows.
@@ -38,4 +38,4 @@ class RigCalibrationFilter {
   PitchRollFilter rows_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

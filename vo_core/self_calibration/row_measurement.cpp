@@ -11,7 +11,7 @@
 #include "vo_core/geometry/reprojection_lanes.hpp"
 #include "vo_core/simd/simd_groups.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector = RowErrors::Vector;
@@ -221,4 +221,4 @@ RowMeasurement RowRegression::measure(const BundleProblem& adjusted) {
   return measurement;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

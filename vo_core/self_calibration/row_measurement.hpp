@@ -5,7 +5,7 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Errors of the right camera that shift the rows of stereo matches against the prediction. The cross term
 /// shifts rows in proportion to x * y: yaw + 2 p2. The lenses of a good calibration leave more of it than a
@@ -45,4 +45,4 @@ class RowRegression {
 /// Measurement of a single problem.
 RowMeasurement measureRows(const BundleProblem& adjusted);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 
 #include "vo_core/self_calibration/dead_zone.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector = RigCorrection::Vector;
@@ -65,4 +65,4 @@ RigCorrection YawFilter::correction() const {
   return correction;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include "vo_core/geometry/rig_correction.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Information filter for the right camera's yaw (rad) and p2 (normalised), measured by disparities.
 class YawFilter {
@@ -30,4 +30,4 @@ class YawFilter {
   RigCorrection::Vector linearisation_ = RigCorrection::Vector::Zero();  ///< estimate when information_ began
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

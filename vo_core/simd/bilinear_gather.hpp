@@ -8,7 +8,7 @@
 
 // Gathers the 2x2 neighbourhoods from which pixels at arbitrary positions are interpolated.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Gathers, for sixteen pixels, the bytes at the pixel, right of it, below it and below to the right, lowest
 /// first. `offset`: of the pixels from `corner`; only the first `count` are read.
@@ -27,4 +27,4 @@ inline void gather2x2Scalar(const std::uint8_t* corner, std::ptrdiff_t stride, c
   std::memcpy(&neighbours, fetched, sizeof neighbours);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

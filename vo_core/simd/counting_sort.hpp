@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Counting sort: indices of items sorted by group. Reuses its memory.
 class CountingSort {
@@ -39,4 +39,4 @@ class CountingSort {
   std::vector<int> next_;  // next free position of each group while sorting
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 
 #include "vo_core/simd/target_clones.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Four doubles that are processed at once, like Lanes; normal equations need double precision. Four fill an
 /// AVX2 register. Eight would fill one of AVX-512, but GCC 12 moves those through memory, which costs three
@@ -80,4 +80,4 @@ struct PoseLanes {
   DoubleLanes value[6];
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -11,7 +11,7 @@
 #include <immintrin.h>
 #endif
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Sixteen numbers that are processed at once by the vector extension of GCC and Clang: one AVX-512 register,
 /// two of AVX or four of SSE or NEON. Never passed by value, because that ABI depends on the processor.
@@ -106,24 +106,24 @@ inline bool shufflesBytes() {
 }
 #endif
 
-}  // namespace cartvo
+}  // namespace cartvo::vo
 
 // Defines name(parameters) as implementation<Processor>(arguments), a function template, compiled for each
 // kind of processor and selected once at run time. Parameters and arguments are in parentheses.
 #ifdef CARTVO_BYTE_SHUFFLES
-#define CARTVO_BY_PROCESSOR(Result, name, parameters, arguments, implementation)    \
-  CARTVO_TARGET_CLONES Result name##Anywhere parameters {                           \
-    return implementation<AnyProcessor> arguments;                                  \
-  }                                                                                 \
-  CARTVO_BYTE_SHUFFLES Result name##ByShuffles parameters {                         \
-    return implementation<ByteShufflingProcessor> arguments;                        \
-  }                                                                                 \
-  Result name parameters {                                                          \
-    return shufflesBytes() ? name##ByShuffles arguments : name##Anywhere arguments; \
+#define CARTVO_BY_PROCESSOR(Result, name, parameters, arguments, implementation)                  \
+  CARTVO_TARGET_CLONES Result name##Anywhere parameters {                                         \
+    return implementation<::cartvo::vo::AnyProcessor> arguments;                                  \
+  }                                                                                               \
+  CARTVO_BYTE_SHUFFLES Result name##ByShuffles parameters {                                       \
+    return implementation<::cartvo::vo::ByteShufflingProcessor> arguments;                        \
+  }                                                                                               \
+  Result name parameters {                                                                        \
+    return ::cartvo::vo::shufflesBytes() ? name##ByShuffles arguments : name##Anywhere arguments; \
   }
 #else
 #define CARTVO_BY_PROCESSOR(Result, name, parameters, arguments, implementation) \
   Result name parameters {                                                       \
-    return implementation<AnyProcessor> arguments;                               \
+    return implementation<::cartvo::vo::AnyProcessor> arguments;                 \
   }
 #endif

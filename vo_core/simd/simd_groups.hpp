@@ -6,7 +6,7 @@
 #include "vo_core/simd/counting_sort.hpp"
 #include "vo_core/simd/double_lanes.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Items sorted by their anchor frame, so that the SIMD lanes of a block share one anchor.
 class SimdGroups {
@@ -36,4 +36,4 @@ class SimdGroups {
   CountingSort by_anchor_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include "vo_core/simd/double_lanes.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Inverts the upper left Size x Size corner of four symmetric matrices, one SIMD lane each, by L D L^T. Only
 /// elements on and below the diagonal are read; elements of `inverse` outside the corner are left as they
@@ -62,4 +62,4 @@ void invertCorner(const DoubleLanes (&matrix)[Side][Side], double least_pivot,
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Small unsigned numbers that are processed at once, in Size bytes: the vector extensions of GCC and Clang.
 /// Never passed by value, because that ABI depends on the processor. Each size is spelt out, because GCC 12
@@ -37,7 +37,7 @@ struct ByteVectors<64> {
   using Ints = std::uint32_t __attribute__((vector_size(64), may_alias));
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo
 
 // Defines a function for AVX-512, for AVX2 and for any processor, each with the size of its vectors, kSize,
 // in bytes: GCC compares and selects well only what fits into one register, which CARTVO_TARGET_CLONES

@@ -15,7 +15,7 @@
 #include "vo_core/simd/double_lanes.hpp"
 #include "vo_core/stereo/subpixel_fit.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr int kNccColumns = 15, kNccRows = 9;    ///< px, size of the windows that are correlated
 constexpr int kNccRadius = 2;                    ///< px to the left and right in which a peak may lie
@@ -173,4 +173,4 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

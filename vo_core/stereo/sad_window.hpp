@@ -16,7 +16,7 @@
 
 // Sums of absolute differences (SAD) of windows. Internal to the stereo search.
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr int kSadColumns = 16, kSadRows = 9;  ///< px
 constexpr int kSadRun = 7;                     ///< windows side by side that are compared together
@@ -131,4 +131,4 @@ class SadWindow<ByteShufflingProcessor> {
 };
 #endif
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -11,7 +11,7 @@
 #include "vo_core/stereo/ncc_search.hpp"
 #include "vo_core/stereo/sad_window.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kCandidates = 3;           // candidates that are kept from the coarsest level
@@ -246,4 +246,4 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
   return found;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

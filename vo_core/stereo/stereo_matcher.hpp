@@ -6,7 +6,7 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Epipolar line of a left pixel in the right image by the disparity d: pixel + at_infinity + (d
 /// (per_disparity.x - 1), d per_disparity.y). The default holds if both images were exposed at the same
@@ -41,4 +41,4 @@ std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const Ima
                                        const Eigen::Vector2d& left, const StereoSettings& settings,
                                        const EpipolarLine& line = {}, int level = 0);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

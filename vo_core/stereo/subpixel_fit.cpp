@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 namespace {
 
@@ -32,4 +32,4 @@ double sinusoidalOffset(double left, double middle, double right) {
   return std::clamp(-phase / frequency, -0.5, 0.5);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Offset of a correlation peak from the middle sample, in [-0.5, 0.5], and its height: from a sinusoid A
 /// cos(w x + p) through the values at -1, 0, +1 (the thesis' sinusoidal sub-pixel fit): w = acos((left +
@@ -10,4 +10,4 @@ namespace cartvo {
 double sinusoidalOffset(double left, double middle, double right);
 double sinusoidalHeight(double left, double middle, double right);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Gap between the two greatest eigenvalues, relative to the spread of the points, below which the rotation is
@@ -53,4 +53,4 @@ std::optional<Eigen::Isometry3d> absoluteOrientation(const std::vector<PointPair
   return T;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

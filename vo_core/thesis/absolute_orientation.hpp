@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A point in two coordinate frames and its weight, >= 0.
 struct PointPair {
@@ -20,4 +20,4 @@ struct PointPair {
 /// undetermined.
 std::optional<Eigen::Isometry3d> absoluteOrientation(const std::vector<PointPair>& pairs);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

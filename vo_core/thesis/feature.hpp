@@ -9,7 +9,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Number of observations that a feature keeps.
 constexpr int kHistoryLength = kMaximumRefinementFrames;
@@ -66,4 +66,4 @@ class Feature {
   std::array<FeatureObservation, kHistoryLength> history_{};
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

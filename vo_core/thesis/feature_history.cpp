@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 double normalisedSquare(const WorldStep& step) {
@@ -22,4 +22,4 @@ double historyWeight(double weight, double motion_variance, const HistorySetting
   return 0.5 * (weight + now);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Displacement of a feature in the world from one pair to the next; a static point has none but noise.
 struct WorldStep {
@@ -20,4 +20,4 @@ double motionVariance(const WorldStep& earlier, const WorldStep& later);
 /// a moving object loses its weight within a few pairs; a chance outlier regains it.
 double historyWeight(double weight, double motion_variance, const HistorySettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

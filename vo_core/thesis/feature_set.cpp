@@ -8,7 +8,7 @@
 #include "vo_core/stereo/stereo_matcher.hpp"
 #include "vo_core/thesis/klt.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kAssumedDepth = 1000.0;  // m, assumed depth of a feature without a disparity
@@ -41,7 +41,7 @@ Eigen::Vector2d FeatureSet::predictPixel(const Feature& feature, const FrameWind
   if (!T_world_camera || frame == nullptr || !frame->T_world_camera) return last.left;
   const double disparity = camera_.focal_length * camera_.baseline / kAssumedDepth;
   const Eigen::Vector3d point =
-      last.matched() ? last.point : cartvo::triangulate(camera_, {last.left, disparity});
+      last.matched() ? last.point : cartvo::vo::triangulate(camera_, {last.left, disparity});
   const Eigen::Vector3d predicted = T_world_camera->inverse() * *frame->T_world_camera * point;
   if (predicted.z() < 0.1) return {-1e6, -1e6};  // behind the camera
   return project(camera_, predicted);
@@ -120,7 +120,7 @@ void FeatureSet::matchStereo(const ImagePyramid& left, const ImagePyramid& right
     Feature& feature = features_[i];
     if (!isSeen(feature)) return;
     FeatureObservation& observation = feature.last();
-    const auto match = cartvo::matchStereo(left, right, observation.left, settings_.stereo);
+    const auto match = cartvo::vo::matchStereo(left, right, observation.left, settings_.stereo);
     if (!match) return;
     observation.disparity = match->disparity;
     observation.right_row = observation.left.y() + match->row_offset;
@@ -130,7 +130,8 @@ void FeatureSet::matchStereo(const ImagePyramid& left, const ImagePyramid& right
 void FeatureSet::triangulate() {
   for (Feature& feature : features_)
     if (isSeen(feature) && feature.last().matched())
-      feature.last().point = cartvo::triangulate(camera_, {feature.last().left, feature.last().disparity});
+      feature.last().point =
+          cartvo::vo::triangulate(camera_, {feature.last().left, feature.last().disparity});
 }
 
 void FeatureSet::removeLowWeights() {
@@ -138,4 +139,4 @@ void FeatureSet::removeLowWeights() {
                 [&](const Feature& feature) { return feature.weight < settings_.history.minimum_weight; });
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

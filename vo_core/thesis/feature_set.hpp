@@ -11,7 +11,7 @@
 #include "vo_core/thesis/frame_window.hpp"
 #include "vo_core/tracking/adaptive_detector.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// All tracked features and the steps that carry them from one pair to the next. A feature is seen if the
 /// current pair observed it, and lost otherwise.
@@ -59,4 +59,4 @@ class FeatureSet {
   std::uint64_t next_id_ = 0;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

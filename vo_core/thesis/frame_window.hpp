@@ -7,7 +7,7 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Record of a processed pair.
 struct FrameRecord {
@@ -56,4 +56,4 @@ class FrameWindow {
   std::deque<FrameRecord> frames_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/image/shift_tracking.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 constexpr double kMinimumShiftCorrelation =
     0.5;  // minimum correlation after the shift from which an affine alignment can still match
@@ -29,4 +29,4 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
   return result;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

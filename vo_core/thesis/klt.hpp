@@ -5,7 +5,7 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Result of trackPatch().
 struct KltResult {
@@ -22,4 +22,4 @@ struct KltResult {
 KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, const Eigen::Vector2d& from,
                      const Eigen::Vector2d& guess, int levels, const TrackingSettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

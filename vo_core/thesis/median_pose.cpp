@@ -4,7 +4,7 @@
 #include "common/statistics.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 Eigen::Isometry3d medianPose(const std::vector<Eigen::Isometry3d>& poses) {
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
@@ -29,4 +29,4 @@ Eigen::Isometry3d medianPose(const std::vector<Eigen::Isometry3d>& poses) {
   return pose;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

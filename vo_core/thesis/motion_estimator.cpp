@@ -11,7 +11,7 @@
 #include "vo_core/thesis/median_pose.hpp"
 #include "vo_core/thesis/prediction_error.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kBestFraction =
@@ -152,4 +152,4 @@ std::optional<EstimatedMotion> estimateMotion(const std::vector<PointMatch>& mat
   return motion;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

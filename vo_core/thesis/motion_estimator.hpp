@@ -7,7 +7,7 @@
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Point of a feature in the reference and in the current camera.
 struct PointMatch {
@@ -37,4 +37,4 @@ struct EstimatedMotion {
 std::optional<EstimatedMotion> estimateMotion(const std::vector<PointMatch>& matches,
                                               const MotionSettings& settings, SubsetRandom& random);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

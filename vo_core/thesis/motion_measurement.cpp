@@ -7,7 +7,7 @@
 #include "vo_core/thesis/feature_history.hpp"
 #include "vo_core/thesis/window_refinement.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 /// Carries the point of an observation to the world, with its covariance in world axes.
@@ -139,4 +139,4 @@ void MotionMeter::updateHistoryWeights(std::vector<Feature>& features, const Fra
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

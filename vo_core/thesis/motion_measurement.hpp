@@ -11,7 +11,7 @@
 #include "vo_core/thesis/frame_window.hpp"
 #include "vo_core/thesis/motion_estimator.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Motion of a pair since a reference pair.
 struct MotionMeasurement {
@@ -53,4 +53,4 @@ class MotionMeter {
   SubsetRandom random_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 
 #include "common/statistics.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Prediction error c of a feature (thesis 4.16) in standard deviations of its point: |L^-1 error| with
 /// covariance = L L^T. `information`: inverse of the covariance. The thesis takes the error in metres and one
@@ -34,4 +34,4 @@ inline double errorScale(std::vector<double> errors) {
   return std::clamp(median(errors) / kMedianOfChi3, 1.0, kMaximumErrorScale);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

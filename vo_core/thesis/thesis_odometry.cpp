@@ -9,7 +9,7 @@
 #include "vo_core/thesis/frame_window.hpp"
 #include "vo_core/thesis/motion_measurement.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 class ThesisOdometry final : public OdometryMethod {
@@ -198,4 +198,4 @@ std::unique_ptr<OdometryMethod> makeThesisOdometry(const StereoCamera& camera,
   return std::make_unique<ThesisOdometry>(camera, settings);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,11 +6,11 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// `estimator: thesis`: the method of the thesis with all its stages. Treats left and right exposure as
 /// simultaneous.
 std::unique_ptr<OdometryMethod> makeThesisOdometry(const StereoCamera& camera,
                                                    const OdometrySettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

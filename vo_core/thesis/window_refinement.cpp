@@ -8,7 +8,7 @@
 
 #include "vo_core/thesis/prediction_error.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kConvergedStep = 1e-6;  // m and rad, step that ends the iterations
@@ -138,4 +138,4 @@ RefinedPose refinePose(const Eigen::Isometry3d& T_world_camera,
   return refined;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Grid of cells of the image; the errors of features in one cell are correlated.
 constexpr int kCovarianceColumns = 16, kCovarianceRows = 8;
@@ -49,4 +49,4 @@ RefinedPose refinePose(const Eigen::Isometry3d& T_world_camera,
                        const std::vector<RefinementFeature>& features, double scale, double radius,
                        const RefinementSettings& settings);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -12,7 +12,7 @@
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kUnknownSpeed = 3.0;                // m/s, standard deviation of the speed at the first pair
@@ -277,4 +277,4 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   }
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

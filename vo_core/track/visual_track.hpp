@@ -17,7 +17,7 @@
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A pair with its image pyramids.
 struct PreparedPair {
@@ -141,4 +141,4 @@ class VisualTrack {
   RowRegression row_regression_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

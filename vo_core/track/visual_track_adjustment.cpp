@@ -9,7 +9,7 @@
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/track/visual_track.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one is free
@@ -148,4 +148,4 @@ RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const D
   return rig;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 
 #include "vo_core/track/visual_track.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // m and rad, standard deviations of a motion during a standstill.
@@ -73,4 +73,4 @@ void VisualTrack::checkRightCamera(const PreparedPair& pair, bool within_standst
   discardLastStereo(draft.landmarks);
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

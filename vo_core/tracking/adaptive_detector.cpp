@@ -6,7 +6,7 @@
 
 #include "common/parallel_loop.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kCornersPerFeature = 2.0;   // target number of corners of a window per target feature
@@ -148,4 +148,4 @@ int AdaptiveDetector::chooseFrom(std::vector<Corner>& heap, int wanted, SpacingG
   return chosen;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 #include "vo_core/tracking/fast_corners.hpp"
 #include "vo_core/tracking/spacing_grid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// FAST in windows, each with its own threshold, which adapts from image to image so that dark and bright,
 /// rough and smooth parts of the image all give features: too few corners lower a window's threshold, too
@@ -68,4 +68,4 @@ class AdaptiveDetector {
   std::vector<Corner> chosen_, remaining_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Two pyramids and the level in which a patch is aligned.
 struct PatchView {
@@ -57,4 +57,4 @@ class AlignmentBlock {
   std::array<std::optional<AffineAlignment>, kCapacity> aligned_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

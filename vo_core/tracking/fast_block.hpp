@@ -12,7 +12,7 @@
 #include <immintrin.h>
 #endif
 
-namespace cartvo {
+namespace cartvo::vo {
 
 constexpr int kCircle = 16;  ///< pixels of the circle
 
@@ -198,4 +198,4 @@ class PixelBlock {
   Pixels bright_{}, dark_{};  ///< 255 where the circle has such an arc, else 0
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

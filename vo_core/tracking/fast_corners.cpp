@@ -9,7 +9,7 @@
 #include "vo_core/simd/vector_widths.hpp"
 #include "vo_core/tracking/fast_block.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 /// Whether nine contiguous bits of the ring of sixteen are set.
@@ -201,4 +201,4 @@ const std::vector<Corner>& CornerFinder::find(const cv::Mat& image, const cv::Ra
   return maxima_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A corner of an image and its FAST score.
 struct Corner {
@@ -78,4 +78,4 @@ class CornerFinder {
   std::vector<Corner> maxima_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "common/statistics.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 // Minimum stddev of a position, that of the steepest patch, in single and in inter-coded images. Fitted on
@@ -60,4 +60,4 @@ void discardLastStereo(std::vector<Landmark>& landmarks) {
     landmark.observations.back().stereo = false;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

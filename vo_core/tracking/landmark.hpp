@@ -7,7 +7,7 @@
 #include "vo_core/geometry/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Observation of a landmark by one pair.
 struct Observation {
@@ -68,4 +68,4 @@ void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& ro
 /// Removes all stereo matches of the last pair.
 void discardLastStereo(std::vector<Landmark>& landmarks);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kPriorTrials = 4.0;  // trials in the prior of a window, half of them successful
@@ -135,4 +135,4 @@ const std::vector<LandmarkCorner>& LandmarkDetector::detect(const ImagePyramid& 
   return corners_;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

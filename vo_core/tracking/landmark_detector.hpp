@@ -8,7 +8,7 @@
 #include "vo_core/tracking/adaptive_detector.hpp"
 #include "vo_core/tracking/landmark.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Corner for a new landmark and the pyramid level in which it was found.
 struct LandmarkCorner {
@@ -64,4 +64,4 @@ class LandmarkDetector {
   std::vector<LandmarkCorner> corners_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

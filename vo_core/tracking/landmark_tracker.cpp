@@ -11,7 +11,7 @@
 #include "vo_core/stereo/stereo_matcher.hpp"
 #include "vo_core/tracking/alignment_block.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kUnknownInverseDepth = 0.02;     // 1/m, predicts landmarks without depth
@@ -305,7 +305,7 @@ std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& lan
   } else {
     const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
     const auto found =
-        cartvo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
+        cartvo::vo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
     if (!found) return std::nullopt;
     start.position = found->right;
   }
@@ -360,4 +360,4 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
   });
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

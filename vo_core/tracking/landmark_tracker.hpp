@@ -17,7 +17,7 @@
 #include "vo_core/tracking/spacing_grid.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Tracks landmarks from pair to pair, matches them in the right images and detects new ones.
 class LandmarkTracker {
@@ -111,4 +111,4 @@ class LandmarkTracker {
 /// camera has moved along z or y, or rolled, since the left exposure.
 bool keepsRows(const Eigen::Isometry3d& T_right_left);
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr float kEmptyCell = -1e6F;  // px, coordinate of an empty cell
@@ -65,4 +65,4 @@ bool SpacingGrid::insert(const Eigen::Vector2d& point) {
   return true;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// Keeps points of an image a minimum distance apart: insert() accepts a point only if no accepted one is
 /// closer. Single precision: a thousandth of a pixel in images of 8192 px.
@@ -34,4 +34,4 @@ class SpacingGrid {
   std::vector<float> x_, y_;
 };
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

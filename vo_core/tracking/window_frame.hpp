@@ -9,7 +9,7 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 
 /// A pair in the window: the data that remain after its processing.
 struct WindowFrame {
@@ -39,4 +39,4 @@ inline const WindowFrame* findFrame(const std::vector<WindowFrame>& window, std:
   return found ? &window[static_cast<std::size_t>(*found)] : nullptr;
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::vo

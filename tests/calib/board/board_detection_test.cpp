@@ -12,7 +12,7 @@
 #include "support/calib/board_scene.hpp"
 #include "support/calib/rigs.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -146,4 +146,4 @@ TEST(ViewQuality, DetectsExcessiveTiltAndCollinearCorners) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -8,7 +8,7 @@
 #include "calib/board/marker_dictionary.hpp"
 #include "support/error_message.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -108,4 +108,4 @@ TEST(MarkerDictionary, IsTheSmallestThatContainsTheBoard) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

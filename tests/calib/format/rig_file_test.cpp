@@ -6,13 +6,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calib/model/rig_validation.hpp"
 #include "common/atomic_file.hpp"
 #include "common/strict_yaml.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::EndsWith;
@@ -224,4 +225,4 @@ TEST(RigFile, RefusesAliasesThatExpandToABillionNumbers) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -12,7 +12,7 @@
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 namespace fs = std::filesystem;
@@ -274,4 +274,4 @@ TEST(RosRig, RefusesFaultyFilesNamingFileLineAndKey) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

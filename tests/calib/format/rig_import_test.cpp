@@ -14,7 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -123,4 +123,4 @@ TEST(KittiRig, RefusesAShortRowAndAMissingRow) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

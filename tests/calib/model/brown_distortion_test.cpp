@@ -9,7 +9,7 @@
 
 #include "support/calib/rigs.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 TEST(BrownDistortion, DistortsLikeOpenCv) {
@@ -50,4 +50,4 @@ TEST(BrownDistortion, EndsWhereTheModelFolds) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

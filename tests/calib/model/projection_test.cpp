@@ -6,7 +6,7 @@
 #include "calib/model/lens.hpp"
 #include "support/calib/rigs.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 class Projection : public ::testing::TestWithParam<LensModel> {
@@ -59,4 +59,4 @@ INSTANTIATE_TEST_SUITE_P(, Projection, ::testing::Values(LensModel::brown, LensM
                          [](const auto& lens) { return lens.param == LensModel::wide ? "Wide" : "Brown"; });
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -13,7 +13,7 @@
 #include "calib/rectification/rectification_tables.hpp"
 #include "support/calib/rigs.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 TEST(PortableArcTangent, AgreesWithTheLibrary) {
@@ -112,4 +112,4 @@ TEST(RectificationTables, FingerprintDependsOnTheLensModel) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

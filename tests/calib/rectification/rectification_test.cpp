@@ -10,7 +10,7 @@
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(Rectification, RefusesAScalingBeyondOne) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

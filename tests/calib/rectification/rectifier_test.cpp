@@ -11,7 +11,7 @@
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST(Rectifier, RefusesTablesOfAnotherRig) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

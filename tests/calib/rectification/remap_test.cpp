@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 cv::Mat noise(cv::Size size) {
@@ -92,4 +92,4 @@ TEST(Remap, ReadsSourcesWithPaddedRows) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

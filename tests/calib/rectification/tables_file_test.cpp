@@ -13,7 +13,7 @@
 #include "support/calib/rigs.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST_F(TablesFile, IsNotNeededForARectifiedRig) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

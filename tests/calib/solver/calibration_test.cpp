@@ -14,7 +14,7 @@
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 
-namespace cartvo {
+namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
@@ -300,4 +300,4 @@ TEST(ViewCoverage, GivesAdviceUntilCoverageIsSufficient) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::calib

@@ -14,7 +14,7 @@
 
 #include "tests/support/capture/simulated_clocks.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using test::ClockFaults;
@@ -336,4 +336,4 @@ TEST(StereoTimestamper, NewConnectionContinuesAfterLastExposure) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 TEST(FfmpegLog, RemovesCredentialsFromUrls) {
@@ -21,4 +21,4 @@ TEST(FfmpegLog, KeepsTextWithoutCredentials) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

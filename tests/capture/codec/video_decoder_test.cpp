@@ -9,7 +9,7 @@
 
 #include "tests/support/capture/encoded_sequence.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 const cv::Size kSize(320, 200);
@@ -152,4 +152,4 @@ TEST(VideoDecoder, CountsInvalidUnitsAsFailures) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -14,7 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -258,4 +258,4 @@ TEST(StereoSource, OpensRealSequences) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

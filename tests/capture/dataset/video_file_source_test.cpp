@@ -15,7 +15,7 @@
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,4 +123,4 @@ TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

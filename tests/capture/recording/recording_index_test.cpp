@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 TEST(RecordingIndex, ParsesFormattedRow) {
@@ -69,4 +69,4 @@ TEST(RecordingIndex, RejectsTimesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

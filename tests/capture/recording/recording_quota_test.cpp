@@ -13,7 +13,7 @@
 #include "support/temporary_folder.hpp"
 #include "tests/support/capture/recorded_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ TEST_F(RecordingQuotaTest, DeletesNothingWithoutFolder) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -21,7 +21,7 @@
 #include "tests/support/capture/encoded_sequence.hpp"
 #include "tests/support/capture/frame_digest.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -394,4 +394,4 @@ TEST(Recording, RejectsDescriptionWithNumbersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -14,7 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "tests/support/capture/encoded_sequence.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr int kPictures = 200;
@@ -125,4 +125,4 @@ TEST(RecordingTimestamper, UsesArrivalsOfPicturesLostFromVideo) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

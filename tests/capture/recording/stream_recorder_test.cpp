@@ -25,7 +25,7 @@
 #include "support/test_timeout.hpp"
 #include "tests/support/capture/recorded_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -329,4 +329,4 @@ TEST(RecordingWriter, ProtectsEndedSegmentFromQuotaUntilNextOneBegins) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

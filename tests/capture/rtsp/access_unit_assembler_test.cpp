@@ -9,7 +9,7 @@
 
 #include "capture/codec/nal_units.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -294,4 +294,4 @@ TEST(NalUnits, ReadsExpGolombCodesAndSkipsEmulationPrevention) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

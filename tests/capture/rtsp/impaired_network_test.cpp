@@ -22,7 +22,7 @@
 #include "tests/support/capture/live_camera.hpp"
 #include "tests/support/capture/scripted_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 constexpr double kFrameRate = 25.0;
@@ -188,4 +188,4 @@ INSTANTIATE_TEST_SUITE_P(Netem, ImpairedNetwork,
                          [](const auto& link) { return link.param.name; });
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

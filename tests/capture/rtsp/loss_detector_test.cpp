@@ -9,7 +9,7 @@
 
 #include "tests/support/capture/encoded_sequence.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 const cv::Size kSize(160, 120);
@@ -104,4 +104,4 @@ TEST(LossDetector, SurvivesInvalidData) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -22,7 +22,7 @@
 #include "tests/support/capture/frame_digest.hpp"
 #include "tests/support/capture/live_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using simulate::EncodedStream;
@@ -176,4 +176,4 @@ TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -18,7 +18,7 @@
 #include "tests/support/capture/silent_server.hpp"
 #include "tests/support/capture/tcp_proxy.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using std::chrono::milliseconds;
@@ -159,4 +159,4 @@ TEST(RtspConnection, InterruptEndsReadingInEachState) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

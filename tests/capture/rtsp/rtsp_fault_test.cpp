@@ -20,7 +20,7 @@
 #include "tests/support/capture/live_camera.hpp"
 #include "tests/support/capture/scripted_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using std::chrono::milliseconds;
@@ -378,4 +378,4 @@ INSTANTIATE_TEST_SUITE_P(RtspFault, RtspLatency,
                          parameterName);
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -8,7 +8,7 @@
 
 #include "capture/rtsp/rtsp_camera.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 std::string errorOf(const RtspCameraSettings& settings) {
@@ -51,4 +51,4 @@ TEST(RtspCameraSettings, RejectsTimeoutOfZero) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

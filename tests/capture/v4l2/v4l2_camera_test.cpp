@@ -14,7 +14,7 @@
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::capture {
 namespace {
 
 using std::chrono::milliseconds;
@@ -142,4 +142,4 @@ TEST_F(AbsentV4l2Camera, RejectsInvalidSettings) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::capture

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 TEST(RepeatedWarnings, LogsFirstAtOnceThenOncePerMinuteWithCount) {
@@ -35,4 +35,4 @@ TEST(RepeatedWarnings, DistinguishesTextsAndStoresLimitedNumber) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

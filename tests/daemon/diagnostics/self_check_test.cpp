@@ -7,35 +7,36 @@
 
 #include "common/units.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
 
-RigCalibrationError rigWith(EstimateWithStddev RigCalibrationError::*which, double value, double stddev) {
-  constexpr EstimateWithStddev kNothing{0.0, 1e-5};
-  RigCalibrationError rig{kNothing, kNothing, kNothing, kNothing};
+vo::RigCalibrationError rigWith(vo::EstimateWithStddev vo::RigCalibrationError::*which, double value,
+                                double stddev) {
+  constexpr vo::EstimateWithStddev kNothing{0.0, 1e-5};
+  vo::RigCalibrationError rig{kNothing, kNothing, kNothing, kNothing};
   rig.*which = {value, stddev};
   return rig;
 }
 
 /// Estimate that holds only rig calibration errors.
-OdometryEstimate estimateWith(const std::optional<RigCalibrationError>& rig) {
-  OdometryEstimate estimate;
+vo::OdometryEstimate estimateWith(const std::optional<vo::RigCalibrationError>& rig) {
+  vo::OdometryEstimate estimate;
   estimate.rig = rig;
   return estimate;
 }
 
-std::string messageFor(const RigCalibrationError& rig) {
+std::string messageFor(const vo::RigCalibrationError& rig) {
   SelfCheck check;
   check.update(estimateWith(rig));
   return check.message();
 }
 
 /// Pair number `pair` at 10 Hz with these numbers of corners and stereo matches.
-OdometryEstimate pairWith(int pair, int corners, int stereo) {
-  OdometryEstimate estimate;
+vo::OdometryEstimate pairWith(int pair, int corners, int stereo) {
+  vo::OdometryEstimate estimate;
   estimate.exposure_ns = pair * 100'000'000LL;
   estimate.counts.detected = corners;
   estimate.counts.stereo = stereo;
@@ -52,42 +53,42 @@ TEST(SelfCheck, IsEmptyForIntactOrUnobservedRig) {
   SelfCheck check;
   check.update(estimateWith(std::nullopt));
   EXPECT_EQ(check.message(), "");
-  check.update(estimateWith(rigWith(&RigCalibrationError::roll, 0.05 * kRadiansPerDegree, 1e-5)));
+  check.update(estimateWith(rigWith(&vo::RigCalibrationError::roll, 0.05 * kRadiansPerDegree, 1e-5)));
   EXPECT_EQ(check.message(), "");
   EXPECT_FALSE(check.consumeChange());
 }
 
 TEST(SelfCheck, ReportsTimeOffset) {
-  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::delay, 3.1e-3, 4e-4)),
+  EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, 3.1e-3, 4e-4)),
               HasSubstr("3.1 ± 0.4 ms later"));
-  EXPECT_THAT(messageFor(rigWith(&RigCalibrationError::delay, -3.1e-3, 4e-4)),
+  EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, -3.1e-3, 4e-4)),
               HasSubstr("3.1 ± 0.4 ms earlier"));
 }
 
 TEST(SelfCheck, ReportsRotationOfRightCamera) {
   EXPECT_THAT(
-      messageFor(rigWith(&RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
+      messageFor(rigWith(&vo::RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
       HasSubstr("turned by +0.31 ± 0.01 deg in roll against the rig file: calibrate again"));
+  EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::pitch, -0.2 * kRadiansPerDegree,
+                                 0.01 * kRadiansPerDegree)),
+              HasSubstr("-0.20 ± 0.01 deg in pitch"));
   EXPECT_THAT(
-      messageFor(rigWith(&RigCalibrationError::pitch, -0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
-      HasSubstr("-0.20 ± 0.01 deg in pitch"));
-  EXPECT_THAT(
-      messageFor(rigWith(&RigCalibrationError::yaw, 0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
+      messageFor(rigWith(&vo::RigCalibrationError::yaw, 0.2 * kRadiansPerDegree, 0.01 * kRadiansPerDegree)),
       HasSubstr("deg in yaw"));
 }
 
 TEST(SelfCheck, IsEmptyForInsignificantError) {
-  EXPECT_EQ(messageFor(rigWith(&RigCalibrationError::delay, 3.1e-3, 1.2e-3)), "");
+  EXPECT_EQ(messageFor(rigWith(&vo::RigCalibrationError::delay, 3.1e-3, 1.2e-3)), "");
 }
 
 TEST(SelfCheck, SignalsEachChangeOnce) {
   SelfCheck check;
-  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 3e-3, 1e-4)));
+  check.update(estimateWith(rigWith(&vo::RigCalibrationError::delay, 3e-3, 1e-4)));
   EXPECT_TRUE(check.consumeChange());
   EXPECT_FALSE(check.consumeChange());
-  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 0.9e-3, 1e-4)));  // hysteresis
+  check.update(estimateWith(rigWith(&vo::RigCalibrationError::delay, 0.9e-3, 1e-4)));  // hysteresis
   EXPECT_FALSE(check.consumeChange());
-  check.update(estimateWith(rigWith(&RigCalibrationError::delay, 0.5e-3, 1e-4)));
+  check.update(estimateWith(rigWith(&vo::RigCalibrationError::delay, 0.5e-3, 1e-4)));
   EXPECT_TRUE(check.consumeChange());
   EXPECT_EQ(check.message(), "");
 }
@@ -125,8 +126,8 @@ TEST(SelfCheck, ToleratesFewMatchesAtDuskAndFewCorners) {
 TEST(SelfCheck, IgnoresRejectedPair) {
   SelfCheck check;
   drive(check, 1000, 13);
-  OdometryEstimate refused = pairWith(60, 0, 0);
-  refused.reasons = OdometryReason::offset_uncertain;
+  vo::OdometryEstimate refused = pairWith(60, 0, 0);
+  refused.reasons = vo::OdometryReason::offset_uncertain;
   check.update(refused);
   EXPECT_THAT(check.message(), HasSubstr("13 of 1000"));
 }
@@ -134,8 +135,8 @@ TEST(SelfCheck, IgnoresRejectedPair) {
 TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {
   SelfCheck check;
   drive(check, 1000, 13);
-  OdometryEstimate estimate = pairWith(60, 1000, 13);
-  estimate.rig = rigWith(&RigCalibrationError::pitch, 0.3 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
+  vo::OdometryEstimate estimate = pairWith(60, 1000, 13);
+  estimate.rig = rigWith(&vo::RigCalibrationError::pitch, 0.3 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
   check.update(estimate);
   EXPECT_THAT(check.message(), HasSubstr("+0.30 ± 0.01 deg in pitch"));
   EXPECT_THAT(check.message(), testing::Not(HasSubstr("hardly any")));
@@ -143,8 +144,8 @@ TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {
 
 TEST(SelfCheck, ReportsMissingMatchesIfAngleIsTooSmallToCauseThem) {
   SelfCheck check;
-  OdometryEstimate estimate = pairWith(0, 1000, 400);
-  estimate.rig = rigWith(&RigCalibrationError::roll, 0.12 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
+  vo::OdometryEstimate estimate = pairWith(0, 1000, 400);
+  estimate.rig = rigWith(&vo::RigCalibrationError::roll, 0.12 * kRadiansPerDegree, 0.01 * kRadiansPerDegree);
   estimate.rig->delay = {3e-3, 3e-4};
   check.update(estimate);
   EXPECT_THAT(check.message(), HasSubstr("+0.12"));
@@ -161,4 +162,4 @@ TEST(SelfCheck, RequiresConsecutivePairs) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using std::chrono::milliseconds;
@@ -70,4 +70,4 @@ TEST(ValidityLog, LogsNumberOfFrequentChanges) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -10,29 +10,29 @@
 #include "calib/model/rig.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) {
-  Vector6d vector;
+vo::Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) {
+  vo::Vector6d vector;
   vector << x, y, z, rx, ry, rz;
   return vector;
 }
 
 /// Mount of a camera 1 m ahead of the body's origin, 0.5 m to the left and 2 m up, tilted down.
 Eigen::Isometry3d tiltedMount() {
-  Eigen::Isometry3d mount = forwardLookingMount();
+  Eigen::Isometry3d mount = calib::forwardLookingMount();
   mount.translation() = Eigen::Vector3d(1.0, 0.5, 2.0);
   mount.rotate(Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitX()));
   return mount;
 }
 
 /// Odometry estimate for a body that moved by `T_body` in `time_step` s.
-OdometryEstimate estimateOf(const Eigen::Isometry3d& T_body, const Eigen::Isometry3d& mount,
-                            double time_step) {
-  OdometryEstimate estimate;
+vo::OdometryEstimate estimateOf(const Eigen::Isometry3d& T_body, const Eigen::Isometry3d& mount,
+                                double time_step) {
+  vo::OdometryEstimate estimate;
   estimate.valid = true;
   estimate.time_step = time_step;
   estimate.T_previous_current = mount.inverse() * T_body * mount;
@@ -54,7 +54,7 @@ TEST(BodyMotion, TurningInPlaceMovesCameraButNotBodyOrigin) {
   const Eigen::Isometry3d mount = tiltedMount();
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.rotate(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()));
-  const OdometryEstimate estimate = estimateOf(T, mount, 0.1);
+  const vo::OdometryEstimate estimate = estimateOf(T, mount, 0.1);
   EXPECT_GT(estimate.T_previous_current.translation().norm(), 0.1);
   const BodyMotion motion = bodyMotion(estimate, mount);
   EXPECT_LT(motion.velocity.norm(), 1e-12);
@@ -77,7 +77,7 @@ TEST(BodyMotion, CircleGivesConstantSpeedAndYawRateForAnyTimeStep) {
 }
 
 TEST(BodyMotion, InvalidEstimateHasNoVelocity) {
-  OdometryEstimate estimate = estimateOf(Eigen::Isometry3d::Identity(), tiltedMount(), 0.05);
+  vo::OdometryEstimate estimate = estimateOf(Eigen::Isometry3d::Identity(), tiltedMount(), 0.05);
   estimate.valid = false;
   const BodyMotion invalid = bodyMotion(estimate, tiltedMount());
   EXPECT_TRUE(std::isnan(invalid.velocity.x()));
@@ -90,7 +90,7 @@ TEST(BodyMotion, InvalidEstimateHasNoVelocity) {
 TEST(BodyMotion, LogarithmInvertsExponentialForAnglesBelowPi) {
   for (const double angle : {0.0, 1e-9, 1e-6, 1e-3, 0.5, 2.0, kPi - 1e-3}) {
     const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
-    Vector6d twist;
+    vo::Vector6d twist;
     twist << 0.3, -1.2, 4.0, angle * axis;
     EXPECT_TRUE(logarithm(exponential(twist)).isApprox(twist, 1e-8)) << angle;
   }
@@ -99,22 +99,23 @@ TEST(BodyMotion, LogarithmInvertsExponentialForAnglesBelowPi) {
 TEST(BodyMotion, PoseCovarianceMatchesSampledPoses) {
   // Cov[log(T_mean^-1 T)] of sampled camera poses, compared with the adjoint's.
   const Eigen::Isometry3d mount = tiltedMount();
-  OdometryEstimate estimate = estimateOf(exponential(vector6(0.4, 0.1, 0.0, 0.02, -0.03, 0.2)), mount, 0.1);
-  const Vector6d stddevs = vector6(1e-3, 2e-3, 3e-3, 1e-3, 5e-4, 2e-3);
+  vo::OdometryEstimate estimate =
+      estimateOf(exponential(vector6(0.4, 0.1, 0.0, 0.02, -0.03, 0.2)), mount, 0.1);
+  const vo::Vector6d stddevs = vector6(1e-3, 2e-3, 3e-3, 1e-3, 5e-4, 2e-3);
   estimate.pose_covariance = stddevs.cwiseAbs2().asDiagonal();
   const BodyMotion motion = bodyMotion(estimate, mount);
 
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
-  Matrix6d sampled = Matrix6d::Zero();
+  vo::Matrix6d sampled = vo::Matrix6d::Zero();
   constexpr int kSamples = 20000;
   for (int i = 0; i < kSamples; ++i) {
-    Vector6d perturbation;
+    vo::Vector6d perturbation;
     for (int row = 0; row < 6; ++row)
       perturbation(row) = stddevs(row) * normal(random);
     const Eigen::Isometry3d perturbed =
         mount * estimate.T_world_camera * exponential(perturbation) * mount.inverse();
-    const Vector6d difference = logarithm(motion.T_world_body.inverse() * perturbed);
+    const vo::Vector6d difference = logarithm(motion.T_world_body.inverse() * perturbed);
     sampled += difference * difference.transpose() / kSamples;
   }
   EXPECT_LT((sampled - motion.pose_covariance).norm(), 0.03 * motion.pose_covariance.norm());
@@ -123,18 +124,18 @@ TEST(BodyMotion, PoseCovarianceMatchesSampledPoses) {
 TEST(BodyMotion, ScaleErrorLengthensAllDistances) {
   const Eigen::Isometry3d mount = tiltedMount();
   constexpr double kScale = 1e-4, kTimeStep = 0.1;
-  OdometryEstimate estimate =
+  vo::OdometryEstimate estimate =
       estimateOf(exponential(vector6(0.5, 0.1, 0.0, 0.02, -0.03, 0.2)), mount, kTimeStep);
   estimate.T_world_camera = mount.inverse() * exponential(vector6(30.0, 10.0, 1.0, 0.1, 0.0, 2.0)) * mount;
-  OdometryEstimate longer = estimate;
+  vo::OdometryEstimate longer = estimate;
   for (Eigen::Isometry3d* const pose : {&longer.T_previous_current, &longer.T_world_camera})
     pose->translation() *= 1.0 + kScale;
   const BodyMotion motion = bodyMotion(estimate, mount, kScale), of_longer = bodyMotion(longer, mount);
 
-  const Vector6d pose_error = logarithm(motion.T_world_body.inverse() * of_longer.T_world_body);
+  const vo::Vector6d pose_error = logarithm(motion.T_world_body.inverse() * of_longer.T_world_body);
   EXPECT_GT(pose_error.norm(), 2e-3) << "1e-4 of 30 m";
   EXPECT_TRUE(motion.pose_covariance.isApprox(pose_error * pose_error.transpose(), 1e-6));
-  Vector6d twist_error;
+  vo::Vector6d twist_error;
   twist_error << of_longer.velocity - motion.velocity, of_longer.angular_velocity - motion.angular_velocity;
   EXPECT_TRUE(motion.twist_scale_error.isApprox(twist_error, 1e-3)) << motion.twist_scale_error.transpose();
   EXPECT_TRUE(motion.twist_covariance.isApprox(twist_error * twist_error.transpose(), 2e-3));
@@ -143,30 +144,30 @@ TEST(BodyMotion, ScaleErrorLengthensAllDistances) {
 TEST(BodyMotion, TwistCovarianceMatchesNumericJacobian) {
   const Eigen::Isometry3d mount = tiltedMount();
   const double time_step = 0.0556;
-  OdometryEstimate estimate =
+  vo::OdometryEstimate estimate =
       estimateOf(exponential(vector6(0.3, 0.02, -0.01, 0.02, 0.05, -0.15)), mount, time_step);
-  Matrix6d root = Matrix6d::Zero();
+  vo::Matrix6d root = vo::Matrix6d::Zero();
   for (int i = 0; i < 36; ++i)
     root(i / 6, i % 6) = 1e-3 * std::cos(1.7 * i);
   estimate.motion_covariance = root * root.transpose();
 
-  Matrix6d J;
+  vo::Matrix6d J;
   const double step = 1e-6;
   for (int column = 0; column < 6; ++column) {
-    const Vector6d perturbation = step * Vector6d::Unit(column);
+    const vo::Vector6d perturbation = step * vo::Vector6d::Unit(column);
     const auto twist = [&](double sign) {
-      OdometryEstimate perturbed = estimate;
+      vo::OdometryEstimate perturbed = estimate;
       perturbed.T_previous_current = estimate.T_previous_current * exponential(sign * perturbation);
       const BodyMotion motion = bodyMotion(perturbed, mount);
-      Vector6d result;
+      vo::Vector6d result;
       result << motion.velocity, motion.angular_velocity;
       return result;
     };
     J.col(column) = (twist(1.0) - twist(-1.0)) / (2.0 * step);
   }
-  const Matrix6d expected = J * estimate.motion_covariance * J.transpose();
+  const vo::Matrix6d expected = J * estimate.motion_covariance * J.transpose();
   EXPECT_LT((bodyMotion(estimate, mount).twist_covariance - expected).norm(), 1e-6 * expected.norm());
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

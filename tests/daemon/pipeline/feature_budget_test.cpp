@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kPeriod = 0.04;
@@ -67,4 +67,4 @@ TEST(FeatureBudget, KeepsMinimumNumberOfFeatures) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -13,19 +13,19 @@
 #include "support/test_timeout.hpp"
 #include "synthetic_cameras.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using std::chrono::milliseconds;
 using test::TickingCamera;
 
-Frame leftWall(int index, std::int64_t exposure_ns) {
+capture::Frame leftWall(int index, std::int64_t exposure_ns) {
   return test::wallFrame(index, 0, exposure_ns);
 }
-Frame rightWall(int index, std::int64_t exposure_ns) {
+capture::Frame rightWall(int index, std::int64_t exposure_ns) {
   return test::wallFrame(index, 12, exposure_ns);
 }
-Frame noFrame(int /*index*/, std::int64_t /*exposure_ns*/) {
+capture::Frame noFrame(int /*index*/, std::int64_t /*exposure_ns*/) {
   return {};
 }
 
@@ -41,7 +41,7 @@ using Condition = std::function<bool(const LiveRun&)>;
 /// Runs until the condition holds, or until the test time-out; `on_pair` may be slow.
 LiveRun runUntil(const Condition& condition, TickingCamera::Deliver left_delivers,
                  TickingCamera::Deliver right_delivers, const std::function<void()>& on_pair) {
-  const Rig rig = test::smallRig();
+  const calib::Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   TickingCamera left(std::move(left_delivers));
   TickingCamera right(std::move(right_delivers));
@@ -116,7 +116,7 @@ TEST(PipelineLive, SlowProcessingSkipsPairsInsteadOfQueueingThem) {
 }
 
 TEST(PipelineLive, ReducesFeaturesOnSlowComputer) {
-  const Rig rig = test::smallRig();
+  const calib::Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   const int configured = processor.features();
   TickingCamera left(leftWall), right(rightWall);
@@ -161,7 +161,7 @@ TEST(PipelineLive, ReportsSilentCameraOncePerPeriod) {
 
 TEST(PipelineLive, ReportsCameraThatBecomesSilent) {
   const auto dies = [](int index, std::int64_t exposure_ns) {
-    return index < 10 ? rightWall(index, exposure_ns) : Frame{};
+    return index < 10 ? rightWall(index, exposure_ns) : capture::Frame{};
   };
   const LiveRun run =
       runUntil([](const LiveRun& so_far) { return !so_far.pairs.empty() && so_far.no_pairs.size() >= 15; },
@@ -173,8 +173,8 @@ TEST(PipelineLive, ReportsCameraThatBecomesSilent) {
 
 TEST(PipelineLive, ReportsDamagedFramesAsCauseOfMissingPair) {
   const auto damaged = [](int index, std::int64_t exposure_ns) {
-    Frame frame = leftWall(index, exposure_ns);
-    frame.status = FrameStatus::damaged;
+    capture::Frame frame = leftWall(index, exposure_ns);
+    frame.status = capture::FrameStatus::damaged;
     return frame;
   };
   const LiveRun run = runUntil(
@@ -190,7 +190,7 @@ TEST(PipelineLive, ReportsDamagedFramesAsCauseOfMissingPair) {
 
 TEST(PipelineLive, RejectsStreamOfWrongSizeAndNamesIt) {
   const auto large = [](int /*index*/, std::int64_t exposure_ns) {
-    Frame frame;
+    capture::Frame frame;
     frame.image = cv::Mat::zeros(576, 704, CV_8UC1);
     frame.exposure_ns = exposure_ns;
     return frame;
@@ -222,14 +222,14 @@ TEST(PipelineLive, SourceFailureEndsRunWithItsMessage) {
 }
 
 TEST(PipelineLive, ReaderOfAbsentCameraMakesProgressStalledReaderDoesNot) {
-  const Rig rig = test::smallRig();
+  const calib::Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   std::promise<void> released;
   const std::shared_future<void> release = released.get_future().share();
   TickingCamera left(noFrame);
   TickingCamera right([release](int index, std::int64_t) {
     if (index == 5) release.wait();
-    return Frame{};
+    return capture::Frame{};
   });
   Pipeline pipeline(left, right, processor, {rig.left.size, test::kPeriod_ns});
   const auto run = std::async(std::launch::async, [&] { pipeline.runLive({[](const PairResult&) {}, {}}); });
@@ -254,4 +254,4 @@ TEST(StalledReader, NamesStalledReader) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

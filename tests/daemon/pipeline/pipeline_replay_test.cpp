@@ -10,13 +10,13 @@
 #include "daemon/pipeline/pipeline.hpp"
 #include "synthetic_cameras.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr int kFrames = 40;
 
-std::vector<Frame> frames(int disparity, std::int64_t offset_ns) {
-  std::vector<Frame> list;
+std::vector<capture::Frame> frames(int disparity, std::int64_t offset_ns) {
+  std::vector<capture::Frame> list;
   for (int i = 0; i < kFrames; ++i)
     list.push_back(test::wallFrame(i, disparity, i * test::kPeriod_ns + offset_ns));
   return list;
@@ -31,9 +31,9 @@ struct Replay {
   PipelineCounts counts;
 };
 
-Replay replay(std::vector<Frame> left_frames, std::vector<Frame> right_frames, std::int64_t period_ns,
-              double scale_stddev = 0.0) {
-  Rig rig = test::smallRig();
+Replay replay(std::vector<capture::Frame> left_frames, std::vector<capture::Frame> right_frames,
+              std::int64_t period_ns, double scale_stddev = 0.0) {
+  calib::Rig rig = test::smallRig();
   rig.scale_stddev = scale_stddev;
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(std::move(left_frames));
@@ -69,7 +69,7 @@ TEST(PipelineReplay, ComputesBodyMotion) {
   EXPECT_NEAR(last.motion.velocity.y(), -2.0 * 4.0 / 240.0 / 0.02, 0.05);
   EXPECT_NEAR(last.motion.velocity.x(), 0.0, 0.1);
   EXPECT_GT(last.times.total, 0.0);
-  EXPECT_GE(last.times.total, last.times.stage(Stage::rectify));
+  EXPECT_GE(last.times.total, last.times.stage(vo::Stage::rectify));
 }
 
 TEST(PipelineReplay, CovarianceIncludesRigScaleUncertainty) {
@@ -104,9 +104,9 @@ TEST(PipelineReplay, IsBitwiseReproducible) {
 }
 
 TEST(PipelineReplay, DropsDamagedFramesAndFramesWithoutPartner) {
-  std::vector<Frame> left = frames(0, 0);
-  std::vector<Frame> right = frames(12, 0);
-  left[10].status = FrameStatus::damaged;
+  std::vector<capture::Frame> left = frames(0, 0);
+  std::vector<capture::Frame> right = frames(12, 0);
+  left[10].status = capture::FrameStatus::damaged;
   right.erase(right.begin() + 20);
   const Replay run = replay(left, right, test::kPeriod_ns);
   EXPECT_EQ(run.results.size(), kFrames - 2);
@@ -117,7 +117,7 @@ TEST(PipelineReplay, DropsDamagedFramesAndFramesWithoutPartner) {
 }
 
 TEST(PipelineReplay, RejectsFrameOfWrongSize) {
-  std::vector<Frame> left = frames(0, 0);
+  std::vector<capture::Frame> left = frames(0, 0);
   left[5].image = cv::Mat::zeros(576, 704, CV_8UC1);
   try {
     replay(left, frames(12, 0), test::kPeriod_ns);
@@ -129,7 +129,7 @@ TEST(PipelineReplay, RejectsFrameOfWrongSize) {
 }
 
 TEST(PipelineReplay, EndsOnStop) {
-  const Rig rig = test::smallRig();
+  const calib::Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(frames(0, 0));
   test::ListedCamera right(frames(12, 0));
@@ -143,4 +143,4 @@ TEST(PipelineReplay, EndsOnStop) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -10,39 +10,39 @@
 #include "support/vo_core/corridor_world.hpp"
 #include "synthetic_cameras.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
-const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
+const vo::StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
 constexpr int kFrames = 28;
 
-Rig rigOf(const StereoCamera& camera) {
-  Rig rig;
+calib::Rig rigOf(const vo::StereoCamera& camera) {
+  calib::Rig rig;
   rig.name = "corridor";
   rig.left.size = rig.right.size = {camera.width, camera.height};
   rig.left.fx = rig.left.fy = rig.right.fx = rig.right.fy = camera.focal_length;
   rig.left.cx = rig.right.cx = camera.cx;
   rig.left.cy = rig.right.cy = camera.cy;
   rig.T_right_left.translation() = Eigen::Vector3d(-camera.baseline, 0.0, 0.0);
-  rig.T_body_camera = forwardLookingMount();
+  rig.T_body_camera = calib::forwardLookingMount();
   return rig;
 }
 
 /// Pose of an accelerating cart that swings from side to side.
 Eigen::Isometry3d drive(double seconds) {
-  Vector6d vector;
+  vo::Vector6d vector;
   vector << 0.05 * std::sin(2.0 * seconds), 0.0, 2.0 * seconds + 0.5 * seconds * seconds, 0.0,
       0.1 * std::sin(1.5 * seconds), 0.0;
-  return motionFromVector(vector);
+  return vo::motionFromVector(vector);
 }
 
 std::int64_t nanoseconds(double seconds) {
   return std::llround(1e9 * seconds);
 }
 
-Frame frameOf(cv::Mat image, int index, double seconds) {
-  Frame frame;
+capture::Frame frameOf(cv::Mat image, int index, double seconds) {
+  capture::Frame frame;
   frame.image = std::move(image);
   frame.exposure_ns = frame.arrival_ns = frame.decoded_ns = nanoseconds(seconds);
   frame.sequence = static_cast<std::uint64_t>(index);
@@ -53,17 +53,18 @@ Frame frameOf(cv::Mat image, int index, double seconds) {
 /// frame.
 std::vector<PairResult> replayDrive(double offset, double drift) {
   const test::CorridorWorld world(1);
-  std::vector<Frame> left, right;
+  std::vector<capture::Frame> left, right;
   for (int i = 0; i < kFrames; ++i) {
     const double at_left = i * kPeriod, at_right = offset + i * kPeriod * (1.0 + drift);
     left.push_back(frameOf(world.view(kCamera, drive(at_left)), i, at_left));
     right.push_back(frameOf(world.rightView(kCamera, drive(at_right)), i, at_right));
   }
-  const Rig rig = rigOf(kCamera);
-  const RectificationSettings rectification;
-  OdometrySettings odometry;
+  const calib::Rig rig = rigOf(kCamera);
+  const calib::RectificationSettings rectification;
+  vo::OdometrySettings odometry;
   odometry.features = 400;
-  PairProcessor processor(rig, Rectifier(rig, rectification, buildTables(rig, rectification)), odometry);
+  PairProcessor processor(rig, calib::Rectifier(rig, rectification, calib::buildTables(rig, rectification)),
+                          odometry);
   test::ListedCamera left_camera(std::move(left)), right_camera(std::move(right));
   Pipeline pipeline(left_camera, right_camera, processor, {rig.left.size, nanoseconds(kPeriod)});
   std::vector<PairResult> results;
@@ -113,4 +114,4 @@ TEST(UnsynchronisedCameras, MotionStaysAccurateWhenExposureOrderOrPartnersChange
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

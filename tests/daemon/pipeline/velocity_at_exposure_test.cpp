@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kStep = 1.0 / 18.0;  // s
@@ -33,28 +33,28 @@ Outcome evaluate(const Drive& drive, int pairs, double pose_error) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal(0.0, pose_error);
   const auto errors = [&] {
-    Vector6d e;
+    vo::Vector6d e;
     for (int i = 0; i < 6; ++i)
       e[i] = normal(random);
     return e;
   };
   VelocityAtExposure velocity;
   Outcome outcome;
-  Vector6d before = errors();
+  vo::Vector6d before = errors();
   const int warm_up = 30;
   for (int i = 1; i <= pairs; ++i) {
     const double time = i * drive.step;
-    const Vector6d after = errors();
+    const vo::Vector6d after = errors();
     Twist mean;
     mean.value =
-        (Vector6d::Constant(drive.position(time) - drive.position(time - drive.step)) + after - before) /
+        (vo::Vector6d::Constant(drive.position(time) - drive.position(time - drive.step)) + after - before) /
         drive.step;
-    mean.covariance = Matrix6d::Identity() * 2.0 * std::pow(std::max(pose_error, 1e-7) / drive.step, 2);
+    mean.covariance = vo::Matrix6d::Identity() * 2.0 * std::pow(std::max(pose_error, 1e-7) / drive.step, 2);
     before = after;
     const Twist now = velocity.extrapolate(mean, drive.step);
     if (i <= warm_up) continue;
-    const Vector6d truth = Vector6d::Constant(drive.velocity(time));
-    const Vector6d error = now.value - truth;
+    const vo::Vector6d truth = vo::Vector6d::Constant(drive.velocity(time));
+    const vo::Vector6d error = now.value - truth;
     outcome.nees += error.dot(now.covariance.ldlt().solve(error)) / 6.0 / (pairs - warm_up);
     outcome.mean_square += error.squaredNorm() / 6.0 / (pairs - warm_up);
     outcome.mean_square_lagged += (mean.value - truth).squaredNorm() / 6.0 / (pairs - warm_up);
@@ -95,7 +95,7 @@ TEST(VelocityAtExposure, ReducesLagOfSwingingCartWithConsistentCovariance) {
 TEST(VelocityAtExposure, IsMeanWithLargeCovarianceAfterReset) {
   VelocityAtExposure velocity;
   Twist mean;
-  mean.covariance = Matrix6d::Identity() * 1e-6;
+  mean.covariance = vo::Matrix6d::Identity() * 1e-6;
   for (int i = 0; i < 10; ++i) {
     mean.value.setConstant(0.1 * i);
     velocity.extrapolate(mean, kStep);
@@ -110,7 +110,7 @@ TEST(VelocityAtExposure, IsMeanWithLargeCovarianceAfterReset) {
 TEST(VelocityAtExposure, ExtrapolatesFromZeroAfterStandstill) {
   VelocityAtExposure velocity;
   Twist mean;
-  mean.covariance = Matrix6d::Identity() * 1e-6;
+  mean.covariance = vo::Matrix6d::Identity() * 1e-6;
   velocity.extrapolate(mean, kStep);
   velocity.setStandstill(kStep);
   mean.value.setConstant(0.05);
@@ -118,4 +118,4 @@ TEST(VelocityAtExposure, ExtrapolatesFromZeroAfterStandstill) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr double kStep = 1.0 / 18.0;  // s
@@ -20,7 +20,7 @@ class Loop {
     for (double t = 0.0; t < seconds; t += kStep) {
       weight_ = weight_ * std::exp(-kStep / 10.0) + 1.0;
       residual_ns_ += (truth_ns_ - applied_correction_ns_ - residual_ns_) / weight_;
-      RigCalibrationError rig;
+      vo::RigCalibrationError rig;
       rig.delay = {0.9e-9 * residual_ns_, stddev};
       estimate_ = estimator_.update(rig, applied_correction_ns_, kStep);
       if (!estimate_) continue;
@@ -29,7 +29,7 @@ class Loop {
     }
   }
   double error() const { return applied_correction_ns_ - truth_ns_; }
-  const std::optional<OffsetEstimate>& estimate() const { return estimate_; }
+  const std::optional<capture::OffsetEstimate>& estimate() const { return estimate_; }
 
  private:
   double truth_ns_;
@@ -37,7 +37,7 @@ class Loop {
   double residual_ns_ = 0.0;
   double weight_ = 0.0;
   VisualOffsetEstimator estimator_;
-  std::optional<OffsetEstimate> estimate_;
+  std::optional<capture::OffsetEstimate> estimate_;
 };
 
 TEST(VisualOffsetEstimator, ConvergesToTwoMillisecondsWithinTwentySeconds) {
@@ -62,11 +62,11 @@ TEST(VisualOffsetEstimator, ReturnsNothingWithoutAccurateOdometryEstimate) {
 TEST(VisualOffsetEstimator, KeepsEstimateWithGrowingStddevDuringStandstill) {
   Loop loop(5e6);
   loop.drive(30.0, 3e-4);
-  const OffsetEstimate before = *loop.estimate();
+  const capture::OffsetEstimate before = *loop.estimate();
   loop.drive(60.0, 8e-3);
   EXPECT_NEAR(loop.estimate()->value_ns, before.value_ns, 0.1e6);
   EXPECT_GT(loop.estimate()->stddev_ns, before.stddev_ns + 0.3e6);
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -22,7 +22,7 @@
 #include "daemon/publish/odometry_reasons.hpp"
 #include "support/places.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 constexpr int kEthernetFrame = 1400;  // bytes that LCM sends unfragmented, without its header
@@ -45,7 +45,7 @@ PairResult validResult() {
   result.motion.angular_velocity = Eigen::Vector3d(0.01, 0.02, 0.3);
   for (int i = 0; i < 36; ++i)
     result.motion.pose_covariance(i / 6, i % 6) = i;
-  result.motion.twist_covariance = Matrix6d::Identity();
+  result.motion.twist_covariance = vo::Matrix6d::Identity();
   return result;
 }
 
@@ -72,8 +72,8 @@ TEST(OdometryMessage, HoldsEstimateInMicrosecondsAndBodyAxes) {
 TEST(OdometryMessage, InvalidHoldsPoseButNoMeasurement) {
   PairResult result = validResult();
   result.estimate.valid = false;
-  result.estimate.reasons = OdometryReason::too_few_matches;
-  result.estimate.reasons.add(OdometryReason::high_residual);
+  result.estimate.reasons = vo::OdometryReason::too_few_matches;
+  result.estimate.reasons.add(vo::OdometryReason::high_residual);
   const odometry_t message = odometryMessage(result);
   EXPECT_EQ(message.status, +odometry_t::INVALID);
   EXPECT_EQ(message.reasons, bits(odometry_t::REASON_TOO_FEW_MATCHES, odometry_t::REASON_HIGH_RESIDUAL));
@@ -145,21 +145,21 @@ TEST(OdometryMessage, HasNameForEachDeclaredReason) {
 }
 
 TEST(OdometryMessage, HasBitForEachOdometryReason) {
-  constexpr std::array<std::pair<OdometryReason, std::int32_t>, kOdometryReasonCount> kBits{{
-      {OdometryReason::none, 0},
-      {OdometryReason::first_pair, 1},
-      {OdometryReason::too_few_features, 2},
-      {OdometryReason::too_few_matches, 4},
-      {OdometryReason::too_few_inliers, 8},
-      {OdometryReason::high_residual, 16},
-      {OdometryReason::time_step, 32},
-      {OdometryReason::implausible_motion, 64},
-      {OdometryReason::degenerate_geometry, 128},
-      {OdometryReason::zero_velocity, 2048},
-      {OdometryReason::offset_uncertain, 4096},
-      {OdometryReason::repeated_picture, 8192},
+  constexpr std::array<std::pair<vo::OdometryReason, std::int32_t>, vo::kOdometryReasonCount> kBits{{
+      {vo::OdometryReason::none, 0},
+      {vo::OdometryReason::first_pair, 1},
+      {vo::OdometryReason::too_few_features, 2},
+      {vo::OdometryReason::too_few_matches, 4},
+      {vo::OdometryReason::too_few_inliers, 8},
+      {vo::OdometryReason::high_residual, 16},
+      {vo::OdometryReason::time_step, 32},
+      {vo::OdometryReason::implausible_motion, 64},
+      {vo::OdometryReason::degenerate_geometry, 128},
+      {vo::OdometryReason::zero_velocity, 2048},
+      {vo::OdometryReason::offset_uncertain, 4096},
+      {vo::OdometryReason::repeated_picture, 8192},
   }};
-  OdometryReasons all;
+  vo::OdometryReasons all;
   std::int32_t all_bits = 0;
   for (const auto& [reason, bit] : kBits) {
     EXPECT_EQ(reasonBits(reason), bit);
@@ -171,11 +171,11 @@ TEST(OdometryMessage, HasBitForEachOdometryReason) {
 
 HealthSnapshot snapshot(std::uint64_t frames) {
   HealthSnapshot snapshot;
-  snapshot.left.state = CameraState::streaming;
-  snapshot.left.instant_source = InstantSource::sender_report;
+  snapshot.left.state = capture::CameraState::streaming;
+  snapshot.left.instant_source = capture::InstantSource::sender_report;
   snapshot.left.frames = frames;
-  snapshot.right.state = CameraState::streaming;
-  snapshot.right.instant_source = InstantSource::sender_report;
+  snapshot.right.state = capture::CameraState::streaming;
+  snapshot.right.instant_source = capture::InstantSource::sender_report;
   snapshot.right.frames = frames;
   snapshot.counts.pairs = frames;
   snapshot.counts.dropped_no_partner = 4;
@@ -219,7 +219,7 @@ TEST(HealthMessage, SummarisesTimeSincePreviousMessage) {
 TEST(HealthMessage, NamesMostImportantProblem) {
   HealthMonitor monitor{{}};
   HealthSnapshot bad = snapshot(0);
-  bad.right.state = CameraState::refused;
+  bad.right.state = capture::CameraState::refused;
   bad.right.last_error = "the camera refused the password";
   EXPECT_EQ(monitor.summarise({}, bad).problem, "right camera: the camera refused the password");
   bad.problem = "left camera: the stream is 704x576";
@@ -229,10 +229,10 @@ TEST(HealthMessage, NamesMostImportantProblem) {
 TEST(HealthMessage, HoldsClockStatus) {
   HealthMonitor monitor{{}};
   HealthSnapshot clocks = snapshot(1);
-  clocks.left.instant_source = clocks.right.instant_source = InstantSource::pictures;
+  clocks.left.instant_source = clocks.right.instant_source = capture::InstantSource::pictures;
   clocks.clock.cameras[1] = {80e6, 25e-6, 2};
   clocks.clock.offset = {0.5e6, 0.7e6};
-  clocks.clock.visual = OffsetEstimate{3e6, 1e6};
+  clocks.clock.visual = capture::OffsetEstimate{3e6, 1e6};
   clocks.clock.problem = "the cameras' clocks disagree";
   const health_t health = monitor.summarise({}, clocks);
   EXPECT_EQ(health.left.instant_source, +camera_health_t::PICTURES);
@@ -268,7 +268,7 @@ TEST(HealthMessage, HoldsSelfCheckResult) {
   HealthMonitor monitor{{}};
   EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).right_late_ms)) << "not estimated yet";
   PairResult result = validResult();
-  result.estimate.rig = RigCalibrationError{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
+  result.estimate.rig = vo::RigCalibrationError{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
   monitor.addPair(result, odometryMessage(result));
   const health_t health = monitor.summarise({}, snapshot(1));
   EXPECT_FLOAT_EQ(health.right_late_ms, 3.0F);
@@ -284,7 +284,7 @@ TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {
   long_texts.left.last_error = long_texts.right.last_error = long_texts.problem =
       std::string(199, 'x') + "\u00e4\u00f6";
   PairResult all_wrong = validResult();
-  all_wrong.estimate.rig = RigCalibrationError{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
+  all_wrong.estimate.rig = vo::RigCalibrationError{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
   monitor.addPair(all_wrong, odometryMessage(all_wrong));
   const health_t health = monitor.summarise({}, long_texts);
   EXPECT_EQ(health.problem, std::string(199, 'x')) << "cut before the two-byte character";
@@ -293,4 +293,4 @@ TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -10,7 +10,7 @@
 
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST_F(CameraPassword, IsEmptyWithoutUserName) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -14,7 +14,7 @@
 #include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using testing::AllOf;
@@ -186,10 +186,10 @@ TEST_F(ConfigurationFile, ReadsClockChoice) {
     return "cameras:\n  left: {url: rtsp://a/1}\n  right: {url: rtsp://a/2}\n  clock: " + clock +
            "\nrig: rig.yaml\n";
   };
-  EXPECT_EQ(read(kMinimal).clock, ClockChoice::automatic);
-  EXPECT_EQ(read(with("ntp")).clock, ClockChoice::ntp);
-  EXPECT_EQ(read(with("arrival")).clock, ClockChoice::arrival);
-  EXPECT_EQ(read(with("visual")).clock, ClockChoice::visual);
+  EXPECT_EQ(read(kMinimal).clock, capture::ClockChoice::automatic);
+  EXPECT_EQ(read(with("ntp")).clock, capture::ClockChoice::ntp);
+  EXPECT_EQ(read(with("arrival")).clock, capture::ClockChoice::arrival);
+  EXPECT_EQ(read(with("visual")).clock, capture::ClockChoice::visual);
   EXPECT_THAT(effectiveConfiguration(read(with("arrival"))), HasSubstr("clock: arrival"));
   EXPECT_THAT(errorOf(with("gps")), HasSubstr("one of auto, ntp, arrival, visual"));
 }
@@ -227,7 +227,7 @@ TEST_F(ConfigurationFile, ReadsV4l2Cameras) {
   EXPECT_TRUE(configuration.left.isV4l2());
   EXPECT_EQ(configuration.left.device(), "/dev/video0");
   EXPECT_EQ(configuration.left.size, cv::Size(1280, 720));
-  EXPECT_EQ(configuration.left.format, PixelFormat::yuyv);
+  EXPECT_EQ(configuration.left.format, capture::PixelFormat::yuyv);
   EXPECT_EQ(configuration.left.exposure, 0.004);
   EXPECT_EQ(configuration.left.gain, 32);
   EXPECT_TRUE(configuration.right.size.empty());
@@ -355,4 +355,4 @@ TEST_F(ConfigurationFile, ShippedFileStatesDefaultsOfTheCode) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

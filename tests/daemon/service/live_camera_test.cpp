@@ -7,7 +7,7 @@
 
 #include "support/error_message.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using testing::HasSubstr;
@@ -20,32 +20,32 @@ Configuration rtspAndV4l2() {
   return configuration;
 }
 
-class NullObserver : public StreamObserver {
+class NullObserver : public capture::StreamObserver {
  public:
-  void onStream(const StreamFormat& /*format*/) noexcept override {}
-  void onUnit(const EncodedUnit& /*unit*/) noexcept override {}
+  void onStream(const capture::StreamFormat& /*format*/) noexcept override {}
+  void onUnit(const capture::EncodedUnit& /*unit*/) noexcept override {}
 };
 
 TEST(LiveCamera, IsRtspOrV4l2CameraByUrl) {
-  StereoTimestamper clock(ClockChoice::automatic);
-  LiveCamera left(rtspAndV4l2(), CameraSide::left, {680, 420}, clock);
-  LiveCamera right(rtspAndV4l2(), CameraSide::right, {680, 420}, clock);
+  capture::StereoTimestamper clock(capture::ClockChoice::automatic);
+  LiveCamera left(rtspAndV4l2(), capture::CameraSide::left, {680, 420}, clock);
+  LiveCamera right(rtspAndV4l2(), capture::CameraSide::right, {680, 420}, clock);
   NullObserver observer;
   EXPECT_TRUE(left.observe(observer));
   EXPECT_FALSE(right.observe(observer)) << "V4L2 cameras have no encoded stream";
-  EXPECT_EQ(left.source().health().instant_source, InstantSource::arrival);
-  EXPECT_EQ(right.source().health().instant_source, InstantSource::kernel);
+  EXPECT_EQ(left.source().health().instant_source, capture::InstantSource::arrival);
+  EXPECT_EQ(right.source().health().instant_source, capture::InstantSource::kernel);
 }
 
 TEST(LiveCamera, ReaderTimeoutIsTwiceTheCameraTimeouts) {
   Configuration configuration = rtspAndV4l2();
-  StereoTimestamper clock(ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 12.0)
+  capture::StereoTimestamper clock(capture::ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 12.0)
       << "twice the answer and connection time-outs";
   configuration.stall_timeout = std::chrono::seconds(60);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 120.0)
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 120.0)
       << "twice the stall time-out, which is longer";
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::right, {680, 420}, clock).readerTimeout(), 120.0);
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::right, {680, 420}, clock).readerTimeout(), 120.0);
 }
 
 TEST(LiveCamera, UsesConfiguredTimeouts) {
@@ -53,12 +53,12 @@ TEST(LiveCamera, UsesConfiguredTimeouts) {
   configuration.answer_timeout = std::chrono::milliseconds(300);
   configuration.connect_timeout = std::chrono::milliseconds(700);
   configuration.stall_timeout = std::chrono::milliseconds(400);
-  const RtspCameraSettings settings = rtspSettings(configuration, configuration.left);
+  const capture::RtspCameraSettings settings = rtspSettings(configuration, configuration.left);
   EXPECT_EQ(settings.answer_timeout, configuration.answer_timeout);
   EXPECT_EQ(settings.connect_timeout, configuration.connect_timeout);
   EXPECT_EQ(settings.stall_timeout, configuration.stall_timeout);
-  StereoTimestamper clock(ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, CameraSide::left, {}, clock).readerTimeout(), 2.0)
+  capture::StereoTimestamper clock(capture::ClockChoice::automatic);
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 2.0)
       << "twice the answer and connection time-outs";
 }
 
@@ -69,7 +69,7 @@ TEST(LiveCamera, V4l2CameraUsesRigSizeUnlessConfigured) {
               HasSubstr("cameras.right.size is missing"));
   configuration.right.size = {1280, 720};
   configuration.right.exposure = 0.004;
-  const V4l2CameraSettings settings = v4l2Settings(configuration, configuration.right, {680, 420});
+  const capture::V4l2CameraSettings settings = v4l2Settings(configuration, configuration.right, {680, 420});
   EXPECT_EQ(settings.size, cv::Size(1280, 720));
   EXPECT_EQ(settings.device, "/dev/nonexistent/video7");
   EXPECT_EQ(settings.frame_rate, 25.0);
@@ -77,4 +77,4 @@ TEST(LiveCamera, V4l2CameraUsesRigSizeUnlessConfigured) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

@@ -23,7 +23,7 @@
 #include "tools/simulate/server/simulated_camera.hpp"
 #include "tools/simulate/stream/encode_content.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 namespace {
 
 using simulate::SimulatedCamera;
@@ -36,7 +36,7 @@ constexpr double kFrameRate = 18.0;
 /// The two walls of test::wall, moving past at 18 Hz.
 class PassingWalls : public simulate::Content {
  public:
-  Rig rig() const override { return test::smallRig(); }
+  calib::Rig rig() const override { return test::smallRig(); }
   double frameRate() const override { return kFrameRate; }
   int pairCount() const override { return 90; }
   std::int64_t leftInstant(int index) const override { return std::llround(index * 1e9 / kFrameRate); }
@@ -105,7 +105,7 @@ class LiveStream : public testing::Test {
         simulate::encodeContent(PassingWalls(), simulate::EncoderSettings{}, [](int, int) {});
     left_ = camera(streams.left);
     right_ = camera(streams.right);
-    writeRig(folder_ / "rig.yaml", test::smallRig());
+    calib::writeRig(folder_ / "rig.yaml", test::smallRig());
     std::ofstream(folder_ / "password") << "test\n";
     std::filesystem::permissions(folder_ / "password", std::filesystem::perms::owner_read);
     std::ofstream(folder_ / "cartvod.yaml")
@@ -176,9 +176,9 @@ TEST_F(LiveStream, IsPublishedAsOdometryAndAsInvalidAfterCameraLoss) {
 }
 
 TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
-  Rig rig = test::smallRig();
+  calib::Rig rig = test::smallRig();
   rig.left.size = rig.right.size = {640, 480};
-  writeRig(folder_ / "rig.yaml", rig);
+  calib::writeRig(folder_ / "rig.yaml", rig);
   Subscriber subscriber;
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });
@@ -288,4 +288,4 @@ TEST(LcmConnection, RejectsNonMulticastUrl) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::daemon

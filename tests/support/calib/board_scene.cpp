@@ -11,17 +11,19 @@
 namespace cartvo::test {
 namespace {
 
-Eigen::Vector2d pixelOf(const CameraModel& camera, const Lens& lens, const Eigen::Vector3d& point) {
-  const NormalisedPoint distorted = lens.distort(point);
+Eigen::Vector2d pixelOf(const calib::CameraModel& camera, const calib::Lens& lens,
+                        const Eigen::Vector3d& point) {
+  const calib::NormalisedPoint distorted = lens.distort(point);
   return {camera.fx * distorted.x + camera.cx, camera.fy * distorted.y + camera.cy};
 }
 
-std::vector<SeenCorner> seenCorners(const CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
-                                    const std::vector<Eigen::Vector2d>& corners, double noise,
-                                    std::mt19937& random) {
-  const Lens lens(camera);
+std::vector<calib::SeenCorner> seenCorners(const calib::CameraModel& camera,
+                                           const Eigen::Isometry3d& T_camera_board,
+                                           const std::vector<Eigen::Vector2d>& corners, double noise,
+                                           std::mt19937& random) {
+  const calib::Lens lens(camera);
   std::normal_distribution<double> scatter(0.0, 1.0);
-  std::vector<SeenCorner> seen;
+  std::vector<calib::SeenCorner> seen;
   for (std::size_t id = 0; id < corners.size(); ++id) {
     const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(corners[id].x(), corners[id].y(), 0.0);
     const Eigen::Vector2d off(scatter(random), scatter(random));
@@ -34,11 +36,11 @@ std::vector<SeenCorner> seenCorners(const CameraModel& camera, const Eigen::Isom
 }
 
 /// White paper with a margin around the printed pattern; one pixel per cell.
-cv::Mat paper(const BoardSpec& board, double cell, int margin) {
-  const Eigen::Vector2d extent = boardExtent(board);
+cv::Mat paper(const calib::BoardSpec& board, double cell, int margin) {
+  const Eigen::Vector2d extent = calib::boardExtent(board);
   const auto cells = [&](double length) { return static_cast<int>(std::lround(length / cell)); };
   cv::Mat image(cells(extent.y()) + 2 * margin, cells(extent.x()) + 2 * margin, CV_8UC1, cv::Scalar(230));
-  for (const cv::Rect2d& black : boardBlackRectangles(board)) {
+  for (const cv::Rect2d& black : calib::boardBlackRectangles(board)) {
     const cv::Point first(cells(black.x) + margin, cells(black.y) + margin);
     const cv::Point last(cells(black.x + black.width) + margin, cells(black.y + black.height) + margin);
     image(cv::Rect(first, last)).setTo(25);
@@ -47,8 +49,8 @@ cv::Mat paper(const BoardSpec& board, double cell, int margin) {
 }
 
 /// The rays through the corners of the pixels.
-std::vector<Eigen::Vector3d> cornerRays(const CameraModel& camera) {
-  const Lens lens(camera);
+std::vector<Eigen::Vector3d> cornerRays(const calib::CameraModel& camera) {
+  const calib::Lens lens(camera);
   std::vector<Eigen::Vector3d> rays;
   for (int row = 0; row <= camera.size.height; ++row) {
     for (int column = 0; column <= camera.size.width; ++column) {
@@ -61,7 +63,7 @@ std::vector<Eigen::Vector3d> cornerRays(const CameraModel& camera) {
 
 }  // namespace
 
-std::vector<Eigen::Isometry3d> boardPoses(const BoardSpec& board, double nearest, int count) {
+std::vector<Eigen::Isometry3d> boardPoses(const calib::BoardSpec& board, double nearest, int count) {
   const Eigen::Vector2d middle = 0.5 * boardExtent(board);
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
@@ -81,11 +83,11 @@ std::vector<Eigen::Isometry3d> boardPoses(const BoardSpec& board, double nearest
   return poses;
 }
 
-std::vector<BoardView> boardViews(const Rig& rig, const BoardSpec& board,
-                                  const std::vector<Eigen::Isometry3d>& T_left_board, double noise,
-                                  std::mt19937& random) {
-  const std::vector<Eigen::Vector2d> corners = boardCorners(board);
-  std::vector<BoardView> views;
+std::vector<calib::BoardView> boardViews(const calib::Rig& rig, const calib::BoardSpec& board,
+                                         const std::vector<Eigen::Isometry3d>& T_left_board, double noise,
+                                         std::mt19937& random) {
+  const std::vector<Eigen::Vector2d> corners = calib::boardCorners(board);
+  std::vector<calib::BoardView> views;
   for (std::size_t i = 0; i < T_left_board.size(); ++i) {
     views.push_back({"view" + std::to_string(i),
                      seenCorners(rig.left, T_left_board[i], corners, noise, random),
@@ -94,8 +96,8 @@ std::vector<BoardView> boardViews(const Rig& rig, const BoardSpec& board,
   return views;
 }
 
-cv::Mat renderBoard(const CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
-                    const BoardSpec& board, double cell) {
+cv::Mat renderBoard(const calib::CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
+                    const calib::BoardSpec& board, double cell) {
   constexpr int kSamples = 8, kGround = 110, kMarginCells = 4;
   const cv::Mat printed = paper(board, cell, kMarginCells);
   const std::vector<Eigen::Vector3d> rays = cornerRays(camera);

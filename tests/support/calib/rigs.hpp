@@ -5,8 +5,8 @@
 namespace cartvo::test {
 
 /// A wide-angle pair like that of the cart: distorted, and rotated relative to each other by about a degree.
-inline Rig cartRig() {
-  Rig rig;
+inline calib::Rig cartRig() {
+  calib::Rig rig;
   rig.name = "cart";
   rig.left.size = rig.right.size = {680, 420};
   rig.left.fx = 480.25;
@@ -22,14 +22,14 @@ inline Rig cartRig() {
   // Without sine and cosine: the same bits on each machine.
   rig.T_right_left.linear() = Eigen::Quaterniond(1.0, 0.003, -0.008, 0.005).normalized().toRotationMatrix();
   rig.T_right_left.translation() = Eigen::Vector3d(-0.115, 0.002, -0.001);
-  rig.T_body_camera = forwardLookingMount();
+  rig.T_body_camera = calib::forwardLookingMount();
   rig.T_body_camera.translation() = Eigen::Vector3d(0.4, 0.0575, 1.9);
   return rig;
 }
 
 /// A pair whose images are already rectified.
-inline Rig rectifiedRig() {
-  Rig rig;
+inline calib::Rig rectifiedRig() {
+  calib::Rig rig;
   rig.name = "rectified";
   rig.left.size = {640, 480};
   rig.left.fx = rig.left.fy = 500.5;
@@ -37,20 +37,20 @@ inline Rig rectifiedRig() {
   rig.left.cy = 240.75;
   rig.right = rig.left;
   rig.T_right_left.translation().x() = -0.12;
-  rig.T_body_camera = forwardLookingMount();
+  rig.T_body_camera = calib::forwardLookingMount();
   return rig;
 }
 
 /// A pair of fisheye cameras with a field of view above 150 degrees, rotated relative to each other by a
 /// degree.
-inline Rig wideRig() {
-  Rig rig = cartRig();
+inline calib::Rig wideRig() {
+  calib::Rig rig = cartRig();
   rig.name = "wide";
   rig.left.fx = 250.5;
   rig.left.fy = 251.0;
   rig.right.fx = 249.0;
   rig.right.fy = 249.5;
-  rig.left.lens = rig.right.lens = LensModel::wide;
+  rig.left.lens = rig.right.lens = calib::LensModel::wide;
   rig.left.distortion = {-0.012, 0.006, -0.003, 0.0004};
   rig.right.distortion = {-0.011, 0.004, -0.002, 0.0003};
   return rig;

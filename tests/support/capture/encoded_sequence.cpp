@@ -37,10 +37,10 @@ cv::Mat movingPicture(cv::Size size, int index) {
   return picture;
 }
 
-std::vector<EncodedUnit> encodeSequence(VideoCodec codec, cv::Size size, int count, int key_interval,
-                                        const std::string& encoder_options) {
-  const bool h264 = codec == VideoCodec::h264;
-  keepFfmpegQuiet();
+std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::Size size, int count,
+                                                 int key_interval, const std::string& encoder_options) {
+  const bool h264 = codec == capture::VideoCodec::h264;
+  capture::keepFfmpegQuiet();
   const AVCodec* encoder = avcodec_find_encoder_by_name(h264 ? "libx264" : "libx265");
   require(encoder != nullptr, "FFmpeg has no encoder");
   const ffmpeg::CodecContext context(avcodec_alloc_context3(encoder));
@@ -65,7 +65,7 @@ std::vector<EncodedUnit> encodeSequence(VideoCodec codec, cv::Size size, int cou
   frame->height = size.height;
   av_frame_get_buffer(frame, 0);
   const ffmpeg::Packet packet = ffmpeg::makePacket();
-  std::vector<EncodedUnit> units;
+  std::vector<capture::EncodedUnit> units;
   for (int i = 0; i < count; ++i) {
     av_frame_make_writable(frame);
     movingPicture(size, i).copyTo(
@@ -78,14 +78,14 @@ std::vector<EncodedUnit> encodeSequence(VideoCodec codec, cv::Size size, int cou
     frame->pts = i;
     require(avcodec_send_frame(context.get(), frame) == 0, "cannot encode");
     while (avcodec_receive_packet(context.get(), packet.get()) == 0) {
-      EncodedUnit unit;
+      capture::EncodedUnit unit;
       unit.data.assign(packet->data, packet->data + packet->size);
       unit.key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
       unit.sequence = units.size();
       unit.pts = static_cast<std::int64_t>(units.size()) * 4500;
       unit.exposure_ns = kStart_ns + static_cast<std::int64_t>(units.size()) * kPeriod_ns;
       unit.arrival_ns = unit.exposure_ns + 12'345'678;
-      unit.instant_source = InstantSource::sender_report;
+      unit.instant_source = capture::InstantSource::sender_report;
       units.push_back(std::move(unit));
       av_packet_unref(packet.get());
     }

@@ -16,8 +16,8 @@ cv::Mat movingPicture(cv::Size size, int index);
 /// Encodes pictures 0 to count-1 as a camera does: no B-frames, a key frame every `key_interval`, parameter
 /// sets in each key frame. Exposure instants are 50 ms apart. `encoder_options`: "key=value:key=value" of
 /// libx264 or libx265.
-std::vector<EncodedUnit> encodeSequence(VideoCodec codec, cv::Size size, int count, int key_interval,
-                                        const std::string& encoder_options);
+std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::Size size, int count,
+                                                 int key_interval, const std::string& encoder_options);
 
 /// FNV-1a hash of an image's pixels.
 std::uint64_t digest(const cv::Mat& image);

@@ -12,13 +12,13 @@ struct FrameDigest {
   std::uint64_t sequence;
   std::int64_t exposure_ns;
   std::int64_t arrival_ns;
-  InstantSource source;
-  FrameStatus status;
+  capture::InstantSource source;
+  capture::FrameStatus status;
   std::uint64_t pixels;  ///< hash
   bool operator==(const FrameDigest&) const = default;
 };
 
-inline FrameDigest digestOf(const Frame& frame) {
+inline FrameDigest digestOf(const capture::Frame& frame) {
   return {frame.sequence,       frame.exposure_ns, frame.arrival_ns,
           frame.instant_source, frame.status,      digest(frame.image)};
 }

@@ -57,8 +57,8 @@ std::unique_ptr<SimulatedCamera> startCamera(std::shared_ptr<const EncodedStream
   return std::make_unique<SimulatedCamera>(std::move(stream), settings);
 }
 
-RtspCameraSettings settingsFor(std::uint16_t port) {
-  RtspCameraSettings settings;
+capture::RtspCameraSettings settingsFor(std::uint16_t port) {
+  capture::RtspCameraSettings settings;
   settings.url = "rtsp://127.0.0.1:" + std::to_string(port) + "/Streaming/Channels/101";
   settings.credentials = {"admin", kLivePassword};
   settings.connect_timeout = milliseconds(10000);
@@ -67,19 +67,20 @@ RtspCameraSettings settingsFor(std::uint16_t port) {
   return settings;
 }
 
-bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done) {
+bool readUntil(capture::RtspCamera& camera,
+               const std::function<bool(capture::ReadOutcome, const capture::Frame&)>& done) {
   const std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() + kTestTimeout;
-  Frame frame;
+  capture::Frame frame;
   while (std::chrono::steady_clock::now() < deadline) {
-    const ReadOutcome outcome = camera.read(frame, milliseconds(100));
+    const capture::ReadOutcome outcome = camera.read(frame, milliseconds(100));
     if (done(outcome, frame)) return true;
   }
   return false;
 }
 
-bool readFrames(RtspCamera& camera, int count) {
-  return readUntil(camera, [&](ReadOutcome outcome, const Frame&) {
-    return outcome == ReadOutcome::frame && --count == 0;
+bool readFrames(capture::RtspCamera& camera, int count) {
+  return readUntil(camera, [&](capture::ReadOutcome outcome, const capture::Frame&) {
+    return outcome == capture::ReadOutcome::frame && --count == 0;
   });
 }
 

@@ -26,12 +26,13 @@ std::unique_ptr<simulate::SimulatedCamera> startCamera(std::shared_ptr<const sim
                                                        std::uint16_t port = 0);
 
 /// Settings to connect to it, with short retry pauses.
-RtspCameraSettings settingsFor(std::uint16_t port);
+capture::RtspCameraSettings settingsFor(std::uint16_t port);
 
 /// Reads until `done` returns true; false if that takes longer than kTestTimeout.
-bool readUntil(RtspCamera& camera, const std::function<bool(ReadOutcome, const Frame&)>& done);
+bool readUntil(capture::RtspCamera& camera,
+               const std::function<bool(capture::ReadOutcome, const capture::Frame&)>& done);
 
 /// Reads `count` frames; false if that takes longer than kTestTimeout.
-bool readFrames(RtspCamera& camera, int count);
+bool readFrames(capture::RtspCamera& camera, int count);
 
 }  // namespace cartvo::test

@@ -14,23 +14,23 @@ namespace cartvo::test {
 // Pictures to record, and access to what was recorded.
 
 /// Default settings of a recording in that folder.
-inline RecordingSettings settingsFor(const std::filesystem::path& folder) {
-  RecordingSettings settings;
+inline capture::RecordingSettings settingsFor(const std::filesystem::path& folder) {
+  capture::RecordingSettings settings;
   settings.folder = folder;
   return settings;
 }
 
 /// Pictures of 2.25 s, a key picture every 0.75 s.
-inline const std::vector<EncodedUnit>& camera() {
-  static const std::vector<EncodedUnit> units =
-      encodeSequence(VideoCodec::h264, cv::Size(320, 200), 45, 15, "");
+inline const std::vector<capture::EncodedUnit>& camera() {
+  static const std::vector<capture::EncodedUnit> units =
+      encodeSequence(capture::VideoCodec::h264, cv::Size(320, 200), 45, 15, "");
   return units;
 }
 
 /// The picture at an index of their endless repetition, in the order of time.
-inline EncodedUnit unitAt(int index) {
+inline capture::EncodedUnit unitAt(int index) {
   const auto count = static_cast<int>(camera().size());
-  EncodedUnit unit = camera()[static_cast<std::size_t>(index % count)];
+  capture::EncodedUnit unit = camera()[static_cast<std::size_t>(index % count)];
   const std::int64_t later_ns = index / count * std::int64_t{2'250'000'000};
   unit.exposure_ns += later_ns;
   unit.arrival_ns += later_ns;
@@ -39,10 +39,11 @@ inline EncodedUnit unitAt(int index) {
 }
 
 /// Sequence numbers of a camera's pictures in a recording.
-inline std::vector<std::uint64_t> recordedSequences(const std::filesystem::path& folder, CameraSide side) {
-  RecordingReader reader(folder, side);
+inline std::vector<std::uint64_t> recordedSequences(const std::filesystem::path& folder,
+                                                    capture::CameraSide side) {
+  capture::RecordingReader reader(folder, side);
   std::vector<std::uint64_t> sequences;
-  for (RecordedUnit recorded; reader.next(recorded);)
+  for (capture::RecordedUnit recorded; reader.next(recorded);)
     sequences.push_back(recorded.unit.sequence);
   return sequences;
 }
@@ -51,7 +52,7 @@ inline std::vector<std::uint64_t> recordedSequences(const std::filesystem::path&
 inline std::vector<std::uint64_t> segmentNumbers(const std::filesystem::path& recording) {
   std::vector<std::uint64_t> numbers;
   if (!std::filesystem::exists(recording)) return numbers;
-  for (const RecordingSegment& segment : recordingSegments(recording))
+  for (const capture::RecordingSegment& segment : capture::recordingSegments(recording))
     numbers.push_back(segment.number);
   return numbers;
 }

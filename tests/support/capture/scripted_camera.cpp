@@ -116,7 +116,7 @@ ScriptedCamera::~ScriptedCamera() {
   ::close(listener_);
 }
 
-void ScriptedCamera::setPictures(std::vector<EncodedUnit> pictures) {
+void ScriptedCamera::setPictures(std::vector<capture::EncodedUnit> pictures) {
   const std::lock_guard lock(mutex_);
   next_pictures_ = std::move(pictures);
 }
@@ -201,7 +201,7 @@ bool ScriptedCamera::answer(Client& client) {
 }
 
 std::string ScriptedCamera::describe() const {
-  const std::string name = script_.codec == VideoCodec::h264 ? "H264" : "H265";
+  const std::string name = script_.codec == capture::VideoCodec::h264 ? "H264" : "H265";
   return "v=0\r\no=- 1 1 IN IP4 127.0.0.1\r\ns=camera\r\nt=0 0\r\nm=video 0 RTP/AVP 96\r\n"
          "c=IN IP4 0.0.0.0\r\na=rtpmap:96 " +
          name + "/90000\r\na=fmtp:96 packetization-mode=1\r\na=control:track1\r\n";
@@ -222,8 +222,8 @@ void ScriptedCamera::sendPicture(Client& client) {
       client.picture = 0;
     }
   }
-  const EncodedUnit& unit = script_.pictures[client.picture];
-  const std::vector<NalUnit> nals = splitNalUnits(script_.codec, unit.data);
+  const capture::EncodedUnit& unit = script_.pictures[client.picture];
+  const std::vector<capture::NalUnit> nals = capture::splitNalUnits(script_.codec, unit.data);
   for (std::size_t i = 0; i < nals.size(); ++i)
     sendNal(client, nals[i].bytes, i + 1 == nals.size());
   client.picture = (client.picture + 1) % script_.pictures.size();
@@ -233,7 +233,7 @@ void ScriptedCamera::sendPicture(Client& client) {
 /// Sends one packet, or fragments: RFC 6184, 5.8 (FU-A), and RFC 7798, 4.4.3 (FU).
 void ScriptedCamera::sendNal(Client& client, std::span<const std::uint8_t> nal, bool last) {
   if (nal.size() <= kMaxPayload) return sendRtp(client, nal, last);
-  const bool h264 = script_.codec == VideoCodec::h264;
+  const bool h264 = script_.codec == capture::VideoCodec::h264;
   const std::size_t header = h264 ? 1 : 2;
   const auto type = static_cast<std::uint8_t>(h264 ? nal[0] & 0x1f : (nal[0] >> 1) & 0x3f);
   for (std::size_t begin = header; begin < nal.size(); begin += kMaxPayload) {

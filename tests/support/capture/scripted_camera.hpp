@@ -20,11 +20,11 @@ struct CameraScript {
   using Packet = std::vector<std::uint8_t>;
   using Send = std::function<void(const Packet&)>;
 
-  VideoCodec codec = VideoCodec::h264;
-  std::vector<EncodedUnit> pictures;        ///< repeated without end; the first is a key picture
-  double frame_rate = 25.0;                 ///< Hz
-  std::uint32_t first_rtp = 1'000'000'000;  ///< if it is 0, FFmpeg merges the first pictures
-  double report_interval = 0.25;            ///< s
+  capture::VideoCodec codec = capture::VideoCodec::h264;
+  std::vector<capture::EncodedUnit> pictures;  ///< repeated without end; the first is a key picture
+  double frame_rate = 25.0;                    ///< Hz
+  std::uint32_t first_rtp = 1'000'000'000;     ///< if it is 0, FFmpeg merges the first pictures
+  double report_interval = 0.25;               ///< s
   /// Error of the camera's wall clock, s, by the time since the first picture, s.
   std::function<double(double)> clock_error = [](double) { return 0.0; };
   /// Network link: forwards, drops, changes or duplicates each RTP packet.
@@ -47,7 +47,7 @@ class ScriptedCamera {
   std::uint16_t port() const { return port_; }
 
   /// Replaces the pictures from the next key picture on.
-  void setPictures(std::vector<EncodedUnit> pictures);
+  void setPictures(std::vector<capture::EncodedUnit> pictures);
 
   int connections() const { return connections_; }
 
@@ -63,7 +63,7 @@ class ScriptedCamera {
 
   CameraScript script_;
   std::mutex mutex_;
-  std::vector<EncodedUnit> next_pictures_;
+  std::vector<capture::EncodedUnit> next_pictures_;
   int listener_;
   std::uint16_t port_ = 0;
   std::atomic<int> connections_ = 0;

@@ -36,10 +36,10 @@ class ClockSimulation {
   /// True exposure of the next picture, s.
   double nextExposure() const { return exposureOf(count_); }
 
-  RtpTimestamps next() {
+  capture::RtpTimestamps next() {
     const double exposure = nextExposure();
     ++count_;
-    RtpTimestamps packet;
+    capture::RtpTimestamps packet;
     const std::int64_t rtp = rtpAt(exposure);
     packet.pts = static_cast<std::uint32_t>(rtp);
     packet.arrival_ns = atHost(exposure + faults_.latency + delay());

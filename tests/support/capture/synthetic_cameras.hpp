@@ -22,23 +22,23 @@ namespace cartvo::test {
 constexpr std::int64_t kPeriod_ns = 20'000'000;  // 50 Hz: quick tests
 
 /// Synthetic cameras for tests of the pipeline: a rectified rig with 320x240 px images.
-inline Rig smallRig() {
-  Rig rig;
+inline calib::Rig smallRig() {
+  calib::Rig rig;
   rig.name = "test";
   rig.left.size = rig.right.size = {320, 240};
   rig.left.fx = rig.left.fy = rig.right.fx = rig.right.fy = 240.0;
   rig.left.cx = rig.right.cx = 159.5;
   rig.left.cy = rig.right.cy = 119.5;
   rig.T_right_left.translation() = Eigen::Vector3d(-0.2, 0.0, 0.0);
-  rig.T_body_camera = forwardLookingMount();
+  rig.T_body_camera = calib::forwardLookingMount();
   return rig;
 }
 
-inline PairProcessor smallProcessor(const Rig& rig) {
-  const RectificationSettings settings;
-  OdometrySettings odometry;
+inline daemon::PairProcessor smallProcessor(const calib::Rig& rig) {
+  const calib::RectificationSettings settings;
+  vo::OdometrySettings odometry;
   odometry.features = 300;
-  return {rig, Rectifier(rig, settings, buildTables(rig, settings)), odometry};
+  return {rig, calib::Rectifier(rig, settings, calib::buildTables(rig, settings)), odometry};
 }
 
 /// Image of two walls of random texture: in the upper half 4 m ahead (disparity 12 px), in the lower half 2 m
@@ -60,8 +60,8 @@ inline cv::Mat wall(int index, int disparity) {
   return image;
 }
 
-inline Frame wallFrame(int index, int disparity, std::int64_t exposure_ns) {
-  Frame frame;
+inline capture::Frame wallFrame(int index, int disparity, std::int64_t exposure_ns) {
+  capture::Frame frame;
   frame.image = wall(index, disparity);
   frame.exposure_ns = exposure_ns;
   frame.arrival_ns = frame.decoded_ns = hostNow();
@@ -70,48 +70,48 @@ inline Frame wallFrame(int index, int disparity, std::int64_t exposure_ns) {
 }
 
 /// Plays a list of frames as fast as they are read.
-class ListedCamera : public CameraSource {
+class ListedCamera : public capture::CameraSource {
  public:
-  explicit ListedCamera(std::vector<Frame> frames) : frames_(std::move(frames)) {}
+  explicit ListedCamera(std::vector<capture::Frame> frames) : frames_(std::move(frames)) {}
 
-  ReadOutcome read(Frame& frame, std::chrono::milliseconds /*timeout*/) override {
-    if (interrupted_ || next_ == frames_.size()) return ReadOutcome::ended;
+  capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds /*timeout*/) override {
+    if (interrupted_ || next_ == frames_.size()) return capture::ReadOutcome::ended;
     frame = frames_[next_++];
-    return ReadOutcome::frame;
+    return capture::ReadOutcome::frame;
   }
-  CameraHealth health() const override { return {}; }
+  capture::CameraHealth health() const override { return {}; }
   void interrupt() noexcept override { interrupted_ = true; }
 
  private:
-  std::vector<Frame> frames_;
+  std::vector<capture::Frame> frames_;
   std::size_t next_ = 0;
   std::atomic<bool> interrupted_ = false;
 };
 
 /// Live camera: at each multiple of the period it delivers the frame that `deliver(index, exposure_ns)`
 /// returns, or nothing if the image is empty. The exposure is that multiple, counted from the construction.
-class TickingCamera : public CameraSource {
+class TickingCamera : public capture::CameraSource {
  public:
   using Clock = std::chrono::steady_clock;
-  using Deliver = std::function<Frame(int index, std::int64_t exposure_ns)>;
+  using Deliver = std::function<capture::Frame(int index, std::int64_t exposure_ns)>;
 
   explicit TickingCamera(Deliver deliver) : deliver_(std::move(deliver)) {}
 
-  ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override {
+  capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds timeout) override {
     const Clock::time_point deadline = Clock::now() + timeout;
     std::unique_lock lock(mutex_);
     while (!interrupted_) {
       const Clock::time_point due = start_ + index_ * std::chrono::nanoseconds(kPeriod_ns);
       changed_.wait_until(lock, std::min(due, deadline), [this] { return interrupted_; });
       if (interrupted_) break;
-      if (Clock::now() < due) return ReadOutcome::timed_out;
+      if (Clock::now() < due) return capture::ReadOutcome::timed_out;
       frame = deliver_(index_, index_ * kPeriod_ns);
       ++index_;
-      if (!frame.image.empty()) return ReadOutcome::frame;
+      if (!frame.image.empty()) return capture::ReadOutcome::frame;
     }
-    return ReadOutcome::ended;
+    return capture::ReadOutcome::ended;
   }
-  CameraHealth health() const override { return {}; }
+  capture::CameraHealth health() const override { return {}; }
   void interrupt() noexcept override {
     const std::lock_guard lock(mutex_);
     interrupted_ = true;

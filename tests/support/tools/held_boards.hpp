@@ -18,10 +18,10 @@ class HeldBoards : public simulate::Content {
   static constexpr double kFrameRate = 15.0;  // Hz
   static constexpr int kPlaces = 10, kPairsEach = 23, kPairs = kPlaces * kPairsEach;
 
-  static BoardSpec board() { return Chessboard{8, 5, 0.05}; }
+  static calib::BoardSpec board() { return calib::Chessboard{8, 5, 0.05}; }
 
-  static Rig rigOfBoards() {
-    Rig rig;
+  static calib::Rig rigOfBoards() {
+    calib::Rig rig;
     rig.name = "held boards";
     rig.left.size = rig.right.size = {320, 240};
     rig.left.fx = rig.left.fy = 240.0;
@@ -32,12 +32,12 @@ class HeldBoards : public simulate::Content {
     rig.right.fx = rig.right.fy = 238.5;
     rig.T_right_left.linear() = Eigen::Quaterniond(1.0, 0.003, -0.004, 0.002).normalized().toRotationMatrix();
     rig.T_right_left.translation() = Eigen::Vector3d(-0.115, 0.002, -0.001);
-    rig.T_body_camera = forwardLookingMount();
+    rig.T_body_camera = calib::forwardLookingMount();
     return rig;
   }
 
   HeldBoards() : left_(kPlaces), right_(kPlaces) {
-    const Rig rig = rigOfBoards();
+    const calib::Rig rig = rigOfBoards();
     const std::vector<Eigen::Isometry3d> poses = wholePoses(rig);
     cv::parallel_for_({0, 2 * kPlaces}, [&](const cv::Range& range) {
       for (int i = range.start; i < range.end; ++i) {
@@ -51,7 +51,7 @@ class HeldBoards : public simulate::Content {
     });
   }
 
-  Rig rig() const override { return rigOfBoards(); }
+  calib::Rig rig() const override { return rigOfBoards(); }
   double frameRate() const override { return kFrameRate; }
   int pairCount() const override { return kPairs; }
   std::int64_t leftInstant(int index) const override { return std::llround(index * 1e9 / kFrameRate); }
@@ -67,12 +67,12 @@ class HeldBoards : public simulate::Content {
 
  private:
   /// Poses at which both cameras see the whole board, as the detection of a chessboard requires.
-  static std::vector<Eigen::Isometry3d> wholePoses(const Rig& rig) {
+  static std::vector<Eigen::Isometry3d> wholePoses(const calib::Rig& rig) {
     constexpr int kMany = 60;
     std::mt19937 random;
     std::vector<Eigen::Isometry3d> whole;
     for (const Eigen::Isometry3d& pose : boardPoses(board(), 0.7, kMany)) {
-      const BoardView view = boardViews(rig, board(), {pose}, 0.0, random)[0];
+      const calib::BoardView view = boardViews(rig, board(), {pose}, 0.0, random)[0];
       const bool is_whole = view.left.size() == 40 && view.right.size() == 40;
       if (is_whole && whole.size() < kPlaces) whole.push_back(pose);
     }

@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
-const CameraModel& modelOf(const Rig& rig, CameraSide side) {
-  return side == CameraSide::left ? rig.left : rig.right;
+const calib::CameraModel& modelOf(const calib::Rig& rig, capture::CameraSide side) {
+  return side == capture::CameraSide::left ? rig.left : rig.right;
 }
 
 Eigen::Isometry3d T_world_camera(const world::RenderedWorld& world, const Exposure& at) {
-  const Rig rig = world.rig();
-  const bool left = at.side == CameraSide::left;
+  const calib::Rig rig = world.rig();
+  const bool left = at.side == capture::CameraSide::left;
   const std::int64_t instant = left ? world.leftInstant(at.index) : world.rightInstant(at.index);
   const Eigen::Isometry3d T_body_camera =
       left ? rig.T_body_camera : rig.T_body_camera * rig.T_right_left.inverse();
@@ -90,7 +90,7 @@ bool isSmooth(const world::DepthImage& seen, int x, int y) {
 /// True position in `to` of each pixel of `from`: CV_64FC2, NaN where the images cannot be compared.
 cv::Mat correspondences(const world::RenderedWorld& world, const Exposure& from, const Exposure& to) {
   constexpr int kMargin = kKernelRadius + 2;
-  const Rig rig = world.rig();
+  const calib::Rig rig = world.rig();
   const world::DepthImage seen = world.renderDepth(from.index, from.side);
   const world::DepthImage other = world.renderDepth(to.index, to.side);
   const Eigen::Isometry3d T_to_from = T_world_camera(world, to).inverse() * T_world_camera(world, from);

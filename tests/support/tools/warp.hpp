@@ -10,7 +10,7 @@ namespace cartvo::test {
 /// Identifies one rendered image: camera and frame index.
 struct Exposure {
   int index = 0;
-  CameraSide side = CameraSide::left;
+  capture::CameraSide side = capture::CameraSide::left;
 };
 
 /// Residual displacement of a patch after warping one image onto another by true poses and rendered depth.

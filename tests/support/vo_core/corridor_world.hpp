@@ -24,20 +24,20 @@ class CorridorWorld {
       }
   }
 
-  StereoImages render(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
-                      std::int64_t time_ns) const {
+  vo::StereoImages render(const vo::StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
+                          std::int64_t time_ns) const {
     return {view(camera, T_world_camera), rightView(camera, T_world_camera), time_ns, time_ns};
   }
 
   /// Image of a camera with this pose; image of the right camera of a rig whose left camera has this pose.
-  cv::Mat view(const StereoCamera& camera, const Eigen::Isometry3d& T) const {
+  cv::Mat view(const vo::StereoCamera& camera, const Eigen::Isometry3d& T) const {
     return draw(camera.width, camera.height, [&](int x, int y) {
       const Eigen::Vector3d ray = T.linear() * Eigen::Vector3d((x - camera.cx) / camera.focal_length,
                                                                (y - camera.cy) / camera.focal_length, 1.0);
       return shade(T.translation(), ray, camera.focal_length);
     });
   }
-  cv::Mat rightView(const StereoCamera& camera, const Eigen::Isometry3d& T_world_camera) const {
+  cv::Mat rightView(const vo::StereoCamera& camera, const Eigen::Isometry3d& T_world_camera) const {
     return view(camera, T_world_camera * Eigen::Translation3d(camera.baseline, 0, 0));
   }
 

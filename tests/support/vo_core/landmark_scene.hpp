@@ -10,16 +10,16 @@
 
 namespace cartvo::test {
 
-inline const StereoCamera kRigCamera{480.0, 340.0, 210.0, 0.115, 680, 420};
+inline const vo::StereoCamera kRigCamera{480.0, 340.0, 210.0, 0.115, 680, 420};
 constexpr double kFramePeriod = 0.055;  // s
 
-inline BundleResult adjustBundle(BundleProblem& problem, const BundleSettings& settings) {
-  return BundleAdjuster().adjust(problem, settings);
+inline vo::BundleResult adjustBundle(vo::BundleProblem& problem, const vo::BundleSettings& settings) {
+  return vo::BundleAdjuster().adjust(problem, settings);
 }
 
 /// Motion vector (x, y, z, rotation vector); m and rad.
-inline Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) {
-  Vector6d vector;
+inline vo::Vector6d vector6(double x, double y, double z, double rx, double ry, double rz) {
+  vo::Vector6d vector;
   vector << x, y, z, rx, ry, rz;
   return vector;
 }
@@ -27,7 +27,7 @@ inline Vector6d vector6(double x, double y, double z, double rx, double ry, doub
 /// Pose at `time` (s) of a drive with constant linear and angular velocity, as the estimator assumes between
 /// two pairs, so that a time offset adds no model error.
 inline Eigen::Isometry3d steadyDrive(double time) {
-  return motionFromVector(time * vector6(0.1, -0.05, 2.7, 0.02, -0.3, 0.05));
+  return vo::motionFromVector(time * vector6(0.1, -0.05, 2.7, 0.02, -0.3, 0.05));
 }
 
 inline Eigen::Isometry3d rightOf(const Eigen::Isometry3d& T_world_left) {
@@ -43,10 +43,10 @@ inline bool inView(const Eigen::Vector2d& pixel) {
 
 /// Pixel at which a right camera with the calibration error `rig` sees the point that a calibrated one sees
 /// at `pixel`.
-inline Eigen::Vector2d miscalibratedPixel(const RigCorrection& rig, const Eigen::Vector2d& pixel) {
+inline Eigen::Vector2d miscalibratedPixel(const vo::RigCorrection& rig, const Eigen::Vector2d& pixel) {
   Eigen::Vector2d seen = pixel;
   for (int i = 0; i < 5; ++i)  // inverts correctedRight() by iteration
-    seen += pixel - correctedRight(kRigCamera, rig, seen);
+    seen += pixel - vo::correctedRight(kRigCamera, rig, seen);
   return seen;
 }
 
@@ -59,35 +59,35 @@ struct LandmarkScene {
   double noise = 0.0;         ///< in units of the assumed noise
   double coarse_noise = 0.0;  ///< the same for every other landmark, which has level 1; 0: no such landmarks
   double wrong_disparities = 0.0;  ///< fraction of stereo matches with a wrong disparity
-  RigCorrection rig{};             ///< error of the calibration
+  vo::RigCorrection rig{};         ///< error of the calibration
   double delay = 0.0;              ///< s, right exposure minus the one by `offset`
 };
 
 /// Simulates a problem whose initial values are the truth.
-inline BundleProblem simulateProblem(const LandmarkScene& scene, std::uint64_t seed) {
+inline vo::BundleProblem simulateProblem(const LandmarkScene& scene, std::uint64_t seed) {
   Noise random(seed);
   Noise random_rows(seed + 1'000'000);
-  BundleProblem problem;
+  vo::BundleProblem problem;
   problem.camera = kRigCamera;
   problem.fixed = scene.frames - scene.free_frames;
   for (int i = 0; i < scene.frames; ++i)
     problem.poses.push_back({i * kFramePeriod, scene.offset, steadyDrive(i * kFramePeriod)});
 
-  const auto observe = [&](BundleLandmark& landmark, int frame, const Eigen::Vector3d& world) {
+  const auto observe = [&](vo::BundleLandmark& landmark, int frame, const Eigen::Vector3d& world) {
     const bool is_anchor = landmark.observations.empty();
-    const TimedPose& pose = problem.poses[frame];
+    const vo::TimedPose& pose = problem.poses[frame];
     const Eigen::Vector3d in_left = pose.T_world_camera.inverse() * world;
     const Eigen::Vector3d in_right =
         rightOf(steadyDrive(pose.time + pose.offset + scene.delay)).inverse() * world;
-    if (in_left.z() < 0.5 || in_right.z() < 0.5 || !inView(project(kRigCamera, in_left))) return;
-    const Eigen::Vector2d left = project(kRigCamera, in_left);
-    const Eigen::Vector2d right = miscalibratedPixel(scene.rig, project(kRigCamera, in_right));
+    if (in_left.z() < 0.5 || in_right.z() < 0.5 || !inView(vo::project(kRigCamera, in_left))) return;
+    const Eigen::Vector2d left = vo::project(kRigCamera, in_left);
+    const Eigen::Vector2d right = miscalibratedPixel(scene.rig, vo::project(kRigCamera, in_right));
     const double disparity = left.x() - right.x();
-    const BundleNoise& assumed = problem.noise[landmark.level];
+    const vo::BundleNoise& assumed = problem.noise[landmark.level];
     const double stddev = assumed.disparity + assumed.stretch * std::abs(disparity);
     const double noise = landmark.level > 0 ? scene.coarse_noise : scene.noise;
 
-    BundleObservation observation;
+    vo::BundleObservation observation;
     observation.pose = frame;
     observation.left = left;
     if (!is_anchor)  // the anchor position defines the landmark
@@ -103,11 +103,11 @@ inline BundleProblem simulateProblem(const LandmarkScene& scene, std::uint64_t s
 
   for (int i = 0; i < scene.landmarks; ++i) {
     const int anchor = i % (scene.frames - 1);
-    BundleLandmark landmark;
+    vo::BundleLandmark landmark;
     if (scene.coarse_noise > 0.0) landmark.level = i % 2;
     const double column = kRigCamera.width * random.uniform();
     const double row = kRigCamera.height * random.uniform();
-    landmark.bearing = bearingOf(kRigCamera, {column, row});
+    landmark.bearing = vo::bearingOf(kRigCamera, {column, row});
     landmark.inverse_depth = 1.0 / 30.0 + 0.3 * random.uniform();
     const Eigen::Vector3d world =
         problem.poses[anchor].T_world_camera * (landmark.bearing / landmark.inverse_depth);
@@ -119,7 +119,7 @@ inline BundleProblem simulateProblem(const LandmarkScene& scene, std::uint64_t s
 }
 
 /// Adds errors to the initial values; `size` 1 is the error after a pose search.
-inline void disturb(BundleProblem& problem, double size = 1.0) {
+inline void disturb(vo::BundleProblem& problem, double size = 1.0) {
   for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i) {
     Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
     pose = pose * motionFromVector(size * vector6(0.01, -0.01, 0.02, 0.002, -0.003, 0.002));
@@ -129,12 +129,12 @@ inline void disturb(BundleProblem& problem, double size = 1.0) {
 }
 
 /// Errors of the free poses relative to steadyDrive(), oldest first; perturbations on the right.
-inline Eigen::VectorXd poseErrors(const BundleProblem& problem) {
+inline Eigen::VectorXd poseErrors(const vo::BundleProblem& problem) {
   const int free = static_cast<int>(problem.poses.size()) - problem.fixed;
   Eigen::VectorXd errors(6 * free);
   for (int i = 0; i < free; ++i) {
-    const TimedPose& pose = problem.poses[problem.fixed + i];
-    errors.segment<6>(6 * i) = vectorFromMotion(steadyDrive(pose.time).inverse() * pose.T_world_camera);
+    const vo::TimedPose& pose = problem.poses[problem.fixed + i];
+    errors.segment<6>(6 * i) = vo::vectorFromMotion(steadyDrive(pose.time).inverse() * pose.T_world_camera);
   }
   return errors;
 }

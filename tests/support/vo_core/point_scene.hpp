@@ -9,21 +9,21 @@
 
 namespace cartvo::test {
 
-inline const StereoCamera kSceneCamera{480.0, 340.0, 210.0, 0.3, 680, 420};
+inline const vo::StereoCamera kSceneCamera{480.0, 340.0, 210.0, 0.3, 680, 420};
 constexpr double kPixelNoise = 0.2, kDisparityNoise = 0.3;
 
 /// Point as the camera measures it: with noise of pixel and disparity.
 inline Eigen::Vector3d measured(const Eigen::Vector3d& point, Noise& noise) {
-  const Eigen::Vector2d pixel = project(kSceneCamera, point);
+  const Eigen::Vector2d pixel = vo::project(kSceneCamera, point);
   const double disparity = kSceneCamera.focal_length * kSceneCamera.baseline / point.z();
   const double right =
       kPixelNoise * noise.gaussian();  // one by one: the evaluation order of arguments is unspecified
   const Eigen::Vector2d offset(right, kPixelNoise * noise.gaussian());
-  return triangulate(kSceneCamera, {pixel + offset, disparity + kDisparityNoise * noise.gaussian()});
+  return vo::triangulate(kSceneCamera, {pixel + offset, disparity + kDisparityNoise * noise.gaussian()});
 }
 
 inline Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& point) {
-  return pointCovariance(kSceneCamera, point, kPixelNoise, kDisparityNoise);
+  return vo::pointCovariance(kSceneCamera, point, kPixelNoise, kDisparityNoise);
 }
 
 /// Points in view, 4 to 30 m away.
@@ -38,9 +38,9 @@ inline std::vector<Eigen::Vector3d> scatter(int count, Noise& noise) {
 }
 
 inline Eigen::Isometry3d forwardMotion() {
-  Vector6d vector;
+  vo::Vector6d vector;
   vector << 0.03, -0.02, 0.4, 0.01, -0.02, 0.005;
-  return motionFromVector(vector);
+  return vo::motionFromVector(vector);
 }
 
 }  // namespace cartvo::test

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Ablation, ReferenceComesFirstEvenIfNotNamed) {
-  OdometrySettings full;
+  vo::OdometrySettings full;
   full.features = 700;
   const std::vector<OdometryVariant> variants = ablatedVariants(full, {"two-pairs"});
   ASSERT_EQ(variants.size(), 2u);
@@ -27,7 +27,7 @@ TEST(Ablation, ReferenceComesFirstEvenIfNotNamed) {
 
 TEST(Ablation, EachVariantHasValidSettings) {
   for (const OdometryVariant& variant : ablatedVariants({}, ablationNames()))
-    EXPECT_NO_THROW(validate(variant.odometry)) << variant.name;
+    EXPECT_NO_THROW(vo::validate(variant.odometry)) << variant.name;
 }
 
 SequenceAccuracy accuracyOf(const std::string& sequence, const std::string& variant, double percent) {

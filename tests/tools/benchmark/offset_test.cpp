@@ -48,15 +48,15 @@ TEST(OffsetModelNames, AreParsedBack) {
 
 TEST(AlternateFrames, AreEverySecondImageOfEachCamera) {
   CARTVO_NEEDS_DATA(folder, "kitti_06");
-  const ImageFolder all = readImageFolder(folder);
+  const capture::ImageFolder all = capture::readImageFolder(folder);
   for (const RightFrames right : {RightFrames::same, RightFrames::next}) {
-    StereoSource source = openAlternate(folder, right, false);
+    capture::StereoSource source = openAlternate(folder, right, false);
     const std::size_t first = right == RightFrames::next ? 1 : 0;
     ASSERT_EQ(source.pairs, right == RightFrames::next ? 25u : 26u);
-    Frame left_frame, right_frame;
+    capture::Frame left_frame, right_frame;
     for (std::size_t i = 0; i < source.pairs; ++i) {
-      ASSERT_EQ(source.left->read(left_frame, {}), ReadOutcome::frame);
-      ASSERT_EQ(source.right->read(right_frame, {}), ReadOutcome::frame);
+      ASSERT_EQ(source.left->read(left_frame, {}), capture::ReadOutcome::frame);
+      ASSERT_EQ(source.right->read(right_frame, {}), capture::ReadOutcome::frame);
       EXPECT_EQ(left_frame.exposure_ns, all.left.instants_ns[2 * i]);
       EXPECT_EQ(right_frame.exposure_ns, all.right.instants_ns[2 * i + first]);
       EXPECT_GT(source.period_ns / 2, right_frame.exposure_ns - left_frame.exposure_ns)
@@ -67,16 +67,17 @@ TEST(AlternateFrames, AreEverySecondImageOfEachCamera) {
 
 TEST(AlternateFrames, KeepTheirPairsWhenPlayedSimultaneously) {
   CARTVO_NEEDS_DATA(folder, "kitti_06");
-  const ImageFolder all = readImageFolder(folder);
-  StereoSource source = openAlternate(folder, RightFrames::next, true);
+  const capture::ImageFolder all = capture::readImageFolder(folder);
+  capture::StereoSource source = openAlternate(folder, RightFrames::next, true);
   ASSERT_EQ(source.pairs, 25u);
-  Frame left_frame, right_frame;
+  capture::Frame left_frame, right_frame;
   for (std::size_t i = 0; i < source.pairs; ++i) {
-    ASSERT_EQ(source.left->read(left_frame, {}), ReadOutcome::frame);
-    ASSERT_EQ(source.right->read(right_frame, {}), ReadOutcome::frame);
+    ASSERT_EQ(source.left->read(left_frame, {}), capture::ReadOutcome::frame);
+    ASSERT_EQ(source.right->read(right_frame, {}), capture::ReadOutcome::frame);
     EXPECT_EQ(left_frame.exposure_ns, all.left.instants_ns[2 * i]);
     EXPECT_EQ(right_frame.exposure_ns, left_frame.exposure_ns);
-    EXPECT_EQ(cv::norm(right_frame.image, readGreyImage(all.right.images[2 * i + 1]), cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(right_frame.image, capture::readGreyImage(all.right.images[2 * i + 1]), cv::NORM_INF),
+              0.0);
   }
 }
 

@@ -59,7 +59,8 @@ SequenceAccuracy exampleWorld(double normalised_error) {
   world.evaluation.short_segments.all = {0.0, 50, 0.004, 0.0001};
   for (int i = 0; i < 100; ++i) {
     world.consistency.motion.beginGroup();
-    world.consistency.motion.add(Vector6d::Constant(std::sqrt(normalised_error)), Matrix6d::Identity());
+    world.consistency.motion.add(vo::Vector6d::Constant(std::sqrt(normalised_error)),
+                                 vo::Matrix6d::Identity());
   }
   world.times_ms = {10.0, 20.0, 30.0};
   return world;

@@ -87,13 +87,13 @@ TEST_F(TinyWorldBenchmark, RendersOnceWithTruthAtEachInstant) {
   ASSERT_EQ(static_cast<int>(sequence.truth.left_camera.size()), world.pairCount());
   ASSERT_EQ(sequence.truth.body_twist.size(), sequence.truth.left_camera.size());
   // The mean twist over a step equals the exact motion, except for the change of the twist within the step.
-  const Rig rig = world.rig();
+  const calib::Rig rig = world.rig();
   for (std::size_t i = 1; i < sequence.truth.left_camera.size(); ++i) {
     const double step = 1.0 / 9.0;
-    const Vector6d mean = 0.5 * step * (sequence.truth.body_twist[i - 1] + sequence.truth.body_twist[i]);
+    const vo::Vector6d mean = 0.5 * step * (sequence.truth.body_twist[i - 1] + sequence.truth.body_twist[i]);
     const Eigen::Isometry3d body = rig.T_body_camera * sequence.truth.left_camera[i - 1].pose.inverse() *
                                    sequence.truth.left_camera[i].pose * rig.T_body_camera.inverse();
-    EXPECT_LT((vectorFromMotion(body) - mean).norm(), 0.01) << i;
+    EXPECT_LT((vo::vectorFromMotion(body) - mean).norm(), 0.01) << i;
   }
   const auto rendered_at = std::filesystem::last_write_time(sequence.folder / "poses.txt");
   EXPECT_EQ(renderedSequence(tinyWorld(), worlds, {}).folder, sequence.folder);
@@ -115,7 +115,7 @@ TEST_F(TinyWorldBenchmark, RendersOnlyRightImagesForAnotherTimeOffset) {
   cv::imwrite((synchronised / first).string(), seen);
   const world::RenderedWorld world(settings);
   EXPECT_EQ(cv::norm(cv::imread((later.folder / "image_1/000003.png").string(), cv::IMREAD_GRAYSCALE),
-                     world.image(3, CameraSide::right)),
+                     world.image(3, capture::CameraSide::right)),
             0.0);
   std::filesystem::remove_all(later.folder);
 }
@@ -123,8 +123,8 @@ TEST_F(TinyWorldBenchmark, RendersOnlyRightImagesForAnotherTimeOffset) {
 TEST_F(TinyWorldBenchmark, MeasuresEachVariantLosslessAndEncoded) {
   AccuracySettings settings;
   settings.worlds = {tinyWorld()};
-  OdometrySettings odometry;
-  odometry.estimator = Estimator::thesis;
+  vo::OdometrySettings odometry;
+  odometry.estimator = vo::Estimator::thesis;
   odometry.features = 400;
   settings.variants = {{"thesis", odometry}};
   settings.bitrates_mbps = {8.0};
@@ -153,18 +153,18 @@ TEST_F(TinyWorldBenchmark, DecodesEachPictureWithItsInstant) {
   const simulate::SequenceContent content(sequence.folder, {});
   const auto streams = std::make_shared<const simulate::EncodedPair>(
       simulate::encodeContent(content, {.bitrate_kbps = 20'000}, {}));
-  const StereoSource source = openEncoded(streams);
+  const capture::StereoSource source = openEncoded(streams);
   EXPECT_EQ(source.pairs, 6u);
   cv::Mat left, right;
-  Frame frame;
+  capture::Frame frame;
   for (int index = 0; index < content.pairCount(); ++index) {
-    ASSERT_EQ(source.right->read(frame, std::chrono::milliseconds(0)), ReadOutcome::frame);
+    ASSERT_EQ(source.right->read(frame, std::chrono::milliseconds(0)), capture::ReadOutcome::frame);
     content.images(index, left, right);
     EXPECT_EQ(frame.exposure_ns, content.rightInstant(index));
-    EXPECT_EQ(frame.status, FrameStatus::good);
+    EXPECT_EQ(frame.status, capture::FrameStatus::good);
     EXPECT_LT(cv::norm(frame.image, right, cv::NORM_L1) / static_cast<double>(right.total()), 3.0) << index;
   }
-  EXPECT_EQ(source.right->read(frame, std::chrono::milliseconds(0)), ReadOutcome::ended);
+  EXPECT_EQ(source.right->read(frame, std::chrono::milliseconds(0)), capture::ReadOutcome::ended);
 }
 
 TEST(DepthRegression, IsExactForALineAndLowerWithScatter) {
@@ -191,9 +191,9 @@ TEST(DepthRegression, IsBetterWithSubPixelDisparities) {
   EXPECT_GE(closeDepths(samples.sub_pixel), closeDepths(samples.whole_pixel));
 }
 
-TEST(FeatureCounts, VaryLessWithAdaptiveThresholds) {
+TEST(vo::FeatureCounts, VaryLessWithAdaptiveThresholds) {
   CARTVO_NEEDS_DATA(sequence, "kitti_00");
-  const DetectionSettings adaptive;
+  const vo::DetectionSettings adaptive;
   const FeatureCountSeries with = countFeatures(sequence, adaptive, 1000);
   const FeatureCountSeries without = countFeatures(sequence, withFixedThreshold(adaptive), 1000);
   ASSERT_EQ(with.corners.size(), 21u);
@@ -202,16 +202,16 @@ TEST(FeatureCounts, VaryLessWithAdaptiveThresholds) {
   EXPECT_GT(with.features_mean, 900.0);
 }
 
-TEST(StageTimes, AreMediansExceptTheFirstPair) {
+TEST(daemon::StageTimes, AreMediansExceptTheFirstPair) {
   Replay replay;
   for (const double seconds : {9.0, 0.001, 0.003, 0.002}) {
     ReplayedPair pair;
-    pair.times.stages[static_cast<std::size_t>(Stage::detect)] = seconds;
+    pair.times.stages[static_cast<std::size_t>(vo::Stage::detect)] = seconds;
     pair.times.total = 2.0 * seconds;
     replay.pairs.push_back(pair);
   }
   const StageMedians medians = stageMedians(replay);
-  EXPECT_DOUBLE_EQ(medians.stage(Stage::detect), 2.0);
+  EXPECT_DOUBLE_EQ(medians.stage(vo::Stage::detect), 2.0);
   EXPECT_DOUBLE_EQ(medians.total, 4.0);
   EXPECT_GT(rectificationMs({320, 200}), 0.0);
 }

@@ -85,7 +85,7 @@ TEST(SpeedBenchmark, TimesEachSizeWithEachNumberOfFeatures) {
     EXPECT_EQ(result.pairs, 4u) << "without the warm-up pairs";
     EXPECT_GT(result.rectified.median, 0.0);
     EXPECT_GT(result.raw.median, result.rectified.median) << "the lens is rectified";
-    EXPECT_GT(result.stage(Stage::rectify), 0.0);
+    EXPECT_GT(result.stage(vo::Stage::rectify), 0.0);
     EXPECT_GT(result.reference.klt, 0.0);
     EXPECT_GT(result.reference.remap, 0.0);
     EXPECT_GT(result.rectified_ratio, 0.0);
@@ -157,10 +157,10 @@ TEST(ThroughLenses, RectificationRestoresTheImages) {
   ASSERT_TRUE(isRectified(drive));
   const DriveInMemory distorted = throughLenses(drive);
   EXPECT_FALSE(isRectified(distorted));
-  const Rectifier rectifier(distorted.rig, {}, buildTables(distorted.rig, {}));
-  const Rectification& rectification = rectifier.rectification();
+  const calib::Rectifier rectifier(distorted.rig, {}, calib::buildTables(distorted.rig, {}));
+  const calib::Rectification& rectification = rectifier.rectification();
   // The map from pinhole pixels to rectified pixels: the same rays with another focal length.
-  const CameraModel& pinhole = drive.rig.left;
+  const calib::CameraModel& pinhole = drive.rig.left;
   const double scale = rectification.focal_length / pinhole.fx;
   const cv::Matx23d to_rectified(scale, 0, rectification.cx - scale * pinhole.cx, 0, scale,
                                  rectification.cy - scale * pinhole.cy);

@@ -54,7 +54,7 @@ TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED"))));
-  const Rig rig = readRig(output);
+  const calib::Rig rig = calib::readRig(output);
   EXPECT_GE(rig.scale_stddev, 1e-3);
   EXPECT_EQ(rig.rectification.free_scaling, 0.2);
   EXPECT_NEAR(rig.left.fx, 534.0, 3.0);  // OpenCV's intrinsics.yml says 534.2
@@ -79,16 +79,16 @@ TEST(CalibrateCommand, IsDeterministicAndKeepsTheMount) {
   const std::string command = chessboard(data) + " --model brown5 --json --output " + output.string();
   const test::CommandResult first = test::runCartvo(command);
   ASSERT_EQ(first.exit_code, 0) << first.output;
-  Rig mounted = readRig(output);
-  const std::string calibrated = rigText(mounted);
+  calib::Rig mounted = calib::readRig(output);
+  const std::string calibrated = calib::rigText(mounted);
   mounted.T_body_camera.translation() = Eigen::Vector3d(0.9, 0.06, 1.85);
-  writeRig(output, mounted);
+  calib::writeRig(output, mounted);
   const test::CommandResult second = test::runCartvo(command);
   EXPECT_EQ(second.output, first.output);
-  Rig again = readRig(output);
+  calib::Rig again = calib::readRig(output);
   EXPECT_EQ(again.T_body_camera.translation(), mounted.T_body_camera.translation());
-  again.T_body_camera = forwardLookingMount();
-  EXPECT_EQ(rigText(again), calibrated);
+  again.T_body_camera = calib::forwardLookingMount();
+  EXPECT_EQ(calib::rigText(again), calibrated);
 }
 
 TEST(CalibrateCommand, AgreesWithThePublishedEurocCalibration) {
@@ -114,7 +114,8 @@ TEST(CalibrateCommand, AgreesWithThePublishedEurocCalibration) {
     }
     return 0.0;
   };
-  const Rig published = readEurocRig(euroc / "mav0/cam0/sensor.yaml", euroc / "mav0/cam1/sensor.yaml");
+  const calib::Rig published =
+      calib::readEurocRig(euroc / "mav0/cam0/sensor.yaml", euroc / "mav0/cam1/sensor.yaml");
   EXPECT_NEAR(value("left fx"), published.left.fx, 3e-3 * published.left.fx);
   EXPECT_NEAR(value("left fy"), published.left.fy, 3e-3 * published.left.fy);
   EXPECT_NEAR(value("right fx"), published.right.fx, 3e-3 * published.right.fx);
@@ -140,7 +141,7 @@ TEST(CalibrateCommand, ChoosesTheWideModelForAFisheye) {
       output.string();
   const test::CommandResult run = test::runCartvo(command);
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_EQ(readRig(output).left.lens, LensModel::wide);
+  EXPECT_EQ(calib::readRig(output).left.lens, calib::LensModel::wide);
   EXPECT_THAT(run.output,
               ::testing::ContainsRegex("brown4.*refused: its error on held-out views is [0-9.]+ times that "
                                        "of wide"));
@@ -150,7 +151,7 @@ TEST(CalibrateCommand, RefusesFaultyInputWithTheReasonAndKeepsTheOutput) {
   CARTVO_NEEDS_DATA(data, "board_opencv");
   const test::TemporaryFolder folder;
   const fs::path output = folder / "rig.yaml";
-  const std::string before = rigText(test::cartRig());
+  const std::string before = calib::rigText(test::cartRig());
   std::ofstream(output) << before;
   const auto expect = [&](const std::string& arguments, const std::string& words) {
     const test::CommandResult run =

@@ -36,14 +36,15 @@ class CalibrateCheckPair : public ::testing::Test {
 
   std::string file(const char* name) const { return (folder_ / name).string(); }
 
-  test::CommandResult check(const Rig& rig, const char* left, const char* right, const std::string& options) {
-    writeRig(folder_ / "rig.yaml", rig);
+  test::CommandResult check(const calib::Rig& rig, const char* left, const char* right,
+                            const std::string& options) {
+    calib::writeRig(folder_ / "rig.yaml", rig);
     return test::runCartvo("calibrate check " + file("rig.yaml") + " " + file(left) + " " + file(right) +
                            " " + options);
   }
 
   test::TemporaryFolder folder_;
-  Rig rig_;
+  calib::Rig rig_;
 };
 
 TEST_F(CalibrateCheckPair, PassesWithTheCorrectRig) {
@@ -60,7 +61,7 @@ TEST_F(CalibrateCheckPair, PassesWithTheCorrectRig) {
 
 TEST_F(CalibrateCheckPair, FailsWithARotatedRightCamera) {
   constexpr double kPitch = 0.002, kFocalLength = 480.0;  // rad, px
-  Rig turned = rig_;
+  calib::Rig turned = rig_;
   turned.T_right_left.prerotate(Eigen::AngleAxisd(kPitch, Eigen::Vector3d::UnitX()));
   const test::CommandResult run = check(turned, "left.png", "right.png", "--json");
   EXPECT_EQ(run.exit_code, 1) << run.output;
@@ -100,7 +101,7 @@ TEST(CalibrateCheckCommand, ChecksAFolderOfPairs) {
 
 /// Synthetic matches with a row error, and mismatches among them.
 TEST(RowCheck, RejectsMismatchesAndMeasuresTheRowError) {
-  Rectification rectification;
+  calib::Rectification rectification;
   rectification.size = {680, 420};
   rectification.focal_length = 480.0;
   rectification.cx = 340.0;

@@ -22,7 +22,7 @@ std::string in(const test::TemporaryFolder& folder, const char* name) {
 
 TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
   const test::TemporaryFolder folder;
-  writeRig(folder / "rig.yaml", test::wideRig());
+  calib::writeRig(folder / "rig.yaml", test::wideRig());
   const test::CommandResult out = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
                                                   " --to ros --output " + in(folder, "camera_info"));
   ASSERT_EQ(out.exit_code, 0) << out.output;
@@ -32,14 +32,15 @@ TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
       test::runCartvo("calibrate convert " + in(folder, "camera_info/left.yaml") + " " +
                       in(folder, "camera_info/right.yaml") + " --output " + in(folder, "back.yaml"));
   ASSERT_EQ(back.exit_code, 0) << back.output;
-  EXPECT_TRUE(readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
+  EXPECT_TRUE(
+      calib::readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
 }
 
 TEST(CalibrateConvertCommand, WarnsThatOtherFormatsLoseTheScaleStddev) {
   const test::TemporaryFolder folder;
-  Rig rig = test::rectifiedRig();
+  calib::Rig rig = test::rectifiedRig();
   const auto said_of = [&](const char* format) {
-    writeRig(folder / "rig.yaml", rig);
+    calib::writeRig(folder / "rig.yaml", rig);
     return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --to " + format + " --output " +
                            in(folder, "out.yaml"))
         .output;
@@ -47,9 +48,9 @@ TEST(CalibrateConvertCommand, WarnsThatOtherFormatsLoseTheScaleStddev) {
   EXPECT_THAT(said_of("opencv"), Not(HasSubstr("scale")));
   rig.scale_stddev = 0.002;
   EXPECT_THAT(said_of("opencv"), HasSubstr("the format opencv cannot store the scale's uncertainty"));
-  EXPECT_EQ(readRig(folder / "out.yaml").scale_stddev, 0.0) << "read as opencv's";
+  EXPECT_EQ(calib::readRig(folder / "out.yaml").scale_stddev, 0.0) << "read as opencv's";
   EXPECT_THAT(said_of("cartvo"), Not(HasSubstr("scale")));
-  EXPECT_EQ(readRig(folder / "out.yaml").scale_stddev, 0.002);
+  EXPECT_EQ(calib::readRig(folder / "out.yaml").scale_stddev, 0.002);
 }
 
 TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
@@ -61,7 +62,7 @@ TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
       test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
                       "/cam1/sensor.yaml --to kalibr --output " + in(folder, "camchain.yaml"));
   EXPECT_EQ(from_euroc.exit_code, 0) << from_euroc.output;
-  EXPECT_EQ(readRig(folder / "camchain.yaml").left.fx, 458.654);
+  EXPECT_EQ(calib::readRig(folder / "camchain.yaml").left.fx, 458.654);
   const std::string convert =
       "calibrate convert " + (kitti / "calib.txt").string() + " --output " + in(folder, "kitti.yaml");
   EXPECT_THAT(test::runCartvo(convert).output, HasSubstr("give their size"));
@@ -70,20 +71,20 @@ TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
 
 TEST(CalibrateConvertCommand, KeepsTheOutputFileOnFailure) {
   const test::TemporaryFolder folder;
-  writeRig(folder / "rig.yaml", test::cartRig());
-  writeRig(folder / "out.yaml", test::rectifiedRig());
+  calib::writeRig(folder / "rig.yaml", test::cartRig());
+  calib::writeRig(folder / "out.yaml", test::rectifiedRig());
   const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
                                                   " --to kalibr --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("Kalibr's radtan model holds the first 4"));
-  EXPECT_EQ(readRig(folder / "out.yaml").name, "rectified");
+  EXPECT_EQ(calib::readRig(folder / "out.yaml").name, "rectified");
 }
 
 TEST(CalibrateConvertCommand, RefusesSwappedCameras) {
   const test::TemporaryFolder folder;
-  Rig swapped = test::cartRig();
+  calib::Rig swapped = test::cartRig();
   swapped.T_right_left = swapped.T_right_left.inverse();
-  writeRig(folder / "rig.yaml", swapped);
+  calib::writeRig(folder / "rig.yaml", swapped);
   const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
                                                   " --to opencv --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);

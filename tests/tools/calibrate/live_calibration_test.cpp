@@ -54,11 +54,12 @@ std::unique_ptr<SimulatedCamera> switchOn(const simulate::EncodedStream& stream)
 /// Reads a camera and passes its stream to the recorder, like the daemon.
 class RecordedCamera {
  public:
-  RecordedCamera(const SimulatedCamera& camera, StreamObserver& recorder) : camera_(settingsFor(camera)) {
+  RecordedCamera(const SimulatedCamera& camera, capture::StreamObserver& recorder)
+      : camera_(settingsFor(camera)) {
     camera_.setObserver(recorder);
     reader_ = std::thread([this] {
-      Frame frame;
-      while (camera_.read(frame, std::chrono::milliseconds(100)) != ReadOutcome::ended) {
+      capture::Frame frame;
+      while (camera_.read(frame, std::chrono::milliseconds(100)) != capture::ReadOutcome::ended) {
       }
     });
   }
@@ -70,14 +71,14 @@ class RecordedCamera {
   RecordedCamera& operator=(const RecordedCamera&) = delete;
 
  private:
-  static RtspCameraSettings settingsFor(const SimulatedCamera& camera) {
-    RtspCameraSettings settings;
+  static capture::RtspCameraSettings settingsFor(const SimulatedCamera& camera) {
+    capture::RtspCameraSettings settings;
     settings.url = camera.url();
     settings.credentials = {"admin", kPassword};
     return settings;
   }
 
-  RtspCamera camera_;
+  capture::RtspCamera camera_;
   std::thread reader_;
 };
 
@@ -106,8 +107,8 @@ class LiveCalibration : public ::testing::Test {
     right_->startContent(epoch);
   }
 
-  void expectTruth(const Rig& rig) const {
-    const Rig truth = test::HeldBoards::rigOfBoards();
+  void expectTruth(const calib::Rig& rig) const {
+    const calib::Rig truth = test::HeldBoards::rigOfBoards();
     EXPECT_NEAR(rig.baseline(), truth.baseline(), 2e-3);
     EXPECT_NEAR(rig.left.fx, truth.left.fx, 1.5);
     EXPECT_NEAR(rig.right.fx, truth.right.fx, 1.5);
@@ -126,7 +127,7 @@ std::string pageOf(const std::string& said) {
 }
 
 TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
-  StreamRecorder recorder({.folder = folder_ / "recording", .configuration = "", .rig = ""});
+  capture::StreamRecorder recorder({.folder = folder_ / "recording", .configuration = "", .rig = ""});
   auto recorded_left = std::make_unique<RecordedCamera>(*left_, recorder.left());
   auto recorded_right = std::make_unique<RecordedCamera>(*right_, recorder.right());
   test::RunningCartvo cartvo("calibrate live --config " + (folder_ / "cartvod.yaml").string() + kBoard +
@@ -158,7 +159,7 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   cartvo.interrupt();
   EXPECT_EQ(cartvo.wait(), 0) << cartvo.output();
   EXPECT_THAT(cartvo.output(), AllOf(HasSubstr("view 8 taken at"), HasSubstr("the calibration passes")));
-  expectTruth(readRig(folder_ / "live.yaml"));
+  expectTruth(calib::readRig(folder_ / "live.yaml"));
 
   recorded_left.reset();
   recorded_right.reset();
@@ -167,7 +168,7 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
       test::runCartvo("calibrate " + (folder_ / "recording").string() + kBoard + "--output " +
                       (folder_ / "recorded.yaml").string() + " --report " + (folder_ / "report").string());
   EXPECT_EQ(again.exit_code, 0) << again.output;
-  expectTruth(readRig(folder_ / "recorded.yaml"));
+  expectTruth(calib::readRig(folder_ / "recorded.yaml"));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(CalibratePlanCommand, ReportsEachCombinationInEachFormat) {
 
 TEST(CalibratePlanCommand, IncludesARig) {
   const test::TemporaryFolder folder;
-  writeRig(folder / "rig.yaml", test::rectifiedRig());
+  calib::writeRig(folder / "rig.yaml", test::rectifiedRig());
   const test::CommandResult run =
       test::runCartvo("calibrate plan --format json --rig " + (folder / "rig.yaml").string());
   ASSERT_EQ(run.exit_code, 0) << run.output;

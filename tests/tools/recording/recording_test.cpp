@@ -43,11 +43,11 @@ cv::Mat picture(int index) {
 class RecordingCommand : public testing::Test {
  protected:
   void SetUp() override {
-    RecordingSettings settings;
+    capture::RecordingSettings settings;
     settings.folder = folder_ / "drive";
     settings.configuration = "cameras: {}\n";
     settings.rig = "name: roof\n";
-    StreamRecorder recorder(settings);
+    capture::StreamRecorder recorder(settings);
     feed(recorder);
   }
 
@@ -57,13 +57,13 @@ class RecordingCommand : public testing::Test {
         std::count(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>(), '\n'));
   }
 
-  static void feed(StreamRecorder& recorder) {
+  static void feed(capture::StreamRecorder& recorder) {
     simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
     recorder.left().onStream({});
     recorder.right().onStream({});
     for (int i = 0; i < kPictures; ++i) {
       const simulate::EncodedPicture encoded = encoder.encode(picture(i));
-      EncodedUnit unit;
+      capture::EncodedUnit unit;
       unit.data = encoded.data;
       unit.key = encoded.key_frame;
       unit.sequence = static_cast<std::uint64_t>(i);
@@ -73,7 +73,7 @@ class RecordingCommand : public testing::Test {
       recorder.left().onUnit(unit);
       if (i == 12) continue;
       if (unit.key && i > 0) recorder.right().onStream({});
-      unit.status = i > 12 && i < 20 ? FrameStatus::damaged : FrameStatus::good;
+      unit.status = i > 12 && i < 20 ? capture::FrameStatus::damaged : capture::FrameStatus::good;
       recorder.right().onUnit(unit);
     }
   }
@@ -114,7 +114,7 @@ TEST_F(RecordingCommand, InfoReportsInterruptedRecordingAndMaximumLoss) {
   const std::string cut = (folder_ / "cut").string();
   const pid_t child = fork();
   if (child == 0) {
-    StreamRecorder recorder({.folder = cut, .configuration = "", .rig = ""});
+    capture::StreamRecorder recorder({.folder = cut, .configuration = "", .rig = ""});
     feed(recorder);
     const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
     while (lines(cut + "/000000/left.csv") + lines(cut + "/000000/right.csv") < 81 &&
@@ -161,12 +161,12 @@ TEST_F(RecordingCommand, TrimCopiesPartUnchanged) {
   const test::CommandResult trimmed = run("trim", "--from 1.2 --to 1.6 --output " + output);
   EXPECT_EQ(trimmed.exit_code, 0) << trimmed.output;
   std::vector<std::uint64_t> sequences;
-  RecordingSource source(output, CameraSide::left);
-  Frame frame;
-  while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame) {
+  capture::RecordingSource source(output, capture::CameraSide::left);
+  capture::Frame frame;
+  while (source.read(frame, std::chrono::milliseconds(0)) == capture::ReadOutcome::frame) {
     sequences.push_back(frame.sequence);
     EXPECT_EQ(frame.exposure_ns, kStart_ns + static_cast<std::int64_t>(frame.sequence) * 50'000'000);
-    EXPECT_EQ(frame.status, FrameStatus::good);
+    EXPECT_EQ(frame.status, capture::FrameStatus::good);
   }
   ASSERT_FALSE(sequences.empty());
   EXPECT_LE(sequences.front(), 24U) << "starts at a key picture";

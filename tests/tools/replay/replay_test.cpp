@@ -82,7 +82,7 @@ void linkFirstPairs(const std::filesystem::path& sequence, const std::filesystem
 Replay replayed(const std::filesystem::path& source) {
   ReplaySettings settings;
   settings.source = source;
-  return replaySource(settings, [](const PairResult&, std::size_t) {});
+  return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
 }
 
 /// The first pairs of kitti_06 in a separate folder for each test; most tests share one replay.
@@ -183,7 +183,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
   ReplaySettings settings;
   settings.source = folder_.path();
   settings.odometry.features = 500;
-  const Replay replay = replaySource(settings, [](const PairResult&, std::size_t expected) {
+  const Replay replay = replaySource(settings, [](const daemon::PairResult&, std::size_t expected) {
     EXPECT_EQ(expected, static_cast<std::size_t>(kPairs));
   });
   const nlohmann::ordered_json summary = replaySummary(settings, replay);
@@ -200,22 +200,22 @@ TEST_F(ReplayOfKitti, HasSummary) {
 
 TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
   const auto found = [&](const std::filesystem::path& given) {
-    return findRig(openSource(folder_.path()), folder_.path(), given);
+    return findRig(capture::openSource(folder_.path()), folder_.path(), given);
   };
   EXPECT_EQ(found({}).rig.name, "KITTI");
   EXPECT_EQ(found({}).rig.left.size, cv::Size(1226, 370));
-  Rig rig = readKittiRig(folder_ / "calib.txt", {1226, 370});
+  calib::Rig rig = calib::readKittiRig(folder_ / "calib.txt", {1226, 370});
   rig.name = "beside the images";
-  writeRig(folder_ / "rig.yaml", rig);
+  calib::writeRig(folder_ / "rig.yaml", rig);
   EXPECT_EQ(found({}).rig.name, "beside the images");
   rig.name = "given";
-  writeRig(folder_ / "other.yaml", rig);
+  calib::writeRig(folder_ / "other.yaml", rig);
   EXPECT_EQ(found(folder_ / "other.yaml").rig.name, "given");
   EXPECT_EQ(found(folder_ / "other.yaml").origin, (folder_ / "other.yaml").string());
 }
 
 TEST_F(ReplayOfKitti, RejectsRigOfWrongImageSize) {
-  writeRig(folder_ / "rig.yaml", readKittiRig(folder_ / "calib.txt", {1241, 376}));
+  calib::writeRig(folder_ / "rig.yaml", calib::readKittiRig(folder_ / "calib.txt", {1241, 376}));
   EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
 }
 
@@ -235,11 +235,11 @@ TEST_F(ReplayOfKitti, RejectsTruthWithWrongNumberOfPoses) {
 /// Records pairs of a KITTI sequence as encoded streams of two cameras.
 void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs,
             double key_frame_interval) {
-  const Rig rig = readKittiRig(sequence / "calib.txt", {1226, 370});
-  RecordingSettings settings;
+  const calib::Rig rig = calib::readKittiRig(sequence / "calib.txt", {1226, 370});
+  capture::RecordingSettings settings;
   settings.folder = folder;
-  settings.rig = rigText(rig);
-  StreamRecorder recorder(settings);
+  settings.rig = calib::rigText(rig);
+  capture::StreamRecorder recorder(settings);
   const simulate::EncoderSettings encoding{.bitrate_kbps = 8000, .key_frame_interval = key_frame_interval};
   simulate::StreamEncoder left_encoder(encoding, rig.left.size, 10.0);
   simulate::StreamEncoder right_encoder(encoding, rig.left.size, 10.0);
@@ -253,14 +253,14 @@ void record(const std::filesystem::path& sequence, const std::filesystem::path& 
       std::snprintf(name, sizeof name, "%06d.png", i);
       const cv::Mat image = cv::imread((sequence / camera / name).string(), cv::IMREAD_GRAYSCALE);
       const simulate::EncodedPicture picture = encoder.encode(image);
-      EncodedUnit unit;
+      capture::EncodedUnit unit;
       unit.data = picture.data;
       unit.key = picture.key_frame;
       unit.pts = i * 9000;
       unit.exposure_ns = 1'700'000'000'000'000'000 + i * 100'000'000;
       unit.first_arrival_ns = unit.arrival_ns = unit.exposure_ns + 30'000'000;
       unit.sequence = static_cast<std::uint64_t>(i);
-      unit.instant_source = InstantSource::sender_report;
+      unit.instant_source = capture::InstantSource::sender_report;
       (is_left ? recorder.left() : recorder.right()).onUnit(unit);
     }
   }
@@ -272,7 +272,7 @@ TEST(ReplayOfRecording, MatchesTruthWithRigAndTimesOfRecording) {
   constexpr int kRecorded = 6;
   record(sequence, folder / "drive", kRecorded, 1.0);
   const Replay replay = replayed(folder / "drive");
-  EXPECT_EQ(replay.kind, SourceKind::recording);
+  EXPECT_EQ(replay.kind, capture::SourceKind::recording);
   EXPECT_EQ(replay.rig.rig.name, "KITTI");
   EXPECT_EQ(replay.rig.origin, (folder / "drive/recording.json").string());
   EXPECT_TRUE(replay.problems.empty());

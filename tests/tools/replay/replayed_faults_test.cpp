@@ -27,7 +27,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// is sent each second.
 class FaultyCamera {
  public:
-  FaultyCamera(StreamObserver& recorder, bool is_right)
+  FaultyCamera(capture::StreamObserver& recorder, bool is_right)
       : recorder_(recorder), is_right_(is_right), encoder_({.bitrate_kbps = 600}, {160, 120}, kFrameRate) {
     recorder_.onStream({});
   }
@@ -41,7 +41,7 @@ class FaultyCamera {
       first_ = index + 1;
       return;
     }
-    EncodedUnit unit;
+    capture::EncodedUnit unit;
     unit.sequence = static_cast<std::uint64_t>(index);
     if (!is_right_ && (index == 3 * kFrameRate + 1 || index == 22 * kFrameRate + 2)) {  // lost packet
       is_damaged_ = true;
@@ -57,14 +57,14 @@ class FaultyCamera {
       unit.data_lost = is_damaged_ = true;
     }
     if (unit.key) is_damaged_ = unit.data_lost;
-    unit.status = is_damaged_ ? FrameStatus::damaged : FrameStatus::good;
+    unit.status = is_damaged_ ? capture::FrameStatus::damaged : capture::FrameStatus::good;
     stamp(index, second, during(25.0, 28.0), unit);
     recorder_.onUnit(unit);
   }
 
  private:
   /// `is_jittery`: packets are delayed by up to 200 ms.
-  void stamp(int index, double second, bool is_jittery, EncodedUnit& unit) const {
+  void stamp(int index, double second, bool is_jittery, capture::EncodedUnit& unit) const {
     const std::int64_t exposure_ns = kStart_ns + index * (kSecond_ns / kFrameRate);
     unit.pts = (index - first_) * (90'000 / kFrameRate);
     unit.first_arrival_ns = unit.arrival_ns =
@@ -77,7 +77,7 @@ class FaultyCamera {
     unit.min_delay_arrival_ns = exposure_ns + 30'000'000;
   }
 
-  StreamObserver& recorder_;
+  capture::StreamObserver& recorder_;
   bool is_right_;
   simulate::StreamEncoder encoder_;
   int first_ = 0;  ///< index of the connection's first picture
@@ -93,11 +93,11 @@ void recordFaultyDrive(const std::filesystem::path& folder) {
   pattern.frame_rate = kFrameRate;
   pattern.pairs = kSeconds * kFrameRate;
   const test::PatternContent content(pattern);
-  RecordingSettings settings;
+  capture::RecordingSettings settings;
   settings.folder = folder;
-  settings.rig = rigText(content.rig());
+  settings.rig = calib::rigText(content.rig());
   settings.segment_length = std::chrono::milliseconds(20'000);
-  StreamRecorder recorder(settings);
+  capture::StreamRecorder recorder(settings);
   FaultyCamera left(recorder.left(), false), right(recorder.right(), true);
   cv::Mat left_image, right_image;
   for (int index = 0; index < pattern.pairs; ++index) {
@@ -118,7 +118,7 @@ Replay replayRecording(const std::filesystem::path& folder) {
   settings.source = folder;
   settings.odometry.features = 150;
   settings.clock = ReplayClock::automatic;
-  return replaySource(settings, [](const PairResult&, std::size_t) {});
+  return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
 }
 
 /// Number of replays: CARTVO_REPLAYED_HOURS sets the total duration of the replayed drives; by default 3.
@@ -150,7 +150,7 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   EXPECT_GE(valid_pairs(31.0, 34.0), 12) << "a camera's clock was set";
   // The true velocity is 0.4 m/s to the right.
   for (const ReplayedPair& pair : first.pairs) {
-    if (!pair.valid || pair.reasons != OdometryReason::none) continue;
+    if (!pair.valid || pair.reasons != vo::OdometryReason::none) continue;
     EXPECT_LT(pair.velocity.norm(), 0.8) << pair.exposure_ns;
   }
 

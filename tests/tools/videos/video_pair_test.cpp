@@ -62,14 +62,14 @@ void film(const fs::path& file, double begin, double duration) {
   encode("-f rawvideo -pixel_format gray -video_size 160x96 -framerate 12.5 -i " + raw.string(), file);
 }
 
-Rig smallRig() {
-  Rig rig;
+calib::Rig smallRig() {
+  calib::Rig rig;
   rig.left.size = rig.right.size = kSize;
   rig.left.fx = rig.left.fy = rig.right.fx = rig.right.fy = 150.0;
   rig.left.cx = rig.right.cx = 79.5;
   rig.left.cy = rig.right.cy = 47.5;
   rig.T_right_left.translation().x() = -0.1;
-  rig.T_body_camera = forwardLookingMount();
+  rig.T_body_camera = calib::forwardLookingMount();
   return rig;
 }
 
@@ -104,16 +104,16 @@ TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   for (const auto& [camera, video] : {std::pair("image_0", "left.mp4"), std::pair("image_1", "right.mkv")}) {
     encode("-framerate 10 -i " + (sequence / camera).string() + "/%06d.png -frames:v 6", folder / video);
   }
-  writeRig(folder / "rig.yaml", readKittiRig(sequence / "calib.txt", {1226, 370}));
+  calib::writeRig(folder / "rig.yaml", calib::readKittiRig(sequence / "calib.txt", {1226, 370}));
   ReplaySettings settings;
   settings.source = folder / "left.mp4";
   settings.right_video = folder / "right.mkv";
   settings.rig = folder / "rig.yaml";
   settings.video_offset = 0.0;
   const Replay replay = replayVideos(
-      settings, [](std::size_t, std::size_t) {}, [](const PairResult&, std::size_t) {});
+      settings, [](std::size_t, std::size_t) {}, [](const daemon::PairResult&, std::size_t) {});
   ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kPairs));
-  EXPECT_EQ(replay.kind, SourceKind::videos);
+  EXPECT_EQ(replay.kind, capture::SourceKind::videos);
   Trajectory truth = readTrajectory(sequence / "poses.txt");
   truth.resize(kPairs);
   EXPECT_LT(*evaluate(associateByRows(leftCameraTrajectory(replay), truth)).final_drift_fraction, 0.08);

@@ -54,7 +54,9 @@ TEST(RenderedWorld, DifferentSeedGivesDifferentCampus) {
   const RenderedWorld first(settings);
   settings.seed = 2;
   const RenderedWorld second(settings);
-  EXPECT_GT(meanDifference(first.image(50, CameraSide::left), second.image(50, CameraSide::left)), 5.0);
+  EXPECT_GT(
+      meanDifference(first.image(50, capture::CameraSide::left), second.image(50, capture::CameraSide::left)),
+      5.0);
   EXPECT_NE(first.cacheKey(), second.cacheKey());
 }
 
@@ -63,14 +65,14 @@ TEST(RenderedWorld, StaticSceneDoesNotFlickerAtStandstill) {
   settings.noise = 0.0;
   const RenderedWorld world(settings);
   const auto static_mask = [&](int index) -> cv::Mat {  // excludes moving objects and a margin of 2 px
-    const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
+    const cv::Mat moving = world.renderDepth(index, capture::CameraSide::left).moving;
     cv::Mat still;
     cv::erode(moving == 0, still, cv::Mat(), cv::Point(-1, -1), 2);
     return still;
   };
   const cv::Mat still = static_mask(60) & static_mask(61);
   cv::Mat change;
-  cv::absdiff(world.image(60, CameraSide::left), world.image(61, CameraSide::left), change);
+  cv::absdiff(world.image(60, capture::CameraSide::left), world.image(61, capture::CameraSide::left), change);
   const int changed = cv::countNonZero((change > 1) & still);  // moving shadows
   EXPECT_LT(changed, 0.015 * cv::countNonZero(still));
   EXPECT_GT(cv::countNonZero(still), 0.5 * static_cast<double>(still.total()));
@@ -92,9 +94,9 @@ TEST(RenderedWorld, RightImageShowsTheSceneAtItsOwnExposure) {
   const RenderedWorld simultaneous(settings);
   settings.offset_s = 1.0 / settings.frame_rate;  // one frame period
   const RenderedWorld offset(settings);
-  const cv::Mat image = offset.image(100, CameraSide::right);
-  const double to_next = meanDifference(image, simultaneous.image(101, CameraSide::right));
-  const double to_same = meanDifference(image, simultaneous.image(100, CameraSide::right));
+  const cv::Mat image = offset.image(100, capture::CameraSide::right);
+  const double to_next = meanDifference(image, simultaneous.image(101, capture::CameraSide::right));
+  const double to_same = meanDifference(image, simultaneous.image(100, capture::CameraSide::right));
   EXPECT_LT(to_next, 0.5 * to_same);
 }
 
@@ -126,8 +128,8 @@ TEST(RenderedWorld, LeadInIsAStandstill) {
 }
 
 TEST(RenderedWorld, UndistortInvertsDistort) {
-  const Rig rig = world::simulatedRig(WorldSettings{});
-  for (const CameraModel* camera : {&rig.left, &rig.right}) {
+  const calib::Rig rig = world::simulatedRig(WorldSettings{});
+  for (const calib::CameraModel* camera : {&rig.left, &rig.right}) {
     for (const double y : world::stepsBelow(camera->size.height, -0.5, 20.0)) {
       for (const double x : world::stepsBelow(camera->size.width, -0.5, 20.0)) {
         const Eigen::Vector2d pixel(x, y);

@@ -35,7 +35,7 @@ double speedAt(const RenderedWorld& world, double t) {
 std::vector<double> sortedMovingFractions(const RenderedWorld& world, int first) {
   std::vector<double> shares;
   for (int index = first; index < world.pairCount(); index += 9) {
-    const cv::Mat moving = world.renderDepth(index, CameraSide::left).moving;
+    const cv::Mat moving = world.renderDepth(index, capture::CameraSide::left).moving;
     shares.push_back(cv::countNonZero(moving) / static_cast<double>(moving.total()));
   }
   std::sort(shares.begin(), shares.end());
@@ -47,7 +47,7 @@ TEST(RenderedWorldScenarios, ImagesHaveContrastAndNoBlackPixels) {
     SCOPED_TRACE(std::string(world::scenarioName(scenario)));
     WorldSettings settings = smallDrive(scenario, 4.0);
     settings.noise = 0.0;
-    const cv::Mat image = RenderedWorld(settings).image(70, CameraSide::right);
+    const cv::Mat image = RenderedWorld(settings).image(70, capture::CameraSide::right);
     double darkest = 0.0;  // NaN radiance becomes black
     cv::minMaxLoc(image, &darkest);
     EXPECT_GT(darkest, 0.0);
@@ -101,8 +101,8 @@ TEST(RenderedWorldScenarios, StopAndGoStopsRepeatedly) {
 
 TEST(RenderedWorldScenarios, ExposureJumpsWithinTwoFrames) {
   const RenderedWorld world(smallDrive(Scenario::exposure));
-  const double before = cv::mean(world.image(143, CameraSide::left))[0];  // the jump is at 8 s
-  const double after = cv::mean(world.image(145, CameraSide::left))[0];
+  const double before = cv::mean(world.image(143, capture::CameraSide::left))[0];  // the jump is at 8 s
+  const double after = cv::mean(world.image(145, capture::CameraSide::left))[0];
   EXPECT_GT(after, 2.0 * before);  // three stops are a factor of 2.6 in grey levels
 }
 
@@ -147,7 +147,7 @@ TEST(RenderedWorldScenarios, GlareSaturatesPartOfTheImage) {
   const RenderedWorld world(smallDrive(Scenario::glare));
   for (const int index : {20, 90, 140}) {
     SCOPED_TRACE(index);
-    const cv::Mat image = world.image(index, CameraSide::left);
+    const cv::Mat image = world.image(index, capture::CameraSide::left);
     const double blinded = cv::countNonZero(image >= 254) / static_cast<double>(image.total());
     EXPECT_GT(blinded, 0.005);
     EXPECT_LT(blinded, 0.15);

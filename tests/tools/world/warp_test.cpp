@@ -59,11 +59,12 @@ class RenderedWorldWarp : public testing::TestWithParam<std::tuple<world::Scenar
 };
 
 TEST_P(RenderedWorldWarp, RightImageMatchesLeftImageByDepthAndTruePoses) {
-  expectExact(test::warpResiduals(world_, {130, CameraSide::left}, {130, CameraSide::right}));
+  expectExact(
+      test::warpResiduals(world_, {130, capture::CameraSide::left}, {130, capture::CameraSide::right}));
 }
 
 TEST_P(RenderedWorldWarp, NextImageMatchesImageByDepthAndTruePoses) {
-  expectExact(test::warpResiduals(world_, {90, CameraSide::left}, {91, CameraSide::left}));
+  expectExact(test::warpResiduals(world_, {90, capture::CameraSide::left}, {91, capture::CameraSide::left}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RenderedWorldWarp,

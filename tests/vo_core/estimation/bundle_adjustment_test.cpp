@@ -10,7 +10,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using test::LandmarkScene;
@@ -387,4 +387,4 @@ TEST(BundleAdjustment, DoesNotConvergeWithTooFewLandmarks) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "support/vo_core/landmark_scene.hpp"
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(BundleConvergence, EndsWithinAFifthOfAStddevOfTheMinimum) {
@@ -26,4 +26,4 @@ TEST(BundleConvergence, EndsWithinAFifthOfAStddevOfTheMinimum) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

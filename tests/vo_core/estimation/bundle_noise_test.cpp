@@ -5,7 +5,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(BundleNoise, EstimatesTheRatioToTheAssumedNoise) {
@@ -40,4 +40,4 @@ TEST(BundleNoise, LevelWithFewLandmarksUsesTheScaleOfTheOther) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

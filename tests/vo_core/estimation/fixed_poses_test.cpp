@@ -6,7 +6,7 @@
 #include "support/vo_core/landmark_scene.hpp"
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 /// RMS relative error of the depths over twenty scenes. Fixed poses have `pose_error` times the usual error
@@ -46,4 +46,4 @@ TEST(FixedPoses, DefaultWeightIsOne) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 300, kHeight = 200;
@@ -87,4 +87,4 @@ TEST(PatchOverlap, CountsOnlyLandmarksOfTheNewestPair) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 #include "support/vo_core/landmark_scene.hpp"
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
@@ -63,4 +63,4 @@ TEST(PosePriors, PropagatesTimeOffsetSensitivityOfThePrior) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

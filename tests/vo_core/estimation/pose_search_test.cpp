@@ -8,7 +8,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using test::kRigCamera;
@@ -185,4 +185,4 @@ TEST(PoseSearch, RejectsPointBehindTheCamera) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 #include "support/vo_core/landmark_scene.hpp"
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(RigSystem, EstimatesTheScaleVarianceOfDisparities) {
@@ -45,4 +45,4 @@ TEST(RigSystem, GradientIsInformationTimesError) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

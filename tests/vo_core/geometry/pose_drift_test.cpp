@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 const Eigen::Isometry3d kAhead(Eigen::Translation3d(0.0, 0.0, 0.3));
@@ -96,4 +96,4 @@ TEST(PoseDrift, StaysPositiveDefiniteInCurves) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using test::kRigCamera;
@@ -89,4 +89,4 @@ TEST(ReprojectionLanes, DerivativesAgreeWithProjections) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

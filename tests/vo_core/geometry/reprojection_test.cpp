@@ -6,7 +6,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using test::kRigCamera;
@@ -234,4 +234,4 @@ TEST(RightCamera, IsOneBaselineFromTheLeftOneForASinglePair) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

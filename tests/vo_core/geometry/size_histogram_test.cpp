@@ -8,7 +8,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(SizeHistogram, EstimatesTheStddevOfErrorsOfAnySize) {
@@ -46,4 +46,4 @@ TEST(SizeHistogram, AcceptsZeroInfinityAndNan) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -13,7 +13,7 @@
 #include "support/vo_core/synthetic_texture.hpp"
 #include "vo_core/odometry_settings.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 240, kHeight = 180;
@@ -245,4 +245,4 @@ TEST(AffineAlignment, RejectsPatchesWithoutTextureOrThatDiverge) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

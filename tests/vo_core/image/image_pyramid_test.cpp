@@ -8,7 +8,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 83, kHeight = 61;
@@ -119,4 +119,4 @@ TEST(ImagePyramid, BorderMirrorsTheImage) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

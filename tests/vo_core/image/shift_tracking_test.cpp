@@ -8,7 +8,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240, kLevels = 4;
@@ -67,4 +67,4 @@ TEST(ShiftTracking, GivesTheSameResultsTogetherAsAlone) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -10,7 +10,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kStep = 0.05;  // s
@@ -210,4 +210,4 @@ TEST(PoseNoiseInflation, IsKeptDuringAStandstill) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

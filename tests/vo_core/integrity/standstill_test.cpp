@@ -9,7 +9,7 @@
 #include "support/vo_core/synthetic_texture.hpp"
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr std::int64_t kPeriod = 55'000'000;  // ns
@@ -81,4 +81,4 @@ TEST(StandstillDetector, MotionExceedsLimitsByTranslationOrRotation) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr StereoCamera kCamera{480.0, 340.0, 210.0, 0.115, 680, 420};
@@ -42,4 +42,4 @@ TEST(PitchReinitialiser, SearchesOncePerPairForTwoTracks) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 
 #include "common/units.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector = RowErrors::Vector;
@@ -112,4 +112,4 @@ TEST(PitchRollFilter, IgnoresNan) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kFocalLength = 480.0;
@@ -61,4 +61,4 @@ TEST(PitchSearch, FindsNothingInTheDarkWithACorrectRig) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -9,7 +9,7 @@
 #include "common/units.hpp"
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kLandmarks = 400;
@@ -75,4 +75,4 @@ TEST(RowMeasurement, HasNoInformationFromFewMatches) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 
 #include "support/vo_core/landmark_scene.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 using Vector = RigCorrection::Vector;
@@ -152,4 +152,4 @@ TEST(YawFilter, FindsNoErrorOfACorrectRig) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 #include "support/vo_core/synthetic_texture.hpp"
 #include "vo_core/stereo/stereo_matcher.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 160;
@@ -107,4 +107,4 @@ TEST(StereoLine, IsMeasuredByTheDisparityAlongIt) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -6,7 +6,7 @@
 #include "support/vo_core/synthetic_texture.hpp"
 #include "vo_core/stereo/subpixel_fit.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 120;
@@ -124,4 +124,4 @@ TEST(SinusoidalPeak, StaysAtTheMiddleOfAFlatTop) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

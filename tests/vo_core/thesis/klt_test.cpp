@@ -5,7 +5,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -107,4 +107,4 @@ TEST(Klt, RejectsGuessesOutsideTheImage) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

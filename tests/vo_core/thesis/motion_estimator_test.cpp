@@ -9,7 +9,7 @@
 #include "vo_core/thesis/median_pose.hpp"
 #include "vo_core/thesis/prediction_error.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 double difference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
@@ -132,4 +132,4 @@ TEST(MotionEstimator, RejectsTooFewOrDegeneratePoints) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

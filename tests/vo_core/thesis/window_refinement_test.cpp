@@ -10,7 +10,7 @@
 #include "support/vo_core/point_scene.hpp"
 #include "vo_core/thesis/motion_estimator.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr double kRadius = 3.5;
@@ -140,4 +140,4 @@ TEST(WindowRefinement, CovarianceOfIdenticalPointsIsInvertible) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -8,7 +8,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(AdaptiveDetector, DarkAndBrightHalvesConvergeToTheirTargets) {
@@ -106,4 +106,4 @@ TEST(SpacingGrid, RejectsPointsOutsideTheImage) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

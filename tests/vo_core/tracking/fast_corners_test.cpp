@@ -7,7 +7,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 TEST(FastCorners, ScoreIsTheSumOfAbsoluteDifferencesOnTheCircle) {
@@ -135,4 +135,4 @@ TEST(CornerFinder, KeepsTheFirstOfEqualNeighbours) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

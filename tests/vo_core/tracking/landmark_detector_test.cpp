@@ -5,7 +5,7 @@
 
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 320, kFeatures = 300;
@@ -104,4 +104,4 @@ TEST_F(LandmarkDetectorTest, UsesFineCornersInAnImageTooSmallToBeHalved) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

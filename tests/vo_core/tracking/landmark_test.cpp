@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 std::vector<Landmark> withRowResiduals(const std::vector<double>& rows) {
@@ -75,4 +75,4 @@ TEST(PatchNoise, IsInflatedForInterCodedPicturesMostForSteepPatches) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

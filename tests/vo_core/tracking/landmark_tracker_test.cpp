@@ -9,7 +9,7 @@
 #include "common/statistics.hpp"
 #include "support/vo_core/synthetic_texture.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 240;
@@ -220,4 +220,4 @@ TEST_F(LandmarkTrackerTest, KeepsTheMoreTrustedOfTwoCloseLandmarks) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

@@ -11,7 +11,7 @@ namespace cartvo::benchmark {
 struct Ablation {
   const char* name;
   const char* description;  ///< of the change, for help texts and reports
-  void (*change)(OdometrySettings& settings);
+  void (*change)(vo::OdometrySettings& settings);
   bool simultaneous = false;  ///< see OdometryVariant::simultaneous
 };
 
@@ -21,7 +21,7 @@ std::vector<std::string> ablationNames();
 
 /// One variant of `full` for each of `names`, in the order of `ablations`. The unmodified reference always
 /// comes first, even if `names` does not contain it. `names` must be a subset of `ablationNames`.
-std::vector<OdometryVariant> ablatedVariants(const OdometrySettings& full,
+std::vector<OdometryVariant> ablatedVariants(const vo::OdometrySettings& full,
                                              const std::vector<std::string>& names);
 
 }  // namespace cartvo::benchmark

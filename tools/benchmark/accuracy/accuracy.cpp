@@ -18,7 +18,7 @@ constexpr double kStandingTranslation = 1e-4;  // m
 constexpr double kStandingRotation = 1e-4;     // rad
 
 double angleOf(const Eigen::Isometry3d& motion) {
-  return vectorFromMotion(motion).tail<3>().norm();
+  return vo::vectorFromMotion(motion).tail<3>().norm();
 }
 
 /// Accumulates the errors and counts of all pairs of a replay.
@@ -53,14 +53,14 @@ class AccuracyMeasurement {
     if (from) addMotion(pair, *from, *to);
     if (epoch_start_) {
       result_.consistency.pose.add(
-          vectorFromMotion(pair.T_epoch_left.inverse() * trueMotion(*epoch_start_, *to)),
+          vo::vectorFromMotion(pair.T_epoch_left.inverse() * trueMotion(*epoch_start_, *to)),
           pair.pose_covariance);
     }
   }
 
   void addMotion(const ReplayedPair& pair, std::size_t from, std::size_t to) {
     const Eigen::Isometry3d motion = trueMotion(from, to);
-    const Vector6d error = vectorFromMotion(pair.T_previous_current.inverse() * motion);
+    const vo::Vector6d error = vo::vectorFromMotion(pair.T_previous_current.inverse() * motion);
     if (isWrong(error, pair.motion_covariance)) ++result_.wrong;
     if (motion.translation().norm() < kStandingTranslation && angleOf(motion) < kStandingRotation) {
       ++result_.standing;
@@ -73,7 +73,7 @@ class AccuracyMeasurement {
     result_.consistency.motion.beginGroup();
     result_.consistency.motion.add(error, pair.motion_covariance);
     if (truth_.body_twist.empty()) return;
-    Vector6d twist;
+    vo::Vector6d twist;
     twist << pair.velocity, pair.angular_velocity;
     result_.consistency.velocity.beginGroup();
     result_.consistency.velocity.add(twist - truth_.body_twist[to], pair.twist_covariance);
@@ -159,7 +159,7 @@ void Consistency::add(const Consistency& other) {
   velocity.add(other.velocity);
 }
 
-bool isWrong(const Vector6d& error, const Matrix6d& covariance) {
+bool isWrong(const vo::Vector6d& error, const vo::Matrix6d& covariance) {
   constexpr double kMinTranslation = 0.05, kMinRotation = 0.5 * kRadiansPerDegree,
                    kMinStddevs = 5.0;  // m, rad
   const auto is_beyond = [&](int first, double limit) {

@@ -62,7 +62,7 @@ struct SequenceAccuracy {
 /// Whether a motion error is large and not covered by its covariance: more than 5 cm and five standard
 /// deviations in translation, or more than 0.5 degrees and five standard deviations in rotation (Mahalanobis
 /// distance of the three components). `error` and `covariance`: (x, y, z, rotation vector), m and rad.
-bool isWrong(const Vector6d& error, const Matrix6d& covariance);
+bool isWrong(const vo::Vector6d& error, const vo::Matrix6d& covariance);
 
 /// Compares a replay of at least one pair with the truth. Throws std::runtime_error if fewer than two pairs
 /// have a true pose.

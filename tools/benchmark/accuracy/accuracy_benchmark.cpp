@@ -34,8 +34,8 @@ class AccuracyRun {
 
   void measure(const Sequence& sequence) {
     for (const OdometryVariant& variant : settings_.variants) {
-      StereoSource source =
-          variant.simultaneous ? openSimultaneous(sequence.folder) : openSource(sequence.folder);
+      capture::StereoSource source =
+          variant.simultaneous ? openSimultaneous(sequence.folder) : capture::openSource(sequence.folder);
       const FoundRig rig = findRig(source, sequence.folder, {});
       measure(sequence, variant, 0.0, source, rig);
     }
@@ -47,11 +47,11 @@ class AccuracyRun {
 
  private:
   void measure(const Sequence& sequence, const OdometryVariant& variant, double bitrate_mbps,
-               StereoSource& source, const FoundRig& rig) {
+               capture::StereoSource& source, const FoundRig& rig) {
     const std::string name = withBitrate(sequence.name, bitrate_mbps);
     observer_.begin(name + ": " + variant.name);
-    const Replay replay =
-        replayPairs(source, rig, variant.odometry, [&](const PairResult& result, std::size_t expected) {
+    const Replay replay = replayPairs(
+        source, rig, variant.odometry, [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         });
     if (replay.pairs.empty())
@@ -73,7 +73,7 @@ class AccuracyRun {
     from_zero.truth.left_camera =
         simulate::shifted(sequence.truth.left_camera, -sequence.truth.left_camera.front().time_ns);
     for (const OdometryVariant& variant : settings_.variants) {
-      StereoSource source = openEncoded(streams);
+      capture::StereoSource source = openEncoded(streams);
       measure(from_zero, variant, bitrate_mbps, source, {content.rig(), sequence.folder.string()});
     }
   }

@@ -14,7 +14,7 @@ namespace cartvo::benchmark {
 /// Odometry settings with the name that tables show.
 struct OdometryVariant {
   std::string name;
-  OdometrySettings odometry;
+  vo::OdometrySettings odometry;
   bool simultaneous = false;  ///< give right images the left instants; encoded runs ignore it
 };
 

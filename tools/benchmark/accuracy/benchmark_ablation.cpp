@@ -33,7 +33,7 @@ AccuracySettings settingsOf(const AblationOptions& options) {
   settings.worlds = drivesOf(options.drives, options.common.threads);
   for (world::WorldSettings& world : settings.worlds)
     world.offset_s = 1e-3 * options.offset_ms;
-  OdometrySettings full;
+  vo::OdometrySettings full;
   full.features = options.drives.features;
   settings.variants = ablatedVariants(full, options.variants);
   settings.cache = options.drives.cache;

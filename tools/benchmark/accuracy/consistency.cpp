@@ -42,8 +42,8 @@ Interval consistencyBand(std::size_t count) {
   return {meanExceeded(1.0 - kTailProbability, count), meanExceeded(kTailProbability, count)};
 }
 
-void NormalisedErrors::add(const Vector6d& error, const Matrix6d& covariance) {
-  const Eigen::LLT<Matrix6d> factor(covariance);
+void NormalisedErrors::add(const vo::Vector6d& error, const vo::Matrix6d& covariance) {
+  const Eigen::LLT<vo::Matrix6d> factor(covariance);
   const bool is_usable = covariance.allFinite() && error.allFinite() && factor.info() == Eigen::Success;
   if (!is_usable) {
     ++unusable_;

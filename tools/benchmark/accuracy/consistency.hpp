@@ -32,7 +32,7 @@ class NormalisedErrors {
 
   /// Adds an error and its covariance, in the same order, units and frame, to the current group. A covariance
   /// that is not positive definite is only counted as unusable.
-  void add(const Vector6d& error, const Matrix6d& covariance);
+  void add(const vo::Vector6d& error, const vo::Matrix6d& covariance);
 
   /// Adds the groups of `other`.
   void add(const NormalisedErrors& other);

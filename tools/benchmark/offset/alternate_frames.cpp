@@ -19,26 +19,27 @@ std::vector<Item> everySecond(const std::vector<Item>& items, std::size_t first)
   return half;
 }
 
-ImageSequence everySecond(const ImageSequence& sequence, std::size_t first) {
+capture::ImageSequence everySecond(const capture::ImageSequence& sequence, std::size_t first) {
   return {everySecond(sequence.images, first), everySecond(sequence.instants_ns, first)};
 }
 
 }  // namespace
 
-StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right, bool simultaneous) {
-  const ImageFolder images = readImageFolder(folder);
-  const ImageSequence left = everySecond(images.left, 0);
-  const ImageSequence other = everySecond(images.right, right == RightFrames::next ? 1 : 0);
-  StereoSource source = openSource(folder);
+capture::StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right,
+                                    bool simultaneous) {
+  const capture::ImageFolder images = capture::readImageFolder(folder);
+  const capture::ImageSequence left = everySecond(images.left, 0);
+  const capture::ImageSequence other = everySecond(images.right, right == RightFrames::next ? 1 : 0);
+  capture::StereoSource source = capture::openSource(folder);
   // Frames are paired within half of source.period_ns, and the next frame is exactly half of the doubled
   // period away: 10 % more for instants that are not evenly spaced.
-  source.period_ns = nominalPeriodNs(left) * 11 / 10;
+  source.period_ns = capture::nominalPeriodNs(left) * 11 / 10;
   source.pairs = std::min(left.images.size(), other.images.size());
   if (simultaneous) {
     playSimultaneously(source, left, other);
   } else {
-    source.left = std::make_unique<ImageSequenceSource>(left);
-    source.right = std::make_unique<ImageSequenceSource>(other);
+    source.left = std::make_unique<capture::ImageSequenceSource>(left);
+    source.right = std::make_unique<capture::ImageSequenceSource>(other);
   }
   return source;
 }

@@ -15,7 +15,8 @@ enum class RightFrames : std::uint8_t {
 
 /// Opens an image folder of synchronised cameras at half its rate. `simultaneous` gives the right images the
 /// instants of the left ones.
-StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right, bool simultaneous);
+capture::StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right,
+                                    bool simultaneous);
 
 /// Every second pose of the truth, those of the left images that openAlternate plays.
 SequenceTruth alternate(const SequenceTruth& truth);

@@ -36,8 +36,9 @@ class OffsetRun {
     observer_.begin(worldName(world) + ": rendering, unless it is cached");
     const Sequence sequence = renderedSequence(world, worlds_, observer_.progress);
     for (const OffsetModel model : settings_.models) {
-      StereoSource source = model == OffsetModel::simultaneous ? openSimultaneous(sequence.folder)
-                                                               : openSource(sequence.folder);
+      capture::StereoSource source = model == OffsetModel::simultaneous
+                                         ? openSimultaneous(sequence.folder)
+                                         : capture::openSource(sequence.folder);
       add(std::string(world::scenarioName(world.scenario)), clock, model,
           measure(sequence, source, model, settings_.odometry));
     }
@@ -48,12 +49,13 @@ class OffsetRun {
     const Trajectory& all = sequence.truth.left_camera;
     const double period = 1e-9 * static_cast<double>(all[1].time_ns - all[0].time_ns);
     sequence.truth = alternate(sequence.truth);
-    OdometrySettings odometry = settings_.odometry;
+    vo::OdometrySettings odometry = settings_.odometry;
     odometry.validity.maximum_offset = std::max(odometry.validity.maximum_offset, 1.5 * period);
     for (const RightFrames right : {RightFrames::same, RightFrames::next}) {
       const RightClock clock{right == RightFrames::next ? period : 0.0, 0.0};
       for (const OffsetModel model : settings_.models) {
-        StereoSource source = openAlternate(sequence.folder, right, model == OffsetModel::simultaneous);
+        capture::StereoSource source =
+            openAlternate(sequence.folder, right, model == OffsetModel::simultaneous);
         add(name, clock, model, measure(sequence, source, model, odometry));
       }
     }
@@ -74,12 +76,12 @@ class OffsetRun {
     std::vector<SequenceAccuracy> seeds;
   };
 
-  SequenceAccuracy measure(const Sequence& sequence, StereoSource& source, OffsetModel model,
-                           const OdometrySettings& odometry) {
+  SequenceAccuracy measure(const Sequence& sequence, capture::StereoSource& source, OffsetModel model,
+                           const vo::OdometrySettings& odometry) {
     observer_.begin(sequence.name + ": " + offsetModelName(model));
     const FoundRig rig = findRig(source, sequence.folder, {});
     const Replay replay =
-        replayPairs(source, rig, odometry, [&](const PairResult& result, std::size_t expected) {
+        replayPairs(source, rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         });
     if (replay.pairs.empty())

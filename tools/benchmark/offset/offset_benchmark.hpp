@@ -44,7 +44,7 @@ struct OffsetSettings {
   std::vector<world::WorldSettings> worlds;  ///< rendered with each of `clocks`
   std::vector<RightClock> clocks;
   std::vector<OffsetModel> models;
-  OdometrySettings odometry;
+  vo::OdometrySettings odometry;
   std::filesystem::path cache;  ///< for rendered worlds
 };
 

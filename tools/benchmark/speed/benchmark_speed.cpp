@@ -25,7 +25,7 @@ struct SpeedOptions {
   std::vector<std::string> sizes{"680x420", "1241x376", "1280x720", "1920x1080"};
   std::vector<int> features{500, 1000, 2000, 9600};
   std::vector<int> thread_counts{1, 2};
-  std::string estimator = estimatorName(OdometrySettings{}.estimator);
+  std::string estimator = estimatorName(vo::OdometrySettings{}.estimator);
   int pairs = SpeedSettings{}.pairs;
   int repeats = SpeedSettings{}.repeats;
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();

@@ -18,7 +18,7 @@ constexpr double kPincushion = 0.1;  // k1 of Brown's distortion model
 
 /// The position of each pixel of a distorted image in a pinhole image of the same focal length (CV_32FC2,
 /// px).
-cv::Mat pinholePositions(const CameraModel& lens) {
+cv::Mat pinholePositions(const calib::CameraModel& lens) {
   std::vector<cv::Point2f> pixels, positions;
   for (int y = 0; y < lens.size.height; ++y)
     for (int x = 0; x < lens.size.width; ++x)
@@ -28,21 +28,21 @@ cv::Mat pinholePositions(const CameraModel& lens) {
   return cv::Mat(positions).reshape(2, lens.size.height).clone();
 }
 
-CameraModel withLens(CameraModel camera) {
+calib::CameraModel withLens(calib::CameraModel camera) {
   camera.distortion[0] = kPincushion;
   return camera;
 }
 
-Frame distort(const cv::Mat& positions, const Frame& frame) {
-  Frame distorted = frame;
+capture::Frame distort(const cv::Mat& positions, const capture::Frame& frame) {
+  capture::Frame distorted = frame;
   distorted.image = cv::Mat();
   cv::remap(frame.image, distorted.image, positions, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
   return distorted;
 }
 
-Frame readFrame(const ImageSequence& camera, std::size_t index) {
-  Frame frame;
-  frame.image = readGreyImage(camera.images[index]);
+capture::Frame readFrame(const capture::ImageSequence& camera, std::size_t index) {
+  capture::Frame frame;
+  frame.image = capture::readGreyImage(camera.images[index]);
   frame.exposure_ns = camera.instants_ns[index];
   frame.sequence = index;
   return frame;
@@ -51,8 +51,8 @@ Frame readFrame(const ImageSequence& camera, std::size_t index) {
 }  // namespace
 
 DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int max_pairs) {
-  DriveInMemory drive{name, findRig(openSource(folder), folder, {}).rig, {}};
-  const ImageFolder images = readImageFolder(folder);
+  DriveInMemory drive{name, findRig(capture::openSource(folder), folder, {}).rig, {}};
+  const capture::ImageFolder images = capture::readImageFolder(folder);
   const std::size_t count = std::min(images.left.images.size(), static_cast<std::size_t>(max_pairs));
   for (std::size_t i = 0; i < count; ++i)
     drive.pairs.push_back({readFrame(images.left, i), readFrame(images.right, i)});
@@ -60,7 +60,7 @@ DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& fo
 }
 
 bool isRectified(const DriveInMemory& drive) {
-  return computeRectification(drive.rig, {}).is_identity;
+  return calib::computeRectification(drive.rig, {}).is_identity;
 }
 
 DriveInMemory throughLenses(const DriveInMemory& rectified) {
@@ -68,7 +68,7 @@ DriveInMemory throughLenses(const DriveInMemory& rectified) {
   drive.rig.left = withLens(rectified.rig.left);
   drive.rig.right = withLens(rectified.rig.right);
   const cv::Mat left = pinholePositions(drive.rig.left), right = pinholePositions(drive.rig.right);
-  for (const FramePair& pair : rectified.pairs)
+  for (const capture::FramePair& pair : rectified.pairs)
     drive.pairs.push_back({distort(left, pair.left), distort(right, pair.right)});
   return drive;
 }

@@ -12,8 +12,8 @@ namespace cartvo::benchmark {
 /// The decoded pairs of a drive in memory, so that timing excludes reading files.
 struct DriveInMemory {
   std::string name;
-  Rig rig;
-  std::vector<FramePair> pairs;
+  calib::Rig rig;
+  std::vector<capture::FramePair> pairs;
 };
 
 /// Loads at most `max_pairs` pairs from the start of an image folder, and its rig. Throws std::runtime_error

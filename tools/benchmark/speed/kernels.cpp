@@ -50,9 +50,9 @@ cv::Mat shifted(const cv::Mat& image, double columns) {
 const cv::Mat kImage = texture();
 
 struct Pyramids {
-  ImagePyramid image = buildPyramid(kImage, kGreyLevels);
-  ImagePyramid right = buildPyramid(shifted(kImage, -kDisparity), kGreyLevels);
-  ImagePyramid next = buildPyramid(shifted(kImage, kFlow), kGreyLevels);
+  vo::ImagePyramid image = vo::buildPyramid(kImage, kGreyLevels);
+  vo::ImagePyramid right = vo::buildPyramid(shifted(kImage, -kDisparity), kGreyLevels);
+  vo::ImagePyramid next = vo::buildPyramid(shifted(kImage, kFlow), kGreyLevels);
 };
 const Pyramids& pyramids() {
   static const Pyramids built;
@@ -74,16 +74,16 @@ class Positions {
 };
 
 void pyramid(State& state) {
-  PyramidPool pool(kGreyLevels);
+  vo::PyramidPool pool(kGreyLevels);
   for (auto _ : state)
     ::benchmark::DoNotOptimize(pool.build(kImage));
 }
 BENCHMARK(pyramid)->Unit(::benchmark::kMicrosecond);
 
 void corners(State& state) {
-  WindowThresholds thresholds(kImage.size(), 1);
+  vo::WindowThresholds thresholds(kImage.size(), 1);
   thresholds.set({0, 0, kWidth, kHeight}, static_cast<std::uint8_t>(state.range()));
-  CornerFinder finder;
+  vo::CornerFinder finder;
   for (auto _ : state)
     ::benchmark::DoNotOptimize(finder.find(kImage, {0, kHeight}, thresholds).data());
 }
@@ -91,60 +91,60 @@ BENCHMARK(corners)->Arg(10)->Arg(40)->Unit(::benchmark::kMicrosecond);
 
 void detect(State& state) {
   const cv::Size size = kImage.size();
-  AdaptiveDetector detector(DetectionSettings{}, 1000, size);
+  vo::AdaptiveDetector detector(vo::DetectionSettings{}, 1000, size);
   for (auto _ : state) {
-    SpacingGrid spacing(size.width, size.height, TrackingSettings{}.minimum_distance);
+    vo::SpacingGrid spacing(size.width, size.height, vo::TrackingSettings{}.minimum_distance);
     ::benchmark::DoNotOptimize(detector.detect(kImage, {}, spacing));
   }
 }
 BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);
 
 // Landmarks are aligned in batches of this size; the reported time is that of one task.
-constexpr int kTasksPerBatch = static_cast<int>(AlignmentBlock::kCapacity);
+constexpr int kTasksPerBatch = static_cast<int>(vo::AlignmentBlock::kCapacity);
 
 void shiftTracking(State& state) {
   Positions positions;
-  std::vector<ShiftTask> tasks(kTasksPerBatch);
+  std::vector<vo::ShiftTask> tasks(kTasksPerBatch);
   std::vector<std::optional<Eigen::Vector2d>> shifted(tasks.size());
   while (state.KeepRunningBatch(kTasksPerBatch)) {
-    for (ShiftTask& task : tasks) {
+    for (vo::ShiftTask& task : tasks) {
       const Eigen::Vector2d from = positions.next();
       task = {&pyramids().image, &pyramids().next, from, from, {0, 1}};
     }
-    trackShifts(tasks, 0.5, shifted);
+    vo::trackShifts(tasks, 0.5, shifted);
     ::benchmark::DoNotOptimize(shifted.data());
   }
 }
 BENCHMARK(shiftTracking)->Unit(::benchmark::kNanosecond);
 
-void align(State& state, WarpModel model, bool stereo) {
-  const TrackingSettings settings;
-  const ImagePyramid& after = stereo ? pyramids().right : pyramids().next;
+void align(State& state, vo::WarpModel model, bool stereo) {
+  const vo::TrackingSettings settings;
+  const vo::ImagePyramid& after = stereo ? pyramids().right : pyramids().next;
   Positions positions;
-  std::vector<AlignmentTask> tasks(kTasksPerBatch);
-  std::vector<std::optional<AffineAlignment>> aligned(tasks.size());
+  std::vector<vo::AlignmentTask> tasks(kTasksPerBatch);
+  std::vector<std::optional<vo::AffineAlignment>> aligned(tasks.size());
   while (state.KeepRunningBatch(kTasksPerBatch)) {
-    for (AlignmentTask& task : tasks) {
+    for (vo::AlignmentTask& task : tasks) {
       task = {&pyramids().image.grey.front(), &after.grey.front(), positions.next(), {}};
       task.start.position = task.from + Eigen::Vector2d((stereo ? -kDisparity : kFlow) + 0.3, 0.0);
     }
-    alignAffine(tasks, model, settings.iterations, settings.convergence, aligned);
+    vo::alignAffine(tasks, model, settings.iterations, settings.convergence, aligned);
     ::benchmark::DoNotOptimize(aligned.data());
   }
 }
-BENCHMARK_CAPTURE(align, affine, WarpModel::affine, false)->Unit(::benchmark::kNanosecond);
-BENCHMARK_CAPTURE(align, stereo, WarpModel::stereo, true)->Unit(::benchmark::kNanosecond);
+BENCHMARK_CAPTURE(align, affine, vo::WarpModel::affine, false)->Unit(::benchmark::kNanosecond);
+BENCHMARK_CAPTURE(align, stereo, vo::WarpModel::stereo, true)->Unit(::benchmark::kNanosecond);
 
 void searchStereo(State& state) {
   Positions positions;
   for (auto _ : state)
     ::benchmark::DoNotOptimize(
-        matchStereo(pyramids().image, pyramids().right, positions.next(), StereoSettings{}));
+        vo::matchStereo(pyramids().image, pyramids().right, positions.next(), vo::StereoSettings{}));
 }
 BENCHMARK(searchStereo)->Unit(::benchmark::kNanosecond);
 
 void rectify(State& state) {
-  Rig rig;
+  calib::Rig rig;
   rig.left.size = kImage.size();
   rig.left.fx = rig.left.fy = 720.0;
   rig.left.cx = 0.5 * (kWidth - 1);
@@ -152,8 +152,8 @@ void rectify(State& state) {
   rig.left.distortion = {-0.2, 0.05};
   rig.right = rig.left;
   rig.T_right_left.translation().x() = -0.5;
-  const RectificationSettings settings;
-  const Rectifier rectifier(rig, settings, buildTables(rig, settings));
+  const calib::RectificationSettings settings;
+  const calib::Rectifier rectifier(rig, settings, calib::buildTables(rig, settings));
   cv::Mat rectified;
   for (auto _ : state) {
     rectifier.rectifyLeft(kImage, rectified);

@@ -30,18 +30,18 @@ constexpr std::int64_t kPeriod_ns = 1'000'000'000 / kFrameRate;
 const cv::Size kSize(1280, 720);
 
 /// One second of moving noise, which uses the full bit rate.
-std::vector<EncodedUnit> secondOfPictures() {
+std::vector<capture::EncodedUnit> secondOfPictures() {
   simulate::StreamEncoder encoder({.bitrate_kbps = static_cast<int>(1e3 * kBitrate)}, kSize, kFrameRate);
   cv::Mat scene(kSize.height + 100, kSize.width + 100, CV_8UC1);
   cv::RNG random(1);
   random.fill(scene, cv::RNG::UNIFORM, 0, 255);
   cv::GaussianBlur(scene, scene, {5, 5}, 1.5);
-  std::vector<EncodedUnit> units;
+  std::vector<capture::EncodedUnit> units;
   for (int i = 0; i < 3 * kFrameRate; ++i) {  // the first two seconds settle the rate control
     const simulate::EncodedPicture picture =
         encoder.encode(scene(cv::Rect({2 * (i % 50), i % 50}, kSize)).clone());
     if (i < 2 * kFrameRate) continue;
-    EncodedUnit unit;
+    capture::EncodedUnit unit;
     unit.data = picture.data;
     unit.key = picture.key_frame;
     units.push_back(std::move(unit));
@@ -59,12 +59,12 @@ double processorSeconds() {
 }
 
 /// Passes the pictures to the observers in real time. Returns the processor time per second.
-double load(const std::vector<EncodedUnit>& pictures, StreamObserver* left, StreamObserver* right,
-            int seconds) {
+double load(const std::vector<capture::EncodedUnit>& pictures, capture::StreamObserver* left,
+            capture::StreamObserver* right, int seconds) {
   const double before = processorSeconds();
   const Clock::time_point start = Clock::now();
   for (int i = 0; i < seconds * kFrameRate; ++i) {
-    EncodedUnit unit = pictures[static_cast<std::size_t>(i) % pictures.size()];
+    capture::EncodedUnit unit = pictures[static_cast<std::size_t>(i) % pictures.size()];
     unit.sequence = static_cast<std::uint64_t>(i);
     unit.pts = i * 90'000 / kFrameRate;
     unit.exposure_ns = 1'700'000'000'000'000'000 + i * kPeriod_ns;
@@ -77,13 +77,13 @@ double load(const std::vector<EncodedUnit>& pictures, StreamObserver* left, Stre
 }
 
 void measure(int seconds, const std::filesystem::path& folder) {
-  const std::vector<EncodedUnit> pictures = secondOfPictures();
-  RecordingSettings settings;
+  const std::vector<capture::EncodedUnit> pictures = secondOfPictures();
+  capture::RecordingSettings settings;
   settings.folder = folder / ("cartvo-recording-cost-" + std::to_string(getpid()));
   double recording = 0.0;
-  RecorderHealth health;
+  capture::RecorderHealth health;
   {
-    StreamRecorder recorder(settings);
+    capture::StreamRecorder recorder(settings);
     recorder.left().onStream({});
     recorder.right().onStream({});
     recording = load(pictures, &recorder.left(), &recorder.right(), seconds);

@@ -47,11 +47,11 @@ world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
 /// Collects the times of one result.
 class Samples {
  public:
-  void add(const PairResult& result) {
-    const StageTimes& times = result.times;
+  void add(const daemon::PairResult& result) {
+    const daemon::StageTimes& times = result.times;
     raw_.push_back(1e3 * times.total);
-    rectified_.push_back(1e3 * (times.total - times.stage(Stage::rectify)));
-    for (int i = 0; i < kStageCount; ++i)
+    rectified_.push_back(1e3 * (times.total - times.stage(vo::Stage::rectify)));
+    for (int i = 0; i < vo::kStageCount; ++i)
       stages_[i].push_back(1e3 * times.stages[i]);
     used_.push_back(result.estimate.counts.inliers);
   }
@@ -75,7 +75,7 @@ class Samples {
     result.used = percentile(used_, 0.5);
     result.rectified = distributionOf(rectified_);
     result.raw = distributionOf(raw_);
-    for (int i = 0; i < kStageCount; ++i)
+    for (int i = 0; i < vo::kStageCount; ++i)
       result.stages[i] = percentile(stages_[i], 0.5);
     result.reference = {percentile(remap_, 0.5), percentile(pyramids_, 0.5), percentile(klt_, 0.5)};
     result.rectified_ratio = percentile(rectified_ratios_, 0.5);
@@ -85,18 +85,18 @@ class Samples {
 
  private:
   std::vector<double> raw_, rectified_, used_, remap_, pyramids_, klt_, rectified_ratios_, raw_ratios_;
-  std::array<std::vector<double>, kStageCount> stages_;
+  std::array<std::vector<double>, vo::kStageCount> stages_;
 };
 
 std::vector<cv::Mat> leftImages(const DriveInMemory& drive) {
   std::vector<cv::Mat> images;
-  for (const FramePair& pair : drive.pairs)
+  for (const capture::FramePair& pair : drive.pairs)
     images.push_back(pair.left.image);
   return images;
 }
 
-SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
-                      const OdometrySettings& odometry, int threads, int repeats,
+SpeedResult timeDrive(const DriveInMemory& drive, const calib::Rectifier& rectifier,
+                      const vo::OdometrySettings& odometry, int threads, int repeats,
                       const simulate::Progress& progress) {
   const ReferenceWork reference(leftImages(drive));
   Samples samples;
@@ -106,9 +106,9 @@ SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
   samples.add(before);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     cv::setNumThreads(threads);
-    PairProcessor processor(drive.rig, rectifier, odometry);
+    daemon::PairProcessor processor(drive.rig, rectifier, odometry);
     for (int i = 0; i < count; ++i) {
-      const PairResult result = processor.process(drive.pairs[i]);
+      const daemon::PairResult result = processor.process(drive.pairs[i]);
       if (i >= kWarmUpPairs) samples.add(result);
       progress(repeat * count + i + 1, repeats * count);
     }
@@ -123,13 +123,13 @@ SpeedResult timeDrive(const DriveInMemory& drive, const Rectifier& rectifier,
 /// Adds one result for each number of features and threads.
 void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const WorkObserver& observer,
               std::vector<SpeedResult>& results) {
-  const RectificationSettings rectification;
-  const Rectifier rectifier(drive.rig, rectification, buildTables(drive.rig, rectification));
+  const calib::RectificationSettings rectification;
+  const calib::Rectifier rectifier(drive.rig, rectification, calib::buildTables(drive.rig, rectification));
   for (const int features : settings.features) {
     for (const int threads : settings.threads) {
       observer.begin(drive.name + ", " + sizeText(drive.rig.left.size) + ": " + std::to_string(features) +
                      " features, threads: " + std::to_string(threads));
-      OdometrySettings odometry = settings.odometry;
+      vo::OdometrySettings odometry = settings.odometry;
       odometry.features = features;
       SpeedResult result =
           timeDrive(drive, rectifier, odometry, threads, settings.repeats, observer.progress);

@@ -21,9 +21,9 @@ struct SpeedSettings {
   std::filesystem::path data;   ///< real sequences, see realSequences; empty: none
   std::vector<int> features;
   std::vector<int> threads;
-  OdometrySettings odometry;  ///< except `features`
-  int pairs = 24;             ///< maximum per drive; at least kWarmUpPairs + 2
-  int repeats = 3;            ///< of each drive, each with a new odometry
+  vo::OdometrySettings odometry;  ///< except `features`
+  int pairs = 24;                 ///< maximum per drive; at least kWarmUpPairs + 2
+  int repeats = 3;                ///< of each drive, each with a new odometry
   int rendering_threads = 2;
   std::filesystem::path cache;  ///< for rendered worlds
 };
@@ -49,17 +49,17 @@ struct SpeedResult {
   cv::Size size;
   int features = 0;  ///< target number
   int threads = 0;
-  std::size_t pairs = 0;                     ///< counted
-  double used = 0.0;                         ///< median number of features used for the motion
-  Distribution rectified;                    ///< time without rectification
-  Distribution raw;                          ///< time with rectification of both images
-  std::array<double, kStageCount> stages{};  ///< medians, ms
-  ReferenceTimes reference;                  ///< medians, on images of the same drive
+  std::size_t pairs = 0;                         ///< counted
+  double used = 0.0;                             ///< median number of features used for the motion
+  Distribution rectified;                        ///< time without rectification
+  Distribution raw;                              ///< time with rectification of both images
+  std::array<double, vo::kStageCount> stages{};  ///< medians, ms
+  ReferenceTimes reference;                      ///< medians, on images of the same drive
   /// Median times of a pair as multiples of the reference times measured just before and after.
   double rectified_ratio = 0.0;  ///< to its KLT
   double raw_ratio = 0.0;        ///< to its KLT and both remaps
 
-  double stage(Stage which) const { return stages[static_cast<std::size_t>(which)]; }
+  double stage(vo::Stage which) const { return stages[static_cast<std::size_t>(which)]; }
 };
 
 /// The exponent p of time ~ amount^p, by least squares in logarithms. Requires two or more points, all

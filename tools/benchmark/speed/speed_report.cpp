@@ -36,8 +36,8 @@ std::string timesTable(const std::vector<SpeedResult>& results, ReportFormat for
 
 std::string stagesTable(const std::vector<SpeedResult>& results, ReportFormat format) {
   std::vector<std::string> header{"drive", "images", "features", "threads"};
-  for (int i = 0; i < kStageCount; ++i)
-    header.emplace_back(stageName(static_cast<Stage>(i)));
+  for (int i = 0; i < vo::kStageCount; ++i)
+    header.emplace_back(vo::stageName(static_cast<vo::Stage>(i)));
   Table table(header);
   for (const SpeedResult& result : results) {
     std::vector<std::string> row = rowName(result);
@@ -120,8 +120,8 @@ Json json(const Distribution& distribution) {
 
 Json json(const SpeedResult& result) {
   Json stages;
-  for (int i = 0; i < kStageCount; ++i)
-    stages[stageName(static_cast<Stage>(i))] = result.stages[i];
+  for (int i = 0; i < vo::kStageCount; ++i)
+    stages[vo::stageName(static_cast<vo::Stage>(i))] = result.stages[i];
   return {{"drive", result.drive},
           {"width", result.size.width},
           {"height", result.size.height},

@@ -22,7 +22,8 @@ constexpr double kMaxDisparityError = 2.0;  // px
 /// The true depth of rectified pixels, computed from the depth image of the raw camera.
 class TrueDepth {
  public:
-  TrueDepth(const CameraModel& camera, const Rectification& rectification, const cv::Mat& raw_depth)
+  TrueDepth(const calib::CameraModel& camera, const calib::Rectification& rectification,
+            const cv::Mat& raw_depth)
       : camera_(camera), lens_(camera), rectification_(rectification), depth_(raw_depth) {}
 
   /// Depth along the axis of the rectified camera, m; nothing if it is ambiguous.
@@ -30,7 +31,7 @@ class TrueDepth {
     const Eigen::Vector3d rectified((x - rectification_.cx) / rectification_.focal_length,
                                     (y - rectification_.cy) / rectification_.focal_length, 1.0);
     const Eigen::Vector3d ray = rectification_.R_rectified_left.transpose() * rectified;
-    const NormalisedPoint raw = lens_.distort(ray);
+    const calib::NormalisedPoint raw = lens_.distort(ray);
     const std::optional<double> depth =
         rawDepth(camera_.fx * raw.x + camera_.cx, camera_.fy * raw.y + camera_.cy);
     if (!depth) return std::nullopt;
@@ -72,27 +73,27 @@ class TrueDepth {
     return 1.0 / (mean + slope_u * (x - x0) + slope_v * (y - y0));
   }
 
-  CameraModel camera_;
-  Lens lens_;
-  Rectification rectification_;
+  calib::CameraModel camera_;
+  calib::Lens lens_;
+  calib::Rectification rectification_;
   cv::Mat depth_;
 };
 
 /// Adds the samples of one rectified pair.
 void addPair(const cv::Mat& left, const cv::Mat& right, const TrueDepth& true_depth,
-             const Rectification& rectification, int features, DepthSamples& samples) {
-  const OdometrySettings settings;
-  const ImagePyramid left_pyramid = buildPyramid(left, settings.tracking.levels);
-  const ImagePyramid right_pyramid = buildPyramid(right, 1);
-  AdaptiveDetector detector(settings.detection, features, left.size());
-  SpacingGrid spacing(left.cols, left.rows, settings.tracking.minimum_distance);
+             const calib::Rectification& rectification, int features, DepthSamples& samples) {
+  const vo::OdometrySettings settings;
+  const vo::ImagePyramid left_pyramid = vo::buildPyramid(left, settings.tracking.levels);
+  const vo::ImagePyramid right_pyramid = vo::buildPyramid(right, 1);
+  vo::AdaptiveDetector detector(settings.detection, features, left.size());
+  vo::SpacingGrid spacing(left.cols, left.rows, settings.tracking.minimum_distance);
   const double focal_times_baseline = rectification.focal_length * rectification.baseline;
-  for (const Corner& corner : detector.detect(left, {}, spacing)) {
+  for (const vo::Corner& corner : detector.detect(left, {}, spacing)) {
     const std::optional<double> truth = true_depth.at(corner.x, corner.y);
     if (!truth || *truth > kMaxDepth) continue;
     ++samples.features;
-    const std::optional<StereoMatch> match =
-        matchStereo(left_pyramid, right_pyramid, Eigen::Vector2d(corner.x, corner.y), settings.stereo);
+    const std::optional<vo::StereoMatch> match =
+        vo::matchStereo(left_pyramid, right_pyramid, Eigen::Vector2d(corner.x, corner.y), settings.stereo);
     if (!match) continue;
     if (std::abs(match->disparity - focal_times_baseline / *truth) > kMaxDisparityError) {
       ++samples.wrong;
@@ -133,9 +134,10 @@ std::size_t closeDepths(const std::vector<DepthSample>& samples) {
 DepthSamples measureDepths(const world::WorldSettings& settings, int pairs, int features,
                            const simulate::Progress& progress) {
   const world::RenderedWorld world(settings);
-  const Rig rig = world.rig();
-  const RectificationSettings rectification_settings;
-  const Rectifier rectifier(rig, rectification_settings, buildTables(rig, rectification_settings));
+  const calib::Rig rig = world.rig();
+  const calib::RectificationSettings rectification_settings;
+  const calib::Rectifier rectifier(rig, rectification_settings,
+                                   calib::buildTables(rig, rectification_settings));
   DepthSamples samples;
   for (int i = 0; i < pairs; ++i) {
     const int index = (2 * i + 1) * world.pairCount() / (2 * pairs);
@@ -144,7 +146,7 @@ DepthSamples measureDepths(const world::WorldSettings& settings, int pairs, int 
     rectifier.rectifyLeft(raw_left, left);
     rectifier.rectifyRight(raw_right, right);
     const TrueDepth true_depth(rig.left, rectifier.rectification(),
-                               world.renderDepth(index, CameraSide::left).depth);
+                               world.renderDepth(index, capture::CameraSide::left).depth);
     addPair(left, right, true_depth, rectifier.rectification(), features, samples);
     progress(i + 1, pairs);
   }

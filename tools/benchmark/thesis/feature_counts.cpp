@@ -27,16 +27,16 @@ Statistics statisticsOf(const std::vector<int>& values) {
 
 }  // namespace
 
-FeatureCountSeries countFeatures(const std::filesystem::path& folder, const DetectionSettings& settings,
+FeatureCountSeries countFeatures(const std::filesystem::path& folder, const vo::DetectionSettings& settings,
                                  int features) {
-  const std::vector<std::filesystem::path> images = readImageFolder(folder).left.images;
-  AdaptiveDetector detector(settings, features, readGreyImage(images.front()).size());
+  const std::vector<std::filesystem::path> images = capture::readImageFolder(folder).left.images;
+  vo::AdaptiveDetector detector(settings, features, capture::readGreyImage(images.front()).size());
   std::vector<std::vector<int>> over_images(static_cast<std::size_t>(detector.windowCount()));
   FeatureCountSeries series;
   series.window_target = detector.cornerTarget();
   for (const std::filesystem::path& file : images) {
-    const cv::Mat image = readGreyImage(file);
-    SpacingGrid spacing(image.cols, image.rows, TrackingSettings{}.minimum_distance);
+    const cv::Mat image = capture::readGreyImage(file);
+    vo::SpacingGrid spacing(image.cols, image.rows, vo::TrackingSettings{}.minimum_distance);
     series.features.push_back(static_cast<int>(detector.detect(image, {}, spacing).size()));
     std::vector<int> windows;
     for (int window = 0; window < detector.windowCount(); ++window) {
@@ -58,7 +58,7 @@ FeatureCountSeries countFeatures(const std::filesystem::path& folder, const Dete
   return series;
 }
 
-DetectionSettings withFixedThreshold(DetectionSettings settings) {
+vo::DetectionSettings withFixedThreshold(vo::DetectionSettings settings) {
   settings.minimum_threshold = settings.maximum_threshold = settings.initial_threshold;
   return settings;
 }

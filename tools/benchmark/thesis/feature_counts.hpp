@@ -25,10 +25,10 @@ struct FeatureCountSeries {
 };
 
 /// Detects features in each left image of an image folder independently.
-FeatureCountSeries countFeatures(const std::filesystem::path& folder, const DetectionSettings& settings,
+FeatureCountSeries countFeatures(const std::filesystem::path& folder, const vo::DetectionSettings& settings,
                                  int features);
 
 /// `settings` with the initial threshold fixed for all windows and images.
-DetectionSettings withFixedThreshold(DetectionSettings settings);
+vo::DetectionSettings withFixedThreshold(vo::DetectionSettings settings);
 
 }  // namespace cartvo::benchmark

@@ -22,9 +22,9 @@ double medianMs(const Replay& replay, Value value) {
 }
 
 /// A rig of two cameras of that size with the lens distortion of a surveillance camera.
-Rig distortedRig(cv::Size size) {
-  Rig rig;
-  CameraModel& camera = rig.left;
+calib::Rig distortedRig(cv::Size size) {
+  calib::Rig rig;
+  calib::CameraModel& camera = rig.left;
   camera.size = size;
   camera.fx = camera.fy = 0.6 * size.width;
   camera.cx = 0.5 * (size.width - 1);
@@ -39,18 +39,19 @@ Rig distortedRig(cv::Size size) {
 
 StageMedians stageMedians(const Replay& replay) {
   StageMedians medians;
-  for (int i = 0; i < kStageCount; ++i) {
-    const auto stage = static_cast<Stage>(i);
-    medians.stages[i] = medianMs(replay, [stage](const StageTimes& times) { return times.stage(stage); });
+  for (int i = 0; i < vo::kStageCount; ++i) {
+    const auto stage = static_cast<vo::Stage>(i);
+    medians.stages[i] =
+        medianMs(replay, [stage](const daemon::StageTimes& times) { return times.stage(stage); });
   }
-  medians.total = medianMs(replay, [](const StageTimes& times) { return times.total; });
+  medians.total = medianMs(replay, [](const daemon::StageTimes& times) { return times.total; });
   return medians;
 }
 
 double rectificationMs(cv::Size size) {
-  const Rig rig = distortedRig(size);
-  const RectificationSettings settings;
-  const Rectifier rectifier(rig, settings, buildTables(rig, settings));
+  const calib::Rig rig = distortedRig(size);
+  const calib::RectificationSettings settings;
+  const calib::Rectifier rectifier(rig, settings, calib::buildTables(rig, settings));
   cv::Mat raw(size, CV_8UC1), left, right;
   cv::randu(raw, 0, 256);
   std::vector<double> milliseconds;

@@ -10,10 +10,10 @@ namespace cartvo::benchmark {
 
 /// Median stage times over the pairs of a replay except the first, ms: Table 5-2 of the thesis.
 struct StageMedians {
-  std::array<double, kStageCount> stages{};
+  std::array<double, vo::kStageCount> stages{};
   double total = 0.0;
 
-  double stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  double stage(vo::Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 };
 
 /// Requires a replay of at least two pairs.

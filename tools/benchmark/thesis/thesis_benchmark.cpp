@@ -38,7 +38,7 @@ class ThesisRun {
 
   void measure(const Sequence& sequence) {
     observer_.begin(sequence.name + ": feature counts");
-    const DetectionSettings& detection = settings_.odometry.detection;
+    const vo::DetectionSettings& detection = settings_.odometry.detection;
     results_.counts.push_back(
         {sequence.name, countFeatures(sequence.folder, withFixedThreshold(detection), results_.features),
          countFeatures(sequence.folder, detection, results_.features)});
@@ -51,7 +51,7 @@ class ThesisRun {
     const Replay many = replayed(sequence, results_.many_features);
     StageTimeResult times{sequence.name, few.rig.rig.left.size, 0.0, stageMedians(few), stageMedians(many)};
     constexpr double kMinRectificationTime = 0.1;  // ms; less means that the images are already rectified
-    const double own = times.few.stage(Stage::rectify);
+    const double own = times.few.stage(vo::Stage::rectify);
     times.rectification_ms = own > kMinRectificationTime ? own : rectificationMs(times.image_size);
     results_.times.push_back(times);
   }
@@ -65,7 +65,7 @@ class ThesisRun {
     replay.source = sequence.folder;
     replay.odometry = settings_.odometry;
     replay.odometry.features = features;
-    return replaySource(replay, [&](const PairResult& result, std::size_t expected) {
+    return replaySource(replay, [&](const daemon::PairResult& result, std::size_t expected) {
       observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
     });
   }

@@ -15,11 +15,11 @@ namespace cartvo::benchmark {
 /// Settings of the thesis benchmark.
 struct ThesisSettings {
   std::filesystem::path
-      data;                   ///< real sequences, see realSequences; empty: only rendered worlds are measured
-  OdometrySettings odometry;  ///< its number of features is the first one of the tables
-  int many_features = 9600;   ///< the second number of features
-  int depth_pairs = 8;        ///< rendered pairs per rig for the depth regression
-  int threads = 2;            ///< for rendering
+      data;  ///< real sequences, see realSequences; empty: only rendered worlds are measured
+  vo::OdometrySettings odometry;  ///< its number of features is the first one of the tables
+  int many_features = 9600;       ///< the second number of features
+  int depth_pairs = 8;            ///< rendered pairs per rig for the depth regression
+  int threads = 2;                ///< for rendering
 };
 
 /// The depth samples of one rig.

@@ -93,16 +93,16 @@ std::string stageTable(const ThesisResults& results, ReportFormat format) {
   const StageTimeResult& times = results.times.front();
   const std::string few = std::to_string(results.features), many = std::to_string(results.many_features);
   Table table({"stage", few + " features", "thesis, 1000", many + " features", "thesis, 9600"});
-  for (int i = 0; i < kStageCount; ++i) {
-    const auto stage = static_cast<Stage>(i);
+  for (int i = 0; i < vo::kStageCount; ++i) {
+    const auto stage = static_cast<vo::Stage>(i);
     const std::optional<double> thesis = thesisStageMs(stage);
-    const bool is_rectify = stage == Stage::rectify;
-    table.add({stageName(stage), fixed(is_rectify ? times.rectification_ms : times.few.stage(stage), 2),
+    const bool is_rectify = stage == vo::Stage::rectify;
+    table.add({vo::stageName(stage), fixed(is_rectify ? times.rectification_ms : times.few.stage(stage), 2),
                thesis ? fixed(*thesis, 2) : kNoValue,
                fixed(is_rectify ? times.rectification_ms : times.many.stage(stage), 2), kNoValue});
   }
   const auto total = [&](const StageMedians& medians) {
-    return fixed(medians.total - medians.stage(Stage::rectify) + times.rectification_ms, 2);
+    return fixed(medians.total - medians.stage(vo::Stage::rectify) + times.rectification_ms, 2);
   };
   table.add({"all", total(times.few), fixed(kThesisTotal1000Ms, 2), total(times.many),
              fixed(kThesisTotal9600Ms, 1)});
@@ -172,16 +172,16 @@ Json timesJson(const ThesisResults& results) {
       {"features", {results.features, results.many_features}},
       {"thesis", {{"total_ms", {kThesisTotal1000Ms, kThesisTotal9600Ms}}, {"stages_ms", Json::object()}}},
       {"measured", Json::array()}};
-  for (int i = 0; i < kStageCount; ++i) {
-    const auto stage = static_cast<Stage>(i);
+  for (int i = 0; i < vo::kStageCount; ++i) {
+    const auto stage = static_cast<vo::Stage>(i);
     const std::optional<double> thesis = thesisStageMs(stage);
-    json["thesis"]["stages_ms"][stageName(stage)] = thesis ? Json(*thesis) : Json(nullptr);
+    json["thesis"]["stages_ms"][vo::stageName(stage)] = thesis ? Json(*thesis) : Json(nullptr);
   }
   for (const StageTimeResult& times : results.times) {
     Json stages = Json::object();
-    for (int i = 0; i < kStageCount; ++i) {
-      const auto stage = static_cast<Stage>(i);
-      stages[stageName(stage)] = {times.few.stage(stage), times.many.stage(stage)};
+    for (int i = 0; i < vo::kStageCount; ++i) {
+      const auto stage = static_cast<vo::Stage>(i);
+      stages[vo::stageName(stage)] = {times.few.stage(stage), times.many.stage(stage)};
     }
     json["measured"].push_back({{"sequence", times.sequence},
                                 {"image_size", {times.image_size.width, times.image_size.height}},

@@ -19,25 +19,25 @@ inline constexpr double kThesisTotal1000Ms = 25.91;
 inline constexpr double kThesisTotal9600Ms = 61.2;
 
 /// Time of one stage with 1,000 features, ms; nothing for stages that the thesis does not have.
-constexpr std::optional<double> thesisStageMs(Stage stage) {
+constexpr std::optional<double> thesisStageMs(vo::Stage stage) {
   switch (stage) {
-    case Stage::rectify:
+    case vo::Stage::rectify:
       return 9.98;
-    case Stage::pyramid:
+    case vo::Stage::pyramid:
       return 8.56;
-    case Stage::optical_flow:
+    case vo::Stage::optical_flow:
       return 1.21;
-    case Stage::disparity:
+    case vo::Stage::disparity:
       return 2.12;
-    case Stage::reproject:
+    case vo::Stage::reproject:
       return 0.28;
-    case Stage::motion:
+    case vo::Stage::motion:
       return 0.60;
-    case Stage::detect:
+    case vo::Stage::detect:
       return 1.91;
-    case Stage::weights:
+    case vo::Stage::weights:
       return 0.80;
-    case Stage::minimum_distance:
+    case vo::Stage::minimum_distance:
       return 0.09;
     default:
       return std::nullopt;

@@ -37,7 +37,7 @@ void check(cairo_status_t status) {
 /// Draws the pattern in one fill, so that no renderer shows seams between touching black areas.
 void drawPattern(cairo_t* context, const BoardSheet& sheet) {
   constexpr double kMillimetresPerMetre = 1000.0;
-  for (const cv::Rect2d& metres : boardBlackRectangles(sheet.board)) {
+  for (const cv::Rect2d& metres : calib::boardBlackRectangles(sheet.board)) {
     cairo_rectangle(context, sheet.pattern.x + kMillimetresPerMetre * metres.x,
                     sheet.pattern.y + kMillimetresPerMetre * metres.y, kMillimetresPerMetre * metres.width,
                     kMillimetresPerMetre * metres.height);
@@ -88,7 +88,7 @@ std::string millimetres(cv::Size2d size) {
 }
 
 void drawNotes(cairo_t* context, const BoardSheet& sheet) {
-  const std::string spec = boardSpecText(sheet.board);
+  const std::string spec = calib::boardSpecText(sheet.board);
   drawText(context, sheet.text + cv::Point2d(0.0, kLineSpacing - 0.5),
            "cartvo calibrate --board " + spec + "    pattern " + millimetres(sheet.pattern.size()));
   drawText(context, sheet.text + cv::Point2d(0.0, 2.0 * kLineSpacing - 0.5),
@@ -122,7 +122,8 @@ std::string pdf(const BoardSheet& sheet) {
                         &cairo_surface_destroy);
   // Without the creation date the same board gives the same bytes.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, nullptr);
-  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, boardSpecText(sheet.board).c_str());
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
+                                 calib::boardSpecText(sheet.board).c_str());
   drawSheet(surface.get(), sheet, kPointsPerMillimetre);
   cairo_surface_finish(surface.get());
   check(cairo_surface_status(surface.get()));

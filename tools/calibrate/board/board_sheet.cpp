@@ -32,7 +32,7 @@ std::string format(const char* pattern, auto... values) {
   return text;
 }
 
-cv::Size2d extentOf(const BoardSpec& board) {
+cv::Size2d extentOf(const calib::BoardSpec& board) {
   const Eigen::Vector2d extent = 1000.0 * boardExtent(board);
   return {extent.x(), extent.y()};
 }
@@ -106,7 +106,7 @@ double rulerLength(double side) {
 
 }  // namespace
 
-BoardSheet layOutBoard(const BoardSpec& board, const std::string& page) {
+BoardSheet layOutBoard(const calib::BoardSpec& board, const std::string& page) {
   const cv::Size2d extent = extentOf(board);
   BoardSheet sheet;
   sheet.board = board;

@@ -16,7 +16,7 @@ struct Page {
 
 /// Layout of a board, its rulers and its text on a page. Lengths in mm from the top left of the page.
 struct BoardSheet {
-  BoardSpec board;
+  calib::BoardSpec board;
   Page page;
   cv::Rect2d pattern;           ///< the printed pattern
   cv::Rect2d horizontal_ruler;  ///< zero at the left, scale along the top
@@ -27,6 +27,6 @@ struct BoardSheet {
 /// Lays out a board. `page`: A4 to A0 (turned to fit the board), WIDTHxHEIGHT in mm (not turned), or "auto"
 /// for the smallest of A4 to A0 that the board fits on. Throws std::invalid_argument if there is no such page
 /// or the board does not fit, with the available size.
-BoardSheet layOutBoard(const BoardSpec& board, const std::string& page);
+BoardSheet layOutBoard(const calib::BoardSpec& board, const std::string& page);
 
 }  // namespace cartvo::calibrate

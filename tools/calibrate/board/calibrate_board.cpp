@@ -21,13 +21,14 @@ struct Options {
 };
 
 void run(const Options& options) {
-  const calibrate::BoardSheet sheet = calibrate::layOutBoard(parseBoardSpec(options.board), options.page);
+  const calibrate::BoardSheet sheet =
+      calibrate::layOutBoard(calib::parseBoardSpec(options.board), options.page);
   calibrate::printBoard(sheet, options.output, options.dots_per_inch);
   std::printf(
       "%s: %s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
       "and give the measured lengths to 'cartvo calibrate --board'.\n",
-      options.output.c_str(), boardSpecText(sheet.board).c_str(), sheet.pattern.width, sheet.pattern.height,
-      sheet.page.name.c_str());
+      options.output.c_str(), calib::boardSpecText(sheet.board).c_str(), sheet.pattern.width,
+      sheet.pattern.height, sheet.page.name.c_str());
 }
 
 }  // namespace

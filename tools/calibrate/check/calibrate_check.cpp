@@ -34,14 +34,14 @@ using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
 /// Calls `use` for pairs spread evenly over the source.
 void forSelectedPairs(const Options& options, const UsePair& use) {
   if (!options.right.empty()) {
-    use(readGreyImage(options.source), readGreyImage(options.right));
+    use(capture::readGreyImage(options.source), capture::readGreyImage(options.right));
     return;
   }
-  StereoSource source = openSource(options.source);
+  capture::StereoSource source = capture::openSource(options.source);
   const std::size_t stride = std::max<std::size_t>(1, source.pairs / static_cast<std::size_t>(options.pairs));
   ProgressBar progress("pairs");
   std::size_t index = 0, used = 0;
-  calibrate::forEachPair(source, [&](const FramePair& pair) {
+  calibrate::forEachPair(source, [&](const capture::FramePair& pair) {
     if (index++ % stride != 0) return true;
     use(pair.left.image, pair.right.image);
     progress.show(++used, static_cast<std::size_t>(options.pairs));
@@ -50,8 +50,8 @@ void forSelectedPairs(const Options& options, const UsePair& use) {
 }
 
 void run(const Options& options) {
-  const Rig rig = readRig(options.rig);
-  const Rectifier rectifier(rig, rig.rectification, buildTables(rig, rig.rectification));
+  const calib::Rig rig = calib::readRig(options.rig);
+  const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   std::vector<calibrate::RectifiedMatch> matches;
   int pairs = 0;
   forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
@@ -62,7 +62,7 @@ void run(const Options& options) {
       matches.push_back(match);
     ++pairs;
   });
-  const Rectification& rectification = rectifier.rectification();
+  const calib::Rectification& rectification = rectifier.rectification();
   const calibrate::RowCheck check = calibrate::checkRows(matches, pairs, rectification);
   const std::string report =
       options.json ? calibrate::rowCheckJson(check, rectification, options.largest_rms).dump(2) + "\n"

@@ -31,7 +31,7 @@ double rmsOf(const std::vector<double>& values) {
 /// Derivatives of the vertical disparity by a small rotation of the right camera: an offset and a quadratic
 /// term for pitch, a slope over the columns for roll, a product of row and column for yaw, and a slope over
 /// the rows.
-Eigen::Vector4d rotationTerms(const RectifiedMatch& match, const Rectification& rectification) {
+Eigen::Vector4d rotationTerms(const RectifiedMatch& match, const calib::Rectification& rectification) {
   const double x = (match.right.x - rectification.cx) / rectification.focal_length;
   const double y = (match.right.y - rectification.cy) / rectification.focal_length;
   return {1.0 + y * y, x, x * y, y};
@@ -40,7 +40,8 @@ Eigen::Vector4d rotationTerms(const RectifiedMatch& match, const Rectification& 
 /// Fits the rotation to the vertical disparities by iteratively reweighted least squares with Cauchy's
 /// weights (P. W. Holland, R. E. Welsch, "Robust regression using iteratively reweighted least-squares",
 /// 1977).
-Eigen::Vector4d fitRotation(const std::vector<RectifiedMatch>& matches, const Rectification& rectification) {
+Eigen::Vector4d fitRotation(const std::vector<RectifiedMatch>& matches,
+                            const calib::Rectification& rectification) {
   constexpr int kIterations = 30;
   Eigen::Vector4d rotation = Eigen::Vector4d::Zero();
   std::vector<double> errors(matches.size());
@@ -80,7 +81,7 @@ std::string verdictOf(const RowCheck& check, double max_rms) {
 }  // namespace
 
 RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
-                   const Rectification& rectification) {
+                   const calib::Rectification& rectification) {
   constexpr std::size_t kMinMatches = 30;
   constexpr double kMinGate = 0.5, kGate = 5.0;  // px; standard deviations
   constexpr double kMinDisparity = -1.0;         // px: smaller ones are clearly negative
@@ -133,7 +134,7 @@ bool passes(const RowCheck& check, double max_rms) {
   return !seemsSwapped(check) && check.rms <= max_rms;
 }
 
-std::string rowCheckText(const RowCheck& check, const Rectification& rectification, double max_rms) {
+std::string rowCheckText(const RowCheck& check, const calib::Rectification& rectification, double max_rms) {
   const StereoDesign design{rectification.baseline, rectification.focal_length,
                             static_cast<double>(rectification.size.width)};
   std::string text = format("%d points in %d pairs (%.0f %% of the matches left out)\n", check.matches,
@@ -146,17 +147,17 @@ std::string rowCheckText(const RowCheck& check, const Rectification& rectificati
                          "width\n",
                          check.scatter, check.slope) +
                      "depth error if the disparity error is of the same size:\n";
-  for (const double range : kDepthDistances)
+  for (const double range : calib::kDepthDistances)
     text += format("  at %4.0f m  %.3g m\n", range, depthError(design, check.rms, range));
   return text + verdictOf(check, max_rms) + "\n";
 }
 
-nlohmann::ordered_json rowCheckJson(const RowCheck& check, const Rectification& rectification,
+nlohmann::ordered_json rowCheckJson(const RowCheck& check, const calib::Rectification& rectification,
                                     double max_rms) {
   const StereoDesign design{rectification.baseline, rectification.focal_length,
                             static_cast<double>(rectification.size.width)};
   nlohmann::ordered_json depth = nlohmann::ordered_json::array();
-  for (const double range : kDepthDistances)
+  for (const double range : calib::kDepthDistances)
     depth.push_back({{"range_m", range}, {"error_m", depthError(design, check.rms, range)}});
   return {{"pass", passes(check, max_rms)},
           {"swapped", seemsSwapped(check)},

@@ -25,7 +25,8 @@ struct RowCheck {
 };
 
 /// Computes the statistics of the matches of `pairs` pairs. Throws std::runtime_error if there are too few.
-RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs, const Rectification& rectification);
+RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
+                   const calib::Rectification& rectification);
 
 /// Whether most disparities are negative, as with exchanged images.
 bool seemsSwapped(const RowCheck& check);
@@ -35,10 +36,10 @@ bool passes(const RowCheck& check, double max_rms);
 
 /// The statistics as text, with the depth error that a disparity error of the same size causes, and the
 /// verdict.
-std::string rowCheckText(const RowCheck& check, const Rectification& rectification, double max_rms);
+std::string rowCheckText(const RowCheck& check, const calib::Rectification& rectification, double max_rms);
 
 /// The same as JSON.
-nlohmann::ordered_json rowCheckJson(const RowCheck& check, const Rectification& rectification,
+nlohmann::ordered_json rowCheckJson(const RowCheck& check, const calib::Rectification& rectification,
                                     double max_rms);
 
 }  // namespace cartvo::calibrate

@@ -73,7 +73,7 @@ nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measu
 }
 
 void run(const Options& options, bool gives_forward, bool gives_left) {
-  Rig rig = findRig(openSource(options.source), options.source, options.rig).rig;
+  calib::Rig rig = findRig(capture::openSource(options.source), options.source, options.rig).rig;
   if (gives_forward) rig.T_body_camera.translation().x() = options.forward;
   if (gives_left) rig.T_body_camera.translation().y() = options.left;
   MountMeasurements measurements;
@@ -84,7 +84,7 @@ void run(const Options& options, bool gives_forward, bool gives_left) {
   }
   const Mount mount = calibrate::measureMount(measurements.ground, measurements.motions, rig.T_body_camera);
   rig.T_body_camera = mount.T_body_camera;
-  writeRig(options.output, rig);
+  calib::writeRig(options.output, rig);
   const std::string report =
       options.json ? jsonOf(mount, measurements).dump(2) + "\n" : textOf(mount, measurements);
   std::fputs(report.c_str(), stdout);

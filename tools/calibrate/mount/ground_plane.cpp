@@ -23,7 +23,7 @@ using Points = std::vector<DisparityPoint>;
 
 /// Disparities in the lower half of the image, where the ground is, of points near the camera and ahead of
 /// it: a road is level only across its lane, and the ground beyond the kerbs is higher.
-Points disparityPoints(const cv::Mat& left, const cv::Mat& right, const Rectification& rectification) {
+Points disparityPoints(const cv::Mat& left, const cv::Mat& right, const calib::Rectification& rectification) {
   constexpr int kMaxDisparity = 64, kBlock = 5, kStep = 2;
   constexpr int kFractions = 16;                        // cv::StereoSGBM's results are in 1/16 px
   constexpr double kMaxDepth = 12.0, kHalfWidth = 1.3;  // m
@@ -51,7 +51,7 @@ double residual(const DisparityPoint& point, const Eigen::Vector3d& plane) {
 
 /// Whether a plane in disparity space can be the ground: below the camera, and within 35 degrees of the
 /// camera's own down direction.
-bool canBeGround(const Eigen::Vector3d& plane, const Rectification& rectification) {
+bool canBeGround(const Eigen::Vector3d& plane, const calib::Rectification& rectification) {
   constexpr double kMinCosine = 0.82, kMinHeight = 0.2, kMaxHeight = 5.0;  // heights in m
   const double norm = plane.norm();
   const double height = rectification.focal_length * rectification.baseline / norm;
@@ -66,7 +66,7 @@ int countInliers(const Points& points, const Eigen::Vector3d& plane, double boun
 }
 
 /// RANSAC: the plane through three random points with the most inliers. Zero if none can be the ground.
-Eigen::Vector3d searchPlane(const Points& points, const Rectification& rectification) {
+Eigen::Vector3d searchPlane(const Points& points, const calib::Rectification& rectification) {
   constexpr int kTrials = 150;
   constexpr double kBound = 0.7;  // px
   std::mt19937 random;            // default seed: deterministic
@@ -118,7 +118,7 @@ struct GroundPixel {
 };
 
 std::vector<GroundPixel> groundPixels(const cv::Mat& left, const Points& points, const Eigen::Vector3d& plane,
-                                      const Rectification& rectification) {
+                                      const calib::Rectification& rectification) {
   constexpr double kBound = 0.7;  // px
   std::vector<GroundPixel> pixels;
   for (const DisparityPoint& point : points) {
@@ -137,7 +137,7 @@ std::vector<GroundPixel> groundPixels(const cv::Mat& left, const Points& points,
 /// and an offset of brightness (B. D. Lucas, T. Kanade, 1981, for a plane in disparity space), with Huber's
 /// weights. Both images are smoothed, so that interpolation between pixels adds no bias.
 Eigen::Vector3d alignPlane(const cv::Mat& left, const cv::Mat& right, const Points& points,
-                           Eigen::Vector3d plane, const Rectification& rectification) {
+                           Eigen::Vector3d plane, const calib::Rectification& rectification) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   constexpr int kIterations = 8;
   constexpr double kHuber = 6.0;  // grey levels
@@ -181,7 +181,7 @@ Eigen::Vector3d alignPlane(const cv::Mat& left, const cv::Mat& right, const Poin
 }  // namespace
 
 std::optional<GroundPlane> findGround(const cv::Mat& left, const cv::Mat& right,
-                                      const Rectification& rectification) {
+                                      const calib::Rectification& rectification) {
   constexpr std::size_t kMinPoints = 500;
   constexpr double kMinShare = 0.5, kBound = 0.7;  // of the points; px
   const Points points = disparityPoints(left, right, rectification);

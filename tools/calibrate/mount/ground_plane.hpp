@@ -23,6 +23,6 @@ struct GroundPlane {
 /// std::nullopt if no plane below the camera contains most of the points in the lower half of the image.
 /// Deterministic.
 std::optional<GroundPlane> findGround(const cv::Mat& left, const cv::Mat& right,
-                                      const Rectification& rectification);
+                                      const calib::Rectification& rectification);
 
 }  // namespace cartvo::calibrate

@@ -146,7 +146,7 @@ Mount measureMount(const std::vector<GroundObservation>& ground, const std::vect
   mount.T_body_camera.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(mount.pitch.value, Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(mount.roll.value, Eigen::Vector3d::UnitX()) *
-                                  Eigen::Quaterniond(forwardLookingMount().linear()))
+                                  Eigen::Quaterniond(calib::forwardLookingMount().linear()))
                                      .toRotationMatrix();
   return mount;
 }

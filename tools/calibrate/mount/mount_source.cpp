@@ -23,15 +23,16 @@ double secondsOf(std::int64_t instant_ns) {
 }
 
 /// The mean twist of the left camera since the previous pair, in its own axes.
-std::optional<CameraTwist> twistOf(const PairResult& result, const Eigen::Matrix3d& R_left_rectified) {
-  const OdometryEstimate& estimate = result.estimate;
+std::optional<CameraTwist> twistOf(const daemon::PairResult& result,
+                                   const Eigen::Matrix3d& R_left_rectified) {
+  const vo::OdometryEstimate& estimate = result.estimate;
   if (!estimate.valid || estimate.time_step <= 0.0) return std::nullopt;
-  const Vector6d twist = logarithm(estimate.T_previous_current) / estimate.time_step;
+  const vo::Vector6d twist = daemon::logarithm(estimate.T_previous_current) / estimate.time_step;
   return CameraTwist{secondsOf(estimate.exposure_ns), R_left_rectified * twist.head<3>(),
                      R_left_rectified * twist.tail<3>()};
 }
 
-std::optional<GroundPlane> groundOf(const FramePair& pair, const Rectifier& rectifier) {
+std::optional<GroundPlane> groundOf(const capture::FramePair& pair, const calib::Rectifier& rectifier) {
   cv::Mat left, right;
   rectifier.rectifyLeft(pair.left.image, left);
   rectifier.rectifyRight(pair.right.image, right);
@@ -41,11 +42,11 @@ std::optional<GroundPlane> groundOf(const FramePair& pair, const Rectifier& rect
 /// Collects the measurements, pair by pair.
 class MountMeasurementCollector {
  public:
-  explicit MountMeasurementCollector(const Rig& rig)
-      : processor_(rig, {rig, rig.rectification, buildTables(rig, rig.rectification)}, {}),
+  explicit MountMeasurementCollector(const calib::Rig& rig)
+      : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, {}),
         R_left_rectified_(processor_.T_left_rectified().linear()) {}
 
-  void add(const FramePair& pair) {
+  void add(const capture::FramePair& pair) {
     const std::optional<CameraTwist> twist = twistOf(processor_.process(pair), R_left_rectified_);
     ++measurements.pairs;
     if (!twist) return;
@@ -64,18 +65,18 @@ class MountMeasurementCollector {
   MountMeasurements measurements;
 
  private:
-  PairProcessor processor_;
+  daemon::PairProcessor processor_;
   Eigen::Matrix3d R_left_rectified_;
   std::optional<double> next_observation_;  ///< s
 };
 
 }  // namespace
 
-MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const Rig& rig,
+MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const calib::Rig& rig,
                                            const MountProgress& progress) {
-  StereoSource pairs = openSource(source);
+  capture::StereoSource pairs = capture::openSource(source);
   MountMeasurementCollector collector(rig);
-  forEachPair(pairs, [&](const FramePair& pair) {
+  forEachPair(pairs, [&](const capture::FramePair& pair) {
     collector.add(pair);
     progress(collector.measurements.pairs, pairs.pairs);
     return true;

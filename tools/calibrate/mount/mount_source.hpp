@@ -25,7 +25,7 @@ using MountProgress = std::function<void(std::size_t done, std::size_t expected)
 /// Runs the odometry over a recording or a folder of images, and searches for the ground some times a second,
 /// in pairs between whose exposures the cart moves less than a millimetre. Throws std::runtime_error for a
 /// source without pairs, and the exceptions of openSource and of the rectification.
-MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const Rig& rig,
+MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const calib::Rig& rig,
                                            const MountProgress& progress);
 
 }  // namespace cartvo::calibrate

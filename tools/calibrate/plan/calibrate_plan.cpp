@@ -27,8 +27,8 @@ struct Options {
   std::vector<double> views_deg, focal_lengths_mm, focal_lengths_px;
   double sensor_width_mm = 0.0;
   double relative_error_percent = 5.0;
-  calibrate::PlanSettings questions{OdometrySettings{}.motion.disparity_noise,
-                                    static_cast<double>(OdometrySettings{}.stereo.maximum_disparity),
+  calibrate::PlanSettings questions{vo::OdometrySettings{}.motion.disparity_noise,
+                                    static_cast<double>(vo::OdometrySettings{}.stereo.maximum_disparity),
                                     0.0,
                                     {5.0, 10.0, 20.0, 40.0}};
   std::string format = "text";
@@ -36,8 +36,8 @@ struct Options {
 };
 
 StereoDesign designOf(const std::filesystem::path& rig_file) {
-  const Rig rig = readRig(rig_file);
-  const Rectification rectified = computeRectification(rig, rig.rectification);
+  const calib::Rig rig = calib::readRig(rig_file);
+  const calib::Rectification rectified = calib::computeRectification(rig, rig.rectification);
   return {rectified.baseline, rectified.focal_length, static_cast<double>(rectified.size.width)};
 }
 

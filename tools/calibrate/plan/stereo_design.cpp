@@ -25,7 +25,7 @@ double disparityAt(const StereoDesign& design, double range) {
 }
 
 double depthError(const StereoDesign& design, double disparity_noise, double range) {
-  return cartvo::depthError(range, disparity_noise, design.focal_length, design.baseline);
+  return cartvo::calib::depthError(range, disparity_noise, design.focal_length, design.baseline);
 }
 
 double rangeOfRelativeError(const StereoDesign& design, double disparity_noise, double fraction) {

@@ -37,18 +37,19 @@ std::string rectangle(double x, double y, double width, double height, const cha
 
 }  // namespace
 
-std::string coveragePlot(const Calibration& calibration, std::vector<SeenCorner> BoardView::*side,
-                         std::vector<Eigen::Vector2d> ViewResiduals::*residuals) {
+std::string coveragePlot(const calib::Calibration& calibration,
+                         std::vector<calib::SeenCorner> calib::BoardView::*side,
+                         std::vector<Eigen::Vector2d> calib::ViewResiduals::*residuals) {
   constexpr double kWidth = 480.0;
   const double scale = kWidth / calibration.image_size.width, height = scale * calibration.image_size.height;
   const double stddev = calibration.result().corner_stddev;
   std::string content = rectangle(0, 0, kWidth, height, "#f2f2f2");
-  for (int column = 1; column < ImageCoverage::kColumns; ++column) {
-    const double x = kWidth * column / ImageCoverage::kColumns;
+  for (int column = 1; column < calib::ImageCoverage::kColumns; ++column) {
+    const double x = kWidth * column / calib::ImageCoverage::kColumns;
     content += line(x, 0, x, height, "#ddd");
   }
-  for (int row = 1; row < ImageCoverage::kRows; ++row) {
-    const double y = height * row / ImageCoverage::kRows;
+  for (int row = 1; row < calib::ImageCoverage::kRows; ++row) {
+    const double y = height * row / calib::ImageCoverage::kRows;
     content += line(0, y, kWidth, y, "#ddd");
   }
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
@@ -63,13 +64,13 @@ std::string coveragePlot(const Calibration& calibration, std::vector<SeenCorner>
   return svg(kWidth, height, content);
 }
 
-std::string residualPlot(const Calibration& calibration) {
+std::string residualPlot(const calib::Calibration& calibration) {
   constexpr double kHeight = 180.0, kBase = 150.0, kLeft = 44.0, kGroup = 18.0;
   double largest = 0.1;
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
     largest = std::max({largest, calibration.validation().views[i].rms,
-                        residualRms({calibration.residuals[i].left, {}}),
-                        residualRms({{}, calibration.residuals[i].right})});
+                        calib::residualRms({calibration.residuals[i].left, {}}),
+                        calib::residualRms({{}, calibration.residuals[i].right})});
   }
   const double width = kLeft + kGroup * static_cast<double>(calibration.views.size()) + 10.0;
   const auto height = [&](double rms) { return (kBase - 10.0) * rms / largest; };
@@ -77,8 +78,8 @@ std::string residualPlot(const Calibration& calibration) {
                         text(2, 14, fmt::format("{:.2f} px", largest)) + text(2, kBase, "0 px");
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
     const double x = kLeft + 2.0 + kGroup * static_cast<double>(i);
-    const double left = height(residualRms({calibration.residuals[i].left, {}}));
-    const double right = height(residualRms({{}, calibration.residuals[i].right}));
+    const double left = height(calib::residualRms({calibration.residuals[i].left, {}}));
+    const double right = height(calib::residualRms({{}, calibration.residuals[i].right}));
     const double held_out = height(calibration.validation().views[i].rms);
     content += rectangle(x, kBase - left, 4, left, "#27c") +
                rectangle(x + 5, kBase - right, 4, right, "#2a7") +
@@ -89,12 +90,12 @@ std::string residualPlot(const Calibration& calibration) {
   return svg(std::max(width, 400.0), kHeight, content);
 }
 
-std::string depthPlot(const Calibration& calibration) {
+std::string depthPlot(const calib::Calibration& calibration) {
   constexpr double kWidth = 480.0, kHeight = 240.0, kLeft = 60.0, kBase = 210.0, kTop = 12.0;
   const auto& depth = calibration.halves.depth;
   const double farthest = depth.back().distance;
   double largest = 0.0;
-  for (const DepthDifference& at : depth) {
+  for (const calib::DepthDifference& at : depth) {
     largest = std::max(largest, depthErrorOf(calibration, at.distance) / at.distance);
     if (std::isfinite(at.p95)) largest = std::max(largest, at.p95 / at.distance);
   }
@@ -104,18 +105,18 @@ std::string depthPlot(const Calibration& calibration) {
                         text(2, kTop + 4, fmt::format("{:.1f} %", 100.0 * largest)) + text(2, kBase, "0 %");
   const auto curve = [&](auto share, const char* colour) {
     std::string points;
-    for (const DepthDifference& at : depth) {
+    for (const calib::DepthDifference& at : depth) {
       if (std::isfinite(share(at))) points += fmt::format("{:.1f},{:.1f} ", x(at.distance), y(share(at)));
     }
     return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n", points,
                        colour);
   };
-  content +=
-      curve([&](const DepthDifference& at) { return depthErrorOf(calibration, at.distance) / at.distance; },
-            "#27c");
-  content += curve([](const DepthDifference& at) { return at.median / at.distance; }, "#2a7");
-  content += curve([](const DepthDifference& at) { return at.p95 / at.distance; }, "#e90");
-  for (const DepthDifference& at : depth)
+  content += curve(
+      [&](const calib::DepthDifference& at) { return depthErrorOf(calibration, at.distance) / at.distance; },
+      "#27c");
+  content += curve([](const calib::DepthDifference& at) { return at.median / at.distance; }, "#2a7");
+  content += curve([](const calib::DepthDifference& at) { return at.p95 / at.distance; }, "#e90");
+  for (const calib::DepthDifference& at : depth)
     content += text(x(at.distance) - 14.0, kBase + 14.0, fmt::format("{:.0f} m", at.distance));
   content +=
       text(kLeft, kBase + 27.0,
@@ -123,10 +124,10 @@ std::string depthPlot(const Calibration& calibration) {
   return svg(kWidth + 60.0, kHeight, content);
 }
 
-cv::Mat rectifiedPair(const Calibration& calibration, const cv::Mat& left, const cv::Mat& right) {
+cv::Mat rectifiedPair(const calib::Calibration& calibration, const cv::Mat& left, const cv::Mat& right) {
   constexpr int kLines = 16, kMaxWidth = 1400;  // px
-  const Rig& rig = calibration.rig();
-  const Rectifier rectifier(rig, rig.rectification, buildTables(rig, rig.rectification));
+  const calib::Rig& rig = calibration.rig();
+  const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   cv::Mat rectified_left, rectified_right, both, colour;
   rectifier.rectifyLeft(left, rectified_left);
   rectifier.rectifyRight(right, rectified_right);

@@ -25,9 +25,9 @@ std::string figure(const std::string& plot, const std::string& caption) {
   return "<figure>" + plot + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
-std::string verdict(const Calibration& calibration) {
+std::string verdict(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
-  for (const ValidationCheck& check : calibration.checks) {
+  for (const calib::ValidationCheck& check : calibration.checks) {
     rows.push_back({check.passed ? "passed" : "FAILED", check.name, fmt::format("{:.3g}", check.value),
                     fmt::format("{:.3g} {}", check.limit, check.unit)});
   }
@@ -37,33 +37,33 @@ std::string verdict(const Calibration& calibration) {
          tableElement({"", "check", "value", "limit"}, rows);
 }
 
-std::string models(const Calibration& calibration) {
+std::string models(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < calibration.candidates.size(); ++i) {
-    const CandidateModel& candidate = calibration.candidates[i];
-    const auto number = [&](double CrossValidation::*value) {
+    const calib::CandidateModel& candidate = calibration.candidates[i];
+    const auto number = [&](double calib::CrossValidation::*value) {
       return candidate.validation ? fmt::format("{:.3f}", *candidate.validation.*value) : std::string("-");
     };
-    rows.push_back({modelName(candidate.model), number(&CrossValidation::rms),
-                    number(&CrossValidation::vertical_disparity_rms),
-                    number(&CrossValidation::vertical_disparity_p95),
+    rows.push_back({calib::modelName(candidate.model), number(&calib::CrossValidation::rms),
+                    number(&calib::CrossValidation::vertical_disparity_rms),
+                    number(&calib::CrossValidation::vertical_disparity_p95),
                     i == calibration.chosen ? "chosen" : candidate.refusal});
   }
   return tableElement({"model", "held-out RMS, px", "rows RMS, px", "rows 95 %, px", ""}, rows);
 }
 
-std::string uncertainties(const Calibration& calibration) {
+std::string uncertainties(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
-  for (const ParameterEstimate& parameter : calibration.result().parameters) {
+  for (const calib::ParameterEstimate& parameter : calibration.result().parameters) {
     rows.push_back({parameter.name.name, fmt::format("{:.6g}", parameter.value),
                     fmt::format("{:.2g}", parameter.stddev), parameter.name.unit});
   }
   return tableElement({"parameter", "value", "standard deviation", "unit"}, rows);
 }
 
-std::string rejected(const Calibration& calibration) {
+std::string rejected(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
-  for (const RejectedView& view : calibration.rejected)
+  for (const calib::RejectedView& view : calibration.rejected)
     rows.push_back({view.name, view.reason});
   const std::string corners = fmt::format(
       "<p>{} single corners were rejected in the views that are used.</p>\n", calibration.rejected_corners);
@@ -71,9 +71,9 @@ std::string rejected(const Calibration& calibration) {
                       : tableElement({"view", "reason"}, rows) + corners;
 }
 
-std::string depthTable(const Calibration& calibration) {
+std::string depthTable(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
-  for (const DepthDifference& at : calibration.halves.depth) {
+  for (const calib::DepthDifference& at : calibration.halves.depth) {
     rows.push_back({fmt::format("{:.0f} m", at.distance),
                     fmt::format("{:.3f} m", depthErrorOf(calibration, at.distance)), metresText(at.median),
                     metresText(at.p95)});
@@ -85,22 +85,22 @@ std::string depthTable(const Calibration& calibration) {
 
 }  // namespace
 
-std::string calibrationReport(const Calibration& calibration, const ReportPair& pair) {
+std::string calibrationReport(const calib::Calibration& calibration, const ReportPair& pair) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
       "charset=\"utf-8\"><title>Calibration</title><style>{}</style></head>"
       "<body>\n<h1>Calibration of two cameras</h1>\n<p>Board {}, images of {}x{} px, {} views used, model "
       "{}, baseline "
       "{:.2f} mm.</p>\n",
-      kStyle, escaped(boardSpecText(calibration.board)), calibration.image_size.width,
-      calibration.image_size.height, calibration.views.size(), modelName(calibration.result().model),
+      kStyle, escaped(calib::boardSpecText(calibration.board)), calibration.image_size.width,
+      calibration.image_size.height, calibration.views.size(), calib::modelName(calibration.result().model),
       1000.0 * calibration.rig().baseline());
   html += section("Validation", verdict(calibration));
   html += section(
       "Image coverage",
-      figure(coveragePlot(calibration, &BoardView::left, &ViewResiduals::left),
+      figure(coveragePlot(calibration, &calib::BoardView::left, &calib::ViewResiduals::left),
              fmt::format("left: {:.0f} % of the cells", 100.0 * calibration.left_coverage.share())) +
-          figure(coveragePlot(calibration, &BoardView::right, &ViewResiduals::right),
+          figure(coveragePlot(calibration, &calib::BoardView::right, &calib::ViewResiduals::right),
                  fmt::format("right: {:.0f} % of the cells", 100.0 * calibration.right_coverage.share())) +
           "<p>Residual of each corner in standard deviations. Green: below 2, orange: below 3.5, red: "
           "larger.</p>\n");

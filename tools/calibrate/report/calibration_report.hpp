@@ -16,6 +16,6 @@ struct ReportPair {
 
 /// A self-contained HTML page: checks, image coverage, residuals by view, a rectified pair with lines along
 /// its rows, depth error over distance, models compared, uncertainties, rejected views.
-std::string calibrationReport(const Calibration& calibration, const ReportPair& pair);
+std::string calibrationReport(const calib::Calibration& calibration, const ReportPair& pair);
 
 }  // namespace cartvo

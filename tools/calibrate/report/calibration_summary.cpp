@@ -11,14 +11,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json modelJson(const CandidateModel& candidate) {
-  Json json{{"model", modelName(candidate.model)}};
+Json modelJson(const calib::CandidateModel& candidate) {
+  Json json{{"model", calib::modelName(candidate.model)}};
   if (!candidate.refusal.empty()) json["refused"] = candidate.refusal;
   if (candidate.calibration) {
     json["corner_deviation_px"] = candidate.calibration->corner_stddev;
     json["baseline_m"] = candidate.calibration->estimate.rig.baseline();
     Json parameters = Json::array();
-    for (const ParameterEstimate& parameter : candidate.calibration->parameters) {
+    for (const calib::ParameterEstimate& parameter : candidate.calibration->parameters) {
       parameters.push_back({{"name", parameter.name.name},
                             {"unit", parameter.name.unit},
                             {"value", parameter.value},
@@ -34,22 +34,22 @@ Json modelJson(const CandidateModel& candidate) {
   return json;
 }
 
-Json viewsJson(const Calibration& calibration) {
+Json viewsJson(const calib::Calibration& calibration) {
   Json views = Json::array();
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
-    const ViewResiduals& residuals = calibration.residuals[i];
+    const calib::ViewResiduals& residuals = calibration.residuals[i];
     views.push_back({{"name", calibration.views[i].name},
                      {"left_corners", residuals.left.size()},
                      {"right_corners", residuals.right.size()},
-                     {"left_rms_px", residualRms({residuals.left, {}})},
-                     {"right_rms_px", residualRms({{}, residuals.right})},
+                     {"left_rms_px", calib::residualRms({residuals.left, {}})},
+                     {"right_rms_px", calib::residualRms({{}, residuals.right})},
                      {"held_out_rms_px", calibration.validation().views[i].rms}});
   }
   return views;
 }
 
-std::string modelLine(const CandidateModel& candidate, bool is_chosen) {
-  std::string line = fmt::format("  {:<7}", modelName(candidate.model));
+std::string modelLine(const calib::CandidateModel& candidate, bool is_chosen) {
+  std::string line = fmt::format("  {:<7}", calib::modelName(candidate.model));
   if (candidate.validation) {
     line += fmt::format(" {:>8.3f} px {:>13.3f} px", candidate.validation->rms,
                         candidate.validation->vertical_disparity_rms);
@@ -61,42 +61,43 @@ std::string modelLine(const CandidateModel& candidate, bool is_chosen) {
   return line + "\n";
 }
 
-std::string cameraLine(const char* side, const CameraModel& camera) {
+std::string cameraLine(const char* side, const calib::CameraModel& camera) {
   return fmt::format("  {:<6} fx {:.2f}  fy {:.2f}  cx {:.2f}  cy {:.2f} px\n", side, camera.fx, camera.fy,
                      camera.cx, camera.cy);
 }
 
 }  // namespace
 
-double depthErrorOf(const Calibration& calibration, double distance) {
-  const Rig& rig = calibration.rig();
+double depthErrorOf(const calib::Calibration& calibration, double distance) {
+  const calib::Rig& rig = calibration.rig();
   const double focal_length = (rig.left.fx + rig.left.fy + rig.right.fx + rig.right.fy) / 4.0;
-  return depthError(distance, calibration.validation().vertical_disparity_rms, focal_length, rig.baseline());
+  return calib::depthError(distance, calibration.validation().vertical_disparity_rms, focal_length,
+                           rig.baseline());
 }
 
 std::string metresText(double metres) {
   return std::isfinite(metres) ? fmt::format("{:.3f} m", metres) : "not seen";
 }
 
-Json calibrationJson(const Calibration& calibration) {
-  Json json{{"board", boardSpecText(calibration.board)},
+Json calibrationJson(const calib::Calibration& calibration) {
+  Json json{{"board", calib::boardSpecText(calibration.board)},
             {"image_size", {calibration.image_size.width, calibration.image_size.height}},
             {"passed", calibration.passed()},
-            {"model", modelName(calibration.result().model)},
+            {"model", calib::modelName(calibration.result().model)},
             {"baseline_m", calibration.rig().baseline()},
-            {"scale_deviation", scaleStddev(calibration)}};
-  for (const ValidationCheck& check : calibration.checks) {
+            {"scale_deviation", calib::scaleStddev(calibration)}};
+  for (const calib::ValidationCheck& check : calibration.checks) {
     json["checks"].push_back({{"name", check.name},
                               {"value", check.value},
                               {"limit", check.limit},
                               {"unit", check.unit},
                               {"passed", check.passed}});
   }
-  for (const CandidateModel& candidate : calibration.candidates)
+  for (const calib::CandidateModel& candidate : calibration.candidates)
     json["models"].push_back(modelJson(candidate));
   json["halves"] = {{"projection_rms_px", calibration.halves.projection_rms},
                     {"projection_p95_px", calibration.halves.projection_p95}};
-  for (const DepthDifference& depth : calibration.halves.depth) {
+  for (const calib::DepthDifference& depth : calibration.halves.depth) {
     json["depth"].push_back({{"distance_m", depth.distance},
                              {"error_of_vertical_disparity_m", depthErrorOf(calibration, depth.distance)},
                              {"halves_median_m", depth.median},
@@ -111,41 +112,41 @@ Json calibrationJson(const Calibration& calibration) {
   json["views"] = viewsJson(calibration);
   json["rejected_corners"] = calibration.rejected_corners;
   json["rejected"] = Json::array();
-  for (const RejectedView& view : calibration.rejected)
+  for (const calib::RejectedView& view : calibration.rejected)
     json["rejected"].push_back({{"name", view.name}, {"reason", view.reason}});
   return json;
 }
 
-std::string calibrationText(const Calibration& calibration) {
+std::string calibrationText(const calib::Calibration& calibration) {
   std::string text =
       fmt::format("{} views used, {} rejected, {} single corners rejected\n", calibration.views.size(),
                   calibration.rejected.size(), calibration.rejected_corners);
-  for (const RejectedView& view : calibration.rejected)
+  for (const calib::RejectedView& view : calibration.rejected)
     text += fmt::format("  rejected '{}': {}\n", view.name, view.reason);
   text += "model   held-out RMS  rectified rows RMS\n";
   for (std::size_t i = 0; i < calibration.candidates.size(); ++i)
     text += modelLine(calibration.candidates[i], i == calibration.chosen);
-  const Rig& rig = calibration.rig();
+  const calib::Rig& rig = calibration.rig();
   text += "rig\n" + cameraLine("left", rig.left) + cameraLine("right", rig.right);
   text += fmt::format(
       "  baseline {:.2f} mm, turned by {:.3f} degrees; relative stddev of the scale {:.2f} %\n",
       1000.0 * rig.baseline(), Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
       100.0 * scaleStddev(calibration));
   text += "depth   disparity error equal to the row error   halves differ by (median, 95 %)\n";
-  for (const DepthDifference& depth : calibration.halves.depth) {
+  for (const calib::DepthDifference& depth : calibration.halves.depth) {
     text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>41} {:>11}\n", depth.distance,
                         depthErrorOf(calibration, depth.distance), metresText(depth.median),
                         metresText(depth.p95));
   }
   if (std::any_of(calibration.halves.depth.begin(), calibration.halves.depth.end(),
-                  [](const DepthDifference& at) { return !std::isfinite(at.p95); })) {
+                  [](const calib::DepthDifference& at) { return !std::isfinite(at.p95); })) {
     text +=
         "  not seen: no point at that distance lies where both images had corners; hold the board in all "
         "parts of "
         "both images\n";
   }
   text += "validation\n";
-  for (const ValidationCheck& check : calibration.checks) {
+  for (const calib::ValidationCheck& check : calibration.checks) {
     text += fmt::format("  {:<6} {}: {:.3g} (limit: {:.3g} {})\n", check.passed ? "passed" : "FAILED",
                         check.name, check.value, check.limit, check.unit);
   }
@@ -159,7 +160,7 @@ std::string calibrationText(const Calibration& calibration) {
         calibration.sync.opposed_views, calibration.sync.max_shift);
   }
   const std::string next =
-      nextViewAdvice(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
+      calib::nextViewAdvice(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
   if (!next.empty()) text += "to improve it, " + next + "\n";
   return text;
 }

@@ -9,16 +9,16 @@
 namespace cartvo {
 
 /// All results of a calibration as JSON: lengths in m, angles in rad, image distances in px.
-nlohmann::ordered_json calibrationJson(const Calibration& calibration);
+nlohmann::ordered_json calibrationJson(const calib::Calibration& calibration);
 
 /// Summary of a calibration for a terminal: rejected views, models compared, the rig, depth errors, checks.
-std::string calibrationText(const Calibration& calibration);
+std::string calibrationText(const calib::Calibration& calibration);
 
 /// A depth difference as text. Infinite ones become "not seen".
 std::string metresText(double metres);
 
 /// The depth error (m) at a distance (m) if the disparity error equals the RMS of the held-out vertical
 /// disparities.
-double depthErrorOf(const Calibration& calibration, double distance);
+double depthErrorOf(const calib::Calibration& calibration, double distance);
 
 }  // namespace cartvo

@@ -20,14 +20,14 @@ void requireSize(const cv::Mat& image, cv::Size size, const std::filesystem::pat
                            sizeText(size) + ": a calibration holds for one size only");
 }
 
-DetectedView detectPair(const ImagePair& pair, const BoardSpec& board, cv::Size size) {
+DetectedView detectPair(const ImagePair& pair, const calib::BoardSpec& board, cv::Size size) {
   const cv::Mat left = readGrey(pair.left), right = readGrey(pair.right);
   requireSize(left, size, pair.left);
   requireSize(right, size, pair.right);
   return detectView(pair.name, left, right, board);
 }
 
-std::string cornerProblem(const char* side, const std::vector<SeenCorner>& seen) {
+std::string cornerProblem(const char* side, const std::vector<calib::SeenCorner>& seen) {
   if (seen.empty()) return std::string("the ") + side + " image shows no board";
   if (seen.size() < kMinCornersPerImage)
     return std::string("the ") + side + " image shows only " + std::to_string(seen.size()) + " corners";
@@ -51,16 +51,16 @@ std::string problemOf(const DetectedView& view, double usual_edge_width) {
        {cornerProblem("left", view.view.left), cornerProblem("right", view.view.right)}) {
     if (!problem.empty()) return problem;
   }
-  if (const std::string problem = qualityProblem(view.left, usual_edge_width); !problem.empty())
+  if (const std::string problem = calib::qualityProblem(view.left, usual_edge_width); !problem.empty())
     return "left image: " + problem;
-  if (const std::string problem = qualityProblem(view.right, usual_edge_width); !problem.empty())
+  if (const std::string problem = calib::qualityProblem(view.right, usual_edge_width); !problem.empty())
     return "right image: " + problem;
   return {};
 }
 
 [[noreturn]] void failWithoutViews(const std::vector<DetectedView>& detected, const BoardViews& views,
-                                   const BoardSpec& board) {
-  std::string message = "no view shows the board " + boardSpecText(board) + " to both cameras";
+                                   const calib::BoardSpec& board) {
+  std::string message = "no view shows the board " + calib::boardSpecText(board) + " to both cameras";
   const auto other = std::find_if(detected.begin(), detected.end(),
                                   [](const DetectedView& view) { return !view.other_board.empty(); });
   if (other != detected.end()) {
@@ -75,12 +75,14 @@ std::string problemOf(const DetectedView& view, double usual_edge_width) {
 }  // namespace
 
 DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::Mat& right,
-                        const BoardSpec& board) {
+                        const calib::BoardSpec& board) {
   DetectedView detected;
-  detected.view = {name, detectBoard(left, board), detectBoard(right, board)};
-  const std::vector<Eigen::Vector2d> board_corners = boardCorners(board);
-  if (!detected.view.left.empty()) detected.left = viewQuality(left, detected.view.left, board_corners);
-  if (!detected.view.right.empty()) detected.right = viewQuality(right, detected.view.right, board_corners);
+  detected.view = {name, calib::detectBoard(left, board), calib::detectBoard(right, board)};
+  const std::vector<Eigen::Vector2d> board_corners = calib::boardCorners(board);
+  if (!detected.view.left.empty())
+    detected.left = calib::viewQuality(left, detected.view.left, board_corners);
+  if (!detected.view.right.empty())
+    detected.right = calib::viewQuality(right, detected.view.right, board_corners);
   return detected;
 }
 
@@ -99,14 +101,15 @@ BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size ima
   return result;
 }
 
-BoardViews selectViews(const std::vector<DetectedView>& detected, const BoardSpec& board,
+BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::BoardSpec& board,
                        cv::Size image_size) {
   BoardViews result = classifyViews(detected, image_size);
   if (result.views.empty()) failWithoutViews(detected, result, board);
   return result;
 }
 
-BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const DetectionProgress& progress) {
+BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
+                     const DetectionProgress& progress) {
   const cv::Size size = readGrey(pairs.pairs.front().left).size();
   std::vector<DetectedView> detected(pairs.pairs.size());
   std::vector<std::exception_ptr> problems(pairs.pairs.size());
@@ -131,7 +134,7 @@ BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const Dete
   }
   if (std::none_of(detected.begin(), detected.end(),
                    [](const DetectedView& view) { return !view.view.left.empty(); })) {
-    detected.front().other_board = describeOtherBoard(readGrey(pairs.pairs.front().left), board);
+    detected.front().other_board = calib::describeOtherBoard(readGrey(pairs.pairs.front().left), board);
   }
   BoardViews views = selectViews(detected, board, size);
   views.rejected.insert(views.rejected.end(), pairs.unpaired.begin(), pairs.unpaired.end());

@@ -16,21 +16,21 @@ namespace cartvo {
 /// Usable and rejected views.
 struct BoardViews {
   cv::Size image_size;
-  std::vector<BoardView> views;
-  std::vector<RejectedView> rejected;
+  std::vector<calib::BoardView> views;
+  std::vector<calib::RejectedView> rejected;
 };
 
 /// The corners of a view in both images, with their image quality.
 struct DetectedView {
-  BoardView view;
-  ViewQuality left, right;          ///< valid only if corners were found
+  calib::BoardView view;
+  calib::ViewQuality left, right;   ///< valid only if corners were found
   std::string other_board;          ///< a different board in the left image, see describeOtherBoard
   cv::Mat left_image, right_image;  ///< only of a view from streams, since it is in no file
 };
 
 /// Detects the board in a pair of images (CV_8UC1) and measures the image quality.
 DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::Mat& right,
-                        const BoardSpec& board);
+                        const calib::BoardSpec& board);
 
 /// Minimum number of corners per image. The board's pose alone has six unknowns; with fewer corners too few
 /// equations remain for the cameras.
@@ -41,7 +41,7 @@ BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size ima
 
 /// As classifyViews. Throws std::runtime_error if no view is usable, naming the board that is visible instead
 /// if there is one.
-BoardViews selectViews(const std::vector<DetectedView>& detected, const BoardSpec& board,
+BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::BoardSpec& board,
                        cv::Size image_size);
 
 /// Called after each pair with the number of pairs processed. Calls may come from other threads, one at a
@@ -50,6 +50,7 @@ using DetectionProgress = std::function<void(std::size_t done)>;
 
 /// Detects the board in all pairs, on all cores, and selects the usable views. Throws std::runtime_error
 /// naming a file that is unreadable or differs in size from the first, and as selectViews.
-BoardViews findViews(const ImagePairs& pairs, const BoardSpec& board, const DetectionProgress& progress);
+BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
+                     const DetectionProgress& progress);
 
 }  // namespace cartvo

@@ -18,8 +18,8 @@ struct ImagePair {
 
 /// Paired image files.
 struct ImagePairs {
-  std::vector<ImagePair> pairs;        ///< sorted by name, with numbers compared by value
-  std::vector<RejectedView> unpaired;  ///< images without a partner
+  std::vector<ImagePair> pairs;               ///< sorted by name, with numbers compared by value
+  std::vector<calib::RejectedView> unpaired;  ///< images without a partner
 };
 
 /// Pairs the images of equal name in `folder`/image_0 and `folder`/image_1. Throws std::runtime_error if a

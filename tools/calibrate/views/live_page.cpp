@@ -217,10 +217,10 @@ void LivePage::Implementation::routePicture(const char* path, Picture& picture) 
   });
 }
 
-LivePage::LivePage(const PageAddress& address, const BoardSpec& board)
+LivePage::LivePage(const PageAddress& address, const calib::BoardSpec& board)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& page = *implementation_;
-  page.board = boardSpecText(board);
+  page.board = calib::boardSpecText(board);
   page.route();
   const int port = address.port == 0
                        ? page.server.bind_to_any_port(address.address)

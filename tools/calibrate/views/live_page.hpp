@@ -30,7 +30,7 @@ struct PageAddress {
 class LivePage {
  public:
   /// Starts the server. Throws std::runtime_error if it cannot listen at the address.
-  LivePage(const PageAddress& address, const BoardSpec& board);
+  LivePage(const PageAddress& address, const calib::BoardSpec& board);
   ~LivePage();
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;

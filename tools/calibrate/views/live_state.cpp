@@ -25,8 +25,8 @@ Json liveState(const StreamProgress& progress) {
              {"advice", progress.advice},
              {"next", progress.next_view_advice},
              {"enough_views", kTargetViewCount},
-             {"columns", ImageCoverage::kColumns},
-             {"rows", ImageCoverage::kRows},
+             {"columns", calib::ImageCoverage::kColumns},
+             {"rows", calib::ImageCoverage::kRows},
              {"left", previewState(progress.left)},
              {"right", previewState(progress.right)},
              {"tilts",
@@ -36,11 +36,11 @@ Json liveState(const StreamProgress& progress) {
                {"down", progress.tilts.down}}},
              {"views", Json::array()},
              {"rejected", Json::array()}};
-  for (const BoardView& view : progress.so_far.views) {
+  for (const calib::BoardView& view : progress.so_far.views) {
     state["views"].push_back(
         {{"name", view.name}, {"left_corners", view.left.size()}, {"right_corners", view.right.size()}});
   }
-  for (const RejectedView& view : progress.so_far.rejected)
+  for (const calib::RejectedView& view : progress.so_far.rejected)
     state["rejected"].push_back({{"name", view.name}, {"reason", view.reason}});
   return state;
 }
@@ -54,7 +54,7 @@ std::string liveJpeg(const CameraPreview& preview) {
   cv::resize(preview.image, picture, {}, scale, scale, cv::INTER_AREA);
   cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
   const auto fixed = [](double value) { return cvRound(value * (1 << kFractionBits)); };
-  for (const SeenCorner& corner : preview.corners) {
+  for (const calib::SeenCorner& corner : preview.corners) {
     const Eigen::Vector2d at = scale * (corner.pixel.array() + 0.5).matrix() - Eigen::Vector2d(0.5, 0.5);
     cv::circle(picture, {fixed(at.x()), fixed(at.y())}, fixed(kRadius), {60, 220, 60}, 1, cv::LINE_AA,
                kFractionBits);

@@ -10,26 +10,26 @@ namespace cartvo {
 
 /// Wraps a live camera for a consumer that is slower than the stream: a thread reads the camera continuously,
 /// since an unread stream loses data, and read() returns the newest frame.
-class NewestFrame : public CameraSource {
+class NewestFrame : public capture::CameraSource {
  public:
   /// `camera` must outlive this.
-  explicit NewestFrame(CameraSource& camera);
+  explicit NewestFrame(capture::CameraSource& camera);
   ~NewestFrame() override;
   NewestFrame(const NewestFrame&) = delete;
   NewestFrame& operator=(const NewestFrame&) = delete;
 
   /// The newest good frame that was not returned before.
-  ReadOutcome read(Frame& frame, std::chrono::milliseconds timeout) override;
-  CameraHealth health() const override { return camera_.health(); }
+  capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds timeout) override;
+  capture::CameraHealth health() const override { return camera_.health(); }
   void interrupt() noexcept override { camera_.interrupt(); }
 
  private:
   void readAll();
 
-  CameraSource& camera_;
+  capture::CameraSource& camera_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  Frame newest_;
+  capture::Frame newest_;
   bool is_new_ = false;
   bool ended_ = false;
   std::thread reader_;

@@ -20,7 +20,7 @@ namespace cartvo {
 /// images; the next one only after the board has moved by 8 px.
 class StillBoardDetector {
  public:
-  explicit StillBoardDetector(const BoardSpec& board);
+  explicit StillBoardDetector(const calib::BoardSpec& board);
 
   struct UpdateResult {
     bool is_processed = false;         ///< whether the board was searched in the image
@@ -30,11 +30,11 @@ class StillBoardDetector {
   /// Processes the next image (CV_8UC1) of a camera, unless the last processed one is less than 0.2 s older.
   /// `time_ns`: arrival time of the image; the cameras' clocks must agree within half a second. The corners
   /// of a view are means over the second.
-  UpdateResult update(CameraSide side, const cv::Mat& grey, std::int64_t time_ns);
+  UpdateResult update(capture::CameraSide side, const cv::Mat& grey, std::int64_t time_ns);
 
   /// Corners and image of the newest processed image of a camera. Empty before the first.
-  const std::vector<SeenCorner>& corners(CameraSide side) const;
-  cv::Mat image(CameraSide side) const;
+  const std::vector<calib::SeenCorner>& corners(capture::CameraSide side) const;
+  cv::Mat image(capture::CameraSide side) const;
 
   /// Instruction for the person who holds the board, such as "hold it still: 0.4 of 1 s".
   std::string advice() const;
@@ -42,21 +42,22 @@ class StillBoardDetector {
  private:
   struct Detection {
     std::int64_t time_ns = 0;
-    std::vector<SeenCorner> corners;
+    std::vector<calib::SeenCorner> corners;
     cv::Mat image;
   };
 
   static std::int64_t stillNs(const std::deque<Detection>& detections);
 
-  const std::deque<Detection>& detections(CameraSide side) const {
-    return side == CameraSide::left ? left_ : right_;
+  const std::deque<Detection>& detections(capture::CameraSide side) const {
+    return side == capture::CameraSide::left ? left_ : right_;
   }
   bool isStill() const;
   DetectedView takeView();
 
-  BoardSpec board_;
+  calib::BoardSpec board_;
   std::deque<Detection> left_, right_;
-  std::vector<SeenCorner> last_taken_;  ///< left corners of the last view, until the board has moved on
+  std::vector<calib::SeenCorner>
+      last_taken_;  ///< left corners of the last view, until the board has moved on
   std::size_t taken_ = 0;
   std::int64_t first_ns_ = 0;
 };

@@ -13,18 +13,18 @@ namespace {
 
 /// The arrival time of a frame by the host's clock, which is common to both cameras. For files without
 /// arrival times, the exposure time.
-std::int64_t arrivalOrExposure(const Frame& frame) {
+std::int64_t arrivalOrExposure(const capture::Frame& frame) {
   return frame.arrival_ns != 0 ? frame.arrival_ns : frame.exposure_ns;
 }
 
 /// The next frame of a camera, and the camera's state.
 class PendingFrame {
  public:
-  PendingFrame(CameraSource& source, const char* side) : source_(source), side_(side) {}
+  PendingFrame(capture::CameraSource& source, const char* side) : source_(source), side_(side) {}
 
   bool ended() const { return ended_; }
   bool hasFrame() const { return has_frame_; }
-  const Frame& frame() const { return frame_; }
+  const capture::Frame& frame() const { return frame_; }
 
   /// Discards the frame.
   void discard() { has_frame_ = false; }
@@ -32,9 +32,9 @@ class PendingFrame {
   /// Reads the next frame if there is none; waits at most half a second.
   void fetch() {
     if (has_frame_ || ended_) return;
-    const ReadOutcome outcome = source_.read(frame_, std::chrono::milliseconds(500));
-    ended_ = outcome == ReadOutcome::ended;
-    has_frame_ = outcome == ReadOutcome::frame && frame_.status == FrameStatus::good;
+    const capture::ReadOutcome outcome = source_.read(frame_, std::chrono::milliseconds(500));
+    ended_ = outcome == capture::ReadOutcome::ended;
+    has_frame_ = outcome == capture::ReadOutcome::frame && frame_.status == capture::FrameStatus::good;
     if (!has_frame_) return;
     last_ = Clock::now();
     has_started_ = true;
@@ -60,9 +60,9 @@ class PendingFrame {
     return !has_frame_ && !ended_ && Clock::now() - last_ > time;
   }
 
-  CameraSource& source_;
+  capture::CameraSource& source_;
   const char* side_;
-  Frame frame_;
+  capture::Frame frame_;
   Clock::time_point last_ = Clock::now();
   bool has_frame_ = false;
   bool has_started_ = false;
@@ -70,29 +70,31 @@ class PendingFrame {
 };
 
 /// Tilts computed with a typical lens, since the actual one is not yet calibrated.
-TiltCoverage approximateTilts(const std::vector<BoardView>& views, const BoardSpec& board, cv::Size size) {
-  CameraModel typical;
+calib::TiltCoverage approximateTilts(const std::vector<calib::BoardView>& views,
+                                     const calib::BoardSpec& board, cv::Size size) {
+  calib::CameraModel typical;
   typical.size = size;
   typical.fx = typical.fy = 0.7 * size.width;
   typical.cx = (size.width - 1) / 2.0;
   typical.cy = (size.height - 1) / 2.0;
   std::vector<Eigen::Isometry3d> poses;
-  for (const BoardView& view : views) {
-    if (const auto pose = boardPose(typical, view.left, boardCorners(board))) poses.push_back(*pose);
+  for (const calib::BoardView& view : views) {
+    if (const auto pose = calib::boardPose(typical, view.left, calib::boardCorners(board)))
+      poses.push_back(*pose);
   }
-  return tiltsOf(poses);
+  return calib::tiltsOf(poses);
 }
 
 /// Collects views from two streams.
 class ViewCollector {
  public:
-  ViewCollector(const BoardSpec& board, const std::function<void(const StreamProgress&)>& report)
+  ViewCollector(const calib::BoardSpec& board, const std::function<void(const StreamProgress&)>& report)
       : board_(board), still_board_(board), report_(report) {
     progress_.next_view_advice = "show the board to both cameras";
   }
 
   /// Processes the next frame. Throws std::runtime_error if its size differs.
-  void process(CameraSide side, const Frame& frame) {
+  void process(capture::CameraSide side, const capture::Frame& frame) {
     if (streamed_.image_size.empty()) {
       streamed_.image_size = frame.image.size();
       begin_ns_ = arrivalOrExposure(frame);
@@ -103,7 +105,7 @@ class ViewCollector {
     StillBoardDetector::UpdateResult result =
         still_board_.update(side, frame.image, arrivalOrExposure(frame));
     if (!result.is_processed) return;
-    CameraPreview& preview = side == CameraSide::left ? progress_.left : progress_.right;
+    CameraPreview& preview = side == capture::CameraSide::left ? progress_.left : progress_.right;
     preview.image = still_board_.image(side);
     preview.corners = still_board_.corners(side);
     progress_.advice = still_board_.advice();
@@ -129,20 +131,20 @@ class ViewCollector {
     if (streamed_.views.size() >= kViewsWithImages) view.left_image = view.right_image = cv::Mat();
     streamed_.views.push_back(std::move(view));
     progress_.so_far = classifyViews(streamed_.views, streamed_.image_size);
-    const std::vector<BoardView>& views = progress_.so_far.views;
-    const std::vector<RejectedView>& rejected = progress_.so_far.rejected;
+    const std::vector<calib::BoardView>& views = progress_.so_far.views;
+    const std::vector<calib::RejectedView>& rejected = progress_.so_far.rejected;
     const bool is_rejected = !rejected.empty() && rejected.back().name == streamed_.views.back().view.name;
     progress_.rejection = is_rejected ? rejected.back().reason : std::string();
-    progress_.left.coverage = coverageOf(views, &BoardView::left, streamed_.image_size);
-    progress_.right.coverage = coverageOf(views, &BoardView::right, streamed_.image_size);
+    progress_.left.coverage = calib::coverageOf(views, &calib::BoardView::left, streamed_.image_size);
+    progress_.right.coverage = calib::coverageOf(views, &calib::BoardView::right, streamed_.image_size);
     progress_.tilts = approximateTilts(views, board_, streamed_.image_size);
     progress_.next_view_advice =
-        nextViewAdvice(progress_.left.coverage, progress_.right.coverage, progress_.tilts);
+        calib::nextViewAdvice(progress_.left.coverage, progress_.right.coverage, progress_.tilts);
     if (progress_.next_view_advice.empty() && views.size() < kTargetViewCount)
       progress_.next_view_advice = "show the board in other places, near and far";
   }
 
-  BoardSpec board_;
+  calib::BoardSpec board_;
   StillBoardDetector still_board_;
   const std::function<void(const StreamProgress&)>& report_;
   StreamedViews streamed_;
@@ -152,8 +154,8 @@ class ViewCollector {
 
 }  // namespace
 
-StreamedViews viewsFromStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
-                               const StreamViewSettings& settings,
+StreamedViews viewsFromStreams(capture::CameraSource& left, capture::CameraSource& right,
+                               const calib::BoardSpec& board, const StreamViewSettings& settings,
                                const std::function<void(const StreamProgress&)>& report) {
   PendingFrame left_frame(left, "left"), right_frame(right, "right");
   ViewCollector views(board, report);
@@ -169,7 +171,7 @@ StreamedViews viewsFromStreams(CameraSource& left, CameraSource& right, const Bo
     }
     const bool is_left = arrivalOrExposure(left_frame.frame()) <= arrivalOrExposure(right_frame.frame());
     PendingFrame& earlier = is_left ? left_frame : right_frame;
-    views.process(is_left ? CameraSide::left : CameraSide::right, earlier.frame());
+    views.process(is_left ? capture::CameraSide::left : capture::CameraSide::right, earlier.frame());
     const StreamProgress& progress = views.progress();
     if (settings.stop_when_complete && progress.next_view_advice.empty()) break;
     if (progress.seconds > settings.max_seconds || views.count() >= settings.max_views) break;

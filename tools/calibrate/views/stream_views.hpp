@@ -15,8 +15,8 @@ namespace cartvo {
 /// The newest processed image of a camera, with its corners and the coverage so far.
 struct CameraPreview {
   cv::Mat image;  ///< CV_8UC1; immutable
-  std::vector<SeenCorner> corners;
-  ImageCoverage coverage;  ///< by the usable views so far
+  std::vector<calib::SeenCorner> corners;
+  calib::ImageCoverage coverage;  ///< by the usable views so far
 };
 
 /// Progress of the collection of views.
@@ -27,7 +27,7 @@ struct StreamProgress {
   bool has_new_view = false;  ///< whether this update took a view
   std::string rejection;      ///< why the new view was rejected; empty if it was not
   BoardViews so_far;
-  TiltCoverage tilts;            ///< computed with a typical lens
+  calib::TiltCoverage tilts;     ///< computed with a typical lens
   std::string next_view_advice;  ///< see nextViewAdvice; empty if the views are sufficient
 };
 
@@ -52,8 +52,8 @@ struct StreamViewSettings {
 /// processed image. Throws std::runtime_error if a stream has no picture in its first ten seconds or the
 /// image size changes. If a stream stops later, it is waited for for a minute; the views so far are then
 /// returned.
-StreamedViews viewsFromStreams(CameraSource& left, CameraSource& right, const BoardSpec& board,
-                               const StreamViewSettings& settings,
+StreamedViews viewsFromStreams(capture::CameraSource& left, capture::CameraSource& right,
+                               const calib::BoardSpec& board, const StreamViewSettings& settings,
                                const std::function<void(const StreamProgress&)>& report);
 
 }  // namespace cartvo

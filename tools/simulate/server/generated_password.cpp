@@ -35,7 +35,7 @@ bool isPrivate(const std::filesystem::path& file) {
 }  // namespace
 
 std::string ensurePassword(const std::filesystem::path& file) {
-  if (isPrivate(file)) return readPasswordFile(file);
+  if (isPrivate(file)) return capture::readPasswordFile(file);
   std::string password = randomPassword();
   std::filesystem::remove(file);
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

@@ -60,7 +60,7 @@ class StreamWriter {
 EncodedPair encodeContent(const Content& content, const EncoderSettings& settings, const Progress& progress) {
   const int count = content.pairCount();
   if (count < 1) throw std::invalid_argument("there is no image pair to encode");
-  const Rig rig = content.rig();
+  const calib::Rig rig = content.rig();
   StreamWriter left_writer(settings, rig.left.size, content);
   StreamWriter right_writer(settings, rig.right.size, content);
 

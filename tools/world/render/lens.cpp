@@ -9,7 +9,7 @@ namespace cartvo::world {
 namespace {
 
 /// The distorted point on the plane z = 1 of an undistorted one.
-Eigen::Vector2d distortNormalized(const CameraModel& camera, const Eigen::Vector2d& p) {
+Eigen::Vector2d distortNormalized(const calib::CameraModel& camera, const Eigen::Vector2d& p) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
   const double r2 = p.squaredNorm();
   const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
@@ -18,11 +18,11 @@ Eigen::Vector2d distortNormalized(const CameraModel& camera, const Eigen::Vector
           p.y() * radial + p1 * (r2 + 2.0 * p.y() * p.y()) + 2.0 * p2 * xy};
 }
 
-CameraModel cameraLike(const WorldSettings& settings, double focal_factor,
-                       const Eigen::Vector2d& centre_shift, const std::array<double, 8>& distortion) {
+calib::CameraModel cameraLike(const WorldSettings& settings, double focal_factor,
+                              const Eigen::Vector2d& centre_shift, const std::array<double, 8>& distortion) {
   // centre_shift is given for a sensor 680 px wide; other sizes scale it.
   const double scale = settings.image_size.width / 680.0;
-  CameraModel camera;
+  calib::CameraModel camera;
   camera.size = settings.image_size;
   camera.fx = settings.focal_length * focal_factor;
   camera.fy = camera.fx * 1.0008;
@@ -34,12 +34,12 @@ CameraModel cameraLike(const WorldSettings& settings, double focal_factor,
 
 }  // namespace
 
-Eigen::Vector2d distort(const CameraModel& camera, const Eigen::Vector2d& normalized) {
+Eigen::Vector2d distort(const calib::CameraModel& camera, const Eigen::Vector2d& normalized) {
   const Eigen::Vector2d d = distortNormalized(camera, normalized);
   return {camera.fx * d.x() + camera.cx, camera.fy * d.y() + camera.cy};
 }
 
-Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+Eigen::Vector2d undistort(const calib::CameraModel& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d wanted((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
   Eigen::Vector2d p = wanted;
   constexpr double kDelta = 1e-6;
@@ -57,7 +57,7 @@ Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixe
   return p;
 }
 
-RayTable::RayTable(const CameraModel& camera)
+RayTable::RayTable(const calib::CameraModel& camera)
     : width_(camera.size.width + 1), height_(camera.size.height + 1) {
   corners_.reserve(static_cast<std::size_t>(width_) * height_);
   for (int y = 0; y < height_; ++y) {
@@ -67,8 +67,8 @@ RayTable::RayTable(const CameraModel& camera)
   }
 }
 
-Rig simulatedRig(const WorldSettings& settings) {
-  Rig rig;
+calib::Rig simulatedRig(const WorldSettings& settings) {
+  calib::Rig rig;
   rig.name = "simulated golf cart";
   rig.left = cameraLike(settings, 1.0011, {5.3, -3.8}, {-0.302, 0.094, 0.0004, -0.0003, 0.0, 0.0, 0.0, 0.0});
   rig.right = cameraLike(settings, 0.9978, {-4.1, 2.6}, {-0.297, 0.089, -0.0005, 0.0004, 0.0, 0.0, 0.0, 0.0});

@@ -10,16 +10,16 @@
 namespace cartvo::world {
 
 /// The pixel of a point on the plane z = 1, by the rational Brown model of cartvo::CameraModel.
-Eigen::Vector2d distort(const CameraModel& camera, const Eigen::Vector2d& normalized);
+Eigen::Vector2d distort(const calib::CameraModel& camera, const Eigen::Vector2d& normalized);
 
 /// The point on the plane z = 1 of a pixel: inverse of distort() by Newton's method, error below 1e-10 px
 /// within the image.
-Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel);
+Eigen::Vector2d undistort(const calib::CameraModel& camera, const Eigen::Vector2d& pixel);
 
 /// Table of a camera's ray directions: exact at pixel corners, bilinear in between (error below 1e-6 px).
 class RayTable {
  public:
-  explicit RayTable(const CameraModel& camera);
+  explicit RayTable(const calib::CameraModel& camera);
 
   /// Intersection of the ray through (x, y) with the plane z = 1. Pixel centres are integers; valid up to
   /// half a pixel outside the image.
@@ -43,6 +43,6 @@ class RayTable {
 };
 
 /// The rig of the simulated cart: two cameras on the roof with different lenses and imperfect alignment.
-Rig simulatedRig(const WorldSettings& settings);
+calib::Rig simulatedRig(const WorldSettings& settings);
 
 }  // namespace cartvo::world

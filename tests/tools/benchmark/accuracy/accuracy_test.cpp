@@ -23,16 +23,16 @@ struct Behaviour {
   std::size_t wrong_at = 0;  ///< this pair's motion is off by 20 cm; 0: none
 };
 
-Matrix6d motionCovariance() {
-  Vector6d stddevs;
+vo::Matrix6d motionCovariance() {
+  vo::Vector6d stddevs;
   stddevs << 0.01, 0.005, 0.02, 0.001, 0.002, 0.0005;
   return stddevs.cwiseAbs2().asDiagonal();
 }
 
 Eigen::Isometry3d trueStep(std::size_t index) {
-  Vector6d step;
+  vo::Vector6d step;
   step << 0.02, -0.01, 0.8, 0.002, 0.03 * std::sin(0.1 * static_cast<double>(index)), -0.001;
-  return motionFromVector(step);
+  return vo::motionFromVector(step);
 }
 
 /// A drive of `count` pairs with an odometry whose errors are known.
@@ -43,9 +43,9 @@ struct SyntheticDrive {
   SyntheticDrive(std::size_t count, const Behaviour& behaviour) {
     std::mt19937 generator(7);
     std::normal_distribution<double> normal;
-    replay.rig.rig.T_body_camera = forwardLookingMount();
+    replay.rig.rig.T_body_camera = calib::forwardLookingMount();
     Eigen::Isometry3d T_first_left = Eigen::Isometry3d::Identity(), T_epoch_left = T_first_left;
-    Matrix6d pose_covariance = Matrix6d::Zero();
+    vo::Matrix6d pose_covariance = vo::Matrix6d::Zero();
     std::uint32_t epoch = 0;
     std::size_t reference = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -68,8 +68,8 @@ struct SyntheticDrive {
       pair.angular_velocity = pair.velocity;
       if (pair.valid) {
         const Eigen::Isometry3d motion = truth.left_camera[reference].pose.inverse() * stamped.pose;
-        Vector6d error;
-        const Vector6d stddevs = motionCovariance().diagonal().cwiseSqrt();
+        vo::Vector6d error;
+        const vo::Vector6d stddevs = motionCovariance().diagonal().cwiseSqrt();
         for (int k = 0; k < 6; ++k)
           error[k] = behaviour.noise * stddevs[k] * normal(generator);
         if (i == behaviour.wrong_at) error.z() += 0.2;
@@ -77,13 +77,13 @@ struct SyntheticDrive {
         pair.motion_covariance = motionCovariance();
         pair.time_step = 1e-9 * static_cast<double>(pair.exposure_ns - replay.pairs[reference].exposure_ns);
         pose_covariance =
-            composedCovariance(pose_covariance, pair.T_previous_current, pair.motion_covariance);
+            vo::composedCovariance(pose_covariance, pair.T_previous_current, pair.motion_covariance);
         T_epoch_left = T_epoch_left * pair.T_previous_current;
         T_first_left = T_first_left * pair.T_previous_current;
         reference = i;
         const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
-        const Vector6d twist =
-            logarithm(T_body_left * pair.T_previous_current * T_body_left.inverse()) / pair.time_step;
+        const vo::Vector6d twist =
+            daemon::logarithm(T_body_left * pair.T_previous_current * T_body_left.inverse()) / pair.time_step;
         pair.velocity = twist.head<3>();
         pair.angular_velocity = twist.tail<3>();
       }
@@ -146,9 +146,9 @@ TEST(Accuracy, CountsPairsThatWereNotFormed) {
 
 TEST(Accuracy, ComparesVelocityWithTheTwistAtTheExposure) {
   SyntheticDrive drive(20, {.noise = 0.0});
-  const Vector6d off = (Vector6d() << 1.0, 0, 0, 0, 0, 0).finished();
+  const vo::Vector6d off = (vo::Vector6d() << 1.0, 0, 0, 0, 0, 0).finished();
   for (std::size_t i = 0; i < drive.replay.pairs.size(); ++i) {
-    Vector6d twist = Vector6d::Zero();
+    vo::Vector6d twist = vo::Vector6d::Zero();
     if (i > 0) twist << drive.replay.pairs[i].velocity, drive.replay.pairs[i].angular_velocity;
     drive.truth.body_twist.emplace_back(twist + off);  // error of 1 m/s with a stddev of 1 m/s
   }
@@ -176,8 +176,8 @@ TEST(Accuracy, ReportsEndErrorAndHighestSpeedAtStandstill) {
 }
 
 TEST(Accuracy, MotionIsWrongOnlyBeyondBothLimitAndCovariance) {
-  const Matrix6d small = 1e-4 * Matrix6d::Identity(), large = Matrix6d::Identity();
-  Vector6d translation = Vector6d::Zero(), rotation = Vector6d::Zero();
+  const vo::Matrix6d small = 1e-4 * vo::Matrix6d::Identity(), large = vo::Matrix6d::Identity();
+  vo::Vector6d translation = vo::Vector6d::Zero(), rotation = vo::Vector6d::Zero();
   translation.x() = 0.06;
   rotation.tail<3>() = Eigen::Vector3d(0.0, 0.6 * std::numbers::pi / 180.0, 0.0);
   EXPECT_TRUE(isWrong(translation, small));
@@ -186,7 +186,7 @@ TEST(Accuracy, MotionIsWrongOnlyBeyondBothLimitAndCovariance) {
   EXPECT_TRUE(isWrong(rotation, 1e-2 * small));
   EXPECT_FALSE(isWrong(rotation, large));
   EXPECT_FALSE(isWrong(0.8 * rotation, 1e-3 * small)) << "0.48 degrees";
-  EXPECT_TRUE(isWrong(translation, Matrix6d::Zero())) << "a singular covariance covers no error";
+  EXPECT_TRUE(isWrong(translation, vo::Matrix6d::Zero())) << "a singular covariance covers no error";
 }
 
 TEST(Accuracy, SummaryPoolsSegmentsAndMotions) {

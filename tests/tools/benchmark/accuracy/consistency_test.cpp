@@ -10,8 +10,8 @@ namespace cartvo::benchmark {
 namespace {
 
 /// A covariance with correlated dimensions of different size.
-Matrix6d exampleCovariance() {
-  Matrix6d root = Matrix6d::Zero();
+vo::Matrix6d exampleCovariance() {
+  vo::Matrix6d root = vo::Matrix6d::Zero();
   for (int row = 0; row < 6; ++row) {
     for (int column = 0; column <= row; ++column)
       root(row, column) = row == column ? 0.01 * (row + 1) : 0.003 * (row - column);
@@ -22,23 +22,23 @@ Matrix6d exampleCovariance() {
 /// Random errors with the given covariance.
 class Errors {
  public:
-  explicit Errors(const Matrix6d& covariance) : root_(covariance.llt().matrixL()) {}
+  explicit Errors(const vo::Matrix6d& covariance) : root_(covariance.llt().matrixL()) {}
 
-  Vector6d next() {
-    Vector6d white;
+  vo::Vector6d next() {
+    vo::Vector6d white;
     for (double& value : white)
       value = normal_(generator_);
     return root_ * white;
   }
 
  private:
-  Matrix6d root_;
+  vo::Matrix6d root_;
   std::mt19937 generator_{20161};
   std::normal_distribution<double> normal_;
 };
 
 /// `count` errors of exampleCovariance, normalised by the `stated` covariance.
-NormalisedErrors measure(const Matrix6d& stated, int count) {
+NormalisedErrors measure(const vo::Matrix6d& stated, int count) {
   Errors errors(exampleCovariance());
   NormalisedErrors normalised;
   for (int i = 0; i < count; ++i) {
@@ -68,13 +68,13 @@ TEST(NormalisedErrors, AverageOneHalfBelowTheBandWithTwiceTheCovariance) {
 }
 
 TEST(NormalisedErrors, CountAGroupAsOneSample) {
-  const Matrix6d identity = Matrix6d::Identity();
+  const vo::Matrix6d identity = vo::Matrix6d::Identity();
   NormalisedErrors normalised;
   normalised.beginGroup();
   for (int i = 0; i < 100; ++i)
-    normalised.add(Vector6d::Constant(1.0), identity);
+    normalised.add(vo::Vector6d::Constant(1.0), identity);
   normalised.beginGroup();
-  normalised.add(Vector6d::Constant(2.0), identity);
+  normalised.add(vo::Vector6d::Constant(2.0), identity);
   EXPECT_EQ(normalised.groups(), 2u);
   EXPECT_DOUBLE_EQ(normalised.mean(), (1.0 + 4.0) / 2.0);
 }
@@ -82,8 +82,8 @@ TEST(NormalisedErrors, CountAGroupAsOneSample) {
 TEST(NormalisedErrors, CountUnusableCovariances) {
   NormalisedErrors normalised;
   normalised.beginGroup();
-  normalised.add(Vector6d::Zero(), Matrix6d::Zero());
-  normalised.add(Vector6d::Zero(), Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  normalised.add(vo::Vector6d::Zero(), vo::Matrix6d::Zero());
+  normalised.add(vo::Vector6d::Zero(), vo::Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()));
   EXPECT_EQ(normalised.groups(), 0u);
   EXPECT_EQ(normalised.unusable(), 2u);
 }

@@ -25,7 +25,7 @@ struct Picture {
   BoardSheet sheet;
   cv::Mat image;
 
-  explicit Picture(const char* board) : sheet(layOutBoard(parseBoardSpec(board), "auto")) {
+  explicit Picture(const char* board) : sheet(layOutBoard(calib::parseBoardSpec(board), "auto")) {
     const std::string png = printedBoard(sheet, ".png", kDotsPerInch);
     image = cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_GRAYSCALE);
   }
@@ -37,7 +37,7 @@ struct Picture {
   }
 
   void expectCorner(const cv::Point2f& found, int id) const {
-    const cv::Point2f truth = expected(boardCorners(sheet.board)[static_cast<std::size_t>(id)]);
+    const cv::Point2f truth = expected(calib::boardCorners(sheet.board)[static_cast<std::size_t>(id)]);
     EXPECT_LT(cv::norm(found - truth), kTolerance) << "corner " << id << " at " << found << ", not " << truth;
   }
 };
@@ -52,8 +52,8 @@ struct Markers {
   std::vector<std::vector<cv::Point2f>> corners;
 };
 
-Markers markersIn(const cv::Mat& image, const BoardSpec& board) {
-  const MarkerDictionary markers = markerDictionary(board);
+Markers markersIn(const cv::Mat& image, const calib::BoardSpec& board) {
+  const calib::MarkerDictionary markers = calib::markerDictionary(board);
   const auto parameters = cv::aruco::DetectorParameters::create();
   parameters->markerBorderBits = markers.border_bits;
   Markers found;
@@ -73,17 +73,17 @@ TEST(PrintedBoard, ChessboardIsDetected) {
 TEST(PrintedBoard, CharucoIsDetected) {
   for (const char* board : {"charuco:9x6:0.028:0.021", "charuco:8x6:0.028:0.021:6x6"}) {
     const Picture picture(board);
-    const auto& charuco = std::get<Charuco>(picture.sheet.board);
+    const auto& charuco = std::get<calib::Charuco>(picture.sheet.board);
     const Markers markers = markersIn(picture.image, picture.sheet.board);
-    EXPECT_EQ(markers.ids.size(), boardMarkers(picture.sheet.board).size());
+    EXPECT_EQ(markers.ids.size(), calib::boardMarkers(picture.sheet.board).size());
     const auto reference = cv::aruco::CharucoBoard::create(
         charuco.columns, charuco.rows, static_cast<float>(charuco.square), static_cast<float>(charuco.marker),
-        markerDictionary(picture.sheet.board).dictionary);
+        calib::markerDictionary(picture.sheet.board).dictionary);
     std::vector<cv::Point2f> corners;
     std::vector<int> ids;
     cv::aruco::interpolateCornersCharuco(markers.corners, markers.ids, picture.image, reference, corners,
                                          ids);
-    ASSERT_EQ(ids.size(), boardCorners(picture.sheet.board).size());
+    ASSERT_EQ(ids.size(), calib::boardCorners(picture.sheet.board).size());
     refine(picture.image, corners);
     for (std::size_t i = 0; i < ids.size(); ++i)
       picture.expectCorner(corners[i], ids[i]);
@@ -105,10 +105,10 @@ TEST(PrintedBoard, AprilGridIsDetected) {
 TEST(PrintedBoard, AprilGridHasTheLayoutOfKalibr) {
   CARTVO_NEEDS_DATA(folder, "board_aprilgrid");
   const cv::Mat image = cv::imread((folder / "0_0.jpg").string(), cv::IMREAD_GRAYSCALE);
-  const BoardSpec board = parseBoardSpec("aprilgrid:6x6:0.088:0.3");
+  const calib::BoardSpec board = calib::parseBoardSpec("aprilgrid:6x6:0.088:0.3");
   const Markers markers = markersIn(image, board);
   ASSERT_GE(markers.ids.size(), 8u);
-  const std::vector<Eigen::Vector2d> corners = boardCorners(board);
+  const std::vector<Eigen::Vector2d> corners = calib::boardCorners(board);
   std::vector<cv::Point2f> on_board, in_image;
   for (std::size_t i = 0; i < markers.ids.size(); ++i) {
     for (std::size_t k = 0; k < 4; ++k) {
@@ -127,7 +127,7 @@ TEST(PrintedBoard, AprilGridHasTheLayoutOfKalibr) {
 }
 
 TEST(PrintedBoard, IsDeterministic) {
-  const BoardSheet sheet = layOutBoard(parseBoardSpec("charuco:9x6:0.028:0.021"), "A4");
+  const BoardSheet sheet = layOutBoard(calib::parseBoardSpec("charuco:9x6:0.028:0.021"), "A4");
   for (const char* extension : {".pdf", ".png"}) {  // cairo numbers the SVGs of a process
     EXPECT_TRUE(printedBoard(sheet, extension, kDotsPerInch) == printedBoard(sheet, extension, kDotsPerInch))
         << extension;
@@ -135,7 +135,7 @@ TEST(PrintedBoard, IsDeterministic) {
 }
 
 TEST(PrintedBoard, IsTrueToScaleInPdfAndSvg) {
-  const BoardSheet sheet = layOutBoard(parseBoardSpec("chessboard:9x6:0.025"), "A4");
+  const BoardSheet sheet = layOutBoard(calib::parseBoardSpec("chessboard:9x6:0.025"), "A4");
   EXPECT_THAT(printedBoard(sheet, ".pdf", kDotsPerInch),
               HasSubstr("/MediaBox [ 0 0 841.889764 595.275591 ]"));
   const std::string svg = printedBoard(sheet, ".svg", kDotsPerInch);
@@ -143,7 +143,7 @@ TEST(PrintedBoard, IsTrueToScaleInPdfAndSvg) {
 }
 
 TEST(PrintedBoard, RefusesAnotherFileType) {
-  const BoardSheet sheet = layOutBoard(parseBoardSpec("chessboard:9x6:0.025"), "A4");
+  const BoardSheet sheet = layOutBoard(calib::parseBoardSpec("chessboard:9x6:0.025"), "A4");
   EXPECT_EQ(test::messageOf([&] { printBoard(sheet, "board.jpg", kDotsPerInch); }),
             "a board is written as .pdf, .svg or .png, not '.jpg'");
 }

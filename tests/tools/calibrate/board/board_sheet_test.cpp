@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 
 BoardSheet sheetOf(const char* board, const char* page) {
-  return layOutBoard(parseBoardSpec(board), page);
+  return layOutBoard(calib::parseBoardSpec(board), page);
 }
 
 TEST(BoardSheet, UsesTheSmallestPageInTheFittingOrientation) {

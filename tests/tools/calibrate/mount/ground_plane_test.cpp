@@ -9,8 +9,8 @@
 namespace cartvo::calibrate {
 namespace {
 
-Rectification cameras() {
-  Rectification rectification;
+calib::Rectification cameras() {
+  calib::Rectification rectification;
   rectification.size = {640, 400};
   rectification.focal_length = 480.0;
   rectification.cx = 319.5;
@@ -26,7 +26,8 @@ double brightness(double x, double z) {
 }
 
 /// Image of the plane down . X = height from a camera at (x, 0, 0); grey beyond 15 m.
-cv::Mat view(const Rectification& rectification, double x, const Eigen::Vector3d& down, double height) {
+cv::Mat view(const calib::Rectification& rectification, double x, const Eigen::Vector3d& down,
+             double height) {
   constexpr double kMaxDepth = 15.0;  // m
   cv::Mat image(rectification.size, CV_8UC1, cv::Scalar(128));
   for (int row = 0; row < image.rows; ++row) {
@@ -43,7 +44,7 @@ cv::Mat view(const Rectification& rectification, double x, const Eigen::Vector3d
 }
 
 TEST(GroundPlane, IsEstimatedWithHeightAndNormal) {
-  const Rectification rectification = cameras();
+  const calib::Rectification rectification = cameras();
   const Eigen::Vector3d down =
       Eigen::Vector3d(0.03, 1.0, 0.14).normalized();  // pitched down, slightly rolled
   const double height = 1.8;
@@ -56,7 +57,7 @@ TEST(GroundPlane, IsEstimatedWithHeightAndNormal) {
 }
 
 TEST(GroundPlane, RejectsAWall) {
-  const Rectification rectification = cameras();
+  const calib::Rectification rectification = cameras();
   cv::Mat left(rectification.size, CV_8UC1), right(rectification.size, CV_8UC1);
   constexpr double kDepth = 4.0;
   const double shift = rectification.focal_length * rectification.baseline / kDepth;

@@ -30,7 +30,7 @@ Eigen::Isometry3d trueMount() {
   T_body_camera.linear() = (Eigen::AngleAxisd(kYaw, Eigen::Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(kPitch, Eigen::Vector3d::UnitY()) *
                             Eigen::AngleAxisd(kRoll, Eigen::Vector3d::UnitX()) *
-                            Eigen::Quaterniond(forwardLookingMount().linear()))
+                            Eigen::Quaterniond(calib::forwardLookingMount().linear()))
                                .toRotationMatrix();
   T_body_camera.translation() = Eigen::Vector3d(1.5, 0.1, 1.9);
   return T_body_camera;
@@ -38,7 +38,7 @@ Eigen::Isometry3d trueMount() {
 
 /// The mount as known before: x and y of the camera, looking forward.
 Eigen::Isometry3d knownMount() {
-  Eigen::Isometry3d mount = forwardLookingMount();
+  Eigen::Isometry3d mount = calib::forwardLookingMount();
   mount.translation() = Eigen::Vector3d(1.5, 0.1, 0.0);
   return mount;
 }
@@ -136,9 +136,9 @@ TEST(CalibrateMountCommand, EstimatesTheMountOfARenderedCart) {
   const test::TemporaryFolder folder;
   simulate::renderFolder(folder / "drive", world, [](int, int) {});
   const Eigen::Isometry3d truth = world.rig().T_body_camera;
-  Rig rig = world.rig();
-  rig.T_body_camera = forwardLookingMount();
-  writeRig(folder / "drive/rig.yaml", rig);
+  calib::Rig rig = world.rig();
+  rig.T_body_camera = calib::forwardLookingMount();
+  calib::writeRig(folder / "drive/rig.yaml", rig);
   const test::CommandResult run =
       test::pipeCartvo("calibrate mount " + (folder / "drive").string() + " --forward 1.55 --json --output " +
                        (folder / "out.yaml").string());
@@ -149,7 +149,7 @@ TEST(CalibrateMountCommand, EstimatesTheMountOfARenderedCart) {
   EXPECT_NEAR(report["pitch_deg"]["value"].get<double>(), 7.0, 1.2) << run.output;
   EXPECT_NEAR(report["roll_deg"]["value"].get<double>(), -0.2, 0.4) << run.output;
   EXPECT_NEAR(report["yaw_deg"]["value"].get<double>(), 0.3, 0.3) << run.output;
-  const Eigen::Isometry3d found = readRig(folder / "out.yaml").T_body_camera;
+  const Eigen::Isometry3d found = calib::readRig(folder / "out.yaml").T_body_camera;
   EXPECT_LT(Eigen::AngleAxisd(truth.linear().transpose() * found.linear()).angle(), 1.3 * kRadiansPerDegree);
   EXPECT_NEAR(found.translation().z(), report["height_m"]["value"].get<double>(), 1e-9);
   EXPECT_EQ(found.translation().x(), 1.55);

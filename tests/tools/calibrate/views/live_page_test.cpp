@@ -36,7 +36,7 @@ class CalibrationPage : public ::testing::Test {
 
   nlohmann::json state() { return nlohmann::json::parse(browser_.Get("/state.json")->body); }
 
-  LivePage page_{{.address = "127.0.0.1", .port = 0}, Chessboard{9, 6, 0.025}};
+  LivePage page_{{.address = "127.0.0.1", .port = 0}, calib::Chessboard{9, 6, 0.025}};
   httplib::Client browser_{urlWithoutSlash(page_)};
   StreamProgress progress_;
 };
@@ -101,7 +101,7 @@ TEST_F(CalibrationPage, ReportsAPortThatIsTaken) {
   const std::string url = urlWithoutSlash(page_);
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
   EXPECT_THAT(test::messageOf([&] {
-                LivePage({.address = "127.0.0.1", .port = port}, Chessboard{9, 6, 0.025});
+                LivePage({.address = "127.0.0.1", .port = port}, calib::Chessboard{9, 6, 0.025});
               }),
               HasSubstr("is the port taken?"));
 }

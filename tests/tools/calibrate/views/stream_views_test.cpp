@@ -15,8 +15,8 @@
 namespace cartvo {
 namespace {
 
-const BoardSpec& board() {
-  static const BoardSpec spec = Chessboard{9, 6, 0.024};
+const calib::BoardSpec& board() {
+  static const calib::BoardSpec spec = calib::Chessboard{9, 6, 0.024};
   return spec;
 }
 
@@ -32,22 +32,22 @@ constexpr double kBlurStart = 4.0;  // s
 
 /// A camera with 10 Hz. `shift`: position of the board (px) at a time (s). `delay`: time offset of the
 /// camera, s. `late_blur`: blur of the images from kBlurStart on, px.
-class HeldBoard : public CameraSource {
+class HeldBoard : public capture::CameraSource {
  public:
   HeldBoard(cv::Mat image, double delay, double (*shift)(double), double late_blur = 0.0)
       : image_(std::move(image)), delay_(delay), shift_(shift), late_blur_(late_blur) {}
 
-  ReadOutcome read(Frame& frame, std::chrono::milliseconds /*timeout*/) override {
+  capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds /*timeout*/) override {
     constexpr double kPeriod = 0.1, kEnd = 7.0;
     const double time = kPeriod * count_++ + delay_;
-    if (time > kEnd) return ReadOutcome::ended;
+    if (time > kEnd) return capture::ReadOutcome::ended;
     frame.image = moved(image_, shift_(time));
     if (time >= kBlurStart && late_blur_ > 0.0)
       cv::GaussianBlur(frame.image, frame.image, {0, 0}, late_blur_);
     frame.exposure_ns = 1'000'000'000 + static_cast<std::int64_t>(1e9 * time);
-    return ReadOutcome::frame;
+    return capture::ReadOutcome::frame;
   }
-  CameraHealth health() const override { return {}; }
+  capture::CameraHealth health() const override { return {}; }
   void interrupt() noexcept override {}
 
  private:
@@ -58,7 +58,7 @@ class HeldBoard : public CameraSource {
   int count_ = 0;
 };
 
-cv::Mat seenBy(const CameraModel& camera) {
+cv::Mat seenBy(const calib::CameraModel& camera) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix();
   pose.translation() = Eigen::Vector3d(-0.1, -0.08, 0.4);

@@ -35,7 +35,7 @@ TEST(GeneratedPassword, IsCreatedOnceAndReadableByOwnerOnly) {
   EXPECT_GE(password.size(), 20U);
   EXPECT_EQ(fs::status(folder / "password").permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_EQ(ensurePassword(folder / "password"), password);
-  EXPECT_EQ(readPasswordFile(folder / "password"), password);
+  EXPECT_EQ(capture::readPasswordFile(folder / "password"), password);
 }
 
 TEST(GeneratedPassword, ReplacesPasswordThatOthersCanRead) {

@@ -10,7 +10,7 @@
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-namespace cartvo {
+namespace cartvo::vo {
 namespace {
 
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
@@ -195,4 +195,4 @@ TEST(RigCalibrationError, FindsNoErrorOfACorrectRig) {
 }
 
 }  // namespace
-}  // namespace cartvo
+}  // namespace cartvo::vo

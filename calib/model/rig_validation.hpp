@@ -1,0 +1,26 @@
+#pragma once
+
+#include "calib/model/rig.hpp"
+
+namespace cartvo::calib {
+
+// Limits of the values of a rig.
+constexpr int kMaxSide = 8192;                                  // px
+constexpr double kMinBaseline = 0.005, kMaxBaseline = 10.0;     // m
+constexpr double kMaxScaleStddev = 0.1;                         // relative
+constexpr double kMinFocalLength = 1.0, kMaxFocalLength = 1e5;  // px
+
+/// Range of a principal point's coordinate along an image side of this length, px.
+constexpr double minCentre(int length) {
+  return -length;
+}
+constexpr double maxCentre(int length) {
+  return 2.0 * length;
+}
+
+/// Throws std::invalid_argument, naming the value, if an image size, focal length, principal point,
+/// distortion, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m (a larger
+/// one is a calibration in millimetres).
+void validateRig(const Rig& rig);
+
+}  // namespace cartvo::calib

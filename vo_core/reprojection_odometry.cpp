@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/parallel_loop.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
@@ -16,6 +17,12 @@ namespace {
 /// Removes the codec shift of a key frame from a pose or motion that ends there.
 Eigen::Isometry3d withoutShift(const Eigen::Isometry3d& measured, const PoseShift& shift) {
   return measured * motionFromVector(shift.value).inverse();
+}
+
+/// Builds the pyramid of `image` without a copy if it was written into the leased buffer, which then is used
+/// up.
+SharedPyramid buildPyramid(const cv::Mat& image, PyramidPool& pool, PyramidLease& lease) {
+  return lease.holds(image) ? pool.build(std::exchange(lease, {})) : pool.build(image);
 }
 
 double secondsSince(const VisualTrack& track, std::int64_t exposure_ns) {
@@ -56,6 +63,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   OdometrySettings settings_;
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{kLandmarkLevels};
+  PyramidLease left_lease_, right_lease_;   ///< buffers that the caller writes the next pair into
   PitchReinitialiser pitch_reinitialiser_;  ///< for first pairs of tracks: while lost, every pair is one
   std::optional<VisualTrack> track_;
   /// Started at the last pair that the running track has lost; replaces it if it can be tracked.
@@ -81,8 +89,10 @@ void ReprojectionOdometry::setTargetFeatureCount(int features) {
 
 void ReprojectionOdometry::acquireBuffers(StereoImages& images) {
   const cv::Size size(camera_.width, camera_.height);
-  images.left = left_pyramids_.acquireBuffer(size);
-  images.right = right_pyramids_.acquireBuffer(size);
+  if (left_lease_.image().empty()) left_lease_ = left_pyramids_.lease(size);
+  if (right_lease_.image().empty()) right_lease_ = right_pyramids_.lease(size);
+  images.left = left_lease_.image();
+  images.right = right_lease_.image();
 }
 
 PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObserver& observer) {
@@ -96,8 +106,8 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   from_video_ = from_video_ || images.key_frames.any();
   pair.from_video = from_video_;
   if (from_video_) pair.pose_noise_inflation = codec_errors_.poseNoiseInflation();
-  doBoth([&] { pair.left = left_pyramids_.build(images.left); },
-         [&] { pair.right = right_pyramids_.build(images.right); });
+  doBoth([&] { pair.left = buildPyramid(images.left, left_pyramids_, left_lease_); },
+         [&] { pair.right = buildPyramid(images.right, right_pyramids_, right_lease_); });
   return pair;
 }
 

@@ -15,6 +15,7 @@
 #include "common/host_clock.hpp"
 #include "daemon/pipeline/feature_budget.hpp"
 #include "daemon/pipeline/live_pairing.hpp"
+#include "daemon/pipeline/visual_offset_estimator.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -125,6 +126,7 @@ class Pipeline::Implementation {
   capture::CameraSource& right_;
   PairProcessor& processor_;
   PipelineSettings settings_;
+  VisualOffsetEstimator visual_offset_;
   LivePairing live_;
   Heartbeat left_beat_, right_beat_;
   std::atomic<bool> stopped_ = false;
@@ -138,6 +140,9 @@ class Pipeline::Implementation {
 PairResult Pipeline::Implementation::processPair(const capture::FramePair& pair, const PipelineSink& sink) {
   PairResult result = processor_.process(pair);
   ++processed_;
+  const auto offset = visual_offset_.update(
+      result.estimate.rig, static_cast<double>(result.applied_correction_ns()), result.estimate.time_step);
+  if (settings_.set_visual_offset) settings_.set_visual_offset(offset);
   sink.pair(result);
   return result;
 }

@@ -1,13 +1,17 @@
 #pragma once
 
+// The processing chain from two cameras to the sink, live or replayed.
+
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <opencv2/core/types.hpp>
 
 #include "capture/camera_source.hpp"
+#include "capture/clock/stereo_timestamper.hpp"
 #include "daemon/pipeline/pair_processor.hpp"
 
 namespace cartvo::daemon {
@@ -37,6 +41,9 @@ struct PipelineSettings {
   cv::Size image_size;         ///< of the rig; frames of another size are rejected
   std::int64_t period_ns = 0;  ///< frame period; 0: estimated from the frames (replay only). Frames are
                                ///< paired within half of it.
+  /// Receives the odometry's estimate of the time offset after each pair, before the sink: the clock model
+  /// that stamps the next frames. May be empty.
+  std::function<void(const std::optional<capture::OffsetEstimate>&)> set_visual_offset{};
 };
 
 /// Numbers of pairs and frames since the start.

@@ -26,7 +26,6 @@
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
 #include "daemon/pipeline/pipeline.hpp"
-#include "daemon/pipeline/visual_offset_estimator.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/camera_password.hpp"
@@ -47,8 +46,13 @@ calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::pat
   return {rig, settings, std::move(loaded.tables)};
 }
 
-PipelineSettings pipelineSettings(const Configuration& configuration, const calib::Rig& rig) {
-  return {rig.left.size, std::llround(1e9 / configuration.frame_rate)};
+/// `clock` stamps the frames and gets the odometry's estimate of the time offset; it must outlive the
+/// pipeline.
+PipelineSettings pipelineSettings(const Configuration& configuration, const calib::Rig& rig,
+                                  capture::StereoTimestamper& clock) {
+  return {.image_size = rig.left.size,
+          .period_ns = std::llround(1e9 / configuration.frame_rate),
+          .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); }};
 }
 
 std::string fileText(const std::filesystem::path& file) {
@@ -82,7 +86,6 @@ class Daemon::Implementation {
   std::uint64_t recording_dropped_pictures_ = 0;       ///< pictures
   std::uint64_t recording_resumptions_ = 0;
   capture::StereoTimestamper clock_;  ///< must outlive the cameras
-  VisualOffsetEstimator visual_offset_;
   LiveCamera left_;
   LiveCamera right_;
   PairProcessor processor_;
@@ -106,7 +109,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
-      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_)),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
       health_(Clock::now()),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -168,8 +171,6 @@ void Daemon::Implementation::run() {
 void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
   health_.addPair(result, message);
-  clock_.setVisual(visual_offset_.update(
-      result.estimate.rig, static_cast<double>(result.applied_correction_ns()), result.estimate.time_step));
   if (message.status == odometry_t::VALID) service_.notifyReady();
   validity_.log(message);
   tick();

@@ -10,7 +10,6 @@
 #include "calib/rectification/rectifier.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "daemon/diagnostics/self_check.hpp"
-#include "daemon/pipeline/visual_offset_estimator.hpp"
 #include "daemon/service/configuration.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -123,18 +122,14 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
 
   daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry);
   const RectificationInverse left(processor.T_left_rectified());
-  daemon::Pipeline pipeline(*source.left, *source.right, processor, {rig.rig.left.size, source.period_ns});
+  daemon::PipelineSettings settings{rig.rig.left.size, source.period_ns};
+  if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
+  daemon::Pipeline pipeline(*source.left, *source.right, processor, settings);
   ContinuousPath path;
-  daemon::VisualOffsetEstimator visual_offset_estimator;
   daemon::SelfCheck self_check;
   pipeline.replay({[&](const daemon::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      self_check.update(result.estimate);
-                     if (source.clock) {
-                       source.clock->setVisual(visual_offset_estimator.update(
-                           result.estimate.rig, static_cast<double>(result.applied_correction_ns()),
-                           result.estimate.time_step));
-                     }
                      observer(result, source.pairs);
                    },
                    {}});

@@ -233,8 +233,19 @@ void PyramidLevel::writeBorder() {
   }
 }
 
-/// Returns the first pyramid without another owner, so that repeated calls return the same one.
-std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
+cv::Mat PyramidLease::image() const {
+  if (!pyramid_) return {};
+  PyramidLevel& level = pyramid_->grey.front();
+  return {level.height(), level.width(), CV_8UC1, level.row(0), static_cast<std::size_t>(level.stride())};
+}
+
+bool PyramidLease::holds(const cv::Mat& image) const {
+  return pyramid_ && image.data == pyramid_->grey.front().row(0);
+}
+
+/// Returns the first pyramid that no one else owns, so that the same memory is reused while it is warm; adds
+/// one if all are in use.
+std::shared_ptr<ImagePyramid> PyramidPool::findFree(const cv::Size& size) {
   auto free = std::find_if(pyramids_.begin(), pyramids_.end(),
                            [](const auto& pyramid) { return pyramid.use_count() == 1; });
   if (free == pyramids_.end()) {
@@ -246,19 +257,21 @@ std::shared_ptr<ImagePyramid>& PyramidPool::findFree(const cv::Size& size) {
   return *free;
 }
 
-cv::Mat PyramidPool::acquireBuffer(const cv::Size& size) {
-  PyramidLevel& level = findFree(size)->grey.front();
-  return {size, CV_8UC1, level.row(0), static_cast<std::size_t>(level.stride())};
+PyramidLease PyramidPool::lease(const cv::Size& size) {
+  return PyramidLease(findFree(size));
+}
+
+SharedPyramid PyramidPool::build(PyramidLease lease) {
+  fill(*lease.pyramid_);
+  return std::move(lease.pyramid_);
 }
 
 SharedPyramid PyramidPool::build(const cv::Mat& image) {
-  const std::shared_ptr<ImagePyramid>& pyramid = findFree(image.size());
-  PyramidLevel& level = pyramid->grey.front();
-  if (image.data != level.row(0))
-    for (int y = 0; y < image.rows; ++y)
-      std::memcpy(level.row(y), image.ptr(y), static_cast<std::size_t>(image.cols));
-  fill(*pyramid);
-  return pyramid;
+  PyramidLease copy = lease(image.size());
+  PyramidLevel& level = copy.pyramid_->grey.front();
+  for (int y = 0; y < image.rows; ++y)
+    std::memcpy(level.row(y), image.ptr(y), static_cast<std::size_t>(image.cols));
+  return build(std::move(copy));
 }
 
 /// Computes all levels from the image.

@@ -1,11 +1,14 @@
 #pragma once
 
+// Gaussian and difference-of-Gaussian pyramids of one image, and a pool that reuses their memory.
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -84,19 +87,40 @@ ImagePyramid buildPyramid(const cv::Mat& image, int grey_levels);
 /// Shared ownership of a pyramid: copies neither pixels nor lists of levels.
 using SharedPyramid = std::shared_ptr<const ImagePyramid>;
 
+/// Exclusive use of a pyramid's memory, to write the image into it before PyramidPool::build(). Empty by
+/// default; returns the memory to the pool when it is destroyed.
+class PyramidLease {
+ public:
+  PyramidLease() = default;
+
+  /// The memory for the image (CV_8UC1), an empty matrix of an empty lease.
+  cv::Mat image() const;
+  /// True if `image` lies in this memory.
+  bool holds(const cv::Mat& image) const;
+
+ private:
+  friend class PyramidPool;
+  explicit PyramidLease(std::shared_ptr<ImagePyramid> pyramid) : pyramid_(std::move(pyramid)) {}
+
+  std::shared_ptr<ImagePyramid> pyramid_;
+};
+
 /// Builds pyramids of images of one size in memory that it reuses: a pyramid is overwritten once its last
-/// owner has released it.
+/// owner has released it. Not thread-safe.
 class PyramidPool {
  public:
   explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
 
-  /// Returns memory for the next image (CV_8UC1). build() of an image in this memory copies nothing. Valid
-  /// until that build().
-  cv::Mat acquireBuffer(const cv::Size& size);
+  /// Leases memory for an image of `size`.
+  PyramidLease lease(const cv::Size& size);
+  /// Builds the pyramid of the image that was written into the lease, which must not be empty; copies
+  /// nothing.
+  SharedPyramid build(PyramidLease lease);
+  /// Builds the pyramid of a copy of `image` (CV_8UC1).
   SharedPyramid build(const cv::Mat& image);
 
  private:
-  std::shared_ptr<ImagePyramid>& findFree(const cv::Size& size);
+  std::shared_ptr<ImagePyramid> findFree(const cv::Size& size);
   void fill(ImagePyramid& pyramid);
 
   int grey_levels_;

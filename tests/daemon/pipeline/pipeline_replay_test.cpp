@@ -29,6 +29,7 @@ PipelineSettings settings(std::int64_t period_ns) {
 struct Replay {
   std::vector<PairResult> results;
   PipelineCounts counts;
+  std::vector<std::size_t> offset_updates;  ///< results at each update of the clock model's visual offset
 };
 
 Replay replay(std::vector<capture::Frame> left_frames, std::vector<capture::Frame> right_frames,
@@ -38,8 +39,12 @@ Replay replay(std::vector<capture::Frame> left_frames, std::vector<capture::Fram
   PairProcessor processor = test::smallProcessor(rig);
   test::ListedCamera left(std::move(left_frames));
   test::ListedCamera right(std::move(right_frames));
-  Pipeline pipeline(left, right, processor, settings(period_ns));
   Replay replay;
+  PipelineSettings with_updates = settings(period_ns);
+  with_updates.set_visual_offset = [&](const std::optional<capture::OffsetEstimate>&) {
+    replay.offset_updates.push_back(replay.results.size());
+  };
+  Pipeline pipeline(left, right, processor, with_updates);
   pipeline.replay({[&](const PairResult& result) { replay.results.push_back(result); }, {}});
   replay.counts = pipeline.counts();
   return replay;
@@ -56,6 +61,13 @@ TEST(PipelineReplay, ProcessesEveryPairInOrder) {
     EXPECT_EQ(run.results[i].left.exposure_ns, i * test::kPeriod_ns);
     EXPECT_EQ(run.results[i].offset_ns(), 3'000'000);
   }
+}
+
+TEST(PipelineReplay, UpdatesTheVisualOffsetBeforeEachResult) {
+  const Replay run = replay(frames(0, 0), frames(12, 3'000'000), test::kPeriod_ns);
+  ASSERT_EQ(run.offset_updates.size(), run.results.size());
+  for (std::size_t i = 0; i < run.results.size(); ++i)
+    EXPECT_EQ(run.offset_updates[i], i);
 }
 
 TEST(PipelineReplay, ComputesBodyMotion) {

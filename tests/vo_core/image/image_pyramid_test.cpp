@@ -97,18 +97,32 @@ TEST(ImagePyramid, PoolOverwritesOnlyReleasedPyramids) {
   expectEqual(kept->grey[1], buildPyramid(image(1), 2).grey[1]);
 }
 
-TEST(ImagePyramid, PoolDoesNotCopyImagesInItsBuffer) {
+TEST(ImagePyramid, PoolDoesNotCopyImagesInALease) {
   PyramidPool pool(3);
   const SharedPyramid kept = pool.build(image(1));
-  const cv::Mat buffer = pool.acquireBuffer({kWidth, kHeight});
+  PyramidLease lease = pool.lease({kWidth, kHeight});
+  const cv::Mat buffer = lease.image();
   image(2).copyTo(buffer);
-  const SharedPyramid built = pool.build(buffer);
+  EXPECT_TRUE(lease.holds(buffer));
+  EXPECT_FALSE(lease.holds(image(2)));
+  const SharedPyramid built = pool.build(std::move(lease));
   EXPECT_EQ(built->grey[0].at(0, 0), buffer.data);
   const ImagePyramid fresh = buildPyramid(image(2), 3);
   for (std::size_t i = 0; i < fresh.grey.size(); ++i)
     expectEqual(built->grey[i], fresh.grey[i]);
   expectEqual(kept->grey[0], buildPyramid(image(1), 3).grey[0]);
-  EXPECT_NE(pool.acquireBuffer({kWidth, kHeight}).data, buffer.data);  // `built` still owns it
+  EXPECT_NE(pool.lease({kWidth, kHeight}).image().data, buffer.data);  // `built` still owns it
+}
+
+TEST(ImagePyramid, PoolKeepsALeaseForItsHolder) {
+  PyramidPool pool(2);
+  const PyramidLease lease = pool.lease({kWidth, kHeight});
+  const cv::Mat buffer = lease.image();
+  image(2).copyTo(buffer);
+  EXPECT_NE(pool.build(image(1))->grey[0].at(0, 0), buffer.data);
+  EXPECT_NE(pool.lease({kWidth, kHeight}).image().data, buffer.data);
+  EXPECT_EQ(cv::norm(buffer, image(2), cv::NORM_INF), 0.0);
+  EXPECT_TRUE(PyramidLease().image().empty());
 }
 
 TEST(ImagePyramid, BorderMirrorsTheImage) {

@@ -52,7 +52,6 @@ void PairSynchroniser::restart(Side& side, const Frame& frame) {
   side.period.restart();
   side.last_ns = frame.exposure_ns;
   side.backward_in_row = 0;
-  time_restarted_ = true;
 }
 
 std::optional<FramePair> PairSynchroniser::pop() {
@@ -63,12 +62,11 @@ std::optional<FramePair> PairSynchroniser::pop() {
     const std::int64_t offset = right.waiting.front().exposure_ns - left.waiting.front().exposure_ns;
     Side& older = offset >= 0 ? left : right;
     if (std::abs(offset) <= period / 2) {
-      FramePair pair{std::move(left.waiting.front()), std::move(right.waiting.front()), time_restarted_};
+      FramePair pair{std::move(left.waiting.front()), std::move(right.waiting.front())};
       left.waiting.pop_front();
       right.waiting.pop_front();
       ++left.counts.paired;
       ++right.counts.paired;
-      time_restarted_ = false;
       return pair;
     }
     const bool period_is_unknown = period == 0 && !left.finished && !right.finished;

@@ -11,15 +11,14 @@
 #include "capture/clock/frame_period_estimator.hpp"
 #include "capture/frame.hpp"
 
+// Pairing of the left and right frames of two unsynchronised cameras.
+
 namespace cartvo::capture {
 
 /// A left and a right frame, at most half a period apart.
 struct FramePair {
   Frame left;
   Frame right;
-
-  /// The instants do not continue those of the previous pair, because a camera's clock was set back.
-  bool time_restarted = false;
 
   /// Time offset: right minus left exposure, ns. Rarely zero, because the cameras are not synchronised.
   std::int64_t offsetNs() const { return right.exposure_ns - left.exposure_ns; }
@@ -55,7 +54,7 @@ struct PairingCounts {
   std::uint64_t clock_restarted = 0;  ///< dropped: in the queue when the camera's clock was set back
 };
 
-/// Pairs the frames of two free-running cameras by their exposure instants. Pure: no clock, no thread. The
+/// Pairs the frames of two free-running cameras by their exposure instants. Uses no clock and no thread. The
 /// pairs depend on the two sequences only, not on how their arrivals interleave, as long as no queue
 /// overflows and the period is given (an estimated one settles with the first frames).
 ///
@@ -98,7 +97,6 @@ class PairSynchroniser {
 
   PairSynchroniserSettings settings_;
   std::array<Side, 2> sides_;
-  bool time_restarted_ = false;
 };
 
 }  // namespace cartvo::capture

@@ -22,7 +22,6 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
   source.left = std::make_unique<RecordingSource>(path, CameraSide::left, source.clock);
   source.right = std::make_unique<RecordingSource>(path, CameraSide::right, source.clock);
   source.rig_text = std::move(info.rig);
-  source.configuration_text = std::move(info.configuration);
   return source;
 }
 

@@ -12,6 +12,8 @@
 #include "capture/dataset/image_folder.hpp"
 #include "capture/recording/recording_timestamper.hpp"
 
+// Opening of recordings, data sets and videos as a pair of frame sources.
+
 namespace cartvo::capture {
 
 /// Kind of a stereo source on disk.
@@ -30,7 +32,6 @@ struct StereoSource {
   std::array<std::filesystem::path, 2> sensor_files;  ///< EuRoC's sensor.yaml, left and right
   std::shared_ptr<RecordingTimestamper> clock;  ///< recomputes a recording's time stamps; null: recorded ones
   std::string rig_text;                         ///< text of the rig file stored in a recording
-  std::string configuration_text;               ///< configuration stored in a recording
 };
 
 /// Detects the kind of `path` and opens it. Throws std::runtime_error that lists the supported kinds if it is

@@ -37,10 +37,6 @@ std::string cameraText(const std::string& number, const CameraModel& camera) {
 
 }  // namespace
 
-Rig readOpenCvRig(const std::filesystem::path& file) {
-  return parseOpenCvRig(StrictYaml::readFile(file), file);
-}
-
 Rig parseOpenCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   const cv::Size size = readImageSize(yaml["image_size"]);
   const bool is_wide = yaml.has("fisheye_model") && yaml["fisheye_model"].integer(0, 1) == 1;

@@ -18,9 +18,6 @@ class RectifiedPoints {
   /// Throws std::invalid_argument if the cameras are not side by side, see rectifyingRotations.
   explicit RectifiedPoints(const Rig& rig);
 
-  /// px.
-  double focalLength() const { return focal_length_; }
-
   /// The rectified position relative to the principal point, px. std::nullopt beyond 70 degrees from the
   /// axis.
   std::optional<Eigen::Vector2d> rectifyLeft(const Eigen::Vector2d& raw_pixel) const {

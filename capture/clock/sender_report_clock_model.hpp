@@ -7,7 +7,8 @@ namespace cartvo::capture {
 
 /// Clock model of a camera's RTP clock against the camera's own wall clock, from RTCP sender reports. A
 /// report is a noisy sample, because cameras put the time of sending into it. Offset and skew are fitted
-/// robustly over the latest ten minutes; a step of the wall clock restarts the fit. Pure.
+/// robustly over the latest ten minutes; a step of the wall clock restarts the fit. Reads no clock;
+/// deterministic.
 class SenderReportClockModel {
  public:
   /// `default_scatter_ns`: standard deviation of one report while there are too few to estimate it.
@@ -25,9 +26,6 @@ class SenderReportClockModel {
 
   /// Standard deviation of `at`, ns, from the scatter of the reports. Excludes the error of the wall clock.
   double stddevNs(std::int64_t rtp_ns) const;
-
-  /// Standard deviation of one report, ns.
-  double scatterNs() const { return scatter_ns_; }
 
   /// Number of times the camera's wall clock was set.
   std::uint64_t steps() const { return steps_; }

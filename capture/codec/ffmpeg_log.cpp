@@ -1,9 +1,8 @@
-// FFmpeg's process-wide log callback: redirection, removal of credentials, count of missed RTP packets.
+// FFmpeg's process-wide log callback: discards the messages and counts missed RTP packets.
 
 #include "capture/codec/ffmpeg_log.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdarg>
 #include <cstring>
 #include <map>
@@ -16,17 +15,6 @@ extern "C" {
 
 namespace cartvo::capture {
 namespace {
-
-// FFmpeg has one log per process, hence one sink.
-struct SharedSink {
-  std::mutex mutex;
-  FfmpegLogSink sink;
-};
-
-SharedSink& sharedSink() {
-  static SharedSink shared;
-  return shared;
-}
 
 constexpr char kMissedPacketsFormat[] = "RTP: missed %d packets\n";  // libavformat/rtpdec.c
 
@@ -51,31 +39,16 @@ void countMissedPackets(const void* context, const char* format, va_list argumen
   if (watched != sharedCounts().missed.end()) watched->second += std::max(missed, 1);
 }
 
-void forward(void* context, int level, const char* format, va_list arguments) {
+void handleLogMessage(void* context, int level, const char* format, va_list arguments) {
   if (level > AV_LOG_WARNING) return;
   countMissedPackets(context, format, arguments);
-  const std::lock_guard lock(sharedSink().mutex);
-  if (!sharedSink().sink) return;
-  std::array<char, 1024> line{};
-  int prefix = 1;
-  av_log_format_line2(context, level, format, arguments, line.data(), static_cast<int>(line.size()), &prefix);
-  std::string message = line.data();
-  while (!message.empty() && message.back() == '\n')
-    message.pop_back();
-  sharedSink().sink(withoutCredentials(message));
 }
 
 }  // namespace
 
-void setFfmpegLogSink(FfmpegLogSink sink) {
-  keepFfmpegQuiet();
-  const std::lock_guard lock(sharedSink().mutex);
-  sharedSink().sink = std::move(sink);
-}
-
 void keepFfmpegQuiet() {
   static std::once_flag once;
-  std::call_once(once, [] { av_log_set_callback(forward); });
+  std::call_once(once, [] { av_log_set_callback(handleLogMessage); });
 }
 
 MissedPacketCounter::MissedPacketCounter(const void* demuxer) : demuxer_(demuxer) {
@@ -92,24 +65,6 @@ MissedPacketCounter::~MissedPacketCounter() {
 int MissedPacketCounter::fetchAndReset() {
   const std::lock_guard lock(sharedCounts().mutex);
   return std::exchange(sharedCounts().missed[demuxer_], 0);
-}
-
-std::string withoutCredentials(const std::string& text) {
-  std::string result;
-  std::size_t copied = 0;
-  for (std::size_t scheme = text.find("://"); scheme != std::string::npos;
-       scheme = text.find("://", copied)) {
-    const std::size_t begin = scheme + 3;
-    const std::size_t end = text.find_first_of("/ \t\n'\"", begin);
-    const std::size_t at = text.substr(0, end).rfind('@');
-    result.append(text, copied, begin - copied);
-    copied = begin;
-    if (at != std::string::npos && at >= begin) {
-      result += "***";
-      copied = at;
-    }
-  }
-  return result.append(text, copied, std::string::npos);
 }
 
 }  // namespace cartvo::capture

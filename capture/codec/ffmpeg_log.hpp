@@ -1,19 +1,9 @@
 #pragma once
 
-#include <functional>
-#include <string>
-
 namespace cartvo::capture {
 
-/// Receives FFmpeg's messages, one line each, without credentials.
-using FfmpegLogSink = std::function<void(const std::string& message)>;
-
-/// Redirects FFmpeg's warnings and errors, with credentials removed, from stderr to `sink`; an empty sink
-/// discards them. By default FFmpeg prints URLs with their passwords. The sink may be called from any thread.
-void setFfmpegLogSink(FfmpegLogSink sink);
-
-/// Silences FFmpeg unless a sink was set already. Every user of FFmpeg in capture calls it before its first
-/// use.
+/// Silences FFmpeg, which by default prints URLs with their passwords to stderr. Every user of FFmpeg in
+/// capture calls it before its first use.
 void keepFfmpegQuiet();
 
 /// Counts the RTP packets that a demuxer has missed, from FFmpeg's log: FFmpeg joins the fragments around the
@@ -32,8 +22,5 @@ class MissedPacketCounter {
  private:
   const void* demuxer_;
 };
-
-/// Replaces the user and password of each URL in a text by "***".
-std::string withoutCredentials(const std::string& text);
 
 }  // namespace cartvo::capture

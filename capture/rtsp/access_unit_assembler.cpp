@@ -122,10 +122,7 @@ void AccessUnitAssembler::checkRuleOnFinishedPicture() {
 
 /// Resets the rule after a picture continued that the rule took for complete.
 void AccessUnitAssembler::rejectRule() {
-  if (delivered_ && !rule_rejected_) {
-    ++premature_units_;
-    rule_rejected_ = true;
-  }
+  if (delivered_) rule_rejected_ = true;
   seems_complete_ = false;
   confirmations_ = 0;
 }

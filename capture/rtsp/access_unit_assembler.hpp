@@ -9,6 +9,8 @@
 
 #include "capture/encoded_unit.hpp"
 
+// Assembly of pictures from RTP packets, with minimum latency.
+
 namespace cartvo::capture {
 
 /// The payload of one RTP packet, unparsed, as FFmpeg delivers it: whole NAL units behind start codes, or one
@@ -31,7 +33,8 @@ struct AssembledUnit {
   bool data_lost = false;
 };
 
-/// Assembles pictures from RTP payloads and delivers each one as soon as its last packet has arrived. Pure.
+/// Assembles pictures from RTP payloads and delivers each one as soon as its last packet has arrived. Reads
+/// no clock; deterministic.
 ///
 /// A parser detects the end of a picture only when the next one begins, which adds one frame period of
 /// latency, and FFmpeg does not expose the RTP marker bit. The assembler uses two properties of the stream
@@ -57,9 +60,6 @@ class AccessUnitAssembler {
   bool completesEarly() const {
     return !rule_rejected_ && confirmations_ >= kConfirmationsNeeded && confirmed_on_key_;
   }
-
-  /// Number of pictures that were delivered before their last packet.
-  std::uint64_t prematureUnits() const { return premature_units_; }
 
  private:
   static constexpr int kConfirmationsNeeded = 4;           // pictures: a key picture and three others
@@ -93,7 +93,6 @@ class AccessUnitAssembler {
   int confirmations_ = 0;
   bool confirmed_on_key_ = false;
   bool rule_rejected_ = false;
-  std::uint64_t premature_units_ = 0;
 };
 
 }  // namespace cartvo::capture

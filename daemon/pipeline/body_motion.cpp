@@ -59,16 +59,6 @@ vo::Vector6d logarithm(const Eigen::Isometry3d& motion) {
   return twist;
 }
 
-Eigen::Isometry3d exponential(const vo::Vector6d& twist) {
-  const Eigen::Vector3d rotation = twist.tail<3>();
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (const double angle = rotation.norm(); angle > 0.0) {
-    motion.linear() = Eigen::AngleAxisd(angle, rotation / angle).toRotationMatrix();
-  }
-  motion.translation() = translationJacobian(rotation) * twist.head<3>();
-  return motion;
-}
-
 BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
                       double scale_stddev) {
   const Eigen::Isometry3d T_rectified_body = T_body_rectified.inverse();

@@ -34,7 +34,4 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
 /// below pi. (J. Solà et al., "A micro Lie theory for state estimation in robotics", 2018, eq. 173.)
 vo::Vector6d logarithm(const Eigen::Isometry3d& motion);
 
-/// Exponential of SE(3), the inverse of `logarithm` (ibid., eq. 172).
-Eigen::Isometry3d exponential(const vo::Vector6d& twist);
-
 }  // namespace cartvo::daemon

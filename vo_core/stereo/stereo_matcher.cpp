@@ -143,7 +143,6 @@ StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, 
   // Near the epipole a column is many disparities.
   const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kMinimumColumnsPerDisparity);
   best.correlation = peak.height;
-  best.row_offset = peak.row;
   best.disparity = disparity - peak.column() * per_column;  // disparity decreases to the right
   best.right = line.at(pixel, best.disparity) + Eigen::Vector2d(0.0, peak.row);
   return best;

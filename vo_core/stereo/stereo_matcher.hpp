@@ -6,6 +6,8 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// Stereo matching of a single point along its epipolar line.
+
 namespace cartvo::vo {
 
 /// Epipolar line of a left pixel in the right image by the disparity d: pixel + at_infinity + (d
@@ -22,8 +24,7 @@ struct EpipolarLine {
 
 /// Result of matchStereo().
 struct StereoMatch {
-  double disparity = 0.0;  ///< px, x_left - x_right; along the line
-  int row_offset = 0;      ///< px, off the line; y_right - y_left if the line is a row
+  double disparity = 0.0;                           ///< px, x_left - x_right; along the line
   Eigen::Vector2d right = Eigen::Vector2d::Zero();  ///< px, in the right image
   double correlation = 0.0;                         ///< normalised cross-correlation of left and right patch
 };
@@ -33,9 +34,9 @@ struct StereoMatch {
 /// coarsest level, then +-3 px at each finer one; normalised cross-correlation over +-settings.rows rows;
 /// sinusoidal sub-pixel fit. Beyond the thesis, the best few candidates of the coarsest level are refined
 /// together: a single one is lost where a near object is in front of a far wall, and the second best shows
-/// whether the match is ambiguous. No match: the correlation is too low, another candidate correlates nearly
-/// as well, or the disparity is out of range. `level` of the pyramids is the finest in use, instead of the
-/// full image; arguments and result are in px of the full image all the same, except for the row offset and
+/// whether the match is ambiguous. Returns nothing if the correlation is too low, another candidate
+/// correlates nearly as well, or the disparity is out of range. `level` of the pyramids is the finest in use,
+/// instead of the full image; arguments and result are in px of the full image all the same, except for
 /// settings.rows.
 std::optional<StereoMatch> matchStereo(const ImagePyramid& left_image, const ImagePyramid& right_image,
                                        const Eigen::Vector2d& left, const StereoSettings& settings,

@@ -9,6 +9,8 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
+// Tracked feature of `estimator: thesis`, with its last observations.
+
 namespace cartvo::vo {
 
 /// Number of observations that a feature keeps.
@@ -20,7 +22,6 @@ struct FeatureObservation {
   std::int64_t frame = -1;                          ///< index of the pair; -1: none
   Eigen::Vector2d left = Eigen::Vector2d::Zero();   ///< px
   double disparity = 0.0;                           ///< px; 0: no match in the right image
-  double right_row = 0.0;                           ///< px, row of the match in the right image
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, in the left camera of that pair; if matched
 
   bool matched() const { return disparity > 0.0; }
@@ -29,11 +30,6 @@ struct FeatureObservation {
 /// A corner of the world that is tracked through the left images.
 class Feature {
  public:
-  Feature(std::uint64_t id, float score) : id_(id), score_(score) {}
-
-  std::uint64_t id() const { return id_; }
-  /// FAST score (thesis 4.9) at its detection.
-  float score() const { return score_; }
   /// Number of pairs that observed it.
   int age() const { return age_; }
 
@@ -60,8 +56,6 @@ class Feature {
   }
 
  private:
-  std::uint64_t id_;
-  float score_;
   int age_ = 0;
   std::array<FeatureObservation, kHistoryLength> history_{};
 };

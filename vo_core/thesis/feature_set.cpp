@@ -106,7 +106,7 @@ void FeatureSet::detect(const cv::Mat& left, SpacingGrid& spacing) {
     if (isSeen(feature)) alive.push_back(feature.last().left);
   for (const Corner& corner : detector_.detect(left, alive, spacing)) {
     if (corner.score < settings_.tracking.minimum_score) continue;
-    Feature feature(next_id_++, corner.score);
+    Feature feature;
     FeatureObservation observation;
     observation.frame = frame_;
     observation.left = Eigen::Vector2d(corner.x, corner.y);
@@ -123,7 +123,6 @@ void FeatureSet::matchStereo(const ImagePyramid& left, const ImagePyramid& right
     const auto match = cartvo::vo::matchStereo(left, right, observation.left, settings_.stereo);
     if (!match) return;
     observation.disparity = match->disparity;
-    observation.right_row = observation.left.y() + match->row_offset;
   });
 }
 

@@ -13,8 +13,8 @@
 
 namespace cartvo::vo {
 
-/// All tracked features and the steps that carry them from one pair to the next. A feature is seen if the
-/// current pair observed it, and lost otherwise.
+/// All tracked features of `estimator: thesis`, with the operations that process one pair: tracking,
+/// detection, stereo matching. A feature is seen if the current pair observed it, and lost otherwise.
 class FeatureSet {
  public:
   FeatureSet(const StereoCamera& camera, const OdometrySettings& settings);
@@ -30,7 +30,7 @@ class FeatureSet {
   /// or must have left the image.
   void track(const ImagePyramid& left, std::int64_t frame, const FrameWindow& window,
              const std::optional<Eigen::Isometry3d>& T_world_camera);
-  /// Of seen features closer than the minimum distance, keeps the older one.
+  /// Drops the younger one of two seen features that are closer than the minimum distance.
   void enforceMinimumDistance(SpacingGrid& spacing);
   /// Adds new corners up to the target number (thesis 4.9).
   void detect(const cv::Mat& left, SpacingGrid& spacing);
@@ -56,7 +56,6 @@ class FeatureSet {
   AdaptiveDetector detector_;
   std::vector<Feature> features_;
   std::int64_t frame_ = -1;
-  std::uint64_t next_id_ = 0;
 };
 
 }  // namespace cartvo::vo

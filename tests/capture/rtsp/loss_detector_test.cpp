@@ -1,4 +1,4 @@
-// Loss detection in encoded and in hand-made streams.
+// Detection of lost pictures in H.264 and H.265 streams.
 
 #include "capture/rtsp/loss_detector.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include <gtest/gtest.h>
 
@@ -19,6 +20,14 @@ vo::Vector6d vector6(double x, double y, double z, double rx, double ry, double 
   vo::Vector6d vector;
   vector << x, y, z, rx, ry, rz;
   return vector;
+}
+
+/// Exponential of SE(3), the inverse of `logarithm`.
+Eigen::Isometry3d exponential(const vo::Vector6d& twist) {
+  Eigen::Matrix4d generator = Eigen::Matrix4d::Zero();
+  generator.topLeftCorner<3, 3>() = vo::skew(twist.tail<3>());
+  generator.topRightCorner<3, 1>() = twist.head<3>();
+  return Eigen::Isometry3d(Eigen::Matrix4d(generator.exp()));
 }
 
 /// Mount of a camera 1 m ahead of the body's origin, 0.5 m to the left and 2 m up, tilted down.

@@ -71,7 +71,7 @@ TEST(StereoMatcher, FindsAMatchOneRowOff) {
       test::draw(kWidth, kHeight, [&](double x, double y) { return texture(x + 9.4, y - 1.0); }), 1);
   const auto match = matchStereo(left, right, {200, 60}, StereoSettings{});
   ASSERT_TRUE(match.has_value());
-  EXPECT_EQ(match->row_offset, 1);
+  EXPECT_EQ(match->right.y(), 61.0);
   EXPECT_NEAR(match->disparity, 9.4, 0.05);
 }
 

@@ -23,7 +23,7 @@ namespace cartvo::calib {
 /// lengths are in WorldUnits (default: millimetres), and the skew must be zero. (MathWorks' documentation of
 /// stereoParameters, cameraParameters, stereoParametersToOpenCV.)
 ///
-/// The rig is called after the stem of `name`, which also stands for the file in errors. T_body_camera is
+/// The rig gets the stem of `name` as its name; error messages name the file `name`. T_body_camera is
 /// forwardLookingMount(). Throws std::runtime_error naming file, line, key and what was expected.
 Rig parseMatlabRig(const StrictYaml& yaml, const std::filesystem::path& name);
 

@@ -60,7 +60,7 @@ Rig parseCartvoRig(const StrictYaml& yaml) {
   yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
   const std::vector<double> size = yaml["image_size"].numbers(2);
   for (const double side : size) {
-    if (side < 16 || side > kMaxSide || side != std::floor(side)) {
+    if (side < kMinImageSide || side > kMaxImageSide || side != std::floor(side)) {
       yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
     }
   }

@@ -13,7 +13,7 @@ namespace cartvo::calib {
 /// std::runtime_error naming file, line, key, what was expected and what was found.
 Rig readRig(const std::filesystem::path& file);
 
-/// As `readRig`, from text, for example out of a recording. `name` stands for the file in errors.
+/// As `readRig`, from text, for example out of a recording. Error messages name the file `name`.
 Rig parseRig(const std::string& text, const std::filesystem::path& name);
 
 /// The rig in cartvo's own format, with comments. Reading it returns the same rig to the last bit.

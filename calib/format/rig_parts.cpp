@@ -30,10 +30,10 @@ Rig importedRig(Rig rig, const std::filesystem::path& file) {
 }
 
 cv::Size readImageSize(const StrictYaml& yaml) {
-  constexpr int kMaxSide = 8192;
   const std::vector<double> size = yaml.numbers(2);
   for (const double side : size) {
-    if (!(side >= 16 && side <= kMaxSide)) yaml.failExpecting("two sides of an image from 16 to 8192 px");
+    if (!(side >= kMinImageSide && side <= kMaxImageSide))
+      yaml.failExpecting("two sides of an image from 16 to 8192 px");
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }

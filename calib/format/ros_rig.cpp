@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calib/format/rig_parts.hpp"
+#include "calib/model/rig_validation.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/exact_text.hpp"
 #include "common/strict_yaml.hpp"
@@ -30,11 +31,10 @@ LensModel readLens(const StrictYaml& yaml) {
 }
 
 RosCamera readCamera(const std::filesystem::path& file) {
-  constexpr std::int64_t kMinSide = 16, kMaxSide = 8192;
   const StrictYaml yaml = StrictYaml::readFile(file);
   RosCamera camera;
-  camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinSide, kMaxSide)),
-                       static_cast<int>(yaml["image_height"].integer(kMinSide, kMaxSide))};
+  camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinImageSide, kMaxImageSide)),
+                       static_cast<int>(yaml["image_height"].integer(kMinImageSide, kMaxImageSide))};
   const std::vector<double> K = readMatrix(yaml["camera_matrix"], 9);
   camera.model.fx = K[0];
   camera.model.fy = K[4];

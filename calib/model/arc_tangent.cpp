@@ -1,4 +1,4 @@
-// Arc tangent and tangent with the same bits on every machine.
+// Arc tangent and tangent with bit-identical results on every machine.
 #include "calib/model/arc_tangent.hpp"
 
 #include <cmath>

@@ -2,8 +2,9 @@
 
 namespace cartvo::calib {
 
-// Functions with the same bits on every machine. The C library's differ in the last bits; these use only
-// additions, multiplications, divisions and square roots, which IEEE 754 defines to the last bit.
+// Arc tangent and tangent with bit-identical results on every machine. Those of the C library differ in the
+// last bits; these use only additions, multiplications, divisions and square roots, which IEEE 754 defines to
+// the last bit.
 
 /// The arc tangent of x >= 0, rad. Relative error below 4e-15.
 double portableArcTangent(double x);

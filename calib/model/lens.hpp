@@ -11,7 +11,7 @@
 namespace cartvo::calib {
 
 /// The distortion of a camera's lens, of either model: rays to distorted normalised coordinates (before focal
-/// length and principal point) and back. The same bits on every machine.
+/// length and principal point) and back. Results are bit-identical on every machine.
 class Lens {
  public:
   explicit Lens(const CameraModel& camera);

@@ -5,9 +5,11 @@
 
 #include "calib/model/rig.hpp"
 
+// Projection through a lens model, with derivatives by the point and by the camera parameters.
+
 namespace cartvo::calib {
 
-/// fx fy cx cy and the eight coefficients of CameraModel::distortion.
+/// Number of camera parameters: fx fy cx cy and the eight coefficients of CameraModel::distortion.
 inline constexpr int kCameraParameters = 12;
 inline constexpr int kDistortion = 4;  ///< index of the first distortion coefficient
 using CameraParameters = Eigen::Matrix<double, kCameraParameters, 1>;

@@ -14,7 +14,8 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
     if (!holds) throw std::invalid_argument("rig: the " + side + " camera's " + what);
   };
   check(camera.size.width >= 16 && camera.size.height >= 16, "image size is below 16x16 px");
-  check(camera.size.width <= kMaxSide && camera.size.height <= kMaxSide, "image side is above 8192 px");
+  check(camera.size.width <= kMaxImageSide && camera.size.height <= kMaxImageSide,
+        "image side is above 8192 px");
   for (const double focal_length : {camera.fx, camera.fy}) {
     check(focal_length >= kMinFocalLength && focal_length <= kMaxFocalLength,
           "focal lengths must lie in 1 to 100000 px");

@@ -5,7 +5,7 @@
 namespace cartvo::calib {
 
 // Limits of the values of a rig.
-constexpr int kMaxSide = 8192;                                  // px
+constexpr int kMinImageSide = 16, kMaxImageSide = 8192;         // px
 constexpr double kMinBaseline = 0.005, kMaxBaseline = 10.0;     // m
 constexpr double kMaxScaleStddev = 0.1;                         // relative
 constexpr double kMinFocalLength = 1.0, kMaxFocalLength = 1e5;  // px

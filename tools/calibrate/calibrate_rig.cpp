@@ -222,56 +222,87 @@ void run(const Options& options) {
   if (page) page->showResult(true, summary);
 }
 
-}  // namespace
-
-void addCalibrateRig(CLI::App& calibrate) {
-  const auto options = std::make_shared<Options>();
-  calibrate.add_option("SOURCE", options->source,
+void addSourceOptions(CLI::App& calibrate, Options& options) {
+  calibrate.add_option("SOURCE", options.source,
                        "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
                        "'live': the configured cameras; with --left and --right the folder of the images");
   CLI::Option* const left =
       calibrate
-          .add_option("--left", options->left, "The left images: a pattern with one '*', such as 'L*.jpg'")
+          .add_option("--left", options.left, "The left images: a pattern with one '*', such as 'L*.jpg'")
           ->type_name("PATTERN");
   CLI::Option* const right =
       calibrate
-          .add_option("--right", options->right,
+          .add_option("--right", options.right,
                       "The right images; the text matched by '*' pairs them with the left ones")
           ->type_name("PATTERN");
   left->needs(right);
   right->needs(left);
+}
+
+void addResultOptions(CLI::App& calibrate, Options& options) {
   calibrate
-      .add_option("--board", options->board,
+      .add_option("--board", options.board,
                   "The board, with the measured side of a square in metres:\n"
                   "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
                   "aprilgrid:6x6:0.088:0.3")
       ->type_name("BOARD");
   calibrate
-      .add_option("--config", options->configuration,
+      .add_option("--config", options.configuration,
                   "With 'live': cartvod's configuration file, which names the cameras")
       ->type_name("FILE")
       ->capture_default_str();
-  calibrate.add_option("--output", options->output, "Rig file to write if the calibration passes")
+  calibrate.add_option("--output", options.output, "Rig file to write if the calibration passes")
       ->type_name("FILE");
-  calibrate.add_option("--report", options->report, "Folder for the report; created if it is missing")
+  calibrate.add_option("--report", options.report, "Folder for the report; created if it is missing")
       ->type_name("DIR");
   std::vector<std::string> models;
   for (const auto& [name, model] : modelChoices())
     models.push_back(name);
   calibrate
       .add_option(
-          "--model", options->model,
+          "--model", options.model,
           "Lens model: 'auto' selects the one that predicts held-out views best, 'brown' the best of Brown's")
       ->check(CLI::IsMember(models))
       ->type_name("MODEL")
       ->capture_default_str();
   calibrate
       .add_option(
-          "--free-scaling", options->free_scaling,
+          "--free-scaling", options.free_scaling,
           "Part of the images that rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("SHARE")
       ->capture_default_str();
+  calibrate.add_flag("--json", options.json, "Print all numbers as JSON instead of the summary");
+}
+
+/// Throws CLI::Error for options that are missing or do not fit together.
+void checkOptions(Options& options, bool has_page, const std::string& page) {
+  if (options.source.empty() && options.left.empty())
+    throw CLI::RequiredError("SOURCE, or --left and --right");
+  if (options.board.empty()) throw CLI::RequiredError("--board");
+  if (options.output.empty()) throw CLI::RequiredError("--output");
+  try {
+    calib::parseBoardSpec(options.board);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--board", error.what());
+  }
+  if (!has_page) return;
+  if (!usesStreams(options))
+    throw CLI::ValidationError("--page",
+                               "works with live cameras or a recording only; for images use --report");
+  try {
+    options.page = page.empty() ? PageAddress{} : PageAddress::parse(page);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--page", error.what());
+  }
+}
+
+}  // namespace
+
+void addCalibrateRig(CLI::App& calibrate) {
+  const auto options = std::make_shared<Options>();
+  addSourceOptions(calibrate, *options);
+  addResultOptions(calibrate, *options);
   const auto page = std::make_shared<std::string>();
   CLI::Option* const page_option =
       calibrate
@@ -281,28 +312,9 @@ void addCalibrateRig(CLI::App& calibrate) {
               "(default: 127.0.0.1:8600, for browsers on this computer only; 0: any free port)")
           ->type_name("[ADDRESS:]PORT")
           ->expected(0, 1);
-  calibrate.add_flag("--json", options->json, "Print all numbers as JSON instead of the summary");
   calibrate.callback([options, page, page_option, &calibrate] {
     if (!calibrate.get_subcommands().empty()) return;
-    if (options->source.empty() && options->left.empty())
-      throw CLI::RequiredError("SOURCE, or --left and --right");
-    if (options->board.empty()) throw CLI::RequiredError("--board");
-    if (options->output.empty()) throw CLI::RequiredError("--output");
-    try {
-      calib::parseBoardSpec(options->board);
-    } catch (const std::invalid_argument& error) {
-      throw CLI::ValidationError("--board", error.what());
-    }
-    if (page_option->count() > 0) {
-      if (!usesStreams(*options))
-        throw CLI::ValidationError("--page",
-                                   "works with live cameras or a recording only; for images use --report");
-      try {
-        options->page = page->empty() ? PageAddress{} : PageAddress::parse(*page);
-      } catch (const std::invalid_argument& error) {
-        throw CLI::ValidationError("--page", error.what());
-      }
-    }
+    checkOptions(*options, page_option->count() > 0, *page);
     run(*options);
   });
 }

@@ -115,68 +115,76 @@ void run(const Options& options) {
   if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
 }
 
+void addSourceOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("SOURCE", options.replay.source,
+                  "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left "
+                  "camera's video")
+      ->required();
+  CLI::Option* right =
+      command.add_option("RIGHT", options.replay.right_video, "The right camera's video, if SOURCE is one");
+  command
+      .add_option(
+          "--offset-ms", options.offset_ms,
+          "Offset added to the right video's times; without it the offset is estimated from the images")
+      ->needs(right)
+      ->type_name("MS");
+  command.add_option("--output-dir", options.output, "Folder for the results; created if it is missing")
+      ->required()
+      ->type_name("DIR");
+}
+
+void addEstimationOptions(CLI::App& command, Options& options) {
+  command.add_option("--rig", options.replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
+      ->type_name("FILE");
+  command.add_option("--estimator", options.estimator, "Motion estimator")
+      ->check(CLI::IsMember(estimatorNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      .add_option("--features", options.replay.odometry.features,
+                  "Target number of features in each left image")
+      ->check(CLI::Range(50, 20000))
+      ->capture_default_str();
+  command
+      .add_option("--online-rig-refinement", options.rig_refinement,
+                  "Estimation and correction of the right camera's rotation relative to the rig file")
+      ->check(CLI::IsMember(rigRefinementNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      .add_option("--offset-uncertainty", options.offset_uncertainty_ms,
+                  "Standard deviation of the time offset in an image folder, ms; not used for recordings")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MS")
+      ->capture_default_str();
+  command
+      .add_option("--clock", options.clock,
+                  "Timestamps of a recording: recomputed with the clock of its configuration, with another "
+                  "clock, or as recorded live")
+      ->check(CLI::IsMember(replayClockNames()))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      .add_option("--threads", options.threads,
+                  "Threads for image operations; the results do not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command
+      .add_option("--truth", options.truth,
+                  "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
+      ->type_name("FILE");
+  command.add_flag("--publish", options.publish, "Publish each pair over LCM too, as cartvod does");
+}
+
 }  // namespace
 
 void addReplayCommand(CLI::App& cartvo) {
   CLI::App* command =
       cartvo.add_subcommand("replay", "Estimate the motion from a recording or a folder of images");
   const auto options = std::make_shared<Options>();
-  command
-      ->add_option("SOURCE", options->replay.source,
-                   "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left "
-                   "camera's video")
-      ->required();
-  CLI::Option* right =
-      command->add_option("RIGHT", options->replay.right_video, "The right camera's video, if SOURCE is one");
-  command
-      ->add_option(
-          "--offset-ms", options->offset_ms,
-          "Offset added to the right video's times; without it the offset is estimated from the images")
-      ->needs(right)
-      ->type_name("MS");
-  command->add_option("--output-dir", options->output, "Folder for the results; created if it is missing")
-      ->required()
-      ->type_name("DIR");
-  command->add_option("--rig", options->replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
-      ->type_name("FILE");
-  command->add_option("--estimator", options->estimator, "Motion estimator")
-      ->check(CLI::IsMember(estimatorNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command
-      ->add_option("--features", options->replay.odometry.features,
-                   "Target number of features in each left image")
-      ->check(CLI::Range(50, 20000))
-      ->capture_default_str();
-  command
-      ->add_option("--online-rig-refinement", options->rig_refinement,
-                   "Estimation and correction of the right camera's rotation relative to the rig file")
-      ->check(CLI::IsMember(rigRefinementNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command
-      ->add_option("--offset-uncertainty", options->offset_uncertainty_ms,
-                   "Standard deviation of the time offset in an image folder, ms; not used for recordings")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MS")
-      ->capture_default_str();
-  command
-      ->add_option("--clock", options->clock,
-                   "Timestamps of a recording: recomputed with the clock of its configuration, with another "
-                   "clock, or as recorded live")
-      ->check(CLI::IsMember(replayClockNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command
-      ->add_option("--threads", options->threads,
-                   "Threads for image operations; the results do not depend on it")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command
-      ->add_option("--truth", options->truth,
-                   "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
-      ->type_name("FILE");
-  command->add_flag("--publish", options->publish, "Publish each pair over LCM too, as cartvod does");
+  addSourceOptions(*command, *options);
+  addEstimationOptions(*command, *options);
   command->footer(
       "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml or KITTI's calib.txt "
       "in the\n"

@@ -6,6 +6,8 @@
 
 #include "capture/frame.hpp"
 
+// Interface of all sources of frames, live or recorded.
+
 namespace cartvo::capture {
 
 /// Result of waiting for a frame.

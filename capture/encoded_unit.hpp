@@ -7,6 +7,8 @@
 
 #include "capture/frame.hpp"
 
+// Encoded pictures and streams, as a camera sends them.
+
 namespace cartvo::capture {
 
 /// Codec of a stream.

@@ -5,6 +5,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+// Decoded image of one camera with its time stamps.
+
 namespace cartvo::capture {
 
 /// Whether a frame's picture is intact.

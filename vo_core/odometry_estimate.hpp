@@ -34,8 +34,8 @@ enum class OdometryReason : std::uint8_t {
   too_few_matches,      ///< fewer tracked features with a depth than validity.minimum_matches
   too_few_inliers,      ///< no motion has enough inliers, or two motions fit the first two pairs
   high_residual,        ///< the best motion fits badly; `estimator: thesis` only
-  time_step,            ///< the left exposure is not later than that of the previous pair, or by too much:
-                        ///< starts a new epoch. Or the exposures of the pair are too far apart: does not
+  time_step,            ///< the left exposure is not later than the previous one, or too much later (a new
+                        ///< epoch starts); or the exposures of the pair are too far apart (no new epoch)
   implausible_motion,   ///< faster than validity.maximum_speed or validity.maximum_rate
   degenerate_geometry,  ///< the features leave a direction of the motion undetermined
   zero_velocity,        ///< valid: standstill was detected, the pose is kept

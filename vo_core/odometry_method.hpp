@@ -6,7 +6,8 @@
 
 namespace cartvo::vo {
 
-/// Interface of the estimators behind StereoOdometry, which checks the images.
+/// Interface of the estimators that `estimator:` selects. Used by StereoOdometry, which validates the images
+/// first.
 class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;

@@ -1,5 +1,7 @@
 #pragma once
 
+// Estimated calibration error of the rig, part of the output of StereoOdometry.
+
 namespace cartvo::vo {
 
 /// An estimate with its standard deviation, both in the same unit.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+// Rigid motions as 6-vectors, and the propagation of their covariances.
+
 namespace cartvo::vo {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -19,8 +21,8 @@ Vector6d vectorFromMotion(const Eigen::Isometry3d& motion);
 /// (x, y, z, rotation).
 Matrix6d adjoint(const Eigen::Isometry3d& T);
 
-/// The same motion with its rotation made exactly orthonormal. Isometry3d::inverse() transposes: in a chain
-/// of poses that are multiplied and inverted in turn, an error of the last digit doubles at each link.
+/// The same motion with an exactly orthonormal rotation. Isometry3d::inverse() transposes the rotation; in a
+/// chain of poses that are multiplied and inverted in turn, a rounding error would double at each step.
 Eigen::Isometry3d orthonormalised(const Eigen::Isometry3d& motion);
 
 /// The covariance of pose * motion, both given as perturbations on the right and independent.

@@ -1,4 +1,4 @@
-// The black rectangles of a printed board.
+// Layout of the black rectangles of a printed calibration board.
 #include "calib/board/board_pattern.hpp"
 
 #include <algorithm>

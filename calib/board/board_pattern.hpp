@@ -8,8 +8,8 @@
 
 namespace cartvo::calib {
 
-/// The black areas of a board in board axes (see board_spec.hpp), m. The rectangles may touch but do not
-/// overlap.
+/// The black rectangles of a printed calibration board, in board axes (see board_spec.hpp), m. They may touch
+/// but do not overlap.
 std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board);
 
 }  // namespace cartvo::calib

@@ -1,4 +1,4 @@
-// Chessboard detection, and the numbering of corners that both cameras agree on.
+// Detection of a chessboard, with the same numbering of its corners in both cameras.
 #include "calib/board/chessboard_detection.hpp"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 
 namespace cartvo::calib {
 
-/// The coding of a board's markers, for drawing and detection.
+/// ArUco dictionary of a board's markers, to draw and to detect them.
 struct MarkerDictionary {
   cv::Ptr<cv::aruco::Dictionary> dictionary;  ///< contains at least the board's ids
   int border_bits = 1;                        ///< width of the black border, in bits

@@ -8,6 +8,8 @@
 #include "calib/model/rig.hpp"
 #include "calib/solver/calibration_model.hpp"
 
+// Bundle adjustment of a rig and of the boards in front of it.
+
 namespace cartvo::calib {
 
 /// Reprojection residuals of a view: detected minus projected corners, px, in the order of the view's

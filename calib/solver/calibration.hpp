@@ -11,6 +11,8 @@
 #include "calib/solver/stereo_calibration.hpp"
 #include "calib/solver/sync_fault.hpp"
 
+// Calibration from views: choice of the lens model, outlier rejection and validation.
+
 namespace cartvo::calib {
 
 /// A calibration model with its result.

@@ -5,6 +5,8 @@
 #include "calib/board/view_coverage.hpp"
 #include "calib/model/rig.hpp"
 
+// Comparison of two calibrations of the same rig.
+
 namespace cartvo::calib {
 
 /// Difference in depth between two calibrations at one distance. Infinite if no point at this distance is

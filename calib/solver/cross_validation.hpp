@@ -5,6 +5,8 @@
 #include "calib/board/board_view.hpp"
 #include "calib/solver/stereo_calibration.hpp"
 
+// Cross-validation of a calibration on held-out views.
+
 namespace cartvo::calib {
 
 /// Errors of a view under a calibration from the other views.

@@ -9,6 +9,8 @@
 #include "calib/solver/board_adjustment.hpp"
 #include "calib/solver/calibration_model.hpp"
 
+// Calibration of a stereo rig from views of a board, for given lens models.
+
 namespace cartvo::calib {
 
 /// One of the rig's parameters and its uncertainty.

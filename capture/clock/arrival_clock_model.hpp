@@ -9,7 +9,7 @@ namespace cartvo::capture {
 /// of all arrivals over RTP time. Its value is the arrival of a packet with the least network delay, its
 /// slope the skew of the RTP clock. Network delay is one-sided, so the fastest packets determine the bound to
 /// a fraction of the usual jitter. (S. Moon, P. Skelly, D. Towsley: "Estimation and removal of clock skew
-/// from network delay measurements", INFOCOM 1999.) Pure.
+/// from network delay measurements", INFOCOM 1999.) Reads no clock; deterministic.
 class ArrivalClockModel {
  public:
   /// Adds a picture: RTP time `rtp_ns` (unwrapped, increasing) and arrival by the host's clock.

@@ -7,6 +7,8 @@
 #include "capture/clock/sender_report_clock_model.hpp"
 #include "capture/clock/sender_report_extractor.hpp"
 
+// Clock models of one IP camera, from packet arrivals and sender reports.
+
 namespace cartvo::capture {
 
 /// The time stamps of one picture as received.
@@ -17,7 +19,7 @@ struct RtpTimestamps {
 };
 
 /// Clock models of one camera: its RTP clock against the host's clock (from arrivals) and against the
-/// camera's wall clock (from sender reports). Pure.
+/// camera's wall clock (from sender reports). Reads no clock; deterministic.
 ///
 /// The RTP clock runs on a crystal and is exact from picture to picture. The fastest arrivals relate it to
 /// the host's clock to about 0.1 ms, except for the camera's latency, which arrivals do not show. Sender
@@ -40,7 +42,8 @@ class CameraClockModel {
   /// RTP time of the last picture, ns, unwrapped.
   std::int64_t rtpNs() const { return rtp_ns_; }
 
-  /// Arrival of the last picture had it met the least network delay, ns, host's clock. Requires a picture.
+  /// Arrival that the last picture would have had with the least network delay, ns, host's clock. Requires a
+  /// picture.
   std::int64_t minDelayArrivalNs() const { return arrivals_.at(rtp_ns_); }
   const ArrivalClockModel& arrivals() const { return arrivals_; }
 
@@ -49,8 +52,8 @@ class CameraClockModel {
   double reportedStddevNs() const { return reports_.stddevNs(rtp_ns_); }
   const SenderReportClockModel& reports() const { return reports_; }
 
-  /// From exposure by the camera's wall clock to the arrival at least delay by the host's clock, ns; nothing
-  /// while its standard deviation exceeds 12 ms.
+  /// Latency, ns: arrival at the least network delay (host's clock) minus exposure (camera's wall clock);
+  /// nothing while its standard deviation exceeds 12 ms.
   std::optional<std::int64_t> latencyNs() const;
 
  private:

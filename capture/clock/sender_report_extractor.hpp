@@ -6,7 +6,7 @@
 namespace cartvo::capture {
 
 /// Extracts RTCP sender reports (RFC 3550, 6.4.1) from FFmpeg's output, which gives the instant of each
-/// picture by the last report. Pure.
+/// picture by the last report. Reads no clock; deterministic.
 ///
 /// Corrects a fault of FFmpeg 5.1: it relates a packet to the last report with a 32-bit difference that it
 /// does not wrap. After a wrap of the RTP clock (every 13.3 h) its instants are 2^32/90000 s = 47,721.9 s off

@@ -11,6 +11,8 @@
 #include "capture/clock/camera_clock_model.hpp"
 #include "capture/frame.hpp"
 
+// Exposure time stamps of two IP cameras on the host's clock.
+
 namespace cartvo::capture {
 
 /// Which offset estimates relate the two cameras' exposures.
@@ -25,7 +27,7 @@ enum class ClockChoice : std::uint8_t {
 struct ExposureTimestamp {
   std::int64_t exposure_ns = 0;           ///< host's clock, ns since the Unix epoch
   std::int64_t stddev_ns = 0;             ///< of one camera's exposure: 1/sqrt(2) of that of right minus left
-  std::int64_t min_delay_arrival_ns = 0;  ///< arrival had the picture met the least network delay
+  std::int64_t min_delay_arrival_ns = 0;  ///< arrival at the least network delay
   InstantSource source = InstantSource::arrival;
 };
 

@@ -8,6 +8,8 @@
 
 #include "capture/encoded_unit.hpp"
 
+// Parsing of H.264 and H.265 byte streams into NAL units.
+
 namespace cartvo::capture {
 
 /// Kind of a NAL unit (ITU-T H.264 table 7-1, ITU-T H.265 table 7-1).

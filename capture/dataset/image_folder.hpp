@@ -10,6 +10,8 @@
 
 #include "capture/camera_source.hpp"
 
+// Image folders of the KITTI and EuRoC data sets as frame sources.
+
 namespace cartvo::capture {
 
 /// Layout of an image folder.

@@ -7,6 +7,8 @@
 
 #include "capture/camera_source.hpp"
 
+// Video files of other recorders as frame sources.
+
 namespace cartvo::capture {
 
 /// Clock model of a video file: exposure = origin + offset + (1 + skew) * file time.

@@ -7,6 +7,8 @@
 
 #include "capture/camera_side.hpp"
 
+// Folder layout and description file (recording.json) of a recording.
+
 namespace cartvo::capture {
 
 /// Version of the recording format. A recording is a folder that contains recording.json and one folder per

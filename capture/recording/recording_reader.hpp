@@ -11,6 +11,8 @@
 #include "capture/camera_side.hpp"
 #include "capture/encoded_unit.hpp"
 
+// Reading of the encoded pictures of a recording.
+
 namespace cartvo::capture {
 
 /// One picture of a recording with its index entry.

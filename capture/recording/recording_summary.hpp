@@ -12,6 +12,8 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_folder.hpp"
 
+// Statistics of a recording, without decoding it.
+
 namespace cartvo::capture {
 
 /// Statistics of one camera's pictures, from the index.

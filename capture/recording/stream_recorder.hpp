@@ -10,6 +10,8 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/recording/recording_quota.hpp"
 
+// Recording of both cameras in a separate thread.
+
 namespace cartvo::capture {
 
 /// Longest part of a recording that a power cut can lose, if the disk is fast enough.

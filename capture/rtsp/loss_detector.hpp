@@ -9,7 +9,7 @@
 namespace cartvo::capture {
 
 /// Detects that pictures are missing from a stream, and marks the pictures up to the next key frame as
-/// damaged, because each picture is predicted from earlier ones. Pure.
+/// damaged, because each picture is predicted from earlier ones. Reads no clock; deterministic.
 ///
 /// H.264 numbers its reference pictures (frame_num, ITU-T H.264 7.4.3), so a missing one is always detected.
 /// H.265 has no such number: there a gap in time counts as a loss.

@@ -10,6 +10,8 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/rtsp/credentials.hpp"
 
+// Frame source for an IP camera over RTSP.
+
 namespace cartvo::capture {
 
 /// Transport of the RTP packets.

@@ -11,6 +11,8 @@
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 
+// One RTSP connection. Internal to RtspCamera.
+
 namespace cartvo::capture {
 
 /// Error while opening a connection. The text names the camera, but not its password.

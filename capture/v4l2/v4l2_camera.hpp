@@ -10,6 +10,8 @@
 #include "capture/camera_source.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
 
+// Frame source for a camera of this computer (Video4Linux2).
+
 namespace cartvo::capture {
 
 /// Settings of one V4L2 camera.

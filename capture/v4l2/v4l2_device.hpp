@@ -13,7 +13,7 @@
 
 #include "capture/v4l2/v4l2_picture.hpp"
 
-// Internal to V4l2Camera.
+// An open Video4Linux2 device with its buffers. Internal to V4l2Camera.
 
 namespace cartvo::capture {
 

@@ -6,6 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+// Pixel formats of V4L2 cameras and their conversion to grey images.
+
 namespace cartvo::capture {
 
 /// Pixel format of a V4L2 camera (linux/videodev2.h, V4L2_PIX_FMT_...).

@@ -15,6 +15,8 @@
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 
+// Statistics for the periodic health message.
+
 namespace cartvo::daemon {
 
 /// State of the daemon's other parts when a health message is built.

@@ -6,8 +6,7 @@ namespace cartvo::daemon {
 /// computer fewer features in time are worth more than all of them late: processing time grows with their
 /// number, accuracy hardly does (docs/notebook/method.md, half-features).
 ///
-/// The number drops at once to what the last two processing times allow and recovers slowly. Pure
-/// computation.
+/// The number drops at once to what the last two processing times allow and recovers slowly. Reads no clock.
 class FeatureBudget {
  public:
   /// `max_features`: the configured number. `period`: s between pairs.

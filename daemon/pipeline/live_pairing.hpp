@@ -12,6 +12,8 @@
 
 #include "capture/pair_synchroniser.hpp"
 
+// Hand-over of frame pairs from the reader threads to the odometry thread.
+
 namespace cartvo::daemon {
 
 /// Counts of both cameras, summed.

@@ -11,6 +11,8 @@
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
+// Processing of one pair: rectification, odometry, motion of the body.
+
 namespace cartvo::calib {
 class Rectifier;
 }  // namespace cartvo::calib

@@ -4,6 +4,8 @@
 
 #include "vo_core/rigid_motion.hpp"
 
+// Velocity at the exposure instant, from mean velocities over the frame periods.
+
 namespace cartvo::daemon {
 
 /// A twist in body axes: velocity m/s, angular velocity rad/s.

@@ -7,6 +7,8 @@ namespace lcm {
 class LCM;
 }
 
+// Connection to LCM, with checks of its URL and multicast route.
+
 namespace cartvo::daemon {
 
 constexpr const char* kOdometryChannel = "CARTVO_ODOMETRY";

@@ -11,6 +11,8 @@ namespace lcm {
 class LCM;
 }
 
+// Odometry messages: building and publishing over LCM.
+
 namespace cartvo::daemon {
 
 /// Maps the odometry's reasons to the bits of odometry_t.reasons.

@@ -15,6 +15,8 @@
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// Configuration file of cartvod.
+
 namespace cartvo::daemon {
 
 /// Configuration of one camera.

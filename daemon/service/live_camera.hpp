@@ -7,6 +7,8 @@
 #include "capture/v4l2/v4l2_camera.hpp"
 #include "daemon/service/configuration.hpp"
 
+// Live cameras, RTSP or V4L2, as the configuration describes them.
+
 namespace cartvo::daemon {
 
 /// Connection settings of a configured IP camera; reads its password (readPassword).

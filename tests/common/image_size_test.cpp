@@ -1,4 +1,4 @@
-// Image sizes as text.
+// Parsing and formatting of image sizes, such as "680x420".
 #include "common/image_size.hpp"
 
 #include <gtest/gtest.h>

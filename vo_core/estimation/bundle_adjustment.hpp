@@ -11,6 +11,8 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/stereo_camera.hpp"
 
+// Bundle adjustment over the window of pairs.
+
 namespace cartvo::vo {
 
 /// Measured position of a landmark in one pair, see Observation.

@@ -5,7 +5,7 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
-// Internal to the bundle adjustment.
+// Relative poses of all cameras of a bundle problem and their derivatives. Internal to the bundle adjustment.
 
 namespace cartvo::vo {
 

@@ -15,10 +15,9 @@ namespace cartvo::vo {
 /// the variance sum r_ij / N^2).
 class PatchOverlap {
  public:
-  /// Mean number of patches of the same level, the landmark's own included, that contain a pixel of its
-  /// patch;
-  /// >= 1. Averages over the landmarks in the newest pair, weighted by information; samples them if there are
-  /// more than 250 in a level.
+  /// Computes the mean number of patches of the same level that contain a pixel of a landmark's patch, its
+  /// own included; >= 1. Averages over the landmarks in the newest pair, weighted by information; samples
+  /// them if there are more than 250 in a level.
   double compute(const BundleProblem& problem);
 
  private:

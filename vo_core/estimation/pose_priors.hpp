@@ -2,7 +2,7 @@
 
 #include "vo_core/estimation/reduced_system.hpp"
 
-// Internal to the bundle adjustment.
+// Priors on the free poses of a bundle problem. Internal to the bundle adjustment.
 
 namespace cartvo::vo {
 

@@ -10,6 +10,8 @@
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// RANSAC search for the pose of the current pair.
+
 namespace cartvo::vo {
 
 /// A landmark with a known depth that the current pair observes.

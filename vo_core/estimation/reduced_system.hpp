@@ -7,7 +7,8 @@
 
 #include "vo_core/estimation/bundle_residuals.hpp"
 
-// Internal to the bundle adjustment.
+// Normal equations of a bundle problem, reduced to the free poses by the Schur complement. Internal to the
+// bundle adjustment.
 
 namespace cartvo::vo {
 

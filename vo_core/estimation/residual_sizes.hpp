@@ -8,7 +8,8 @@
 #include "vo_core/estimation/bundle_residuals.hpp"
 #include "vo_core/geometry/size_histogram.hpp"
 
-// Internal to the bundle adjustment.
+// Statistics of the residuals of an adjusted bundle problem, for the noise estimate. Internal to the bundle
+// adjustment.
 
 namespace cartvo::vo {
 

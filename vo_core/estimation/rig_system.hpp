@@ -5,7 +5,8 @@
 
 #include "vo_core/estimation/reduced_system.hpp"
 
-// Internal to the bundle adjustment.
+// Normal equations of the rig calibration error, from the disparities of a bundle problem. Internal to the
+// bundle adjustment.
 
 namespace cartvo::vo {
 

@@ -7,7 +7,7 @@
 #include "vo_core/estimation/pose_priors.hpp"
 #include "vo_core/estimation/reduced_system.hpp"
 
-// Internal to the bundle adjustment.
+// Sensitivity of an adjusted bundle problem to the time offset. Internal to the bundle adjustment.
 
 namespace cartvo::vo {
 

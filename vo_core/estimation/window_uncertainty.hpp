@@ -5,10 +5,12 @@
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
+// Covariances of the poses and of the last motion of an adjusted window.
+
 namespace cartvo::vo {
 
-/// Covariance of the motion from the last but one to the last pair of a window, by cause; perturbations on
-/// the right.
+/// Covariance of the motion between the last two pairs of a window, split by cause; perturbations on the
+/// right.
 struct MotionUncertainty {
   Matrix6d by_landmarks = Matrix6d::Zero();  ///< noise of both poses relative to the landmarks
   /// Error of the window's scale. Fixed poses and landmark depths share that scale, so a motion that agrees

@@ -8,6 +8,8 @@
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stereo_camera.hpp"
 
+// Reprojection of landmarks into both cameras of a pair, each at its own exposure instant, with derivatives.
+
 namespace cartvo::vo {
 
 /// A pair in the estimator: the pose of the left camera at its exposure, and the time offset of the right
@@ -35,7 +37,7 @@ struct RightCamera {
   Matrix6d by_own = Matrix6d::Identity();
   Matrix6d by_neighbour = Matrix6d::Zero();
   Matrix6d by_third = Matrix6d::Zero();
-  /// Jacobian by the offset, per s; known at an offset of zero too, as soon as there is another pose.
+  /// Jacobian by the offset, per s; defined at an offset of zero too, if there is another pose.
   Vector6d by_offset = Vector6d::Zero();
 };
 

@@ -12,8 +12,9 @@ namespace cartvo::vo {
 /// z forward), rad.
 ///
 /// Yaw and p2 change disparities by an amount that depends on the position in the image but not on the depth,
-/// so that the scales of near and far points disagree. Pitch and roll shift rows, which no depth causes;
-/// roll also shifts columns below the centre against those above.
+/// so that near and far points yield different scales of the motion. Pitch and roll shift the rows of
+/// matches, which a depth cannot do; roll also shifts columns, in opposite directions above and below the
+/// centre.
 struct RigCorrection {
   /// Parameters estimated from disparities: yaw and p2, in this order.
   static constexpr int kSize = 2;

@@ -5,7 +5,7 @@
 
 namespace cartvo::vo {
 
-/// Uniform random numbers, the same on each platform.
+/// Generates uniform random numbers for RANSAC subsets, the same on each platform.
 class SubsetRandom {
  public:
   explicit SubsetRandom(std::uint64_t seed) : engine_(seed) {}

@@ -15,8 +15,9 @@ struct Triangulation {
   double sensitivity = 0.0;    ///< m, motion of the right pixel in focal lengths per 1/m of inverse depth
 };
 
-/// Triangulates the inverse depth of a point from its pixels `left` and `right`, px. Linear in rho: y = R b +
-/// rho t. Nothing in the direction of the motion between the cameras.
+/// Triangulates the inverse depth rho of a point from its pixels `left` and `right`, px: a linear equation
+/// with the ray y = R b + rho t. Returns nothing for a point in the direction of the motion between the
+/// cameras.
 inline std::optional<Triangulation> triangulate(const StereoCamera& camera,
                                                 const Eigen::Isometry3d& T_right_left,
                                                 const Eigen::Vector2d& left, const Eigen::Vector2d& right) {

@@ -7,6 +7,8 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
+// Alignment of a patch between two images under an affine warp, with subpixel accuracy.
+
 namespace cartvo::vo {
 
 constexpr int kPatchSide =

@@ -8,8 +8,9 @@
 #include "vo_core/simd/double_lanes.hpp"
 #include "vo_core/simd/small_inverse.hpp"
 
-// Gauss-Newton equations of four affine alignments, one SIMD lane each. Each step waits for the one before,
-// so that four patches take no longer than one. Internal to affine_alignment.cpp.
+// Gauss-Newton equations of four affine alignments, one SIMD lane each. The template is the patch of the
+// first image, the patch after that of the second. Each operation of an alignment waits for the one before,
+// so that four alignments together take no longer than one. Internal to affine_alignment.cpp.
 
 namespace cartvo::vo {
 
@@ -57,7 +58,7 @@ struct WarpBounds {
   }
 };
 
-/// Comparison of four patches after with their templates.
+/// Result of comparing four patches of the second image with their templates.
 struct FourComparisons {
   LaneValues mean;  ///< mean of the patch after
   LaneValues gain;  ///< gain of the patch after relative to the template
@@ -90,8 +91,8 @@ class AlignmentEquations {
     replaceBySquareRoots(norm_);
   }
 
-  /// Compares the patches after with the templates. The gain is divided out; otherwise a darker image would
-  /// shorten each step.
+  /// Compares the patches of the second image with the templates. The gain is divided out; otherwise a darker
+  /// image would shorten each step.
   void compare(const SumsOfFour<ComparisonSums<Parameters>>& sums, FourComparisons& out) const {
     using Sums = ComparisonSums<Parameters>;
     const DoubleLanes mean = kPerPixel * sums[Sums::kValues];

@@ -5,6 +5,8 @@
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/simd/lanes.hpp"
 
+// Integer patches that shift tracking and affine alignment compare. Internal to tracking and stereo matching.
+
 namespace cartvo::vo {
 
 /// Row step of the compared patch. Every second row is compared, which halves the work; neighbouring rows

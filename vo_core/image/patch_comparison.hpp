@@ -12,12 +12,13 @@
 #include "vo_core/image/patch_sums.hpp"
 #include "vo_core/image/warped_patch.hpp"
 
-// Templates and their comparison with patches of another image. Internal to tracking.
+// Building of templates from patches of the first image, and their comparison with patches of the second one.
+// Internal to tracking.
 
 namespace cartvo::vo {
 
-/// Template, the patch before: its derivatives by the parameters (a gradient in x or y, times 1 or times the
-/// pixel's offset from the centre in half patch sides), then its grey values.
+/// Template of the patch in the first image: its derivatives by the warp parameters (the gradient in x or y,
+/// times 1 or times the pixel's offset from the centre in half patch sides) and its grey values.
 template <int Parameters>
 struct AlignedTemplate {
   AlignedPatch slopes[Parameters];
@@ -177,8 +178,8 @@ void comparePatches(const AlignedTemplate<Parameters>& before, const AlignedPatc
 }
 
 /// Sums for the forward-backward error: for the shift by the gradients of the template and for that by the
-/// gradients of the patch after, `now`. Leaves out the edge of the patch, where the gradients of the patch
-/// after are unknown.
+/// gradients of the patch after, `now`. Leaves out the edge of the patch, where the gradients of `now` are
+/// unknown.
 template <typename Processor, int Parameters>
 void compareForwardBackward(const AlignedTemplate<Parameters>& before, const AlignedPatch& now,
                             SumsOfPatch<ForwardBackwardSums>& sums) {

@@ -7,8 +7,8 @@
 #include "vo_core/image/aligned_patch.hpp"
 #include "vo_core/simd/lanes.hpp"
 
-// SIMD kernels on sixteen or more values of an AlignedPatch, specialised by processor: the same bits on each.
-// Internal to tracking and stereo matching.
+// SIMD kernels on sixteen or more values of an AlignedPatch, specialised by processor, with bit-identical
+// results. Internal to tracking and stereo matching.
 
 namespace cartvo::vo {
 

@@ -8,11 +8,13 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/simd/double_lanes.hpp"
 
-// Sums over a patch and their transposition into the equations of four patches. Internal to tracking.
+// Sums over a patch, and their transposition into the equations of four patches. The template is the patch of
+// the first image, the patch after that of the second. Internal to tracking.
 
 namespace cartvo::vo {
 
-// Numbers of parameters: of a shift; in stereo also of the stretch and shear of columns; then also of rows.
+// Numbers of warp parameters: a shift; for stereo also the stretch and shear of columns; for an affine warp
+// also those of rows.
 constexpr int kShiftParameters = 2;   ///< x, y
 constexpr int kStereoParameters = 4;  ///< and the warp's elements xx, xy
 constexpr int kAffineParameters = 6;  ///< and yx, yy
@@ -31,7 +33,8 @@ constexpr int wholeFours(int count) {
 template <int Parameters>
 struct TemplateSums {
   static constexpr int kGrey = Parameters, kOnes = Parameters + 1;
-  /// Sum of two derivatives, j <= i; of one; of one times grey.
+  /// Indices of the sums of derivative i times derivative j, j <= i; of derivative i; of derivative i times
+  /// grey.
   static constexpr int normal(int i, int j) { return i * (i + 1) / 2 + j; }
   static constexpr int slope(int i) { return normal(Parameters, 0) + i; }
   static constexpr int slopeGrey(int i) { return slope(Parameters) + i; }

@@ -6,6 +6,8 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
+// Pyramidal tracking of patches by a pure shift (KLT).
+
 namespace cartvo::vo {
 
 /// Range of pyramid levels, both ends included.

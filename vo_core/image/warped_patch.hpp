@@ -9,10 +9,12 @@
 #include "vo_core/image/patch_lanes.hpp"
 #include "vo_core/simd/bilinear_gather.hpp"
 
+// Sampling of a patch under an affine warp, in fixed-point arithmetic. Internal to tracking.
+
 namespace cartvo::vo {
 
-/// Sampling grid of a patch around `position`, which must lie inside the level, under a warp from offsets in
-/// the patch to offsets in the level. All integers: coordinates in 1/65536 px.
+/// Samples the rows of a patch around `position`, which must lie inside the level. The warp maps offsets in
+/// the patch to offsets in the level. Coordinates are integers in 1/65536 px.
 template <typename Processor>
 class WarpedRows {
  public:

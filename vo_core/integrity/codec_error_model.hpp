@@ -8,10 +8,12 @@
 #include "vo_core/key_frames.hpp"
 #include "vo_core/rigid_motion.hpp"
 
+// Model of the pose errors that video compression causes.
+
 namespace cartvo::vo {
 
-/// Error of a pair's pose by its codec: perturbation on the right, in the axes of that pair's camera, m and
-/// rad.
+/// Error of a pair's pose caused by the codec: perturbation on the right, in the axes of that pair's camera,
+/// m and rad.
 struct PoseShift {
   Vector6d value = Vector6d::Zero();
   Vector6d variance = Vector6d::Zero();
@@ -32,11 +34,12 @@ struct MeasuredMotion {
 /// because a cart moves smoothly: the innovation is the deviation of five consecutive poses from a cubic in
 /// time.
 ///
-/// *Key frames* show the world ahead of the images between them. The shift of each axis is s b, forwards if
-/// the camera moves forwards and backwards if it moves backwards, where s is the motion's standard deviation:
-/// weak geometry amplifies the same pixel error. b was found to be independent of the speed. Its mean and
-/// variance are running means over key frames; they start from zero and from the largest value of any stream.
-/// There is one b each for pairs whose left, right or both images are key frames.
+/// *Key frames* do not lag; their poses lie ahead of those from the images between them. The shift of each
+/// axis is s b, forwards if the camera moves forwards and backwards if it moves backwards, where s is the
+/// motion's standard deviation: weak geometry amplifies the same pixel error. b was found to be independent
+/// of the speed. Its mean and variance are running means over key frames; they start from zero and from the
+/// largest value of any stream. There is one b each for pairs whose left, right or both images are key
+/// frames.
 ///
 /// *Images between key frames* have small errors in daylight, but at dusk, when noise takes the bits, errors
 /// of several standard deviations, independent from image to image. The inflation is the running mean of the
@@ -46,12 +49,13 @@ struct MeasuredMotion {
 /// consecutive pairs without a key frame; a video with more key frames gets no inflation.
 class CodecErrorModel {
  public:
-  /// Restarts at a pair without a motion to it, or at a standstill; estimates are kept. Returns the shift of
-  /// that pair, all of it as variance, if it is a key frame. The variance is zero if no motion is known yet.
+  /// Restarts the sequence of consecutive pairs with `pair`: no motion to it was measured, or the cart is at
+  /// a standstill. Keeps the estimates. Returns the shift of a key frame, with the value zero and the whole
+  /// expected square as variance, which is zero before the first motion; returns nothing for other pairs.
   std::optional<PoseShift> restart(KeyFrames pair);
 
-  /// Updates with the motion to the next pair; returns the shift of that pair. Empty if it is not a key
-  /// frame, or if the previous pair is one of the same kind.
+  /// Updates with the motion to the next pair and returns the shift of that pair; nothing if it is not a key
+  /// frame, or if the previous pair is a key frame of the same kind.
   std::optional<PoseShift> update(KeyFrames pair, const MeasuredMotion& measured);
 
   /// Factor on the variance by the landmarks of a pose between key frames, 1 to 30.

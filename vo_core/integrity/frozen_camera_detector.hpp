@@ -30,8 +30,8 @@ class FrozenCameraDetector {
     RigCalibrationFilter rig;  ///< expected rotation for the search for stereo matches
     const BundleNoises& noise;
     Vector6d admissible_change;  ///< as PoseProblem's
-    /// m and rad added to the limits if the cart has stopped since the previous pair: the right camera is
-    /// exposed at another instant, for which the motion was extrapolated that has ended.
+    /// m and rad, added to the limits if the cart has stopped since the previous pair: the pose of the right
+    /// camera at its own exposure was then extrapolated from a motion that has ended.
     double translation_slack, rotation_slack;
   };
   /// State of the track at the previous pair.
@@ -49,11 +49,11 @@ class FrozenCameraDetector {
   /// those of the pair, which get its stereo matches.
   void update(const Pair& pair, const Before& before, std::vector<Landmark>& landmarks, const Work& work);
 
-  /// Whether it has processed the previous pair.
+  /// Whether a standstill is being checked, or the left camera was found frozen.
   bool isActive() const { return left_is_frozen_ || start_.has_value(); }
-  /// Whether the right camera has left its place relative to the left one, or cannot be localised while the
-  /// left image repeats. Reset when it has stayed at a new place for the duration of a standstill: then the
-  /// right camera was only pushed.
+  /// Whether the left camera is frozen: the right camera has moved relative to it, or cannot be localised
+  /// while the left image repeats. Reset when the right camera has stayed at a new place for the duration of
+  /// a standstill: then it was only pushed.
   bool leftIsFrozen() const { return left_is_frozen_; }
 
  private:

@@ -16,8 +16,8 @@ struct ImageRepeats {
 
 /// Detects images that repeat while the cart moves: from a frozen camera that continues to send, or from one
 /// that fills gaps. Without it they would look like a sudden stop. The images of a stopped cart repeat too if
-/// the encoder suppresses noise, but a cart cannot stop from one pair to the next. Below the speed at which
-/// it can, the estimator has to detect a frozen camera itself.
+/// the encoder suppresses noise, but a cart at speed cannot stop from one pair to the next. At speeds from
+/// which it can, the estimator has to detect a frozen camera itself.
 class RepeatedImageDetector {
  public:
   /// Compares the next pair with the previous one. `last`: estimate of the previous pair.

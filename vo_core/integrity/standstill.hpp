@@ -14,7 +14,7 @@ class StandstillDetector {
  public:
   explicit StandstillDetector(const StandstillSettings& settings) : settings_(settings) {}
 
-  /// Processes the next pose and its time (ns); returns whether the cart stands.
+  /// Processes the next pose and its time (ns); returns whether the cart is at a standstill.
   bool update(const Eigen::Isometry3d& T_world_camera, std::int64_t time_ns) {
     if (!start_ || exceedsLimits(start_->T_world_camera.inverse() * T_world_camera))
       start_ = Start{T_world_camera, time_ns};

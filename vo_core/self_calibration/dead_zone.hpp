@@ -5,9 +5,9 @@
 
 namespace cartvo::vo {
 
-/// Non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the non-negative garrote", 1998) with a
-/// limit: zero for |value| <= dead_zone, continuous, close to the value far beyond; the magnitude is at most
-/// `limit`.
+/// Applies a dead zone to `value`, by the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using
+/// the non-negative garrote", 1998), and a limit. Zero for |value| <= dead_zone, continuous, close to the
+/// value far beyond; the magnitude is at most `limit`.
 inline double applyDeadZone(double value, double dead_zone, double limit) {
   const double size = std::abs(value);
   if (size <= dead_zone) return 0.0;

@@ -6,6 +6,8 @@
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
+// Stereo matching of the newest pair with the right camera rotated by the estimated calibration error.
+
 namespace cartvo::vo {
 
 /// The newest pair of a track and the tracker that matches its landmarks.
@@ -17,7 +19,7 @@ struct NewestPair {
 };
 
 /// Searches the right image for the landmarks' last observations, with the right camera rotated by
-/// rig.expected(). `T_right_left`: newestRightFromLeft(), by the rig file alone.
+/// rig.expected(). `T_right_left`: newestRightFromLeft(), computed from the rig file without correction.
 void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                         const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks);
 

@@ -7,6 +7,8 @@
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
+// Recovery of the right camera's pitch after a bump.
+
 namespace cartvo::vo {
 
 /// Searches the right image for the landmarks' last observations, with the right camera rotated by
@@ -30,7 +32,7 @@ class PitchReinitialiser {
   explicit PitchReinitialiser(const StereoCamera& camera) : camera_(camera) {}
 
   /// Searches for the pitch if matches are missing and a search is due. Returns whether one was found, which
-  /// `rig` then has.
+  /// is then set in `rig`.
   bool tryReinitialise(const MatchedPair& pair, RigCalibrationFilter& rig);
 
  private:

@@ -7,8 +7,8 @@
 
 namespace cartvo::vo {
 
-/// Information filter for the right camera's pitch, roll and delay, measured by rows. Its memory is some
-/// seconds, so that it follows a bumped camera.
+/// Information filter for the right camera's pitch, roll and delay, measured by the rows of stereo matches.
+/// It forgets within some seconds, so that it follows a bumped camera.
 class PitchRollFilter {
  public:
   PitchRollFilter();
@@ -23,15 +23,17 @@ class PitchRollFilter {
   /// Restarts with the pitch of one pair's measurement and its uncertainty.
   void reinitialisePitch(const RowMeasurement& measurement);
 
-  /// Yaw (rad) by which the right camera has turned lately, or 0: a step of the cross term. Its origin, yaw
-  /// or lens, is unknown, but lenses do not change within a minute. Each step is returned once.
+  /// Returns the yaw (rad) by which the right camera has turned recently, or 0, and clears it. Derived from a
+  /// step of the cross term: yaw or the lens may cause it, but lenses do not change within a minute.
   double takeYawStep();
 
   const RowErrors::Vector& estimate() const { return estimate_; }
-  /// Standard deviation by the noise of the matches and by what a calibration leaves in the rows.
+  /// Standard deviation from the noise of the matches and from the row errors that even a good calibration
+  /// leaves.
   RowErrors::Vector stddev() const;
 
-  /// Pitch and roll to correct: where they are significant and more than every calibration leaves; limited.
+  /// Pitch and roll to correct, limited: zero unless they are significant and larger than the errors that
+  /// every calibration leaves.
   RigCorrection correction() const;
 
   /// Pitch and roll for the search for matches: as correction(), with a lower significance level.

@@ -8,8 +8,8 @@
 
 namespace cartvo::vo {
 
-/// Estimates the rig's calibration error while driving: yaw and p2 from disparities, pitch, roll and delay
-/// from rows.
+/// Estimates the rig's calibration error while driving: yaw and p2 from the disparities of stereo matches;
+/// pitch, roll and delay from their rows.
 class RigCalibrationFilter {
  public:
   /// Updates with the newest pair of an adjusted problem, whose right pixels were corrected by `applied`.

@@ -5,11 +5,14 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 
+// Measurement of the right camera's calibration error from the vertical disparities of one pair.
+
 namespace cartvo::vo {
 
-/// Errors of the right camera that shift the rows of stereo matches against the prediction. The cross term
-/// shifts rows in proportion to x * y: yaw + 2 p2. The lenses of a good calibration leave more of it than a
-/// yaw that matters; it is estimated to keep it out of the other errors, and not corrected.
+/// Errors of the right camera that shift the rows of stereo matches: pitch, roll, delay and the cross term
+/// (yaw + 2 p2), which shifts rows in proportion to x * y. The cross term is estimated to keep it out of the
+/// other errors. It is not corrected, because the lenses of a good calibration leave a larger one than a
+/// yaw that matters.
 struct RowErrors {
   static constexpr int kSize = 4;
   enum Index { kPitch, kRoll, kCrossTerm, kDelay };  ///< rad, rad, rad, s; signs as RigCorrection's
@@ -42,7 +45,7 @@ class RowRegression {
   std::unique_ptr<Work> work_;  // keeps its memory from problem to problem
 };
 
-/// Measurement of a single problem.
+/// Measures the row errors of a single problem. For many problems RowRegression reuses its memory.
 RowMeasurement measureRows(const BundleProblem& adjusted);
 
 }  // namespace cartvo::vo

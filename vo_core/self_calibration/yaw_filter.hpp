@@ -14,14 +14,16 @@ class YawFilter {
   void update(const RigCorrection::Matrix& information, const RigCorrection::Vector& gradient,
               const RigCorrection& applied, double time_step);
 
-  /// Adds a yaw (rad) by which the rows show the right camera to have turned; discards older information.
+  /// Adds a turn of the right camera in yaw (rad), as detected from the rows
+  /// (PitchRollFilter::takeYawStep()); discards older information.
   void applyYawStep(double yaw);
 
   /// Total error of the calibration, before correction, and its standard deviation.
   const RigCorrection::Vector& estimate() const { return estimate_; }
   RigCorrection::Vector stddev() const;
 
-  /// Yaw and p2 to correct: the estimate with a dead zone for what every calibration leaves, and limited.
+  /// Yaw and p2 to correct: the estimate after a dead zone for the errors that every calibration leaves,
+  /// limited.
   RigCorrection correction() const;
 
  private:

@@ -10,7 +10,7 @@ namespace cartvo::vo {
 /// Four doubles that are processed at once, like Lanes; normal equations need double precision. Four fill an
 /// AVX2 register. Eight would fill one of AVX-512, but GCC 12 moves those through memory, which costs three
 /// times as much as they save here. Never passed or returned by value, because that ABI depends on the
-/// processor; the alignment would, too, if it were not given.
+/// processor. The alignment is specified, because its default depends on the processor, too.
 constexpr int kDoubleLanes = 4;
 using DoubleLanes =
     double __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
@@ -20,8 +20,8 @@ using DoubleLanes =
 using BitLanes =
     std::uint64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 
-/// Masks as a comparison gives them: all bits where it holds, else none. For a few comparisons, which may be
-/// slower than BitLanes where the lanes do not fit into one register.
+/// Masks as comparisons return them: all bits set where true, else none. Only for few comparisons: they may
+/// be slower than BitLanes where the lanes do not fit into one register.
 using MaskLanes =
     std::int64_t __attribute__((vector_size(8 * kDoubleLanes), aligned(8 * kDoubleLanes), may_alias));
 

@@ -15,6 +15,9 @@
 #include "vo_core/simd/double_lanes.hpp"
 #include "vo_core/stereo/subpixel_fit.hpp"
 
+// Search for the peak of the normalised cross-correlation (NCC) with the right image. Internal to the stereo
+// search.
+
 namespace cartvo::vo {
 
 constexpr int kNccColumns = 15, kNccRows = 9;    ///< px, size of the windows that are correlated
@@ -25,7 +28,7 @@ constexpr int kNccSize = kNccColumns * kNccRows;
 static_assert(kNccSize * kMaximumValue * kMaximumValue / 4 < 2147483648.0,
               "sums of products fit into 32 bits");
 
-/// Left patch in integers, half as many per grey value as in an AlignedPatch.
+/// Left patch in integers, in units of two AlignedPatch units.
 struct NccTemplate {
   alignas(64) std::int16_t value[wholeFours(kNccRows) * kLanes];  ///< zero in the padding
   double mean = 0.0;
@@ -156,8 +159,8 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
 
 }  // namespace ncc_detail
 
-/// The highest peak of the template's normalised cross-correlation with windows of the right image at most
-/// kNccRadius columns and `rows` <= 3 rows away from `centre`.
+/// Finds the highest peak of the template's normalised cross-correlation with windows of the right image at
+/// most kNccRadius columns and `rows` <= 3 rows away from `centre`.
 template <typename Processor>
 NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
                     int rows) {

@@ -43,7 +43,7 @@ class SadWindow {
       std::memcpy(&rows_[row], from, kSadColumns);
   }
 
-  /// SADs with the window around `pixel` and the ones to its left.
+  /// Computes the SADs with kSadRun windows of the right image: the one around `pixel` and those to its left.
   void compareRun(const PyramidLevel& right, const LevelPixel& pixel, SadRun& sums) const {
     compare<kSadRun>(right, pixel, sums.data());
   }

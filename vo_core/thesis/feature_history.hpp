@@ -4,6 +4,8 @@
 
 #include "vo_core/odometry_settings.hpp"
 
+// Weight of a feature by its motion relative to the static world.
+
 namespace cartvo::vo {
 
 /// Displacement of a feature in the world from one pair to the next; a static point has none but noise.

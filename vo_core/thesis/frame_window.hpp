@@ -7,6 +7,8 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 
+// Window of the last pairs, as `estimator: thesis` needs it.
+
 namespace cartvo::vo {
 
 /// Record of a processed pair.

@@ -5,6 +5,8 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// KLT tracking of one patch: a pyramidal shift, then an affine alignment.
+
 namespace cartvo::vo {
 
 /// Result of trackPatch().

@@ -7,6 +7,8 @@
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// Robust motion from 3D-3D point matches (thesis 4.15, 4.16).
+
 namespace cartvo::vo {
 
 /// Point of a feature in the reference and in the current camera.
@@ -26,8 +28,9 @@ struct EstimatedMotion {
   int inliers = 0;
 };
 
-/// Horn's absolute orientation (thesis 4.15) over random subsets, the median pose of the subsets, then Horn
-/// over all features with weights w = 1/|c| that are recomputed from each solution (thesis 4.16).
+/// Estimates the motion in three steps: Horn's absolute orientation (thesis 4.15) over random subsets, the
+/// median pose of the subsets, then Horn over all features with weights w = 1/|c| that are recomputed from
+/// each solution (thesis 4.16).
 ///
 /// Beyond the thesis: c is in standard deviations of each point (prediction_error.hpp) and Horn's weights
 /// include the inverse variance; the radius widens with the errors' median where images are noisier than

@@ -11,6 +11,8 @@
 #include "vo_core/thesis/frame_window.hpp"
 #include "vo_core/thesis/motion_estimator.hpp"
 
+// Measurement of the motion between two pairs by `estimator: thesis`, with covariance and validation.
+
 namespace cartvo::vo {
 
 /// Motion of a pair since a reference pair.

@@ -6,6 +6,8 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
+// Refinement of the current pose against the point clouds of the last frames (thesis 5.1).
+
 namespace cartvo::vo {
 
 /// Grid of cells of the image; the errors of features in one cell are correlated.

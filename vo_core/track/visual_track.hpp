@@ -17,6 +17,8 @@
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
+// One track of `estimator: reprojection`: tracking, pose search and bundle adjustment for each pair.
+
 namespace cartvo::vo {
 
 /// A pair with its image pyramids.

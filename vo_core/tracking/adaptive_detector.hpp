@@ -17,8 +17,8 @@ class AdaptiveDetector {
   AdaptiveDetector(const DetectionSettings& settings, int features, const cv::Size& image_size,
                    double scale = 1.0);
 
-  /// New corners that bring the number of features to its target, with the same share for all windows,
-  /// strongest first: window by window, then the strongest of those left. `alive`: features that the image
+  /// Finds new corners that bring the number of features to its target. Chooses the strongest of each window,
+  /// with the same share for all windows, then the strongest of those left. `alive`: features that the image
   /// has already, all in `spacing`; new ones keep its distance and are inserted into it. Adapts the
   /// thresholds for the next image. Valid until the next call.
   const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,

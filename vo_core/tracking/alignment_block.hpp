@@ -9,6 +9,8 @@
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// Affine alignment of several patches at once, in px of the full image.
+
 namespace cartvo::vo {
 
 /// Two pyramids and the level in which a patch is aligned.

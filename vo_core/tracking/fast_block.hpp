@@ -12,6 +12,8 @@
 #include <immintrin.h>
 #endif
 
+// SIMD implementation of the FAST-9 corner test and score. Internal to CornerFinder.
+
 namespace cartvo::vo {
 
 constexpr int kCircle = 16;  ///< pixels of the circle

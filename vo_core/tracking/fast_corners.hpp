@@ -8,6 +8,8 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
+// FAST-9 corner detection with non-maximum suppression.
+
 namespace cartvo::vo {
 
 /// A corner of an image and its FAST score.

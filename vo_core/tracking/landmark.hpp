@@ -7,6 +7,8 @@
 #include "vo_core/geometry/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
 
+// Landmark of the window, with its observations and inverse depth.
+
 namespace cartvo::vo {
 
 /// Observation of a landmark by one pair.

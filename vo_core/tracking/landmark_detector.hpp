@@ -8,6 +8,8 @@
 #include "vo_core/tracking/adaptive_detector.hpp"
 #include "vo_core/tracking/landmark.hpp"
 
+// Detection of corners for new landmarks in two pyramid levels.
+
 namespace cartvo::vo {
 
 /// Corner for a new landmark and the pyramid level in which it was found.
@@ -23,7 +25,7 @@ using LevelShares = std::array<double, kLandmarkLevels>;
 /// Detects corners in an image and in its half, where noise is lower. Their distribution over windows and
 /// levels follows recent tracking success. A window whose corners last gets more of the landmarks; one whose
 /// corners leave the image or cannot be tracked gets fewer. Coarse corners, whose positions are less precise,
-/// replace fine ones where they last so much longer that they give more information: in the dark, above all.
+/// replace fine ones where they last so much longer that they give more information: mostly in the dark.
 class LandmarkDetector {
  public:
   /// `features`: target number in the whole image.
@@ -32,8 +34,8 @@ class LandmarkDetector {
   /// Sets the target number of features from the next image on.
   void setTargetFeatureCount(int features);
 
-  /// New corners that bring the number of landmarks to its target. `alive`: landmarks that the image has
-  /// already, all in `spacing`; new ones keep its distance and are inserted into it. Valid until the next
+  /// Finds new corners that bring the number of landmarks to its target. `alive`: landmarks that the image
+  /// has already, all in `spacing`; new ones keep its distance and are inserted into it. Valid until the next
   /// call.
   const std::vector<LandmarkCorner>& detect(const ImagePyramid& image, const std::vector<Landmark>& alive,
                                             SpacingGrid& spacing);

@@ -7,7 +7,7 @@
 namespace cartvo::vo {
 
 /// Keeps points of an image a minimum distance apart: insert() accepts a point only if no accepted one is
-/// closer. Single precision: a thousandth of a pixel in images of 8192 px.
+/// closer. Stores positions in single precision, which is a thousandth of a pixel in images of 8192 px.
 class SpacingGrid {
  public:
   SpacingGrid() = default;

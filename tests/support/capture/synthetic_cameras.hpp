@@ -17,11 +17,13 @@
 #include "common/host_clock.hpp"
 #include "daemon/pipeline/pair_processor.hpp"
 
+// Synthetic cameras and frames for tests of the pipeline.
+
 namespace cartvo::test {
 
 constexpr std::int64_t kPeriod_ns = 20'000'000;  // 50 Hz: quick tests
 
-/// Synthetic cameras for tests of the pipeline: a rectified rig with 320x240 px images.
+/// Rig of two rectified cameras with 320x240 px images.
 inline calib::Rig smallRig() {
   calib::Rig rig;
   rig.name = "test";

@@ -14,12 +14,12 @@ class RepeatedImageDetector;
 
 /// Stereo visual odometry: estimates the motion of a stereo camera from rectified image pairs.
 ///
-///   cartvo::StereoCamera camera{.focal_length = 480.0, .cx = 340.0, .cy = 210.0,
+///   cartvo::vo::StereoCamera camera{.focal_length = 480.0, .cx = 340.0, .cy = 210.0,
 ///                               .baseline = 0.115, .width = 680, .height = 420};
-///   cartvo::StereoOdometry odometry(camera, cartvo::OdometrySettings{});
-///   cartvo::NullStageObserver observer;
-///   while (readPair(images)) {  // cartvo::StereoImages
-///     const cartvo::OdometryEstimate estimate = odometry.process(images, observer);
+///   cartvo::vo::StereoOdometry odometry(camera, cartvo::vo::OdometrySettings{});
+///   cartvo::vo::NullStageObserver observer;
+///   while (readPair(images)) {  // cartvo::vo::StereoImages
+///     const cartvo::vo::OdometryEstimate estimate = odometry.process(images, observer);
 ///     if (estimate.valid) use(estimate.T_world_camera, estimate.pose_covariance);
 ///   }
 ///

@@ -86,7 +86,7 @@ bool checkIndex(const std::string& text) {
   for (std::size_t i = 0; i < index->rows.size(); ++i) {
     const std::string line = capture::formatIndexRow(index->rows[i]);
     const std::optional<capture::IndexRow> again = capture::parseIndexRow(line);
-    fuzz::require(again && formatIndexRow(*again) == line, "a row is read back: " + line);
+    fuzz::require(again && capture::formatIndexRow(*again) == line, "a row is read back: " + line);
     fuzz::require(i == 0 || (index->rows[i].number > index->rows[i - 1].number &&
                              index->rows[i].time_ms > index->rows[i - 1].time_ms),
                   "rows are in order");

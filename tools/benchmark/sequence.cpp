@@ -53,7 +53,7 @@ std::vector<Sequence> realSequences(const fs::path& data) {
   if (data.empty()) return {};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(data))
-    if (entry.is_directory() && detectImageFolder(entry.path())) folders.push_back(entry.path());
+    if (entry.is_directory() && capture::detectImageFolder(entry.path())) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   std::vector<Sequence> sequences;
   for (const fs::path& folder : folders) {

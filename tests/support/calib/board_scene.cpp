@@ -64,7 +64,7 @@ std::vector<Eigen::Vector3d> cornerRays(const calib::CameraModel& camera) {
 }  // namespace
 
 std::vector<Eigen::Isometry3d> boardPoses(const calib::BoardSpec& board, double nearest, int count) {
-  const Eigen::Vector2d middle = 0.5 * boardExtent(board);
+  const Eigen::Vector2d middle = 0.5 * calib::boardExtent(board);
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
     const double turn = 2.4 * i;  // the golden angle, so that tilts and positions are uncorrelated

@@ -43,7 +43,7 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
   capture::keepFfmpegQuiet();
   const AVCodec* encoder = avcodec_find_encoder_by_name(h264 ? "libx264" : "libx265");
   require(encoder != nullptr, "FFmpeg has no encoder");
-  const ffmpeg::CodecContext context(avcodec_alloc_context3(encoder));
+  const capture::ffmpeg::CodecContext context(avcodec_alloc_context3(encoder));
   context->width = size.width;
   context->height = size.height;
   context->pix_fmt = AV_PIX_FMT_YUV420P;
@@ -64,7 +64,7 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
   frame->width = size.width;
   frame->height = size.height;
   av_frame_get_buffer(frame, 0);
-  const ffmpeg::Packet packet = ffmpeg::makePacket();
+  const capture::ffmpeg::Packet packet = capture::ffmpeg::makePacket();
   std::vector<capture::EncodedUnit> units;
   for (int i = 0; i < count; ++i) {
     av_frame_make_writable(frame);

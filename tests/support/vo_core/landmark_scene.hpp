@@ -122,7 +122,7 @@ inline vo::BundleProblem simulateProblem(const LandmarkScene& scene, std::uint64
 inline void disturb(vo::BundleProblem& problem, double size = 1.0) {
   for (std::size_t i = static_cast<std::size_t>(problem.fixed); i < problem.poses.size(); ++i) {
     Eigen::Isometry3d& pose = problem.poses[i].T_world_camera;
-    pose = pose * motionFromVector(size * vector6(0.01, -0.01, 0.02, 0.002, -0.003, 0.002));
+    pose = pose * vo::motionFromVector(size * vector6(0.01, -0.01, 0.02, 0.002, -0.003, 0.002));
   }
   for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
     problem.landmarks[i].inverse_depth *= 1.0 + size * (i % 2 == 0 ? 0.1 : -0.08);

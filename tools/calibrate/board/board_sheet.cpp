@@ -33,7 +33,7 @@ std::string format(const char* pattern, auto... values) {
 }
 
 cv::Size2d extentOf(const calib::BoardSpec& board) {
-  const Eigen::Vector2d extent = 1000.0 * boardExtent(board);
+  const Eigen::Vector2d extent = 1000.0 * calib::boardExtent(board);
   return {extent.x(), extent.y()};
 }
 

@@ -26,7 +26,7 @@ Eigen::Matrix3d bodyAxes(const Eigen::Vector3d& down, const Eigen::Vector3d& for
 
 /// Yaw, pitch and roll of a camera relative to one that looks forward, rad.
 Eigen::Vector3d anglesOf(const Eigen::Matrix3d& R_body_camera) {
-  const Eigen::Matrix3d R = R_body_camera * forwardLookingMount().linear().transpose();
+  const Eigen::Matrix3d R = R_body_camera * calib::forwardLookingMount().linear().transpose();
   return {std::atan2(R(1, 0), R(0, 0)), -std::asin(std::clamp(R(2, 0), -1.0, 1.0)),
           std::atan2(R(2, 1), R(2, 2))};
 }

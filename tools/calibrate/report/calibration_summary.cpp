@@ -131,7 +131,7 @@ std::string calibrationText(const calib::Calibration& calibration) {
   text += fmt::format(
       "  baseline {:.2f} mm, turned by {:.3f} degrees; relative stddev of the scale {:.2f} %\n",
       1000.0 * rig.baseline(), Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
-      100.0 * scaleStddev(calibration));
+      100.0 * calib::scaleStddev(calibration));
   text += "depth   disparity error equal to the row error   halves differ by (median, 95 %)\n";
   for (const calib::DepthDifference& depth : calibration.halves.depth) {
     text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>41} {:>11}\n", depth.distance,

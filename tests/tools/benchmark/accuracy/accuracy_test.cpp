@@ -73,7 +73,7 @@ struct SyntheticDrive {
         for (int k = 0; k < 6; ++k)
           error[k] = behaviour.noise * stddevs[k] * normal(generator);
         if (i == behaviour.wrong_at) error.z() += 0.2;
-        pair.T_previous_current = motion * motionFromVector(error);
+        pair.T_previous_current = motion * vo::motionFromVector(error);
         pair.motion_covariance = motionCovariance();
         pair.time_step = 1e-9 * static_cast<double>(pair.exposure_ns - replay.pairs[reference].exposure_ns);
         pose_covariance =

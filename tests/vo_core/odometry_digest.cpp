@@ -78,9 +78,9 @@ int main(int argc, char** argv) {
   try {
     if (argc != 3) throw std::runtime_error("usage: odometry_digest draw|drive FILE");
     if (std::strcmp(argv[1], "draw") == 0)
-      cartvo::draw(argv[2]);
+      cartvo::vo::draw(argv[2]);
     else
-      cartvo::drive(argv[2]);
+      cartvo::vo::drive(argv[2]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "odometry_digest: %s\n", error.what());
     return 1;

@@ -304,7 +304,7 @@ TEST(CodecErrors, ShiftOfKeyFramesIsInTheCovariances) {
     ASSERT_TRUE(with_key_frames[i].valid) << i;
     EXPECT_LT(errorInStddevs(with_key_frames[i], i), 3.0) << i;
     if (i > kInterval && i % kInterval == 1) {
-      EXPECT_GT(errorInStddevs(unwith_key_frames[i], i), 3.0) << i;
+      EXPECT_GT(errorInStddevs(without_key_frames[i], i), 3.0) << i;
     }
   }
 }

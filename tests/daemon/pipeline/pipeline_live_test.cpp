@@ -10,8 +10,8 @@
 
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "support/capture/synthetic_cameras.hpp"
 #include "support/test_timeout.hpp"
-#include "synthetic_cameras.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -209,7 +209,7 @@ TEST(PipelineLive, RejectsStreamOfWrongSizeAndNamesIt) {
 }
 
 TEST(PipelineLive, SourceFailureEndsRunWithItsMessage) {
-  const auto broken = [](int index, std::int64_t exposure_ns) -> Frame {
+  const auto broken = [](int index, std::int64_t exposure_ns) -> capture::Frame {
     if (index == 3) throw std::runtime_error("the decoder is broken");
     return rightWall(index, exposure_ns);
   };

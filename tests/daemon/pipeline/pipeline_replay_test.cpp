@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline/pipeline.hpp"
-#include "synthetic_cameras.hpp"
+#include "support/capture/synthetic_cameras.hpp"
 
 namespace cartvo::daemon {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline/pipeline.hpp"
+#include "support/capture/synthetic_cameras.hpp"
 #include "support/vo_core/corridor_world.hpp"
-#include "synthetic_cameras.hpp"
 
 namespace cartvo::daemon {
 namespace {

@@ -17,9 +17,9 @@
 #include "calib/format/rig_file.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/daemon.hpp"
+#include "support/capture/synthetic_cameras.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_timeout.hpp"
-#include "synthetic_cameras.hpp"
 #include "tools/simulate/server/simulated_camera.hpp"
 #include "tools/simulate/stream/encode_content.hpp"
 

@@ -191,7 +191,7 @@ TEST(DepthRegression, IsBetterWithSubPixelDisparities) {
   EXPECT_GE(closeDepths(samples.sub_pixel), closeDepths(samples.whole_pixel));
 }
 
-TEST(vo::FeatureCounts, VaryLessWithAdaptiveThresholds) {
+TEST(FeatureCounts, VaryLessWithAdaptiveThresholds) {
   CARTVO_NEEDS_DATA(sequence, "kitti_00");
   const vo::DetectionSettings adaptive;
   const FeatureCountSeries with = countFeatures(sequence, adaptive, 1000);
@@ -202,7 +202,7 @@ TEST(vo::FeatureCounts, VaryLessWithAdaptiveThresholds) {
   EXPECT_GT(with.features_mean, 900.0);
 }
 
-TEST(daemon::StageTimes, AreMediansExceptTheFirstPair) {
+TEST(StageTimes, AreMediansExceptTheFirstPair) {
   Replay replay;
   for (const double seconds : {9.0, 0.001, 0.003, 0.002}) {
     ReplayedPair pair;

@@ -141,7 +141,7 @@ RecordingIndex readRecordingIndex(const std::filesystem::path& file) {
 
 RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::path& name) {
   RecordingIndex index;
-  const auto countDamagedLine = [&](int number) {
+  const auto count_damaged_line = [&](int number) {
     if (index.damaged_lines++ == 0)
       index.damage = name.string() + ", line " + std::to_string(number) + " is damaged or truncated";
   };
@@ -150,7 +150,7 @@ RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::pa
     // A header with other columns means another format; one that was overwritten is a damaged line.
     if (line.starts_with("number,"))
       throw std::runtime_error(name.string() + ", line 1: expected the header '" + indexHeader() + "'");
-    countDamagedLine(1);
+    count_damaged_line(1);
   }
   for (int number = 2; std::getline(input, line); ++number) {
     // The last line may be truncated and still parse: it is valid only with its end of line.
@@ -160,7 +160,7 @@ RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::pa
     if (in_order) {
       index.rows.push_back(*row);
     } else {
-      countDamagedLine(number);
+      count_damaged_line(number);
     }
   }
   return index;

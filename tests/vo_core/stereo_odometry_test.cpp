@@ -295,16 +295,16 @@ TEST(CodecErrors, ShiftOfKeyFramesIsInTheCovariances) {
   for (StereoImages& pair : pairs)
     pair.key_frames = {};
   const std::vector<OdometryEstimate> without_key_frames = run(pairs, {});
-  const auto errorInStddevs = [](const OdometryEstimate& estimate, int pair) {
+  const auto error_in_stddevs = [](const OdometryEstimate& estimate, int pair) {
     const double truth = (drive(pair - 1).inverse() * drive(pair)).translation().z();
     return std::abs(estimate.T_previous_current.translation().z() - truth) /
            std::sqrt(estimate.motion_covariance(2, 2));
   };
   for (int i = 1; i < kPairs; ++i) {
     ASSERT_TRUE(with_key_frames[i].valid) << i;
-    EXPECT_LT(errorInStddevs(with_key_frames[i], i), 3.0) << i;
+    EXPECT_LT(error_in_stddevs(with_key_frames[i], i), 3.0) << i;
     if (i > kInterval && i % kInterval == 1) {
-      EXPECT_GT(errorInStddevs(without_key_frames[i], i), 3.0) << i;
+      EXPECT_GT(error_in_stddevs(without_key_frames[i], i), 3.0) << i;
     }
   }
 }

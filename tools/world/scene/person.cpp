@@ -50,15 +50,16 @@ Mesh makeArm() {
 
 std::array<Eigen::Isometry3d, 5> limbPlacements(double walked) {
   const double phase = 2.0 * std::numbers::pi * walked / kStride;
-  const auto placedAtJoint = [](double y, double z, double swing) {
+  const auto placed_at_joint = [](double y, double z, double swing) {
     Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
     placement.translation() = Eigen::Vector3d(0.0, y, z);
     placement.linear() = Eigen::AngleAxisd(swing, Eigen::Vector3d::UnitY()).toRotationMatrix();
     return placement;
   };
   const double swing = 0.42 * std::sin(phase);
-  return {Eigen::Isometry3d::Identity(), placedAtJoint(0.09, kHip, swing), placedAtJoint(-0.09, kHip, -swing),
-          placedAtJoint(0.24, kShoulder, -0.8 * swing), placedAtJoint(-0.24, kShoulder, 0.8 * swing)};
+  return {Eigen::Isometry3d::Identity(), placed_at_joint(0.09, kHip, swing),
+          placed_at_joint(-0.09, kHip, -swing), placed_at_joint(0.24, kShoulder, -0.8 * swing),
+          placed_at_joint(-0.24, kShoulder, 0.8 * swing)};
 }
 
 }  // namespace cartvo::world

@@ -41,7 +41,7 @@ struct PairResult {
   /// Right minus left exposure, ns.
   std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
   /// Offset minus the difference of the minimum-delay arrival times, ns; meaningful for live cameras only.
-  std::int64_t applied_correction_ns() const {
+  std::int64_t appliedCorrectionNs() const {
     return offset_ns() - (right.min_delay_arrival_ns - left.min_delay_arrival_ns);
   }
   /// Arrival of the pair's last packet, ns since the Unix epoch.

@@ -141,7 +141,7 @@ PairResult Pipeline::Implementation::processPair(const capture::FramePair& pair,
   PairResult result = processor_.process(pair);
   ++processed_;
   const auto offset = visual_offset_.update(
-      result.estimate.rig, static_cast<double>(result.applied_correction_ns()), result.estimate.time_step);
+      result.estimate.rig, static_cast<double>(result.appliedCorrectionNs()), result.estimate.time_step);
   if (settings_.set_visual_offset) settings_.set_visual_offset(offset);
   sink.pair(result);
   return result;

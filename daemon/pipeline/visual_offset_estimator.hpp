@@ -14,7 +14,7 @@ namespace cartvo::daemon {
 class VisualOffsetEstimator {
  public:
   /// Adds a processed pair. `rig`: its rig calibration errors, empty while unknown. `applied_correction_ns`:
-  /// PairResult::applied_correction_ns. `time_step`: s since the previous pair. Returns the latest estimate;
+  /// PairResult::appliedCorrectionNs(). `time_step`: s since the previous pair. Returns the latest estimate;
   /// at a standstill its standard deviation grows with time.
   std::optional<capture::OffsetEstimate> update(const std::optional<vo::RigCalibrationError>& rig,
                                                 double applied_correction_ns, double time_step);

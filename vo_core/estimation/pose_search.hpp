@@ -33,7 +33,8 @@ struct PoseProblem {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< predicted T_world_camera
   std::vector<PosePoint> points;
   /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
-  /// patch is ignored: a gate that opens for blurred patches admits wrong matches (docs/notebook/experiments.md).
+  /// patch is ignored: a gate that opens for blurred patches admits wrong matches
+  /// (docs/notebook/experiments.md).
   BundleNoises noise;
   /// Motion gate: largest difference from `start` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;

@@ -125,22 +125,12 @@ double inflationOf(const TrackedMotion& motion) {
 TEST_F(VisualTrackTest, InflatesTheCovarianceOfFirstMotions) {
   VisualTrack track = begin();
   const int frames = smallSettings().bundle.frames;
-  double previous = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= frames; ++i) {
     const TrackedMotion motion = show(track, drivePair(i), i);
     ASSERT_TRUE(motion.valid()) << i;
     const double inflation = inflationOf(motion);
-    if (i == 1) {
-      EXPECT_NEAR(inflation, 10.0, 1.5) << "about the 11 of docs/accuracy.md";
-    }
-    if (i < frames) {
-      EXPECT_GT(inflation, 1.5) << i;
-      EXPECT_LT(inflation, previous) << i;
-    } else {
-      EXPECT_NEAR(inflation, 1.0, 1e-6);
-    }
+    EXPECT_NEAR(inflation, i < frames ? 1.0 + 9.0 / i : 1.0, 1e-6) << i;
     EXPECT_EQ(motion.noise_uncalibrated, i < frames) << i;
-    previous = inflation;
   }
 }
 

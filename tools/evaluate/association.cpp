@@ -18,7 +18,7 @@ constexpr std::int64_t kMaxGap_ns = 250'000'000;
 constexpr std::int64_t kEndTolerance_ns = 1'000'000;
 
 /// Widest gap in the truth over which to interpolate, ns.
-std::int64_t maxGap_ns(const Trajectory& truth) {
+std::int64_t maxGap(const Trajectory& truth) {
   std::vector<std::int64_t> periods;
   for (std::size_t i = 1; i < truth.size(); ++i)
     periods.push_back(truth[i].time_ns - truth[i - 1].time_ns);
@@ -55,7 +55,7 @@ std::string span(const Trajectory& trajectory) {
 AssociatedTrajectories associateByTime(const Trajectory& estimate, const Trajectory& truth) {
   AssociatedTrajectories associated;
   associated.method = AssociationMethod::time;
-  const std::int64_t max_gap_ns = maxGap_ns(truth);
+  const std::int64_t max_gap_ns = maxGap(truth);
   for (const StampedPose& stamped : estimate) {
     const std::int64_t time_ns = std::clamp(stamped.time_ns, truth.front().time_ns, truth.back().time_ns);
     const auto after = std::lower_bound(

@@ -10,7 +10,8 @@ namespace cartvo {
 
 /// The value at rank `fraction` (0 to 1) of the sorted values; the lower one where the rank falls between
 /// two. `values` must not be empty.
-inline double quantile(std::vector<double> values, double fraction) {
+template <typename Value = double>
+Value quantile(std::vector<Value> values, double fraction) {
   const auto rank =
       values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), rank, values.end());
@@ -18,14 +19,16 @@ inline double quantile(std::vector<double> values, double fraction) {
 }
 
 /// Median of `values`, which must not be empty; the upper one of an even number. Reorders them.
-inline double median(std::vector<double>& values) {
+template <typename Value>
+Value median(std::vector<Value>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
 /// As median(), of a copy.
-inline double medianOf(std::vector<double> values) {
+template <typename Value = double>
+Value medianOf(std::vector<Value> values) {
   return median(values);
 }
 

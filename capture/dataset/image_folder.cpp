@@ -2,7 +2,6 @@
 
 #include "capture/dataset/image_folder.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture/dataset/image_folder_layouts.hpp"
+#include "common/statistics.hpp"
 
 namespace cartvo::capture {
 
@@ -45,9 +45,7 @@ std::int64_t nominalPeriodNs(const ImageSequence& sequence) {
   for (std::size_t i = 1; i < sequence.instants_ns.size(); ++i) {
     intervals.push_back(sequence.instants_ns[i] - sequence.instants_ns[i - 1]);
   }
-  const auto median = intervals.begin() + static_cast<std::ptrdiff_t>((intervals.size() - 1) / 2);
-  std::nth_element(intervals.begin(), median, intervals.end());
-  return *median;
+  return quantile(std::move(intervals), 0.5);
 }
 
 std::vector<TextLine> readLines(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 #include "common/statistics.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,6 +14,12 @@ TEST(Statistics, MedianOfAnEvenNumberIsTheUpperMiddleValue) {
   EXPECT_EQ(medianOf({7.0}), 7.0);
   EXPECT_EQ(medianOf({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(medianOf({4.0, 1.0, 3.0, 2.0}), 3.0);
+}
+
+TEST(Statistics, MedianAndQuantileOfNanosecondsAreExact) {
+  std::vector<std::int64_t> values{9'007'199'254'740'993, 1, 9'007'199'254'740'995};  // a double has 53 bits
+  EXPECT_EQ(quantile(values, 0.5), 9'007'199'254'740'993);
+  EXPECT_EQ(median(values), 9'007'199'254'740'993);
 }
 
 TEST(Statistics, QuantileIsTheLowerValueBetweenTwoRanks) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/statistics.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -17,14 +19,13 @@ constexpr std::int64_t kMaxGap_ns = 250'000'000;
 /// pose: times in a camera's 90 kHz clock are rounded by some us.
 constexpr std::int64_t kEndTolerance_ns = 1'000'000;
 
-/// Widest gap in the truth over which to interpolate, ns.
+/// Widest gap in the truth over which to interpolate, ns: three of its median periods, at least kMaxGap_ns.
 std::int64_t maxGap(const Trajectory& truth) {
   std::vector<std::int64_t> periods;
   for (std::size_t i = 1; i < truth.size(); ++i)
     periods.push_back(truth[i].time_ns - truth[i - 1].time_ns);
   if (periods.empty()) return kMaxGap_ns;
-  std::nth_element(periods.begin(), periods.begin() + periods.size() / 2, periods.end());
-  return std::max(kMaxGap_ns, 3 * periods[periods.size() / 2]);
+  return std::max(kMaxGap_ns, 3 * median(periods));
 }
 
 StampedPose interpolate(const StampedPose& before, const StampedPose& after, std::int64_t time_ns) {

@@ -15,6 +15,7 @@
 
 #include "capture/codec/video_decoder.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
+#include "common/statistics.hpp"
 #include "support/resources.hpp"
 #include "tests/support/capture/encoded_sequence.hpp"
 #include "tests/support/capture/live_camera.hpp"
@@ -361,10 +362,9 @@ TEST_P(RtspLatency, DecodesPictureWithItsLastPacket) {
     return delays.size() == 15;
   }));
   ASSERT_FALSE(delays.empty());
-  std::nth_element(delays.begin(), delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2),
-                   delays.end());
-  std::printf("last packet to decoded picture: %.2f ms, median\n", delays[delays.size() / 2]);
-  EXPECT_LT(delays[delays.size() / 2], 50.0) << "half a frame period";
+  const double delay = median(delays);
+  std::printf("last packet to decoded picture: %.2f ms, median\n", delay);
+  EXPECT_LT(delay, 50.0) << "half a frame period";
 }
 
 std::string parameterName(const testing::TestParamInfo<CodecAndTransport>& parameters) {

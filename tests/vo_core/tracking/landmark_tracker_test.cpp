@@ -66,9 +66,7 @@ class LandmarkTrackerTest : public testing::Test {
       const auto pairs = static_cast<double>(landmark.last().frame - landmark.anchor().frame);
       errors.push_back((landmark.last().left - landmark.anchor().left - pairs * kShift).norm());
     }
-    if (errors.empty()) return INFINITY;
-    std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-    return errors[errors.size() / 2];
+    return errors.empty() ? INFINITY : median(errors);
   }
 
   OdometrySettings settings_ = [] {

@@ -3,10 +3,33 @@
 #include "capture/pair_synchroniser.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
 namespace cartvo::capture {
+namespace {
+
+// Margin beyond half a period up to which the partner is kept. A change of the partner drops a frame, so that
+// a whole period passes without a pair, whereas a kept partner costs only the margin in the offset.
+constexpr double kMarginStddevs = 3.0;  // of the offset: its error does not change the partner
+// At least an eighth of the period: the other frame is nearer by a quarter of the period then, which jitter
+// of exposures whose instants are known exactly does not reach.
+constexpr std::int64_t kMinMarginDivisor = 8;
+// At most a quarter: the other frame is nearer by half a period then.
+constexpr std::int64_t kMaxMarginDivisor = 4;
+
+double offsetStddevNs(const Frame& left, const Frame& right) {
+  return std::hypot(static_cast<double>(left.exposure_stddev_ns),
+                    static_cast<double>(right.exposure_stddev_ns));
+}
+
+}  // namespace
+
+double FramePair::offsetStddevNs() const {
+  return capture::offsetStddevNs(left, right);
+}
 
 PairSynchroniser::PairSynchroniser(const PairSynchroniserSettings& settings) : settings_(settings) {
   if (settings.period_ns < 0) throw std::invalid_argument("pairing: period_ns must not be negative");
@@ -50,6 +73,7 @@ void PairSynchroniser::restart(Side& side, const Frame& frame) {
   while (!side.waiting.empty())
     drop(side, &PairingCounts::clock_restarted);
   side.period.restart();
+  last_offset_ns_.reset();
   side.last_ns = frame.exposure_ns;
   side.backward_in_row = 0;
 }
@@ -61,7 +85,8 @@ std::optional<FramePair> PairSynchroniser::pop() {
   while (!left.waiting.empty() && !right.waiting.empty()) {
     const std::int64_t offset = right.waiting.front().exposure_ns - left.waiting.front().exposure_ns;
     Side& older = offset >= 0 ? left : right;
-    if (std::abs(offset) <= period / 2) {
+    if (std::abs(offset) <= maximumOffsetNs(period)) {
+      last_offset_ns_ = offset;
       FramePair pair{std::move(left.waiting.front()), std::move(right.waiting.front())};
       left.waiting.pop_front();
       right.waiting.pop_front();
@@ -82,6 +107,19 @@ std::optional<FramePair> PairSynchroniser::pop() {
       drop(right, &PairingCounts::no_partner);
   }
   return std::nullopt;
+}
+
+/// Maximum offset of a pair of the two waiting frames, ns.
+std::int64_t PairSynchroniser::maximumOffsetNs(std::int64_t period) const {
+  const Frame& left = sides_[index(CameraSide::left)].waiting.front();
+  const Frame& right = sides_[index(CameraSide::right)].waiting.front();
+  const std::int64_t half = period / 2;
+  // Another frame would be the partner if the offset had changed by more than half a period.
+  const std::int64_t offset = right.exposure_ns - left.exposure_ns;
+  if (!last_offset_ns_ || std::abs(offset - *last_offset_ns_) > half) return half;
+  const auto uncertainty = std::llround(kMarginStddevs * offsetStddevNs(left, right));
+  return half + std::clamp(static_cast<std::int64_t>(uncertainty), period / kMinMarginDivisor,
+                           period / kMaxMarginDivisor);
 }
 
 void PairSynchroniser::finish(CameraSide side) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -15,7 +14,7 @@
 
 namespace cartvo::capture {
 
-/// A left and a right frame, at most half a period apart.
+/// A left and a right frame, at most half a period apart, or a little more (PairSynchroniser).
 struct FramePair {
   Frame left;
   Frame right;
@@ -24,15 +23,11 @@ struct FramePair {
   std::int64_t offsetNs() const { return right.exposure_ns - left.exposure_ns; }
 
   /// Standard deviation of the offset, ns; the errors of the two cameras' instants are independent.
-  double offsetStddevNs() const {
-    return std::hypot(static_cast<double>(left.exposure_stddev_ns),
-                      static_cast<double>(right.exposure_stddev_ns));
-  }
+  double offsetStddevNs() const;
 };
 
 struct PairSynchroniserSettings {
-  /// Frame period of one camera, ns; 0: estimated from the exposures. The frames of a pair are at most half a
-  /// period apart.
+  /// Frame period of one camera, ns; 0: estimated from the exposures.
   std::int64_t period_ns = 0;
 
   /// Maximum number of one camera's frames that wait for the other's; the oldest is dropped beyond it.
@@ -48,6 +43,7 @@ struct PairingCounts {
   std::uint64_t received = 0;
   std::uint64_t paired = 0;
   std::uint64_t no_partner = 0;       ///< dropped: the other camera has no frame within half a period
+                                      ///< and the margin
   std::uint64_t damaged = 0;          ///< dropped: the picture is damaged
   std::uint64_t out_of_order = 0;     ///< dropped: the instant is not later than the previous one
   std::uint64_t overflow = 0;         ///< dropped: the queue was full
@@ -59,8 +55,11 @@ struct PairingCounts {
 /// overflows and the period is given (an estimated one settles with the first frames).
 ///
 /// The oldest left and right frames form a pair if they are at most half a period apart. If they are further
-/// apart, the older one is dropped, because later frames of the other camera are further away still. Each
-/// frame is used at most once, pairs are in the order of time, and damaged frames are never paired.
+/// apart, the older one is dropped, because later frames of the other camera are further away still. At an
+/// offset near half a period, a frame's partner is kept until another frame is clearly nearer: a pair that
+/// continues the offset of the last pair may be farther apart by a margin of three standard deviations of the
+/// offset, at least an eighth and at most a quarter of a period. So jitter drops no frame. Each frame is used
+/// at most once, pairs are in the order of time, and damaged frames are never paired.
 class PairSynchroniser {
  public:
   /// Throws std::invalid_argument if the period is negative, the queue length 0 or restart_after below 1.
@@ -93,10 +92,12 @@ class PairSynchroniser {
   static std::size_t index(CameraSide side) { return static_cast<std::size_t>(side); }
   bool accept(Side& side, const Frame& frame);
   void restart(Side& side, const Frame& frame);
+  std::int64_t maximumOffsetNs(std::int64_t period) const;
   static void drop(Side& side, std::uint64_t PairingCounts::*reason);
 
   PairSynchroniserSettings settings_;
   std::array<Side, 2> sides_;
+  std::optional<std::int64_t> last_offset_ns_;  ///< of the last pair; empty after a clock was set back
 };
 
 }  // namespace cartvo::capture

@@ -236,7 +236,7 @@ void expectConsistent(const Outcome& outcome) {
   std::int64_t last_left = -kPeriod * 100;
   std::int64_t last_right = last_left;
   for (const FramePair& pair : outcome.pairs) {
-    EXPECT_LE(std::abs(pair.offsetNs()), kPeriod / 2);
+    EXPECT_LE(std::abs(pair.offsetNs()), kPeriod * 5 / 8) << "instants without uncertainty: an eighth more";
     EXPECT_TRUE(left.insert(pair.left.sequence).second) << "a left frame was used twice";
     EXPECT_TRUE(right.insert(pair.right.sequence).second) << "a right frame was used twice";
     EXPECT_GT(pair.left.exposure_ns, last_left);
@@ -293,14 +293,80 @@ TEST(PairSynchroniser, LosesOneFramePerPeriodOfOffsetSweep) {
   EXPECT_LE(gap, 2U);
 }
 
-TEST(PairSynchroniser, KeepsPairingAtHalfAPeriodOffsetWithJitter) {
-  Scenario scenario;
-  scenario.frames = 1000;
-  scenario.offset_ns = kPeriod / 2;
-  scenario.jitter_ns = 5e5;
-  const Outcome outcome = run(scenario, 3);
+/// How often the right frame that the offset belongs to changes from after the left frame to before it, or
+/// back.
+int partnerChanges(const Outcome& outcome) {
+  int changes = 0;
+  for (std::size_t i = 1; i < outcome.pairs.size(); ++i)
+    if ((outcome.pairs[i].offsetNs() > 0) != (outcome.pairs[i - 1].offsetNs() > 0)) ++changes;
+  return changes;
+}
+
+TEST(PairSynchroniser, KeepsPartnersAtHalfAPeriodOffsetWithJitter) {
+  for (const std::int64_t offset :
+       {-kPeriod / 2, kPeriod / 2 - 1'000'000, kPeriod / 2, kPeriod / 2 + 1'000'000})
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      Scenario scenario;
+      scenario.frames = 1000;
+      scenario.offset_ns = offset;
+      scenario.jitter_ns = 1e6;
+      const Outcome outcome = run(scenario, seed);
+      expectConsistent(outcome);
+      EXPECT_GE(outcome.pairs.size(), 999U) << "the first pair decides on the partner";
+      EXPECT_EQ(partnerChanges(outcome), 0) << offset << ", seed " << seed;
+    }
+}
+
+TEST(PairSynchroniser, ChangesPartnersOnceWhereASweepWithJitterPassesHalfAPeriod) {
+  Scenario scenario;  // sweeps a period and a half, passing half a period twice
+  scenario.frames = 15000;
+  scenario.skew = 100e-6;
+  scenario.jitter_ns = 1e6;
+  const Outcome outcome = run(scenario, 5);
   expectConsistent(outcome);
-  EXPECT_GT(outcome.pairs.size(), 500U);
+  EXPECT_EQ(outcome.left.no_partner + outcome.right.no_partner, 2U) << "one, and one at the end";
+  EXPECT_GE(outcome.pairs.size(), 14998U);
+}
+
+TEST(PairSynchroniser, KeepsPartnersLongerWhereInstantsAreUncertain) {
+  for (const std::int64_t stddev : {std::int64_t{0}, std::int64_t{2'500'000}, kPeriod}) {
+    PairSynchroniser synchroniser = nominal();
+    const auto offset_after = [&](int i, std::int64_t offset) {
+      for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+        Frame frame = frameAt(i * kPeriod + (side == CameraSide::right ? offset : 0));
+        frame.exposure_stddev_ns = stddev;
+        synchroniser.push(side, std::move(frame));
+      }
+      const std::vector<FramePair> pairs = popAll(synchroniser);
+      return pairs.empty() ? std::int64_t{0} : pairs.back().offsetNs();
+    };
+    const auto three_stddevs = static_cast<std::int64_t>(3.0 * std::sqrt(2.0) * static_cast<double>(stddev));
+    const std::int64_t limit = kPeriod / 2 + std::clamp(three_stddevs, kPeriod / 8, kPeriod / 4);
+    EXPECT_EQ(offset_after(0, kPeriod / 2), kPeriod / 2);
+    EXPECT_EQ(offset_after(1, limit - 1), limit - 1);
+    EXPECT_EQ(offset_after(2, limit + 2), 0) << "the other frame is clearly nearer";
+    EXPECT_EQ(offset_after(3, limit + 2), limit + 2 - kPeriod);
+    EXPECT_EQ(offset_after(4, limit - 2), limit + 2 - kPeriod) << "of the right frame that waited";
+    EXPECT_EQ(offset_after(5, limit - 2), limit - 2 - kPeriod) << "the new partner is kept";
+    EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
+    EXPECT_EQ(synchroniser.counts(CameraSide::right).no_partner, 0U);
+  }
+}
+
+TEST(PairSynchroniser, KeepsPartnersAfterALostFrameAtHalfAPeriodOffset) {
+  PairSynchroniser synchroniser = nominal();
+  int pairs = 0;
+  for (int i = 0; i < 20; ++i) {
+    synchroniser.push(CameraSide::left, frameAt(i * kPeriod));
+    if (i != 10)
+      synchroniser.push(CameraSide::right, frameAt(i * kPeriod + kPeriod / 2 + (i > 0 ? 1000 : 0)));
+    for (const FramePair& pair : popAll(synchroniser)) {
+      ++pairs;
+      EXPECT_GT(pair.offsetNs(), 0);
+    }
+  }
+  EXPECT_EQ(pairs, 19);
+  EXPECT_EQ(synchroniser.counts(CameraSide::left).no_partner, 1U);
 }
 
 TEST(FramePair, OffsetVarianceIsSumOfBothVariances) {

@@ -34,16 +34,17 @@ enum class OdometryReason : std::uint8_t {
   too_few_matches,      ///< fewer tracked features with a depth than validity.minimum_matches
   too_few_inliers,      ///< no motion has enough inliers, or two motions fit the first two pairs
   high_residual,        ///< the best motion fits badly; `estimator: thesis` only
-  time_step,            ///< the left exposure is not later than the previous one, or too much later (a new
-                        ///< epoch starts); or the exposures of the pair are too far apart (no new epoch)
+  time_step,            ///< the left exposure is not later than the previous one, or too much later: a new
+                        ///< epoch starts
   implausible_motion,   ///< faster than validity.maximum_speed or validity.maximum_rate
   degenerate_geometry,  ///< the features leave a direction of the motion undetermined
   zero_velocity,        ///< valid: standstill was detected, the pose is kept
   offset_uncertain,     ///< offset_stddev exceeds validity.maximum_offset_uncertainty
   repeated_picture,     ///< a camera repeats its image while the cart moves (it is frozen). When it recovers
                         ///< after an unknown distance, a new epoch starts
+  offset_too_large,     ///< the exposures of the pair are more than validity.maximum_offset apart
 };
-constexpr int kOdometryReasonCount = 12;
+constexpr int kOdometryReasonCount = 13;
 
 /// Set of reasons. Only `estimator: thesis` sets more than one.
 class OdometryReasons {

@@ -132,7 +132,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, const
                                                StageObserver& observer) {
   PreparedPair pair = prepare(images, observer);
   pair.repeats = repeats;
-  if (!offsetInRange(pair)) return reject(pair, OdometryReason::time_step);
+  if (!offsetInRange(pair)) return reject(pair, OdometryReason::offset_too_large);
   if (!(pair.offset_stddev <= settings_.validity.maximum_offset_uncertainty))
     return reject(pair, OdometryReason::offset_uncertain);
   right_frozen_ = right_frozen_ && pair.repeats.right;

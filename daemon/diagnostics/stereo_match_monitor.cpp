@@ -20,7 +20,8 @@ bool hasTooFewMatches(const vo::FeatureCounts& counts) {
 /// True if the pair's stereo matches were counted: false for a rejected pair and for a zero-velocity update.
 bool isObservable(const vo::OdometryReasons& reasons) {
   return reasons != vo::OdometryReason::zero_velocity && reasons != vo::OdometryReason::offset_uncertain &&
-         reasons != vo::OdometryReason::repeated_picture && reasons != vo::OdometryReason::time_step;
+         reasons != vo::OdometryReason::offset_too_large && reasons != vo::OdometryReason::repeated_picture &&
+         reasons != vo::OdometryReason::time_step;
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include "daemon/diagnostics/validity_log.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -12,7 +14,12 @@ namespace {
 
 std::string validityText(const odometry_t& message) {
   if (message.status == odometry_t::VALID) return "odometry is valid";
-  return "odometry is not valid: " + reasonNames(message.reasons);
+  std::string text = "odometry is not valid: " + reasonNames(message.reasons);
+  if ((message.reasons & odometry_t::REASON_OFFSET_TOO_LARGE) != 0)
+    text += fmt::format(
+        " (the right image is exposed {:.1f} ms {} the left one; odometry.maximum_offset allows less)",
+        1e-3 * std::abs(static_cast<double>(message.offset_us)), message.offset_us > 0 ? "after" : "before");
+  return text;
 }
 
 }  // namespace

@@ -42,6 +42,8 @@ constexpr std::int32_t messageBit(vo::OdometryReason reason) {
       return odometry_t::REASON_OFFSET_UNCERTAIN;
     case vo::OdometryReason::repeated_picture:
       return odometry_t::REASON_REPEATED_PICTURE;
+    case vo::OdometryReason::offset_too_large:
+      return odometry_t::REASON_OFFSET_TOO_LARGE;
     case vo::OdometryReason::zero_velocity:
       return odometry_t::REASON_ZERO_VELOCITY;
   }

@@ -9,7 +9,7 @@
 
 namespace cartvo::daemon {
 std::string reasonNames(std::int32_t reasons) {
-  static constexpr std::array<std::pair<std::int32_t, const char*>, 14> kNames{{
+  static constexpr std::array<std::pair<std::int32_t, const char*>, 15> kNames{{
       {odometry_t::REASON_FIRST_PAIR, "first pair"},
       {odometry_t::REASON_TOO_FEW_FEATURES, "too few features"},
       {odometry_t::REASON_TOO_FEW_MATCHES, "too few matches"},
@@ -20,6 +20,7 @@ std::string reasonNames(std::int32_t reasons) {
       {odometry_t::REASON_DEGENERATE_GEOMETRY, "degenerate geometry"},
       {odometry_t::REASON_ZERO_VELOCITY, "zero velocity"},
       {odometry_t::REASON_OFFSET_UNCERTAIN, "offset uncertain"},
+      {odometry_t::REASON_OFFSET_TOO_LARGE, "offset too large"},
       {odometry_t::REASON_REPEATED_PICTURE, "repeated picture"},
       {odometry_t::REASON_NO_PAIR, "no pair"},
       {odometry_t::REASON_DAMAGED_FRAME, "damaged frame"},

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
 #include "daemon/publish/lcm_connection.hpp"
@@ -23,8 +25,13 @@ constexpr Keys kCamerasKeys = {"left",       "right",          "transport",     
                                "frame_rate", "answer_timeout", "connect_timeout", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
                               "size", "format",   "exposure",      "gain"};
-constexpr Keys kOdometryKeys = {
-    "estimator", "features", "seed", "threads", "online_rig_refinement", "maximum_offset_uncertainty"};
+constexpr Keys kOdometryKeys = {"estimator",
+                                "features",
+                                "seed",
+                                "threads",
+                                "online_rig_refinement",
+                                "maximum_offset",
+                                "maximum_offset_uncertainty"};
 constexpr Keys kLcmKeys = {"url", "time_to_live"};
 constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
 constexpr Keys kLoggingKeys = {"level"};
@@ -190,6 +197,7 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   }
   if (yaml.has("online_rig_refinement"))
     odometry.rig_refinement = rigRefinement(yaml["online_rig_refinement"]);
+  if (yaml.has("maximum_offset")) odometry.validity.maximum_offset = yaml["maximum_offset"].number(0.0, 1.0);
   if (yaml.has("maximum_offset_uncertainty")) {
     odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
   }
@@ -305,6 +313,8 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   yaml << YAML::Key << "seed" << configuration.odometry.seed;
   yaml << YAML::Key << "online_rig_refinement"
        << nameOf(configuration.odometry.rig_refinement, kRigRefinements);
+  yaml << YAML::Key << "maximum_offset"  // shortest: 0.1, not 0.10000000000000001
+       << fmt::format("{}", configuration.odometry.validity.maximum_offset);
   yaml << YAML::Key << "maximum_offset_uncertainty"
        << configuration.odometry.validity.maximum_offset_uncertainty;
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;

@@ -208,7 +208,7 @@ TEST_P(EachEstimator, RejectsExposuresTooFarApart) {
   pairs[2].right_exposure_ns += 200'000'000;
   const auto estimates = run(pairs, smallSettings());
   EXPECT_FALSE(estimates[2].valid);
-  EXPECT_EQ(estimates[2].reasons, OdometryReason::time_step);
+  EXPECT_EQ(estimates[2].reasons, OdometryReason::offset_too_large);
   EXPECT_EQ(estimates[2].reset_counter, 0U);
 }
 

@@ -42,6 +42,8 @@ const char* reasonName(vo::OdometryReason reason) {
       return "offset_uncertain";
     case vo::OdometryReason::repeated_picture:
       return "repeated_picture";
+    case vo::OdometryReason::offset_too_large:
+      return "offset_too_large";
     case vo::OdometryReason::zero_velocity:
       return "zero_velocity";
   }

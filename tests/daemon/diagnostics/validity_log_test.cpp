@@ -39,6 +39,16 @@ TEST(ValidityLog, LogsChangeAtOnceAndOnce) {
     EXPECT_EQ(log.due(valid(), start + i * milliseconds(50)), "");
 }
 
+TEST(ValidityLog, NamesTheOffsetAndItsKey) {
+  odometry_t message = invalid();
+  message.reasons = odometry_t::REASON_OFFSET_TOO_LARGE;
+  message.offset_us = -123'400;
+  EXPECT_EQ(
+      ValidityLog().due(message, {}),
+      "odometry is not valid: offset too large (the right image is exposed 123.4 ms before the left one; "
+      "odometry.maximum_offset allows less)");
+}
+
 TEST(ValidityLog, LogsNumberOfFrequentChanges) {
   ValidityLog log;
   const ValidityLog::Clock::time_point start;

@@ -133,7 +133,7 @@ std::map<std::string, std::int32_t> declaredReasons() {
 
 TEST(OdometryMessage, HasNameForEachDeclaredReason) {
   const std::map<std::string, std::int32_t> reasons = declaredReasons();
-  ASSERT_EQ(reasons.size(), 14U);
+  ASSERT_EQ(reasons.size(), 15U);
   for (const auto& [name, bit] : reasons) {
     std::string words = name;
     std::transform(words.begin(), words.end(), words.begin(), [](char c) {
@@ -158,6 +158,7 @@ TEST(OdometryMessage, HasBitForEachOdometryReason) {
       {vo::OdometryReason::zero_velocity, 2048},
       {vo::OdometryReason::offset_uncertain, 4096},
       {vo::OdometryReason::repeated_picture, 8192},
+      {vo::OdometryReason::offset_too_large, 16384},
   }};
   vo::OdometryReasons all;
   std::int32_t all_bits = 0;

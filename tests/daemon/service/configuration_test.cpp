@@ -247,12 +247,13 @@ TEST_F(ConfigurationFile, ReadsV4l2Cameras) {
 TEST_F(ConfigurationFile, IsWrittenAndReadBackUnchanged) {
   const Configuration configuration =
       read(std::string(kMinimal) +
-           "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1}\n"
+           "tables: t.bin\nodometry: {features: 777, seed: 5, threads: 1, maximum_offset: 0.15}\n"
            "recording: {directory: rec, maximum_age: 2.5, keep_free: 0.5}\nlogging: {level: warning}\n");
   const std::string text = effectiveConfiguration(configuration);
   EXPECT_EQ(effectiveConfiguration(read(text)), text);
-  EXPECT_THAT(text,
-              AllOf(HasSubstr("features: 777"), HasSubstr("level: warning"), HasSubstr("maximum_age: 2.5")));
+  EXPECT_THAT(text, AllOf(HasSubstr("features: 777"), HasSubstr("level: warning"),
+                          HasSubstr("maximum_age: 2.5"), HasSubstr("maximum_offset: 0.15")));
+  EXPECT_EQ(configuration.odometry.validity.maximum_offset, 0.15);
   EXPECT_EQ(configuration.recording_quota.maximum_age, std::chrono::hours(60));
   EXPECT_EQ(configuration.recording_quota.maximum_bytes, 20'000'000'000U);
   EXPECT_EQ(configuration.recording_quota.keep_free_bytes, 500'000'000U);

@@ -12,7 +12,7 @@
 namespace cartvo::daemon {
 
 /// Reports errors of the rig calibration and of the time offset that the odometry has estimated, and missing
-/// stereo matches. An error is reported once it is significant (3 standard deviations) and large enough to
+/// stereo matches. An error is reported while it is significant (3 standard deviations) and large enough to
 /// matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:

@@ -213,7 +213,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   }
   if (health_.selfCheck().consumeChange()) {
     if (message.self_check.empty())
-      spdlog::info("self-check: the cameras agree with the rig file and their clocks again");
+      spdlog::info("self-check: no error of the rig file or of the clocks is found any more");
     else
       spdlog::warn("self-check: {}", message.self_check);
   }

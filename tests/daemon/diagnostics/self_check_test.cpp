@@ -81,6 +81,24 @@ TEST(SelfCheck, IsEmptyForInsignificantError) {
   EXPECT_EQ(messageFor(rigWith(&vo::RigCalibrationError::delay, 3.1e-3, 1.2e-3)), "");
 }
 
+TEST(SelfCheck, SaysNothingOfAnEstimateThatHasFaded) {
+  for (const auto which : {&vo::RigCalibrationError::delay, &vo::RigCalibrationError::pitch,
+                           &vo::RigCalibrationError::yaw, &vo::RigCalibrationError::roll}) {
+    SelfCheck check;
+    check.update(estimateWith(rigWith(which, 7.8e-3, 1e-3)));
+    EXPECT_NE(check.message(), "");
+    EXPECT_TRUE(check.consumeChange());
+    check.update(estimateWith(rigWith(which, 7.8e-3, 2.5e-3)));
+    EXPECT_NE(check.message(), "");
+    EXPECT_FALSE(check.consumeChange());
+    check.update(estimateWith(rigWith(which, 7.8e-3, 2.7e-3)));
+    EXPECT_EQ(check.message(), "") << "less than three standard deviations";
+    EXPECT_TRUE(check.consumeChange());
+    check.update(estimateWith(rigWith(which, 7.8e-3, 10.5e-3)));
+    EXPECT_EQ(check.message(), "");
+  }
+}
+
 TEST(SelfCheck, SignalsEachChangeOnce) {
   SelfCheck check;
   check.update(estimateWith(rigWith(&vo::RigCalibrationError::delay, 3e-3, 1e-4)));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "vo_core/self_calibration/dead_zone.hpp"
+#include "vo_core/self_calibration/row_filter_settings.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -15,14 +16,9 @@ using Matrix = RowErrors::Matrix;
 
 // In the order of RowErrors: pitch, roll, cross term (rad), delay (s).
 
-const Vector kPriorStddev(3e-3, 3e-3, 1e-2, 1e-2);  // of a calibration and of timestamps
-constexpr double kSearchStddev = 1e-3;              // rad, of a pitch found by the coarse search
-constexpr double kMemory = 10.0;                    // s, time constant of the decay of information
-// Weight of a pair: errors of consecutive pairs are correlated because landmarks last about ten pairs.
-constexpr double kPairWeight = 0.1;
-// px rms, row patterns of a good calibration that are not among the errors. They do not average out over
-// pairs. Without it KITTI's rows would show a delay of 0.4 ms.
-constexpr double kUnmodelledRows = 0.03;
+const Vector kPriorStddev(kRotationPriorStddev, kRotationPriorStddev, kCrossTermPriorStddev,
+                          kDelayPriorStddev);
+constexpr double kSearchStddev = 1e-3;  // rad, of a pitch found by the coarse search
 // rad; less is not corrected: it is as likely the lens's as the rotation's, and has no effect.
 constexpr double kDeadZone = 5e-4;
 constexpr double kExpectedSignificance = 2.0, kCorrectedSignificance = 3.0;  // standard deviations
@@ -43,12 +39,12 @@ PitchRollFilter::PitchRollFilter() : information_(informationOf(kPriorStddev)) {
 
 void PitchRollFilter::update(const RowMeasurement& measurement, const RigCorrection& applied,
                              double time_step) {
-  const double kept = std::exp(-time_step / kMemory);
+  const double kept = std::exp(-time_step / kRowMemory);
   const Matrix predicted = kept * information_ + (1.0 - kept) * informationOf(kPriorStddev);
-  const Matrix sum = predicted + kPairWeight * measurement.information;
+  const Matrix sum = predicted + kRowPairWeight * measurement.information;
   const Vector measured =
       measurement.errors + Vector(applied.pitch, applied.roll, applied.yaw + 2.0 * applied.p2, 0.0);
-  const Vector change = sum.inverse() * (kPairWeight * measurement.information * (measured - estimate_));
+  const Vector change = sum.inverse() * (kRowPairWeight * measurement.information * (measured - estimate_));
   if (!change.allFinite()) return;
   information_ = sum;
   estimate_ += change;

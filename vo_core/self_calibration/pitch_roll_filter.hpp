@@ -7,8 +7,9 @@
 
 namespace cartvo::vo {
 
-/// Information filter for the right camera's pitch, roll and delay, measured by the rows of stereo matches.
-/// It forgets within some seconds, so that it follows a bumped camera.
+/// Information filter for the right camera's pitch and roll, measured by the rows of stereo matches. It
+/// estimates the delay and the cross term to keep them out of these; the delay that is published is
+/// DelayFilter's. It forgets within some seconds, so that it follows a bumped camera.
 class PitchRollFilter {
  public:
   PitchRollFilter();

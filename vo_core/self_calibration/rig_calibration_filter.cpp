@@ -1,4 +1,4 @@
-// Combines the filters of columns (yaw, p2) and rows (pitch, roll, delay).
+// Combines the filters of columns (yaw, p2), rows (pitch, roll) and delay.
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 
 #include <cmath>
@@ -23,7 +23,17 @@ void RigCalibrationFilter::update(const BundleProblem& adjusted, const BundleRes
   if (path.translation().norm() > kMinimumWindowPath)
     columns_.update(result.rig_information, result.rig_gradient, applied, time_step);
   rows_.update(rows, applied, time_step);
-  if (const double step = rows_.takeYawStep(); step != 0.0) columns_.applyYawStep(step);
+  delay_.update(rows, applied, time_step);
+  if (const double step = rows_.takeYawStep(); step != 0.0) {
+    columns_.applyYawStep(step);
+    delay_.restart(0.0);
+  }
+}
+
+void RigCalibrationFilter::reinitialisePitch(const BundleProblem& matches) {
+  const double before = rows_.estimate()[RowErrors::kPitch];
+  rows_.reinitialisePitch(measureRows(matches));
+  if (const double step = rows_.estimate()[RowErrors::kPitch] - before; step != 0.0) delay_.restart(step);
 }
 
 RigCorrection RigCalibrationFilter::correction() const {
@@ -49,8 +59,7 @@ RigCalibrationError RigCalibrationFilter::error() const {
   const double yaw = columns_.estimate()[0];
   const double yaw_stddev = std::sqrt(std::pow(columns_.stddev()[0], 2) + std::pow(kMinimumYawStddev, 2) +
                                       std::pow(kUncorrectedYawFactor * (yaw - columns_.correction().yaw), 2));
-  return {
-      of_rows(RowErrors::kPitch), {yaw, yaw_stddev}, of_rows(RowErrors::kRoll), of_rows(RowErrors::kDelay)};
+  return {of_rows(RowErrors::kPitch), {yaw, yaw_stddev}, of_rows(RowErrors::kRoll), delay_.delay()};
 }
 
 }  // namespace cartvo::vo

@@ -2,6 +2,7 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/rig_calibration_error.hpp"
+#include "vo_core/self_calibration/delay_filter.hpp"
 #include "vo_core/self_calibration/pitch_roll_filter.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
 #include "vo_core/self_calibration/yaw_filter.hpp"
@@ -18,11 +19,14 @@ class RigCalibrationFilter {
               const RigCorrection& applied, double time_step);
 
   /// Adds a pitch (rad) that a coarse search found; restarts the estimates from rows with its uncertainty.
-  void reinitialisePitch(double pitch) { rows_.reinitialisePitch(pitch); }
+  void reinitialisePitch(double pitch) {
+    rows_.reinitialisePitch(pitch);
+    delay_.restart(pitch);
+  }
 
   /// Restarts with the pitch measured from the rows of one pair's uncorrected stereo matches
   /// (buildNewestPairProblem()).
-  void reinitialisePitch(const BundleProblem& matches) { rows_.reinitialisePitch(measureRows(matches)); }
+  void reinitialisePitch(const BundleProblem& matches);
 
   /// Rotation and p2 to correct: only significant errors.
   RigCorrection correction() const;
@@ -36,6 +40,7 @@ class RigCalibrationFilter {
  private:
   YawFilter columns_;
   PitchRollFilter rows_;
+  DelayFilter delay_;
 };
 
 }  // namespace cartvo::vo

@@ -32,11 +32,11 @@ constexpr double kUnknownRateStddev = 0.3;  // rad/s, of a single pair: 3 m/s pa
 struct RowBlock {
   int anchor = 0;
   PlaceLanes place{};
-  DoubleLanes x{}, y{};    // right observation, at z = 1
-  DoubleLanes residual{};  // px, measured vertical disparity minus predicted
-  DoubleLanes counted{};   // 1 if the point is in front of both cameras
-  DoubleLanes weight{};    // 0 for the others
-  DoubleLanes by_errors[RowErrors::kSize]{};
+  DoubleLanes x{}, y{};                         // right observation, at z = 1
+  DoubleLanes residual{};                       // px, measured vertical disparity minus predicted
+  DoubleLanes counted{};                        // 1 if the point is in front of both cameras
+  DoubleLanes weight{};                         // 0 for the others
+  DoubleLanes by_errors[RowPatterns::kSize]{};  // the first are by RowErrors
 };
 
 /// Stereo matches of a problem's newest pair, grouped by anchor.
@@ -90,8 +90,9 @@ struct RowCameras {
 using RowCamerasOfAnchors = FixedVector<RowCameras, kMaximumWindowPairs>;
 
 CARTVO_TARGET_CLONES
-void linearise(double f, const RowCamerasOfAnchors& cameras, const Vector6d& right_by_offset,
-               std::vector<RowBlock>& blocks) {
+void linearise(const StereoCamera& camera, const RowCamerasOfAnchors& cameras,
+               const Vector6d& right_by_offset, std::vector<RowBlock>& blocks) {
+  const double f = camera.focal_length;
   for (RowBlock& block : blocks) {
     const RayLanes left_ray = rayOf(cameras[block.anchor].T_left_anchor, block.place);
     const RayLanes right_ray = rayOf(cameras[block.anchor].T_right_anchor, block.place);
@@ -110,6 +111,12 @@ void linearise(double f, const RowCamerasOfAnchors& cameras, const Vector6d& rig
     DoubleLanes& by_delay = block.by_errors[RowErrors::kDelay] = DoubleLanes{};
     for (int i = 0; i < 6; ++i)
       by_delay -= f * right_by_offset[i] * by_right.value[i];
+    const DoubleLanes x_squared = block.x * block.x, y_squared = block.y * block.y;
+    block.by_errors[RowPatterns::kRowScale] = f * block.y;
+    block.by_errors[RowPatterns::kRadial] = f * block.y * (x_squared + y_squared);
+    block.by_errors[RowPatterns::kDecentring] = f * (x_squared + 3.0 * y_squared);
+    block.by_errors[RowPatterns::kHeight] = -f * camera.baseline * by_right.value[1];
+    block.by_errors[RowPatterns::kDepth] = -f * camera.baseline * by_right.value[2];
   }
 }
 
@@ -123,7 +130,7 @@ void linearise(const BundleProblem& problem, std::vector<RowBlock>& blocks) {
   RowCamerasOfAnchors cameras;
   for (const TimedPose& anchor : problem.poses)
     cameras.push_back({left_inverse * anchor.T_world_camera, right_inverse * anchor.T_world_camera});
-  linearise(problem.camera.focal_length, cameras, right.by_offset, blocks);
+  linearise(problem.camera, cameras, right.by_offset, blocks);
 }
 
 /// Residuals after the errors, px.
@@ -145,28 +152,82 @@ void collectSizes(const std::vector<RowBlock>& blocks, const Vector& errors, std
   }
 }
 
-/// Sums of the normal equations, px.
+/// Sums of the normal equations for the first `Size` patterns, px.
+template <int Size>
 struct RowSums {
-  DoubleLanes products[RowErrors::kSize][RowErrors::kSize]{};  // the lower triangle
-  DoubleLanes gradient[RowErrors::kSize]{};
+  Eigen::Matrix<double, Size, Size> information(double noise) const {
+    Eigen::Matrix<double, Size, Size> all;
+    for (int i = 0; i < Size; ++i)
+      for (int j = 0; j <= i; ++j)
+        all(i, j) = all(j, i) = sumOf(products[i][j]);
+    return all / (noise * noise);
+  }
+  Eigen::Matrix<double, Size, 1> scaledGradient(double noise) const {
+    Eigen::Matrix<double, Size, 1> all;
+    for (int i = 0; i < Size; ++i)
+      all[i] = sumOf(gradient[i]);
+    return all / (noise * noise);
+  }
+
+  DoubleLanes products[Size][Size]{};  // the lower triangle
+  DoubleLanes gradient[Size]{};
   DoubleLanes weights{};
 };
 
-CARTVO_TARGET_CLONES
-void addRows(const std::vector<RowBlock>& blocks, const Vector& errors, double noise, RowSums& sums) {
+template <int Size>
+inline void addRows(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
+                    RowSums<Size>& sums) {
   const double inverse_width_squared = 1.0 / (kRobustWidth * kRobustWidth * noise * noise);
   for (const RowBlock& block : blocks) {
     DoubleLanes remaining;
     remainingResidual(block, errors, remaining);
     const DoubleLanes weight = block.weight / (1.0 + inverse_width_squared * (remaining * remaining));
     sums.weights += weight;
-    for (int i = 0; i < RowErrors::kSize; ++i) {
+    for (int i = 0; i < Size; ++i) {
       const DoubleLanes weighted = weight * block.by_errors[i];
       sums.gradient[i] += weighted * block.residual;
       for (int j = 0; j <= i; ++j)
         sums.products[i][j] += weighted * block.by_errors[j];
     }
   }
+}
+
+CARTVO_TARGET_CLONES
+void sumErrors(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
+               RowSums<RowErrors::kSize>& sums) {
+  addRows(blocks, errors, noise, sums);
+}
+
+CARTVO_TARGET_CLONES
+void sumPatterns(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
+                 RowSums<RowPatterns::kSize>& sums) {
+  addRows(blocks, errors, noise, sums);
+}
+
+/// (I^-1 + D)^-1 I^-1 = (1 + I D)^-1, where I may be singular. D: variance (rad^2) of an unknown pitch and
+/// roll.
+template <int Size>
+Eigen::Matrix<double, Size, Size> rotationUncertaintyFactor(
+    const Eigen::Matrix<double, Size, Size>& information, double variance) {
+  Eigen::Matrix<double, Size, 1> variances = Eigen::Matrix<double, Size, 1>::Zero();
+  variances[RowErrors::kPitch] = variances[RowErrors::kRoll] = variance;
+  const Eigen::Matrix<double, Size, Size> covariance = variances.asDiagonal();
+  return (Eigen::Matrix<double, Size, Size>::Identity() + information * covariance).inverse();
+}
+
+RowEquations rowEquations(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
+                          double rotation_variance) {
+  RowSums<RowPatterns::kSize> sums;
+  sumPatterns(blocks, errors, noise, sums);
+  const double weights = sumOf(sums.weights);
+  if (!(weights > 0.0)) return {};
+  RowEquations equations;
+  equations.information = sums.information(noise);
+  equations.mean_products = sums.information(1.0) / weights;
+  const RowPatterns::Matrix factor = rotationUncertaintyFactor(equations.information, rotation_variance);
+  equations.gradient = factor * sums.scaledGradient(noise);
+  equations.information = factor * equations.information.eval();
+  return equations;
 }
 
 }  // namespace
@@ -191,33 +252,28 @@ RowMeasurement RowRegression::measure(const BundleProblem& adjusted) {
   rows.fill(adjusted);
   linearise(adjusted, rows.blocks);
   const Matrix prior = kPriorStddev.cwiseAbs2().cwiseInverse().asDiagonal();
+  double noise = kMinimumNoise;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     collectSizes(rows.blocks, measurement.errors, sizes);
     if (sizes.size() < kMinimumMatches) return {};
-    const double noise = std::max(stddevFromMedian(sizes), kMinimumNoise);
-    RowSums sums;
-    addRows(rows.blocks, measurement.errors, noise, sums);
+    noise = std::max(stddevFromMedian(sizes), kMinimumNoise);
+    RowSums<RowErrors::kSize> sums;
+    sumErrors(rows.blocks, measurement.errors, noise, sums);
     const double weights = sumOf(sums.weights);
     if (!(weights > 0.0)) return {};
-    Matrix products;
-    Vector gradient;
-    for (int i = 0; i < RowErrors::kSize; ++i) {
-      gradient[i] = sumOf(sums.gradient[i]);
-      for (int j = 0; j <= i; ++j)
-        products(i, j) = products(j, i) = sumOf(sums.products[i][j]);
-    }
-    measurement.information = products / (noise * noise);
-    measurement.mean_products = products / weights;
-    measurement.errors = (measurement.information + prior).ldlt().solve(gradient / (noise * noise));
+    measurement.information = sums.information(noise);
+    measurement.mean_products = sums.information(1.0) / weights;
+    measurement.errors = (measurement.information + prior).ldlt().solve(sums.scaledGradient(noise));
   }
-  // (I^-1 + D)^-1 = (1 + I D)^-1 I, where I may be singular.
   const double rotation_stddev =
       (adjusted.poses.size() > 1 ? kRateStddev : kUnknownRateStddev) * adjusted.poses.back().offset;
-  const Matrix rotation_covariance =
-      Vector(rotation_stddev * rotation_stddev, rotation_stddev * rotation_stddev, 0.0, 0.0).asDiagonal();
-  measurement.information = (Matrix::Identity() + measurement.information * rotation_covariance).inverse() *
-                            measurement.information.eval();
+  const double rotation_variance = rotation_stddev * rotation_stddev;
+  measurement.equations = rowEquations(rows.blocks, measurement.errors, noise, rotation_variance);
+  measurement.information =
+      rotationUncertaintyFactor(measurement.information, rotation_variance) * measurement.information.eval();
   if (!measurement.errors.allFinite() || !measurement.information.allFinite()) return {};
+  if (!measurement.equations.information.allFinite() || !measurement.equations.gradient.allFinite())
+    measurement.equations = {};
   return measurement;
 }
 

@@ -20,6 +20,32 @@ struct RowErrors {
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 };
 
+/// All that shifts the rows of stereo matches: RowErrors, and what a calibration leaves of the right camera's
+/// lens and of the baseline's direction. A delay of a camera that drives forward resembles these.
+struct RowPatterns {
+  static constexpr int kSize = RowErrors::kSize + 5;
+  enum Index {
+    kPitch = RowErrors::kPitch,
+    kRoll = RowErrors::kRoll,
+    kCrossTerm = RowErrors::kCrossTerm,
+    kDelay = RowErrors::kDelay,
+    kRowScale,    ///< relative error of the focal length for rows
+    kRadial,      ///< Brown's k1
+    kDecentring,  ///< Brown's p1
+    kHeight,      ///< the right camera's centre below its place by the rig file, divided by the baseline
+    kDepth        ///< the same, ahead of its place
+  };
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+};
+
+/// Normal equations of one pair for RowPatterns, about the applied correction.
+struct RowEquations {
+  RowPatterns::Matrix information = RowPatterns::Matrix::Zero();
+  RowPatterns::Vector gradient = RowPatterns::Vector::Zero();       ///< information times patterns
+  RowPatterns::Matrix mean_products = RowPatterns::Matrix::Zero();  ///< as RowMeasurement's
+};
+
 /// Row errors of one pair.
 struct RowMeasurement {
   RowErrors::Vector errors = RowErrors::Vector::Zero();       ///< remaining after the applied correction
@@ -27,6 +53,7 @@ struct RowMeasurement {
   /// Mean product of the rows' derivatives by the errors (px^2 per unit): sensitivity to row patterns that
   /// are not modelled.
   RowErrors::Matrix mean_products = RowErrors::Matrix::Zero();
+  RowEquations equations;
 };
 
 /// Robust regression of the newest pair's vertical disparities on RowErrors, after subtraction of the motion

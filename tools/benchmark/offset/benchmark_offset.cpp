@@ -84,7 +84,7 @@ void addClockOptions(CLI::App& command, OffsetOptions& options) {
       ->capture_default_str();
   command
       .add_option("--sweeps", options.sweeps,
-                  "Drifting clocks: slow (50 ppm, across half a frame period, where partners change), fast\n"
+                  "Drifting clocks: slow (50 ppm, across half a frame period, partners are kept), fast\n"
                   "(through all offsets within the drive), none")
       ->delimiter(',')
       ->check(CLI::IsMember({"slow", "fast", "none"}))

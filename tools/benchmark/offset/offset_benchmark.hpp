@@ -18,8 +18,8 @@ struct RightClock {
 };
 
 /// A drift of 50 ppm, as between two crystals in the field. The offset crosses half a frame period in the
-/// middle of the drive; from there on each image is paired with another partner and the other camera is the
-/// earlier one.
+/// middle of the drive; from there on another partner is the nearer one, but each image keeps its own
+/// (capture::PairSynchroniser).
 RightClock slowSweep(const world::WorldSettings& world);
 
 /// A drift through all possible offsets within the drive: from minus a quarter of a frame period, through

@@ -77,6 +77,10 @@ double minimumDistance(const OdometrySettings& settings, int width, int height) 
   return std::max(std::min(settings.tracking.minimum_distance, 0.5 * spacing), 1.0);
 }
 
+int nearestDisparity(const StereoSettings& settings, int width) {
+  return std::max(settings.maximum_disparity, width / 2);
+}
+
 void validate(const OdometrySettings& settings) {
   requireRange("features", settings.features, 50, 20000);
   validate(settings.detection);

@@ -42,7 +42,7 @@ struct TrackingSettings {
 /// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
   double minimum_disparity = 0.5;     ///< px; points farther away have no usable depth
-  int maximum_disparity = 128;        ///< px; nearer points are not found
+  int maximum_disparity = 128;        ///< px; nearer points are not found, but see nearestDisparity()
   int rows = 1;                       ///< px, rows searched above and below
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
   double uniqueness = 0.8;  ///< maximum ratio of 1 - correlation of the best to the second-best match
@@ -120,7 +120,7 @@ struct ValiditySettings {
   int minimum_inliers = 15;                  ///< consistent with the motion
   double minimum_inlier_ratio = 0.3;         ///< inliers / matches
   double maximum_residual = 3.0;             ///< median residual, in units of that of the assumed noise
-  double maximum_time_step = 1.0;            ///< s between pairs
+  double maximum_time_step = 1.5;            ///< s between pairs: a lost second does not end an epoch
   double maximum_offset = 0.1;               ///< s between the exposures of a pair
   double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of the time offset
   double maximum_speed = 50.0;               ///< m/s
@@ -148,6 +148,11 @@ struct OdometrySettings {
 /// Minimum distance between features, px, in an image of `width` x `height` px: tracking.minimum_distance, or
 /// half the mean spacing of `features` points if that is less; at least 1.
 double minimumDistance(const OdometrySettings& settings, int width, int height);
+
+/// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px:
+/// stereo.maximum_disparity, or half the width if that is more. Of nearer surfaces, only the edges are seen by
+/// both cameras.
+int nearestDisparity(const StereoSettings& settings, int width);
 
 /// Throws std::invalid_argument that names the first value out of range and its range, for example
 /// "tracking.levels is 0: expected 1 to 8".

@@ -230,6 +230,16 @@ TEST_F(VisualTrackTest, LaterMotionIsNotAmbiguous) {
   EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }
 
+/// The cart cannot accelerate by 180 m/s^2, but all landmarks, near and far, left and right, say so.
+TEST_F(VisualTrackTest, AcceptsAnImplausibleMotionThatTheWholeImageShows) {
+  VisualTrack track = begin();
+  for (int i = 1; i < 4; ++i)
+    ASSERT_TRUE(show(track, drivePair(i), i).valid()) << i;
+  const TrackedMotion motion = show(track, drivePair(6), 4);
+  ASSERT_TRUE(motion.valid());
+  EXPECT_NEAR(motion.T_previous_current.translation().z(), 3.0 * kStep, 0.05 * kStep);
+}
+
 TEST_F(VisualTrackTest, KeepsThePoseExactlyDuringAStandstill) {
   VisualTrack track = begin();
   const int index = stop(track);

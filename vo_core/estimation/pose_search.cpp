@@ -187,7 +187,7 @@ class Search {
 
   bool isAdmissible(const Eigen::Isometry3d& pose) const {
     if (!problem_.admissible_change) return true;
-    const Vector6d change = vectorFromMotion(start_.inverse() * pose);
+    const Vector6d change = vectorFromMotion(problem_.expected.inverse() * pose);
     return (change.cwiseAbs().array() <= problem_.admissible_change->array()).all();
   }
 

@@ -30,13 +30,14 @@ struct PosePoint {
 struct PoseProblem {
   StereoCamera camera;
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> anchors;  ///< T_world_camera of the window's pairs
-  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< predicted T_world_camera
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< first guess of T_world_camera
+  Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();   ///< centre of the motion gate
   std::vector<PosePoint> points;
   /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
   /// patch is ignored: a gate that opens for blurred patches admits wrong matches
   /// (docs/notebook/experiments.md).
   BundleNoises noise;
-  /// Motion gate: largest difference from `start` per component, m and rad. Unset without a prediction.
+  /// Motion gate: largest difference from `expected` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;
 };
 

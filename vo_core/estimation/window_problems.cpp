@@ -1,6 +1,8 @@
 // Conversion of landmarks and poses to pose search and bundle problems.
 #include "vo_core/estimation/window_problems.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -9,10 +11,41 @@
 namespace cartvo::vo {
 namespace {
 
-// Prior of a landmark without a stereo match.
-constexpr double kMonocularInverseDepth = 0.03;  // 1/m
-constexpr double kMonocularStddev = 0.1;         // 1/m
-constexpr double kMonocularInformation = 1.0 / (kMonocularStddev * kMonocularStddev);
+// Prior of a landmark without a depth: weak, so that it does not pull a near one away from the camera.
+constexpr double kUnknownInverseDepth = 0.03;  // 1/m
+constexpr double kUnknownInformation = 1.0;    // m^2, of a stddev of 1 / m
+// m^2, of a stddev of 0.05 / m: a depth from motion that is more certain than this is used.
+constexpr double kCertainInformation = 400.0;
+// Factor on the weight of a landmark without a depth: its depth follows from the poses, but it has no say in
+// them. With a wrong depth, or a vague one, it would take part of the rotation for translation.
+constexpr double kFollowerWeight = 1e-6;
+
+constexpr std::size_t kRegionColumns = 16, kRegionRows = 10;  // of the image
+constexpr double kRegionShare = 2.0;  // largest weight of a region's points, over the median region's
+
+std::size_t regionOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
+  const auto part = [](double position, int size, std::size_t count) {
+    const double index = position / size * static_cast<double>(count);
+    return static_cast<std::size_t>(std::clamp(index, 0.0, static_cast<double>(count - 1)));
+  };
+  return part(pixel.y(), camera.height, kRegionRows) * kRegionColumns +
+         part(pixel.x(), camera.width, kRegionColumns);
+}
+
+/// Bounds the weight of each region of the image, so that a lettering or a dirty spot with many corners does
+/// not outvote a scene with few.
+void boundRegionWeights(const StereoCamera& camera, std::vector<PosePoint>& points) {
+  std::array<double, kRegionColumns * kRegionRows> weights{}, occupied;
+  for (const PosePoint& point : points)
+    weights[regionOf(camera, point.left)] += point.weight;
+  const auto end = std::copy_if(weights.begin(), weights.end(), occupied.begin(),
+                                [](double weight) { return weight > 0.0; });
+  const auto middle = occupied.begin() + (end - occupied.begin()) / 2;
+  if (middle == end) return;
+  std::nth_element(occupied.begin(), middle, end);
+  for (PosePoint& point : points)
+    point.weight *= std::min(1.0, kRegionShare * *middle / weights[regionOf(camera, point.left)]);
+}
 
 }  // namespace
 
@@ -47,6 +80,7 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
     points.push_back(point);
     chosen.push_back(i);
   }
+  boundRegionWeights(camera, points);
 }
 
 void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
@@ -82,8 +116,9 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     item.prior_information = landmark.prior_information;
     item.prior_dinverse_depth_doffset = landmark.prior_dinverse_depth_doffset;
     if (!landmark.hasDepth()) {
-      item.inverse_depth = item.prior_inverse_depth = kMonocularInverseDepth;
-      item.prior_information = kMonocularInformation;
+      item.inverse_depth = item.prior_inverse_depth = kUnknownInverseDepth;
+      item.prior_information = kFollowerWeight * kUnknownInformation;
+      item.weight *= kFollowerWeight;
       item.prior_dinverse_depth_doffset = 0.0;
     }
     for (const Observation& observation : landmark.observations)
@@ -118,8 +153,13 @@ BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
   return problem;
 }
 
-bool depthIsObserved(const BundleLandmark& adjusted) {
-  return adjusted.information >= 4.0 * kMonocularInformation;
+void updateDepth(const BundleLandmark& adjusted, Landmark& landmark) {
+  const double information =
+      landmark.hasDepth() ? adjusted.information : adjusted.information / kFollowerWeight;
+  if (!landmark.hasDepth() && information < kCertainInformation) return;
+  landmark.inverse_depth = adjusted.inverse_depth;
+  landmark.information = information;
+  landmark.dinverse_depth_doffset = adjusted.dinverse_depth_doffset;
 }
 
 }  // namespace cartvo::vo

@@ -19,7 +19,8 @@ TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
 /// Fills `points` with the landmarks that have a depth and `chosen` with their indices. Their last
 /// observations must be in the current pair. `window` has the anchors and may end before the current pair; a
-/// landmark whose anchor is not in the window is left out.
+/// landmark whose anchor is not in the window is left out. Their weights are bounded for each region of the
+/// image.
 void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                   const StereoCamera& camera, std::vector<PosePoint>& points,
                   std::vector<std::size_t>& chosen);
@@ -42,8 +43,8 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
 BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
                                      const std::vector<WindowFrame>& window, const StereoCamera& camera);
 
-/// Whether the depth of an adjusted landmark comes from observations rather than from the prior of a landmark
-/// without depth.
-bool depthIsObserved(const BundleLandmark& adjusted);
+/// Updates a landmark's depth with the adjusted one. A landmark without a depth gets one only if the motion
+/// has made it certain.
+void updateDepth(const BundleLandmark& adjusted, Landmark& landmark);
 
 }  // namespace cartvo::vo

@@ -62,6 +62,7 @@ std::optional<FrozenCameraDetector::Displacement> FrozenCameraDetector::localise
   auto& [problem, chosen, finder] = work;
   problem.start =
       window.back().T_world_camera * newestRightFromLeft(timedPoses(window), camera_.baseline).inverse();
+  problem.expected = problem.start;
   toPosePoints(landmarks, window, camera_, problem.points, chosen);
   toRightCameraPoints(landmarks, chosen, camera_, rig.correction(), problem.points);
   if (static_cast<int>(problem.points.size()) < settings_.validity.minimum_matches) return std::nullopt;

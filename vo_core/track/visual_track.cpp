@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
+#include "common/statistics.hpp"
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
 
@@ -20,6 +23,7 @@ constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks a
 // Maximum weight of the inliers of another first motion, relative to the best one's: on rendered worlds
 // without traffic it was at most 0.26; where a vehicle was taken for the static world, it was at least 0.65.
 constexpr double kMaximumSecondWeight = 0.5;
+constexpr double kMinimumGatedSupport = 0.5;  // inlier ratio; below, poses beyond the motion gate are searched
 // m and rad, part of the gate that is independent of the time step.
 constexpr double kTranslationSlack = 0.02, kRotationSlack = 0.01;
 
@@ -118,7 +122,6 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   TrackedMotion motion;
   motion.time_step = secondsSinceLast(pair);
   Draft& draft = draft_;
-  draft.landmarks = landmarks_;
   draft.window = window_;
   draft.window.push_back(frameOf(pair));
   trackLandmarks(pair, draft, motion, observer);
@@ -167,7 +170,9 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
   std::optional<Eigen::Isometry3d> expected;
   if (velocity_) expected = expectedPose(pair);
-  tracker_.track(draft.landmarks, window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected);
+  const auto prediction = tracker_.track(
+      landmarks_, draft.landmarks, {window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected});
+  draft.start = prediction.value_or(expectedPose(pair));
   if (pair.from_video) inflateCodecNoise(draft.landmarks);
   motion.counts.tracked = static_cast<int>(draft.landmarks.size());
 }
@@ -200,7 +205,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     motion.reason = OdometryReason::too_few_matches;
     return false;
   }
-  const auto found = pose_finder_.find(pose_problem_, settings_.pose_search, random_);
+  const auto found = findPose(pair);
   if (!found || !hasEnoughInliers(*found, settings_.validity)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
@@ -217,6 +222,50 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   std::erase_if(draft.landmarks,
                 [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
   return true;
+}
+
+/// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond
+/// the gate, too: what a cart can do is a matter of likelihood, and a pose that nearly all landmarks agree on,
+/// near and far, left and right, is measured.
+std::optional<FoundPose> VisualTrack::findPose(const PreparedPair& pair) {
+  const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
+  const auto within_gate = search();
+  if (!pose_problem_.admissible_change) return within_gate;
+  if (within_gate && within_gate->inlier_ratio >= kMinimumGatedSupport) return within_gate;
+  const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
+  if (const auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond) && !stopsTooFast(pair, *beyond))
+    return beyond;
+  pose_problem_.admissible_change = gate;
+  return search();  // sets the points' flags again
+}
+
+/// Whether most landmarks of each part of the scene are inliers: near and far ones, in the left and in the
+/// right half of the image, and nearly all of them together. A vehicle fills only some of the parts.
+bool VisualTrack::isAgreedOnEverywhere(const FoundPose& found) const {
+  if (found.inlier_ratio < settings_.pose_search.sufficient_support) return false;
+  std::vector<double> depths;
+  for (const PosePoint& point : pose_problem_.points)
+    depths.push_back(point.inverse_depth);
+  const double middle = median(depths);
+  const auto most_of = [&](const auto& belongs) {
+    double all = 0.0, inliers = 0.0;
+    for (const PosePoint& point : pose_problem_.points) {
+      if (!belongs(point)) continue;
+      all += point.weight;
+      inliers += point.inlier ? point.weight : 0.0;
+    }
+    return inliers > 0.5 * all;
+  };
+  return most_of([&](const PosePoint& point) { return point.inverse_depth < middle; }) &&
+         most_of([&](const PosePoint& point) { return point.inverse_depth >= middle; }) &&
+         most_of([&](const PosePoint& point) { return point.left.x() < camera_.cx; }) &&
+         most_of([&](const PosePoint& point) { return point.left.x() >= camera_.cx; });
+}
+
+/// Whether the pose is a stop from a speed at which the cart cannot stop: that of a camera that is frozen.
+bool VisualTrack::stopsTooFast(const PreparedPair& pair, const FoundPose& found) const {
+  const Eigen::Isometry3d motion = window_.back().T_world_camera.inverse() * found.T_world_camera;
+  return velocity_ && !standstill_.exceedsLimits(motion) && !canStop(*velocity_, secondsSinceLast(pair));
 }
 
 /// Whether the outliers of the found pose agree on another one that has nearly as much weight. Without a
@@ -247,7 +296,8 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.anchors.clear();
   for (const WindowFrame& frame : window_)
     problem.anchors.push_back(frame.T_world_camera);
-  problem.start = expectedPose(pair);
+  problem.start = draft.start;
+  problem.expected = expectedPose(pair);
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);

@@ -80,6 +80,7 @@ class VisualTrack {
   struct Draft {
     std::vector<Landmark> landmarks;
     std::vector<WindowFrame> window;  ///< the pair is the last
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
   };
 
   // visual_track.cpp
@@ -90,6 +91,9 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  std::optional<FoundPose> findPose(const PreparedPair& pair);
+  bool isAgreedOnEverywhere(const FoundPose& found) const;
+  bool stopsTooFast(const PreparedPair& pair, const FoundPose& found) const;
   bool isAmbiguous(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);

@@ -118,10 +118,7 @@ void VisualTrack::updateWeights(Draft& draft) const {
     const double ratio = adjusted.error / settings_.history.half_weight_stddevs;
     const double square = ratio * ratio;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
-    if (!landmark.hasDepth() && !depthIsObserved(adjusted)) continue;
-    landmark.inverse_depth = adjusted.inverse_depth;
-    landmark.information = adjusted.information;
-    landmark.dinverse_depth_doffset = adjusted.dinverse_depth_doffset;
+    updateDepth(adjusted, landmark);
   }
   std::erase_if(draft.landmarks,
                 [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });

@@ -19,6 +19,10 @@ constexpr int kShiftLevel = 1;                    // levels above the patch's ow
 constexpr double kImageMargin = 8.0;              // px; landmarks predicted farther outside are removed
 constexpr double kMinimumShiftCorrelation = 0.4;  // before the alignment estimates the warp
 constexpr double kMaximumStretch = 0.35;          // of a warp from the identity; above, the anchor changes
+// A prediction fails if fewer landmarks are found near it, or if those found are farther from it: half of what
+// the search near the prediction reaches, so that farther ones are missed.
+constexpr double kMinimumFoundShare = 0.5;
+constexpr double kMaximumPredictionError = 4.0;   // px, median
 constexpr double kMaximumRowResidual = 1.5;       // px of the level, of a stereo match
 // Motion of the right camera since the left exposure below which rows are the same in both images.
 constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
@@ -36,11 +40,11 @@ bool isConsistentBackward(const AffineAlignment& found, const TrackingSettings& 
 /// Pyramid levels of the shift before an alignment in `level`; `tracked` is the number of levels in use. With
 /// a predicted pose and a depth, the prediction errs by about 10 px at most and one level suffices; without a
 /// depth, one more level reaches all but the nearest landmarks, most of which are lost in any case. Without a
-/// predicted pose the search starts at the top.
-PyramidLevels shiftLevels(int level, bool pose_expected, bool has_depth, int tracked) {
+/// prediction to rely on the search starts at the top.
+PyramidLevels shiftLevels(int level, bool near_prediction, bool has_depth, int tracked) {
   const int finest = level + kShiftLevel;
   const int top = std::max(finest, tracked - 1);
-  if (!pose_expected) return {finest, top};
+  if (!near_prediction) return {finest, top};
   return {finest, has_depth ? finest : std::min(finest + 1, top)};
 }
 
@@ -125,7 +129,9 @@ bool keepsRows(const Eigen::Isometry3d& T_right_left) {
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
     : camera_(camera),
       settings_(settings),
-      detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {}
+      detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {
+  settings_.stereo.maximum_disparity = nearestDisparity(settings.stereo, camera.width);
+}
 
 void LandmarkTracker::setTargetFeatureCount(int features) {
   settings_.features = features;
@@ -170,7 +176,8 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
   const auto expected = expectedPixel(landmark, *anchor, scene);
   if (!expected) return std::nullopt;
   const PyramidLevels levels =
-      shiftLevels(landmark.level, scene.hasPredictedPose(), landmark.hasDepth(), settings_.tracking.levels);
+      shiftLevels(landmark.level, scene.hasPredictedPose() && !scene.wide, landmark.hasDepth(),
+                  settings_.tracking.levels);
   return ShiftTask{last->left.get(), &scene.left, landmark.last().left, *expected, levels};
 }
 
@@ -237,24 +244,64 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
   }
 }
 
-void LandmarkTracker::track(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                            const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_anchor,
-                            const std::optional<Eigen::Isometry3d>& T_world_camera) {
-  const Scene scene(window, left, frame, T_world_camera);
-  found_.reserve(landmarks.capacity());
-  found_.resize(landmarks.size());
+void LandmarkTracker::trackAll(std::vector<Landmark>& landmarks, const Scene& scene,
+                               std::int64_t oldest_anchor, std::vector<unsigned char>& found) const {
+  found.reserve(landmarks.capacity());
+  found.resize(landmarks.size());
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     trackBlock(std::span(landmarks).subspan(first, count), scene, oldest_anchor,
-               std::span(found_).subspan(first, count));
+               std::span(found).subspan(first, count));
   });
+}
+
+std::optional<Eigen::Isometry3d> LandmarkTracker::track(const std::vector<Landmark>& previous,
+                                                        std::vector<Landmark>& tracked,
+                                                        const TrackedImage& image) {
+  tracked = previous;
+  const Scene scene(image.window, image.left, image.frame, image.T_world_camera);
+  trackAll(tracked, scene, image.oldest_anchor, found_);
+  std::optional<Eigen::Isometry3d> prediction = image.T_world_camera;
+  if (prediction && predictionFails(tracked, image)) prediction = searchWidely(previous, tracked, image);
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (wasNew(landmarks[i], found_[i] != 0)) detector_.recordOutcome(landmarks[i], found_[i] != 0);
+  for (std::size_t i = 0; i < tracked.size(); ++i) {
+    if (wasNew(tracked[i], found_[i] != 0)) detector_.recordOutcome(tracked[i], found_[i] != 0);
     if (found_[i] == 0) continue;
-    if (kept != i) landmarks[kept] = std::move(landmarks[i]);
+    if (kept != i) tracked[kept] = std::move(tracked[i]);
     ++kept;
   }
-  landmarks.resize(kept);
+  tracked.resize(kept);
+  return prediction;
+}
+
+/// Whether the landmarks contradict the predicted pose.
+bool LandmarkTracker::predictionFails(const std::vector<Landmark>& tracked, const TrackedImage& image) {
+  const auto count = static_cast<double>(std::count(found_.begin(), found_.end(), 1));
+  if (count < kMinimumFoundShare * static_cast<double>(tracked.size())) return true;
+  const auto error = differenceFromPrediction(tracked, found_, image.window, camera_, *image.T_world_camera,
+                                              differences_);
+  return error && error->size > kMaximumPredictionError;
+}
+
+/// Searches the landmarks that were not found once more, in all pyramid levels, and marks those found in
+/// found_. Returns the corrected prediction.
+std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
+                                                               std::vector<Landmark>& tracked,
+                                                               const TrackedImage& image) {
+  std::optional<Eigen::Isometry3d> prediction =
+      correctedByImageShift(previous, image.window, image.left, camera_, *image.T_world_camera, differences_);
+  if (!prediction) prediction = image.T_world_camera;
+  Scene scene(image.window, image.left, image.frame, prediction);
+  scene.wide = true;
+  lost_.clear();
+  for (std::size_t i = 0; i < previous.size(); ++i)
+    if (found_[i] == 0) lost_.push_back(previous[i]);
+  trackAll(lost_, scene, image.oldest_anchor, found_wide_);
+  for (std::size_t i = 0, searched = 0; i < previous.size(); ++i) {
+    if (found_[i] != 0) continue;
+    found_[i] = found_wide_[searched];
+    tracked[i] = std::move(lost_[searched++]);
+  }
+  return prediction;
 }
 
 void LandmarkTracker::replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left,

@@ -14,10 +14,20 @@
 #include "vo_core/stereo_camera.hpp"
 #include "vo_core/tracking/landmark.hpp"
 #include "vo_core/tracking/landmark_detector.hpp"
+#include "vo_core/tracking/pose_prediction.hpp"
 #include "vo_core/tracking/spacing_grid.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
 namespace cartvo::vo {
+
+/// The left image that landmarks are searched in.
+struct TrackedImage {
+  const std::vector<WindowFrame>& window;  ///< earlier pairs
+  const ImagePyramid& left;
+  std::int64_t frame;          ///< index of its pair
+  std::int64_t oldest_anchor;  ///< index of a pair
+  std::optional<Eigen::Isometry3d> T_world_camera;  ///< predicted pose, if any
+};
 
 /// Tracks landmarks from pair to pair, matches them in the right images and detects new ones.
 class LandmarkTracker {
@@ -27,13 +37,16 @@ class LandmarkTracker {
   /// Sets the number of landmarks that replenish() targets, from the next pair on.
   void setTargetFeatureCount(int features);
 
-  /// Searches each landmark in the left image of pair `frame`: first by a shift of the last pair's patch,
-  /// then by an alignment with the anchor's patch. Appends an observation to those found and removes the
-  /// others. `T_world_camera` is the predicted pose of that pair, if any. A landmark whose anchor's patch no
-  /// longer fits, or whose anchor is older than `oldest_anchor`, gets the last pair as its new anchor.
-  void track(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-             const ImagePyramid& left, std::int64_t frame, std::int64_t oldest_anchor,
-             const std::optional<Eigen::Isometry3d>& T_world_camera);
+  /// Searches each landmark of `previous` in the left image of a pair: first by a shift of the last pair's
+  /// patch, then by an alignment with the anchor's patch. `tracked`: those found, each with an observation
+  /// appended. A landmark whose anchor's patch no longer fits, or whose anchor is older than
+  /// `image.oldest_anchor`, gets the last pair as its new anchor.
+  ///
+  /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
+  /// far from them, the prediction is corrected by the shift of the whole image, and the others are searched
+  /// in all pyramid levels. Returns the prediction used, nothing without one.
+  std::optional<Eigen::Isometry3d> track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
+                                         const TrackedImage& image);
 
   /// Removes landmarks that are too close to each other or exceed the target count, those with less trust and
   /// age first, and fills up with new corners.
@@ -58,6 +71,7 @@ class LandmarkTracker {
     std::int64_t frame;        ///< index of the current pair
     FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
         T_camera_frame;  ///< predicted, for each pair of the window; empty without a predicted pose
+    bool wide = false;   ///< whether to search in all pyramid levels
   };
 
   /// Images of a stereo pair and their predicted geometry.
@@ -84,6 +98,11 @@ class LandmarkTracker {
                         std::span<TrackingAttempt> attempts) const;
   void trackBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
                   std::span<unsigned char> found) const;
+  void trackAll(std::vector<Landmark>& landmarks, const Scene& scene, std::int64_t oldest_anchor,
+                std::vector<unsigned char>& found) const;
+  bool predictionFails(const std::vector<Landmark>& tracked, const TrackedImage& image);
+  std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
+                                                std::vector<Landmark>& tracked, const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
                                               double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
@@ -92,7 +111,11 @@ class LandmarkTracker {
   StereoCamera camera_;
   OdometrySettings settings_;
   LandmarkDetector detector_;
-  std::vector<unsigned char> found_;  ///< result of track() for each landmark; reused for its memory
+  // Memory of track(), reused.
+  std::vector<unsigned char> found_;       ///< result for each landmark
+  std::vector<unsigned char> found_wide_;  ///< the same of the wide search, for each of lost_
+  std::vector<Landmark> lost_;             ///< landmarks of the wide search
+  DifferenceBuffers differences_;
 
   /// Memory of replenish(), reused so that the steady state allocates nothing.
   struct ReplenishBuffers {

@@ -55,7 +55,8 @@ class LandmarkTrackerTest : public testing::Test {
 
   void track(int index, std::int64_t oldest_anchor, const std::optional<Eigen::Isometry3d>& expected) {
     const WindowFrame frame = frameAt(index);
-    tracker_.track(landmarks_, window_, *frame.left, index, oldest_anchor, expected);
+    const std::vector<Landmark> previous = landmarks_;
+    tracker_.track(previous, landmarks_, {window_, *frame.left, index, oldest_anchor, expected});
     window_.push_back(frame);
   }
 
@@ -100,6 +101,24 @@ TEST_F(LandmarkTrackerTest, FindsLandmarksOfUnknownDepthAwayFromThePrediction) {
   track(1, 0, Eigen::Isometry3d::Identity());  // the wall has moved on by 5 px
   EXPECT_GT(landmarks_.size(), 0.8 * static_cast<double>(before));
   EXPECT_LT(medianError(), 0.1);
+}
+
+TEST_F(LandmarkTrackerTest, FindsLandmarksWhereverThePredictionIsWrong) {
+  for (const int pairs : {4, 8, 11}) {  // the wall has moved on by 21, 42 and 58 px
+    std::vector<Landmark> tracked;
+    const WindowFrame frame = frameAt(pairs);
+    const auto prediction =
+        tracker_.track(landmarks_, tracked, {window_, *frame.left, pairs, 0, Eigen::Isometry3d::Identity()});
+    const double visible = (kWidth - pairs * kShift.x()) / kWidth;
+    EXPECT_GT(tracked.size(), 0.8 * visible * static_cast<double>(landmarks_.size())) << pairs;
+    std::vector<double> errors;
+    for (const Landmark& landmark : tracked)
+      errors.push_back((landmark.last().left - landmark.anchor().left - pairs * kShift).norm());
+    EXPECT_LT(medianOf(errors), 0.1) << pairs;
+    // The corrected prediction turns the camera by the shift of the image.
+    ASSERT_TRUE(prediction);
+    EXPECT_NEAR(vectorFromMotion(*prediction)[4], -pairs * kShift.x() / camera().focal_length, 0.02) << pairs;
+  }
 }
 
 TEST_F(LandmarkTrackerTest, TracksAndMatchesCoarseLandmarks) {

@@ -28,7 +28,7 @@ struct Options {
   double sensor_width_mm = 0.0;
   double relative_error_percent = 5.0;
   calibrate::PlanSettings questions{vo::OdometrySettings{}.motion.disparity_noise,
-                                    static_cast<double>(vo::OdometrySettings{}.stereo.maximum_disparity),
+                                    std::nullopt,
                                     0.0,
                                     {5.0, 10.0, 20.0, 40.0}};
   std::string format = "text";
@@ -120,9 +120,8 @@ void addQuestionOptions(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--largest-disparity", options.questions.largest_disparity,
-                  "Largest disparity that is matched, px (default: cartvod's)")
-      ->check(CLI::Range(1.0, 8192.0))
-      ->capture_default_str();
+                  "Largest disparity that is matched, px (default: cartvod's, half of the image's width)")
+      ->check(CLI::Range(1.0, 8192.0));
   command.add_option("--ranges", options.questions.ranges, "Ranges at which to report error and overlap, m")
       ->delimiter(',')
       ->check(CLI::Range(0.1, 1000.0))

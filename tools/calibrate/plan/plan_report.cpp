@@ -9,12 +9,18 @@
 #include "common/exact_text.hpp"
 #include "common/units.hpp"
 #include "tools/report/diagram.hpp"
+#include "vo_core/odometry_settings.hpp"
 
 namespace cartvo::calibrate {
 namespace {
 
+double largestDisparity(const StereoDesign& design, const PlanSettings& settings) {
+  return settings.largest_disparity.value_or(
+      vo::nearestDisparity(vo::StereoSettings{}, static_cast<int>(design.image_width)));
+}
+
 double nearestMatched(const StereoDesign& design, const PlanSettings& settings) {
-  return disparityAt(design, 1.0) / settings.largest_disparity;
+  return disparityAt(design, 1.0) / largestDisparity(design, settings);
 }
 
 std::string nameOf(const StereoDesign& design) {
@@ -99,12 +105,12 @@ nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const 
          {"focal_length_px", design.focal_length},
          {"image_width_px", design.image_width},
          {"horizontal_view_deg", kDegreesPerRadian * horizontalView(design)},
+         {"largest_disparity_px", largestDisparity(design, settings)},
          {"nearest_m", nearestMatched(design, settings)},
          {"good_to_m", rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error)},
          {"ranges", at}});
   }
   return {{"disparity_noise_px", settings.disparity_noise},
-          {"largest_disparity_px", settings.largest_disparity},
           {"good_relative_error", settings.relative_error},
           {"designs", rows}};
 }

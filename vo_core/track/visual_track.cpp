@@ -205,7 +205,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     motion.reason = OdometryReason::too_few_matches;
     return false;
   }
-  const auto found = findPose(pair);
+  const auto found = findPose();
   if (!found || !hasEnoughInliers(*found, settings_.validity)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
@@ -227,14 +227,13 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond
 /// the gate, too: what a cart can do is a matter of likelihood, and a pose that nearly all landmarks agree on,
 /// near and far, left and right, is measured.
-std::optional<FoundPose> VisualTrack::findPose(const PreparedPair& pair) {
+std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
   const auto within_gate = search();
   if (!pose_problem_.admissible_change) return within_gate;
   if (within_gate && within_gate->inlier_ratio >= kMinimumGatedSupport) return within_gate;
   const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
-  if (const auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond) && !stopsTooFast(pair, *beyond))
-    return beyond;
+  if (const auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond)) return beyond;
   pose_problem_.admissible_change = gate;
   return search();  // sets the points' flags again
 }
@@ -260,12 +259,6 @@ bool VisualTrack::isAgreedOnEverywhere(const FoundPose& found) const {
          most_of([&](const PosePoint& point) { return point.inverse_depth >= middle; }) &&
          most_of([&](const PosePoint& point) { return point.left.x() < camera_.cx; }) &&
          most_of([&](const PosePoint& point) { return point.left.x() >= camera_.cx; });
-}
-
-/// Whether the pose is a stop from a speed at which the cart cannot stop: that of a camera that is frozen.
-bool VisualTrack::stopsTooFast(const PreparedPair& pair, const FoundPose& found) const {
-  const Eigen::Isometry3d motion = window_.back().T_world_camera.inverse() * found.T_world_camera;
-  return velocity_ && !standstill_.exceedsLimits(motion) && !canStop(*velocity_, secondsSinceLast(pair));
 }
 
 /// Whether the outliers of the found pose agree on another one that has nearly as much weight. Without a

@@ -91,9 +91,8 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  std::optional<FoundPose> findPose(const PreparedPair& pair);
+  std::optional<FoundPose> findPose();
   bool isAgreedOnEverywhere(const FoundPose& found) const;
-  bool stopsTooFast(const PreparedPair& pair, const FoundPose& found) const;
   bool isAmbiguous(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
@@ -114,6 +113,7 @@ class VisualTrack {
   BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateWeights(Draft& draft) const;
+  bool stopsTooFast(const TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
                                   const RigCorrection& applied);

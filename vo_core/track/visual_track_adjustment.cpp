@@ -124,9 +124,15 @@ void VisualTrack::updateWeights(Draft& draft) const {
                 [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
 }
 
+/// Whether the motion is a stop from a speed at which the cart cannot stop: that of a camera that is frozen.
+bool VisualTrack::stopsTooFast(const TrackedMotion& motion) const {
+  return velocity_ && !canStop(*velocity_, motion.time_step) &&
+         !standstill_.exceedsLimits(motion.T_previous_current);
+}
+
 OdometryReason VisualTrack::validate(const TrackedMotion& motion, const Matrix6d& covariance) const {
   const ValiditySettings& validity = settings_.validity;
-  if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
+  if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity) || stopsTooFast(motion))
     return OdometryReason::implausible_motion;
   if (!(covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
     return OdometryReason::degenerate_geometry;

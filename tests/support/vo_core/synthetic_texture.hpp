@@ -38,6 +38,19 @@ class WaveTexture {
   std::array<Wave, 24> waves_{};
 };
 
+/// Texture with structure of all sizes, as images of the world have: a WaveTexture at three scales.
+class MultiscaleTexture {
+ public:
+  explicit MultiscaleTexture(std::uint64_t seed) : texture_(seed) {}
+
+  double operator()(double x, double y) const {
+    return (texture_(x, y) + texture_(x / 4.0, y / 4.0) + texture_(x / 16.0, y / 16.0)) / 3.0;
+  }
+
+ private:
+  WaveTexture texture_;
+};
+
 /// A CV_8UC1 image whose pixel (x, y) is value(x, y), rounded.
 template <typename Value>
 cv::Mat draw(int width, int height, const Value& value) {

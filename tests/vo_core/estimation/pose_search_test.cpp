@@ -35,6 +35,7 @@ PoseProblem simulateStreet(const Street& street, std::uint64_t seed) {
   problem.camera = kRigCamera;
   problem.anchors = {kBefore, test::steadyDrive(test::kFramePeriod)};
   problem.start = kNow * motionFromVector(vector6(0.02, -0.01, -0.03, 0.003, 0.004, -0.002));
+  problem.expected = problem.start;
   for (int i = 0; i < street.points; ++i) {
     PosePoint point;
     point.anchor = i % 2;

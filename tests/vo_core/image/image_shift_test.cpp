@@ -9,7 +9,7 @@ namespace cartvo::vo {
 namespace {
 
 ImagePyramid textureAt(std::uint64_t seed, const Eigen::Vector2d& shift, double gain = 1.0) {
-  const test::WaveTexture texture(seed);
+  const test::MultiscaleTexture texture(seed);
   return buildPyramid(test::draw(680, 420,
                                  [&](double x, double y) {
                                    return gain * texture(x - shift.x(), y - shift.y());
@@ -32,9 +32,14 @@ TEST(ImageShift, IsNotFoundBetweenAnImageAndABlankOne) {
   EXPECT_FALSE(findImageShift(textureAt(5, {0.0, 0.0}), blank));
 }
 
-TEST(ImageShift, IsNotSearchedInLargeLevels) {
-  const ImagePyramid image = buildPyramid(cv::Mat(420, 680, CV_8UC1, cv::Scalar(90)), 1);
-  EXPECT_FALSE(findImageShift(image, image));
+TEST(ImageShift, IsFoundWithoutSmallLevels) {
+  const auto at = [](double x) {
+    static const test::MultiscaleTexture texture(5);
+    return buildPyramid(test::draw(680, 420, [x](double u, double v) { return texture(u - x, v); }), 1);
+  };
+  const auto found = findImageShift(at(0.0), at(61.0));
+  ASSERT_TRUE(found);
+  EXPECT_LT((*found - Eigen::Vector2d(61.0, 0.0)).norm(), 2.0) << found->transpose();
 }
 
 }  // namespace

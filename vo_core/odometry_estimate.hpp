@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "vo_core/key_frames.hpp"
+#include "vo_core/image_region.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -106,6 +107,8 @@ struct OdometryEstimate {
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the start of the epoch
   FeatureCounts counts;
   std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
+  /// Parts of the image that do not move with the scene and are left out: lettering, dirt, the cart itself.
+  ImageRegions still_regions;
 };
 
 }  // namespace cartvo::vo

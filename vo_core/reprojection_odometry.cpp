@@ -50,6 +50,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   bool stopIsImplausible(const PreparedPair& pair) const;
   bool isStandstill(const TrackedMotion& motion) const;
   RigCalibrationFilter latestRig() const;
+  StillRegions latestStillRegions() const;
   enum class TrackHandover { none, frozen, done };  ///< frozen: the candidate stands though the cart moves
   TrackHandover tryRelocalise(const PreparedPair& pair, TrackedMotion& motion, StageObserver& observer);
   void restartCodecModel(const PreparedPair& pair, const TrackedMotion& motion);
@@ -238,10 +239,14 @@ RigCalibrationFilter ReprojectionOdometry::latestRig() const {
   return track_ ? track_->rig() : RigCalibrationFilter();
 }
 
+StillRegions ReprojectionOdometry::latestStillRegions() const {
+  return track_ ? track_->stillRegions() : StillRegions(camera_);
+}
+
 /// Starts the running track anew at the pair, within the epoch.
 OdometryEstimate ReprojectionOdometry::startTrack(const PreparedPair& pair, OdometryReason reason,
                                                   StageObserver& observer) {
-  track_.emplace(camera_, settings_, pair, latestRig(), pitch_reinitialiser_, observer);
+  track_.emplace(camera_, settings_, pair, latestRig(), latestStillRegions(), pitch_reinitialiser_, observer);
   codec_shift_ = codec_errors_.restart(pair.key_frames);
   candidate_track_.reset();
   lost_pairs_ = 0;
@@ -264,7 +269,8 @@ OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, Odom
 OdometryEstimate ReprojectionOdometry::handleLoss(const PreparedPair& pair, const TrackedMotion& failed,
                                                   StageObserver& observer) {
   TrackedMotion motion = failed;
-  candidate_track_.emplace(camera_, settings_, pair, latestRig(), pitch_reinitialiser_, observer);
+  candidate_track_.emplace(camera_, settings_, pair, latestRig(), latestStillRegions(), pitch_reinitialiser_,
+                           observer);
   candidate_key_frames_ = pair.key_frames;
   motion.counts.detected = candidate_track_->landmarkCount();
   motion.counts.stereo = candidate_track_->stereoCount();
@@ -296,6 +302,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
       estimate.pose_covariance += codec_shift_->variance.asDiagonal();
     }
     estimate.rig = track_->rigCalibrationError();
+    estimate.still_regions = track_->stillRegions().regions();
   }
   if (!estimate.valid) return estimate;
   estimate.time_step = motion.time_step;

@@ -41,7 +41,9 @@ void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   if (estimate.rig) updateRig(*estimate.rig);
   const bool were_missing = matches_.matchesMissing();
   matches_.update(estimate);
-  changed_ = changed_ || matches_.matchesMissing() != were_missing;
+  changed_ = changed_ || matches_.matchesMissing() != were_missing ||
+             estimate.still_regions.empty() != still_regions_.empty();
+  still_regions_ = estimate.still_regions;
 }
 
 void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
@@ -64,7 +66,19 @@ std::string SelfCheck::message() const {
   if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
+  if (offset.empty() && angles.empty()) return stillRegionsMessage();
   return offset + (offset.empty() || angles.empty() ? "" : "; ") + angles;
+}
+
+std::string SelfCheck::stillRegionsMessage() const {
+  if (still_regions_.empty()) return {};
+  const vo::ImageRegion& region = still_regions_.front();
+  const std::string others =
+      still_regions_.size() > 1 ? fmt::format(" and {} more", still_regions_.size() - 1) : std::string();
+  return fmt::format(
+      "the left picture stands still at x {} to {}, y {} to {} px{}, not used: lettering, dirt, or the cart "
+      "itself",
+      region.x, region.x + region.width, region.y, region.y + region.height, others);
 }
 
 bool SelfCheck::anglesCauseMissingMatches() const {

@@ -11,8 +11,8 @@
 
 namespace cartvo::daemon {
 
-/// Reports errors of the rig calibration and of the time offset that the odometry has estimated, and missing
-/// stereo matches. An error is reported while it is significant (3 standard deviations) and large enough to
+/// Reports errors of the rig calibration and of the time offset that the odometry has estimated, missing
+/// stereo matches, and regions of the picture that do not move with the scene. An error is reported while it is significant (3 standard deviations) and large enough to
 /// matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
@@ -32,10 +32,12 @@ class SelfCheck {
   void updateRig(const vo::RigCalibrationError& rig);
   bool anglesCauseMissingMatches() const;
   std::string anglesMessage() const;
+  std::string stillRegionsMessage() const;
 
   std::optional<vo::RigCalibrationError> rig_;
   std::array<bool, kQuantities> faulty_{};
   StereoMatchMonitor matches_;
+  vo::ImageRegions still_regions_;
   bool changed_ = false;
 };
 

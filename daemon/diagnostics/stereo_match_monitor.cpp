@@ -44,7 +44,7 @@ std::string StereoMatchMonitor::message() const {
   if (!missing_) return {};
   return fmt::format(
       "hardly any corner of the left picture is found in the right one ({} of {}): check for a turned, "
-      "covered or defocused camera, swapped cameras, or a wrong rig file",
+      "covered or defocused camera, swapped cameras, a wrong rig file, or a wall too near for both cameras",
       counts_.stereo, counts_.detected);
 }
 

@@ -130,6 +130,7 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
   pipeline.replay({[&](const daemon::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      self_check.update(result.estimate);
+                     replay.still_regions = result.estimate.still_regions;
                      observer(result, source.pairs);
                    },
                    {}});

@@ -77,6 +77,7 @@ struct Replay {
   std::optional<VideoTiming> timing;          ///< for two videos
   std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
   std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
+  vo::ImageRegions still_regions;             ///< OdometryEstimate::still_regions at the end
   std::vector<std::string> problems;          ///< errors of the sources (for example a truncated recording)
 };
 

@@ -135,6 +135,13 @@ Json selfCheckJson(const Replay& replay) {
           {"right_roll_deg", scaled(rig.roll, kDegreesPerRadian)}};
 }
 
+Json stillRegionsJson(const vo::ImageRegions& regions) {
+  Json json = Json::array();
+  for (const vo::ImageRegion& region : regions)
+    json.push_back({{"x", region.x}, {"y", region.y}, {"width", region.width}, {"height", region.height}});
+  return json;
+}
+
 /// Source of a recording's timestamps; null for other sources.
 Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   if (replay.kind != capture::SourceKind::recording) return nullptr;
@@ -190,6 +197,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["video_timing"] = timingJson(replay);
   json["self_check"] = selfCheckJson(replay);
   json["self_check_sentence"] = replay.self_check;
+  json["still_regions"] = stillRegionsJson(replay.still_regions);
   json["time_ms"] = timesJson(replay);
   json["versions"] = {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}};
   return json;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 
 namespace cartvo::vo {
@@ -20,31 +21,21 @@ constexpr double kCertainInformation = 400.0;
 // them. With a wrong depth, or a vague one, it would take part of the rotation for translation.
 constexpr double kFollowerWeight = 1e-6;
 
-constexpr std::size_t kRegionColumns = 16, kRegionRows = 10;  // of the image
-constexpr double kRegionShare = 2.0;  // largest weight of a region's points, over the median region's
+constexpr double kCellShare = 2.0;  // largest weight of a cell's points, over the median cell's
 
-std::size_t regionOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
-  const auto part = [](double position, int size, std::size_t count) {
-    const double index = position / size * static_cast<double>(count);
-    return static_cast<std::size_t>(std::clamp(index, 0.0, static_cast<double>(count - 1)));
-  };
-  return part(pixel.y(), camera.height, kRegionRows) * kRegionColumns +
-         part(pixel.x(), camera.width, kRegionColumns);
-}
-
-/// Bounds the weight of each region of the image, so that a lettering or a dirty spot with many corners does
+/// Bounds the weight of each cell of the image, so that a lettering or a dirty spot with many corners does
 /// not outvote a scene with few.
-void boundRegionWeights(const StereoCamera& camera, std::vector<PosePoint>& points) {
-  std::array<double, kRegionColumns * kRegionRows> weights{}, occupied;
+void boundCellWeights(const StereoCamera& camera, std::vector<PosePoint>& points) {
+  std::array<double, kCells> weights{}, occupied;
   for (const PosePoint& point : points)
-    weights[regionOf(camera, point.left)] += point.weight;
+    weights[cellOf(camera, point.left)] += point.weight;
   const auto end = std::copy_if(weights.begin(), weights.end(), occupied.begin(),
                                 [](double weight) { return weight > 0.0; });
   const auto middle = occupied.begin() + (end - occupied.begin()) / 2;
   if (middle == end) return;
   std::nth_element(occupied.begin(), middle, end);
   for (PosePoint& point : points)
-    point.weight *= std::min(1.0, kRegionShare * *middle / weights[regionOf(camera, point.left)]);
+    point.weight *= std::min(1.0, kCellShare * *middle / weights[cellOf(camera, point.left)]);
 }
 
 }  // namespace
@@ -80,7 +71,7 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
     points.push_back(point);
     chosen.push_back(i);
   }
-  boundRegionWeights(camera, points);
+  boundCellWeights(camera, points);
 }
 
 void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,

@@ -55,7 +55,8 @@ struct OverlapSums {
 
   double correlation() const {
     const auto n = static_cast<double>(pixels);
-    const auto covariance = static_cast<double>(product) - static_cast<double>(before) / n * static_cast<double>(after);
+    const auto covariance =
+        static_cast<double>(product) - static_cast<double>(before) / n * static_cast<double>(after);
     const auto variance = [n](std::int64_t sum, std::int64_t square) {
       return static_cast<double>(square) - static_cast<double>(sum) / n * static_cast<double>(sum);
     };

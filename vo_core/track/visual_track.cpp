@@ -23,7 +23,8 @@ constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks a
 // Maximum weight of the inliers of another first motion, relative to the best one's: on rendered worlds
 // without traffic it was at most 0.26; where a vehicle was taken for the static world, it was at least 0.65.
 constexpr double kMaximumSecondWeight = 0.5;
-constexpr double kMinimumGatedSupport = 0.5;  // inlier ratio; below, poses beyond the motion gate are searched
+constexpr double kMinimumGatedSupport =
+    0.5;  // inlier ratio; below, poses beyond the motion gate are searched
 // m and rad, part of the gate that is independent of the time step.
 constexpr double kTranslationSlack = 0.02, kRotationSlack = 0.01;
 
@@ -56,7 +57,8 @@ void initialiseDepth(Landmark& landmark, const StereoCamera& camera, const Eigen
 
 VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& settings,
                          const PreparedPair& first, const RigCalibrationFilter& rig,
-                         PitchReinitialiser& reinitialiser, StageObserver& observer)
+                         const StillRegions& still_regions, PitchReinitialiser& reinitialiser,
+                         StageObserver& observer)
     : camera_(camera),
       settings_(settings),
       tracker_(camera, settings),
@@ -65,6 +67,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       pitch_reinitialiser_(camera),
       standstill_(settings.standstill),
       frozen_camera_(camera, settings),
+      still_regions_(still_regions),
       last_exposure_ns_(first.left_exposure_ns) {
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
@@ -225,8 +228,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond
-/// the gate, too: what a cart can do is a matter of likelihood, and a pose that nearly all landmarks agree on,
-/// near and far, left and right, is measured.
+/// the gate, too: what a cart can do is a matter of likelihood, and a pose that nearly all landmarks agree
+/// on, near and far, left and right, is measured.
 std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
   const auto within_gate = search();
@@ -315,6 +318,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   for (Landmark& landmark : landmarks) {
     const Observation& anchor = landmark.anchor();
     if (landmark.hasDepth() || landmark.observations.size() > 1 || !anchor.stereo) continue;
+    if (still_regions_.contains(anchor.left)) continue;
     initialiseDepth(landmark, camera_, T_right_left,
                     correctedRight(camera_, rig, anchor.left - anchor.stereo_offset), noise_);
   }

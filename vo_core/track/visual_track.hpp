@@ -10,6 +10,7 @@
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 #include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/integrity/standstill.hpp"
+#include "vo_core/integrity/still_regions.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
@@ -54,10 +55,11 @@ struct TrackedMotion {
 /// A pair with an invalid motion leaves the track unchanged.
 class VisualTrack {
  public:
-  /// Starts at the pair `first`, which is the origin. `rig`: calibration error estimated so far.
+  /// Starts at the pair `first`, which is the origin. `rig` and `still_regions`: what is known so far.
   /// `reinitialiser`: used for this pair; shared by all tracks, as each pair may start one.
   VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
-              const RigCalibrationFilter& rig, PitchReinitialiser& reinitialiser, StageObserver& observer);
+              const RigCalibrationFilter& rig, const StillRegions& still_regions,
+              PitchReinitialiser& reinitialiser, StageObserver& observer);
 
   /// Tracks the next pair and, if its motion is valid, adds it.
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
@@ -74,6 +76,7 @@ class VisualTrack {
   int stereoCount() const;  ///< landmarks found in the last pair's right image
   const RigCalibrationFilter& rig() const { return rig_; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
+  const StillRegions& stillRegions() const { return still_regions_; }
 
  private:
   /// Landmarks and window with the current pair, before it is accepted.
@@ -112,7 +115,7 @@ class VisualTrack {
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
   BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  void updateWeights(Draft& draft) const;
+  void updateLandmarks(Draft& draft);
   bool stopsTooFast(const TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
@@ -127,6 +130,7 @@ class VisualTrack {
   PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;
   FrozenCameraDetector frozen_camera_;
+  StillRegions still_regions_;
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;

@@ -83,7 +83,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   }
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
-  updateWeights(draft);
+  updateLandmarks(draft);
   const MotionUncertainty uncertainty = updateUncertainties(
       bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
       draft.window);
@@ -110,15 +110,20 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   accept(pair, draft);
 }
 
-/// Updates the landmarks' depths, and their trust from their residuals.
-void VisualTrack::updateWeights(Draft& draft) const {
+/// Updates the landmarks' depths, and their trust from their residuals. Landmarks in still regions have no
+/// depth and so no say in the poses.
+void VisualTrack::updateLandmarks(Draft& draft) {
+  still_regions_.update(draft.landmarks, draft.window);
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     Landmark& landmark = draft.landmarks[chosen_[i]];
     const BundleLandmark& adjusted = bundle_.landmarks[i];
     const double ratio = adjusted.error / settings_.history.half_weight_stddevs;
     const double square = ratio * ratio;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
-    updateDepth(adjusted, landmark);
+    if (still_regions_.contains(landmark.last().left))
+      landmark.information = 0.0;
+    else
+      updateDepth(adjusted, landmark);
   }
   std::erase_if(draft.landmarks,
                 [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });

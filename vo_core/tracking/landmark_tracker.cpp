@@ -19,11 +19,11 @@ constexpr int kShiftLevel = 1;                    // levels above the patch's ow
 constexpr double kImageMargin = 8.0;              // px; landmarks predicted farther outside are removed
 constexpr double kMinimumShiftCorrelation = 0.4;  // before the alignment estimates the warp
 constexpr double kMaximumStretch = 0.35;          // of a warp from the identity; above, the anchor changes
-// A prediction fails if fewer landmarks are found near it, or if those found are farther from it: half of what
-// the search near the prediction reaches, so that farther ones are missed.
+// A prediction fails if fewer landmarks are found near it, or if those found are farther from it: half of
+// what the search near the prediction reaches, so that farther ones are missed.
 constexpr double kMinimumFoundShare = 0.5;
-constexpr double kMaximumPredictionError = 4.0;   // px, median
-constexpr double kMaximumRowResidual = 1.5;       // px of the level, of a stereo match
+constexpr double kMaximumPredictionError = 4.0;  // px, median
+constexpr double kMaximumRowResidual = 1.5;      // px of the level, of a stereo match
 // Motion of the right camera since the left exposure below which rows are the same in both images.
 constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
 constexpr double kMaximumRowRoll = 0.01;          // rad
@@ -175,9 +175,8 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
   if (!anchor) return std::nullopt;
   const auto expected = expectedPixel(landmark, *anchor, scene);
   if (!expected) return std::nullopt;
-  const PyramidLevels levels =
-      shiftLevels(landmark.level, scene.hasPredictedPose() && !scene.wide, landmark.hasDepth(),
-                  settings_.tracking.levels);
+  const PyramidLevels levels = shiftLevels(landmark.level, scene.hasPredictedPose() && !scene.wide,
+                                           landmark.hasDepth(), settings_.tracking.levels);
   return ShiftTask{last->left.get(), &scene.left, landmark.last().left, *expected, levels};
 }
 
@@ -277,8 +276,8 @@ std::optional<Eigen::Isometry3d> LandmarkTracker::track(const std::vector<Landma
 bool LandmarkTracker::predictionFails(const std::vector<Landmark>& tracked, const TrackedImage& image) {
   const auto count = static_cast<double>(std::count(found_.begin(), found_.end(), 1));
   if (count < kMinimumFoundShare * static_cast<double>(tracked.size())) return true;
-  const auto error = differenceFromPrediction(tracked, found_, image.window, camera_, *image.T_world_camera,
-                                              differences_);
+  const auto error =
+      differenceFromPrediction(tracked, found_, image.window, camera_, *image.T_world_camera, differences_);
   return error && error->size > kMaximumPredictionError;
 }
 

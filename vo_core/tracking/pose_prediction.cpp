@@ -29,9 +29,9 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
     if (!landmark.hasDepth() || (!used.empty() && used[i] == 0)) continue;
     const std::optional<int> anchor = findFrameIndex(window, landmark.anchor().frame);
     if (!anchor) continue;
-    const Projection predicted = projectLandmark(camera, T_camera_frame[static_cast<std::size_t>(*anchor)],
-                                                 bearingOf(camera, landmark.anchor().left),
-                                                 landmark.inverse_depth);
+    const Projection predicted =
+        projectLandmark(camera, T_camera_frame[static_cast<std::size_t>(*anchor)],
+                        bearingOf(camera, landmark.anchor().left), landmark.inverse_depth);
     if (!predicted.valid) continue;
     const Eigen::Vector2d difference = landmark.last().left - predicted.pixel;
     columns.push_back(difference.x());

@@ -1,0 +1,116 @@
+// Detection of what stands still in the image.
+#include "vo_core/integrity/still_regions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include <opencv2/imgproc.hpp>
+
+#include "vo_core/geometry/image_cells.hpp"
+#include "vo_core/geometry/reprojection.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+constexpr double kExpectedFlow = 3.0;  // px; less says nothing about a landmark
+constexpr double kStillFlow = 0.5;     // px; the most that matching noise and a video codec move a still one
+constexpr double kMovedFlow = 1.5;     // px; more shows that the cell moves
+constexpr double kMinimumPairs = 8.0;  // half a second of a turning or driving cart
+constexpr double kMinimumRatio = 4.0;  // pairs in which the cell was still, over those in which it moved
+constexpr double kMemory = 0.98;       // factor per pair: dirt is wiped off, the lettering is switched off
+constexpr double kMaximumShare = 1.0 / 3.0;  // of the landmarks and of the cells
+
+/// Pixel in the window's pair `frame`; the landmark has a depth, or is assumed at infinity.
+Projection pixelIn(const StereoCamera& camera, const WindowFrame& frame, const WindowFrame& anchor,
+                   const Landmark& landmark) {
+  return projectLandmark(camera, frame.T_world_camera.inverse() * anchor.T_world_camera,
+                         bearingOf(camera, landmark.anchor().left),
+                         landmark.hasDepth() ? landmark.inverse_depth : 0.0);
+}
+
+/// Length (px) of the landmark's way through the image that the last motion explains; 0 if unknown.
+double expectedFlow(const StereoCamera& camera, const std::vector<WindowFrame>& window,
+                    const Landmark& landmark) {
+  const WindowFrame* anchor = findFrame(window, landmark.anchor().frame);
+  if (anchor == nullptr) return 0.0;
+  const Projection now = pixelIn(camera, window.back(), *anchor, landmark);
+  const Projection before = pixelIn(camera, window[window.size() - 2], *anchor, landmark);
+  return now.valid && before.valid ? (now.pixel - before.pixel).norm() : 0.0;
+}
+
+}  // namespace
+
+StillRegions::StillRegions(const StereoCamera& camera)
+    : camera_(camera), cells_(kCells), still_(kCells), moved_(kCells) {}
+
+void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window) {
+  if (window.size() < 2) return;
+  std::fill(still_.begin(), still_.end(), 0);
+  std::fill(moved_.begin(), moved_.end(), 0);
+  for (const Landmark& landmark : landmarks) {
+    const auto count = landmark.observations.size();
+    if (count < 2 || landmark.last().frame != window.back().index) continue;
+    const double flow = (landmark.last().left - landmark.observations[count - 2].left).norm();
+    const int cell = cellOf(camera_, landmark.last().left);
+    if (flow > kMovedFlow)
+      ++moved_[cell];
+    else if (flow < kStillFlow && expectedFlow(camera_, window, landmark) > kExpectedFlow)
+      ++still_[cell];
+  }
+  const int still = std::accumulate(still_.begin(), still_.end(), 0);
+  const int moved = std::accumulate(moved_.begin(), moved_.end(), 0);
+  if (still > kMaximumShare * (still + moved)) return;
+  bool changed = false;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (still_[i] + moved_[i] > 0) changed = addPair(cells_[i], moved_[i] > 0) || changed;
+  if (changed) findRegions();
+}
+
+/// Adds a pair to a cell of it. Returns whether the cell becomes still or ceases to be.
+bool StillRegions::addPair(Cell& cell, bool moved) {
+  cell.still = kMemory * cell.still + (moved ? 0.0 : 1.0);
+  cell.moving = kMemory * cell.moving + (moved ? 1.0 : 0.0);
+  const bool was_still = cell.is_still;
+  if (was_still) {
+    cell.is_still = cell.still > cell.moving;
+  } else {
+    const auto known = std::count_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.is_still; });
+    cell.is_still = cell.still >= kMinimumPairs && cell.still > kMinimumRatio * cell.moving &&
+                    static_cast<double>(known) < kMaximumShare * static_cast<double>(cells_.size());
+  }
+  return cell.is_still != was_still;
+}
+
+bool StillRegions::contains(const Eigen::Vector2d& pixel) const {
+  return cells_[cellOf(camera_, pixel)].is_still;
+}
+
+void StillRegions::findRegions() {
+  regions_.clear();
+  cv::Mat_<unsigned char> map(kCellRows, kCellColumns);
+  std::transform(cells_.begin(), cells_.end(), map.begin(),
+                 [](const Cell& cell) -> unsigned char { return cell.is_still ? 1 : 0; });
+  cv::Mat labels, boxes, centres;
+  const int count = cv::connectedComponentsWithStats(map, labels, boxes, centres);
+  std::vector<int> order(count - 1);
+  std::iota(order.begin(), order.end(), 1);  // 0 is the background
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return boxes.at<int>(a, cv::CC_STAT_AREA) > boxes.at<int>(b, cv::CC_STAT_AREA);
+  });
+  for (const int i : order) {
+    if (regions_.size() == kMaximumImageRegions) break;
+    const auto scaled = [](int cells, int size, int all) { return cells * size / all; };
+    const int x = boxes.at<int>(i, cv::CC_STAT_LEFT), y = boxes.at<int>(i, cv::CC_STAT_TOP);
+    const int right = x + boxes.at<int>(i, cv::CC_STAT_WIDTH),
+              bottom = y + boxes.at<int>(i, cv::CC_STAT_HEIGHT);
+    ImageRegion region;
+    region.x = scaled(x, camera_.width, kCellColumns);
+    region.y = scaled(y, camera_.height, kCellRows);
+    region.width = scaled(right, camera_.width, kCellColumns) - region.x;
+    region.height = scaled(bottom, camera_.height, kCellRows) - region.y;
+    regions_.push_back(region);
+  }
+}
+
+}  // namespace cartvo::vo

@@ -12,6 +12,7 @@
 #include "tools/benchmark/accuracy/benchmark_ablation.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/offset/benchmark_offset.hpp"
+#include "tools/benchmark/robustness/benchmark_robustness.hpp"
 #include "tools/benchmark/speed/benchmark_speed.hpp"
 #include "tools/benchmark/thesis/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis/thesis_report.hpp"
@@ -200,6 +201,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   addAccuracy(*command);
   addAblationBenchmark(*command);
   addOffsetBenchmark(*command);
+  addRobustnessBenchmark(*command);
   addSpeedBenchmark(*command);
   addThesis(*command);
 }

@@ -8,7 +8,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr std::array<std::pair<Scenario, std::string_view>, 14> kNames{{
+constexpr std::array<std::pair<Scenario, std::string_view>, 15> kNames{{
     {Scenario::campus, "campus"},
     {Scenario::loop, "loop"},
     {Scenario::turns, "turns"},
@@ -23,6 +23,7 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 14> kNames{{
     {Scenario::bumpy, "bumpy"},
     {Scenario::reversing, "reversing"},
     {Scenario::motorway, "motorway"},
+    {Scenario::rough, "rough"},
 }};
 
 }  // namespace

@@ -25,6 +25,7 @@ enum class Scenario : std::uint8_t {
   bumpy,        ///< a rough road: strong pitch, roll and heave
   reversing,    ///< repeated forward drive, standstill, backward drive
   motorway,     ///< fast in a wide bend on smooth asphalt, all else far away: few near points
+  rough,        ///< no road: pitch and roll of some degrees, kicks in yaw and pitch within a frame period
 };
 
 /// All scenarios in the order of the enumeration.

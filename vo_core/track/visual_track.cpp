@@ -23,6 +23,9 @@ constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks a
 // Maximum weight of the inliers of another first motion, relative to the best one's: on rendered worlds
 // without traffic it was at most 0.26; where a vehicle was taken for the static world, it was at least 0.65.
 constexpr double kMaximumSecondWeight = 0.5;
+// Minimum share of the landmarks that a pose explains which the last motion did not predict: fewer may agree
+// by chance, or on what moves.
+constexpr double kMinimumSurprisedShare = 0.1;
 constexpr double kMinimumGatedSupport =
     0.5;  // inlier ratio; below, poses beyond the motion gate are searched
 // m and rad, part of the gate that is independent of the time step.
@@ -173,11 +176,26 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
   std::optional<Eigen::Isometry3d> expected;
   if (velocity_) expected = expectedPose(pair);
-  const auto prediction = tracker_.track(
-      landmarks_, draft.landmarks, {window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected});
-  draft.start = prediction.value_or(expectedPose(pair));
+  TrackedImage image{window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected};
+  const TrackingOutcome outcome = tracker_.track(landmarks_, draft.landmarks, image);
+  draft.start = outcome.T_world_camera.value_or(expectedPose(pair));
+  draft.prediction_failed = outcome.prediction_failed;
+  if (draft.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
   if (pair.from_video) inflateCodecNoise(draft.landmarks);
   motion.counts.tracked = static_cast<int>(draft.landmarks.size());
+}
+
+/// Searches the landmarks once more at the pose of those that the wide search has found: near that pose, more
+/// of them are found, and nearer ones.
+void VisualTrack::searchAgainAtFoundPose(const PreparedPair& pair, TrackedImage& image, Draft& draft) {
+  buildPoseProblem(pair, draft);
+  if (static_cast<int>(chosen_.size()) < settings_.validity.minimum_matches) return;
+  const auto found = findPose();
+  if (!found || !hasEnoughInliers(*found, settings_.validity)) return;
+  image.T_world_camera = found->T_world_camera;
+  image.pose_is_found = true;
+  tracker_.track(landmarks_, draft.landmarks, image);
+  draft.start = found->T_world_camera;
 }
 
 void VisualTrack::replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
@@ -214,6 +232,10 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
+  if (draft.prediction_failed && found->inliers < kMinimumSurprisedShare * countWithDepth(landmarks_)) {
+    motion.reason = OdometryReason::too_few_inliers;
+    return false;
+  }
   motion.ambiguous = !velocity_ && isAmbiguous(*found);
   if (motion.ambiguous) {
     motion.reason = OdometryReason::too_few_inliers;

@@ -82,13 +82,15 @@ class VisualTrack {
   /// Landmarks and window with the current pair, before it is accepted.
   struct Draft {
     std::vector<Landmark> landmarks;
-    std::vector<WindowFrame> window;  ///< the pair is the last
+    std::vector<WindowFrame> window;                          ///< the pair is the last
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
+    bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
   };
 
   // visual_track.cpp
   TrackedMotion track(const PreparedPair& pair, StageObserver& observer);
   void trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion, StageObserver& observer);
+  void searchAgainAtFoundPose(const PreparedPair& pair, TrackedImage& image, Draft& draft);
   void replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
                           StageObserver& observer);
   double secondsSinceLast(const PreparedPair& pair) const;

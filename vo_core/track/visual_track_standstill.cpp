@@ -36,8 +36,7 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   current.local_covariance = motion.motion_covariance;
   accept(pair, draft);
   frozen_camera_.reset();
-  landmarks_when_stopped_ = static_cast<int>(std::count_if(
-      landmarks_.begin(), landmarks_.end(), [](const Landmark& landmark) { return landmark.hasDepth(); }));
+  landmarks_when_stopped_ = countWithDepth(landmarks_);
 }
 
 /// Whether the last velocity implies a motion beyond a standstill that exceeds its uncertainty clearly.

@@ -22,6 +22,11 @@ int countStereo(const std::vector<Landmark>& landmarks) {
                                         [](const Landmark& landmark) { return landmark.last().stereo; }));
 }
 
+int countWithDepth(const std::vector<Landmark>& landmarks) {
+  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
+                                        [](const Landmark& landmark) { return landmark.hasDepth(); }));
+}
+
 Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
   const double floor = kMinimumPatchNoise * levelScale(level);
   return (variance.array() + floor * floor).sqrt() / kTypicalNoise;

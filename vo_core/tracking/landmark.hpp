@@ -55,6 +55,9 @@ struct Landmark {
 /// Number of landmarks with a stereo match in the last pair.
 int countStereo(const std::vector<Landmark>& landmarks);
 
+/// Number of landmarks with a depth.
+int countWithDepth(const std::vector<Landmark>& landmarks);
+
 /// Stddev of each coordinate of a left position relative to a typical patch, from the predicted variance of
 /// its alignment (px^2 of the full image), with a floor because no patch is a plane.
 Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level);

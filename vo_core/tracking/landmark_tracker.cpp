@@ -165,6 +165,20 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
   return pixel;
 }
 
+/// Factor by which the landmark's patch grows from its last image to this one, by the predicted pose; 1 if
+/// its depth or the pose is not known.
+double LandmarkTracker::predictedGrowth(const Landmark& landmark, const Scene& scene) const {
+  const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
+  const std::optional<int> last = findFrameIndex(scene.window, landmark.last().frame);
+  if (!anchor || !last || !landmark.hasDepth() || !scene.hasPredictedPose()) return 1.0;
+  const Eigen::Isometry3d& T_camera_anchor = scene.T_camera_frame[static_cast<std::size_t>(*anchor)];
+  const Eigen::Isometry3d T_last_camera = scene.T_camera_frame[static_cast<std::size_t>(*last)].inverse();
+  const Eigen::Vector3d bearing = bearingOf(camera_, landmark.anchor().left);
+  const Eigen::Vector3d now = T_camera_anchor * (bearing / landmark.inverse_depth);
+  const Eigen::Vector3d before = T_last_camera * now;
+  return now.z() > 0.0 && before.z() > 0.0 ? before.z() / now.z() : 1.0;
+}
+
 std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const Scene& scene,
                                                      std::int64_t oldest_anchor) const {
   const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
@@ -206,13 +220,27 @@ void LandmarkTracker::alignWithAnchors(std::span<const Landmark> landmarks, cons
     const WindowFrame* anchor = findFrame(scene.window, landmark.anchor().frame);
     AffineAlignment start;
     start.position = *attempts[i].shifted;
-    start.warp = landmark.warp;
+    start.warp = predictedGrowth(landmark, scene) * landmark.warp;
     block.add(i, {*anchor->left, scene.left, landmark.level}, landmark.anchor().left, start);
   }
   block.align(WarpModel::affine, tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     if (aligned.correlation >= tracking.minimum_correlation && isConsistentBackward(aligned, tracking))
       attempts[i].aligned = aligned;
   });
+}
+
+/// Aligns what is still missing at the predicted pixels: a patch that has grown much is not found by a shift.
+void LandmarkTracker::alignAtPrediction(std::span<const Landmark> landmarks, const Scene& scene,
+                                        std::span<TrackingAttempt> attempts) const {
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (attempts[i].aligned) continue;
+    const std::optional<int> anchor = findFrameIndex(scene.window, landmarks[i].anchor().frame);
+    if (anchor && landmarks[i].hasDepth())
+      attempts[i].shifted = expectedPixel(landmarks[i], *anchor, scene);
+    else
+      attempts[i].shifted.reset();
+  }
+  alignWithAnchors(landmarks, scene, attempts);
 }
 
 void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& scene,
@@ -229,6 +257,7 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
       attempt.shifted.reset();
   }
   alignWithAnchors(landmarks, scene, attempts);
+  if (scene.at_prediction) alignAtPrediction(landmarks, scene, attempts);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const auto& aligned = attempts[i].aligned;
     found[i] = aligned ? 1 : 0;
@@ -253,14 +282,15 @@ void LandmarkTracker::trackAll(std::vector<Landmark>& landmarks, const Scene& sc
   });
 }
 
-std::optional<Eigen::Isometry3d> LandmarkTracker::track(const std::vector<Landmark>& previous,
-                                                        std::vector<Landmark>& tracked,
-                                                        const TrackedImage& image) {
+TrackingOutcome LandmarkTracker::track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
+                                       const TrackedImage& image) {
   tracked = previous;
-  const Scene scene(image.window, image.left, image.frame, image.T_world_camera);
+  Scene scene(image.window, image.left, image.frame, image.T_world_camera);
+  scene.at_prediction = image.pose_is_found;
   trackAll(tracked, scene, image.oldest_anchor, found_);
-  std::optional<Eigen::Isometry3d> prediction = image.T_world_camera;
-  if (prediction && predictionFails(tracked, image)) prediction = searchWidely(previous, tracked, image);
+  TrackingOutcome outcome{image.T_world_camera, false};
+  if (image.T_world_camera && !image.pose_is_found && predictionFails(tracked, image))
+    outcome = {searchWidely(previous, tracked, image), true};
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracked.size(); ++i) {
     if (wasNew(tracked[i], found_[i] != 0)) detector_.recordOutcome(tracked[i], found_[i] != 0);
@@ -269,7 +299,7 @@ std::optional<Eigen::Isometry3d> LandmarkTracker::track(const std::vector<Landma
     ++kept;
   }
   tracked.resize(kept);
-  return prediction;
+  return outcome;
 }
 
 /// Whether the landmarks contradict the predicted pose.
@@ -286,11 +316,14 @@ bool LandmarkTracker::predictionFails(const std::vector<Landmark>& tracked, cons
 std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
                                                                std::vector<Landmark>& tracked,
                                                                const TrackedImage& image) {
+  const Eigen::Isometry3d& expected = *image.T_world_camera;
   std::optional<Eigen::Isometry3d> prediction =
-      correctedByImageShift(previous, image.window, image.left, camera_, *image.T_world_camera, differences_);
-  if (!prediction) prediction = image.T_world_camera;
+      correctedByLandmarks(tracked, found_, image.window, camera_, expected, differences_);
+  if (!prediction)
+    prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected, differences_);
+  if (!prediction) prediction = expected;
   Scene scene(image.window, image.left, image.frame, prediction);
-  scene.wide = true;
+  scene.wide = scene.at_prediction = true;
   lost_.clear();
   for (std::size_t i = 0; i < previous.size(); ++i)
     if (found_[i] == 0) lost_.push_back(previous[i]);

@@ -24,9 +24,16 @@ namespace cartvo::vo {
 struct TrackedImage {
   const std::vector<WindowFrame>& window;  ///< earlier pairs
   const ImagePyramid& left;
-  std::int64_t frame;          ///< index of its pair
-  std::int64_t oldest_anchor;  ///< index of a pair
+  std::int64_t frame;                               ///< index of its pair
+  std::int64_t oldest_anchor;                       ///< index of a pair
   std::optional<Eigen::Isometry3d> T_world_camera;  ///< predicted pose, if any
+  bool pose_is_found = false;  ///< whether the pose comes from landmarks of this image: it is not doubted
+};
+
+/// What the search says of the predicted pose.
+struct TrackingOutcome {
+  std::optional<Eigen::Isometry3d> T_world_camera;  ///< the prediction, corrected if it failed
+  bool prediction_failed = false;
 };
 
 /// Tracks landmarks from pair to pair, matches them in the right images and detects new ones.
@@ -45,8 +52,8 @@ class LandmarkTracker {
   /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
   /// far from them, the prediction is corrected by the shift of the whole image, and the others are searched
   /// in all pyramid levels. Returns the prediction used, nothing without one.
-  std::optional<Eigen::Isometry3d> track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
-                                         const TrackedImage& image);
+  TrackingOutcome track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
+                        const TrackedImage& image);
 
   /// Removes landmarks that are too close to each other or exceed the target count, those with less trust and
   /// age first, and fills up with new corners.
@@ -70,8 +77,9 @@ class LandmarkTracker {
     const ImagePyramid& left;  ///< of the current pair
     std::int64_t frame;        ///< index of the current pair
     FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
-        T_camera_frame;  ///< predicted, for each pair of the window; empty without a predicted pose
-    bool wide = false;   ///< whether to search in all pyramid levels
+        T_camera_frame;          ///< predicted, for each pair of the window; empty without a predicted pose
+    bool wide = false;           ///< whether to search in all pyramid levels
+    bool at_prediction = false;  ///< whether to align what no shift finds at the predicted pixels
   };
 
   /// Images of a stereo pair and their predicted geometry.
@@ -88,6 +96,7 @@ class LandmarkTracker {
     std::optional<AffineAlignment> aligned;  ///< alignment with the anchor's patch
   };
 
+  double predictedGrowth(const Landmark& landmark, const Scene& scene) const;
   std::optional<ShiftTask> startShift(Landmark& landmark, const Scene& scene,
                                       std::int64_t oldest_anchor) const;
   void shiftAll(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
@@ -96,6 +105,8 @@ class LandmarkTracker {
                                                const Scene& scene) const;
   void alignWithAnchors(std::span<const Landmark> landmarks, const Scene& scene,
                         std::span<TrackingAttempt> attempts) const;
+  void alignAtPrediction(std::span<const Landmark> landmarks, const Scene& scene,
+                         std::span<TrackingAttempt> attempts) const;
   void trackBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
                   std::span<unsigned char> found) const;
   void trackAll(std::vector<Landmark>& landmarks, const Scene& scene, std::int64_t oldest_anchor,

@@ -42,6 +42,37 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
   return PixelDifference{{median(columns), median(rows)}, median(sizes)};
 }
 
+namespace {
+
+// Landmarks found by chance, away from a wrong prediction, are few and do not agree.
+constexpr std::size_t kMinimumLandmarks = 10;
+constexpr double kMaximumDisagreement = 3.0;  // px, median
+
+/// The pose of a camera that is rotated such that the image moves by `pixels`.
+Eigen::Isometry3d rotated(const Eigen::Isometry3d& T_world_camera, const Eigen::Vector2d& pixels,
+                          const StereoCamera& camera) {
+  // An image that moves to the right is that of a camera that turns to the left.
+  const Eigen::Vector2d angle = pixels / camera.focal_length;
+  Vector6d rotation = Vector6d::Zero();
+  rotation.tail<3>() << angle.y(), -angle.x(), 0.0;
+  return T_world_camera * motionFromVector(rotation);
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> landmarks,
+                                                      std::span<const unsigned char> used,
+                                                      const std::vector<WindowFrame>& window,
+                                                      const StereoCamera& camera,
+                                                      const Eigen::Isometry3d& T_world_camera,
+                                                      DifferenceBuffers& buffers) {
+  const auto error = differenceFromPrediction(landmarks, used, window, camera, T_world_camera, buffers);
+  if (!error || buffers.sizes.size() < kMinimumLandmarks) return std::nullopt;
+  const Eigen::Isometry3d corrected = rotated(T_world_camera, error->median, camera);
+  const auto left = differenceFromPrediction(landmarks, used, window, camera, corrected, buffers);
+  return left && left->size < kMaximumDisagreement ? std::optional(corrected) : std::nullopt;
+}
+
 std::optional<Eigen::Isometry3d> correctedByImageShift(std::span<const Landmark> landmarks,
                                                        const std::vector<WindowFrame>& window,
                                                        const ImagePyramid& left, const StereoCamera& camera,
@@ -55,11 +86,7 @@ std::optional<Eigen::Isometry3d> correctedByImageShift(std::span<const Landmark>
   const Eigen::Vector2d missing = *shift + (predicted ? predicted->median : Eigen::Vector2d::Zero());
   const double pixel = levelScale(static_cast<int>(std::min(last.grey.size(), left.grey.size())) - 1);
   if (missing.norm() < pixel) return std::nullopt;
-  // An image that moves to the right is that of a camera that turns to the left.
-  const Eigen::Vector2d angle = missing / camera.focal_length;
-  Vector6d rotation = Vector6d::Zero();
-  rotation.tail<3>() << angle.y(), -angle.x(), 0.0;
-  return T_world_camera * motionFromVector(rotation);
+  return rotated(T_world_camera, missing, camera);
 }
 
 }  // namespace cartvo::vo

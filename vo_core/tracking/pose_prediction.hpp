@@ -34,6 +34,15 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
                                                         const Eigen::Isometry3d& T_world_camera,
                                                         DifferenceBuffers& buffers);
 
+/// The predicted pose, rotated so that it agrees with the landmarks in `used`, in the median. Returns nothing
+/// if they are few or do not agree.
+std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> landmarks,
+                                                      std::span<const unsigned char> used,
+                                                      const std::vector<WindowFrame>& window,
+                                                      const StereoCamera& camera,
+                                                      const Eigen::Isometry3d& T_world_camera,
+                                                      DifferenceBuffers& buffers);
+
 /// The predicted pose, rotated so that it agrees with the shift of the image as a whole since the window's
 /// last pair. Returns nothing if the images show no shift, or if it is the one predicted, to a pixel of the
 /// coarsest level. `landmarks`: as of the window's last pair.

@@ -38,9 +38,36 @@ double roughness(double distance, double lateral, double amplitude, std::uint32_
 
 double roughnessAmplitude(Scenario scenario) {
   if (scenario == Scenario::bumpy) return 0.032;
+  if (scenario == Scenario::rough) return 0.06;
   if (scenario == Scenario::motorway) return 0.001;
   return scenario == Scenario::low_texture ? 0.003 : 0.006;
 }
+
+/// Kicks of a rough road: impulses of angular acceleration, one at a random instant of each second.
+class Kicks {
+ public:
+  Kicks(std::uint64_t seed, std::uint32_t axis) : seed_(static_cast<std::uint32_t>(seed)), axis_(axis) {}
+
+  /// Angular acceleration, rad/s^2.
+  double at(double seconds) const {
+    const auto second = static_cast<std::uint32_t>(seconds);
+    const double since = seconds - second - 0.9 * random(second, 0);
+    if (since < 0.0 || since > kDuration) return 0.0;
+    const double strength = 2.0 * random(second, 1) - 1.0;
+    const double shape = std::sin(M_PI * since / kDuration);
+    return kMaximumRate * strength * 2.0 / kDuration * shape * shape;
+  }
+
+ private:
+  static constexpr double kDuration = 0.06;    // s
+  static constexpr double kMaximumRate = 2.5;  // rad/s, angular velocity after a kick
+
+  double random(std::uint32_t second, std::uint32_t value) const {
+    return 0x1.0p-32 * hashOf({seed_, axis_, second, value});
+  }
+
+  std::uint32_t seed_, axis_;
+};
 
 }  // namespace
 
@@ -59,6 +86,10 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
     corners[wheel].x = wheel_height(0.0, wheel);
   Spring squat{7.0, 0.45};
   Spring lean{7.0, 0.45};
+  Spring yaw_spring{15.0, 0.4}, pitch_spring{15.0, 0.4};
+  const bool rough = settings.scenario == Scenario::rough;
+  const Kicks yaw_kicks(settings.seed, 502), pitch_kicks(settings.seed, 503);
+  std::vector<double> yaw;
   std::vector<double> heave;
   std::vector<double> pitch;
   std::vector<double> roll;
@@ -73,18 +104,26 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
       corners[wheel].step(wheel_height(along, wheel), kStep);
     squat.step(kPitchPerAcceleration * acceleration, kStep);
     lean.step(kRollPerAcceleration * v * v * path.at(along).curvature, kStep);
+    if (rough && time > settings.lead_in_seconds) {
+      yaw_spring.rate += kStep * yaw_kicks.at(time);
+      pitch_spring.rate += kStep * pitch_kicks.at(time);
+      yaw_spring.step(0.0, kStep);
+      pitch_spring.step(0.0, kStep);
+    }
     if (i % kSubsteps != 0) continue;
     const double rear = 0.5 * (corners[0].x + corners[1].x);
     const double front = 0.5 * (corners[2].x + corners[3].x);
     const double left = 0.5 * (corners[1].x + corners[3].x);
     const double right = 0.5 * (corners[0].x + corners[2].x);
     heave.push_back(rear);
-    pitch.push_back((rear - front) / kWheelbase + squat.x);
+    pitch.push_back((rear - front) / kWheelbase + squat.x + pitch_spring.x);
     roll.push_back((left - right) / kTrack + lean.x);
+    if (rough) yaw.push_back(yaw_spring.x);
   }
   heave_ = UniformSpline(kSpeedStep, std::move(heave));
   pitch_ = UniformSpline(kSpeedStep, std::move(pitch));
   roll_ = UniformSpline(kSpeedStep, std::move(roll));
+  if (rough) yaw_ = UniformSpline(kSpeedStep, std::move(yaw));
 }
 
 Eigen::Isometry3d Drive::T_map_body(double seconds) const {
@@ -93,6 +132,7 @@ Eigen::Isometry3d Drive::T_map_body(double seconds) const {
   sprung.linear() = (Eigen::AngleAxisd(pitch_.value(seconds), Eigen::Vector3d::UnitY()) *
                      Eigen::AngleAxisd(roll_.value(seconds), Eigen::Vector3d::UnitX()))
                         .toRotationMatrix();
+  if (yaw_) sprung.rotate(Eigen::AngleAxisd(yaw_->value(seconds), Eigen::Vector3d::UnitZ()));
   return groundPose(path_.at(distance(seconds)), 0.0, kWheelbase) * sprung;
 }
 

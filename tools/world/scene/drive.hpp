@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "tools/world/scene/path.hpp"
 #include "tools/world/scene/uniform_spline.hpp"
@@ -25,9 +26,10 @@ class Drive {
  private:
   const Path& path_;
   UniformSpline speed_;
-  UniformSpline heave_;  ///< m
-  UniformSpline pitch_;  ///< rad, nose down is positive
-  UniformSpline roll_;   ///< rad, left side up is positive
+  UniformSpline heave_;               ///< m
+  UniformSpline pitch_;               ///< rad, nose down is positive
+  UniformSpline roll_;                ///< rad, left side up is positive
+  std::optional<UniformSpline> yaw_;  ///< rad, to the left, of a rough road's kicks
 };
 
 }  // namespace cartvo::world

@@ -21,10 +21,8 @@ constexpr double kCertainInformation = 400.0;
 // them. With a wrong depth, or a vague one, it would take part of the rotation for translation.
 constexpr double kFollowerWeight = 1e-6;
 
-constexpr double kCellShare = 2.0;  // largest weight of a cell's points, over the median cell's
-
-/// Bounds the weight of each cell of the image, so that a lettering or a dirty spot with many corners does
-/// not outvote a scene with few.
+/// Bounds the weight of each cell of the image to that of the median cell, so that a lettering or a dirty
+/// spot with many corners does not outvote a scene with few.
 void boundCellWeights(const StereoCamera& camera, std::vector<PosePoint>& points) {
   std::array<double, kCells> weights{}, occupied;
   for (const PosePoint& point : points)
@@ -35,7 +33,7 @@ void boundCellWeights(const StereoCamera& camera, std::vector<PosePoint>& points
   if (middle == end) return;
   std::nth_element(occupied.begin(), middle, end);
   for (PosePoint& point : points)
-    point.weight *= std::min(1.0, kCellShare * *middle / weights[cellOf(camera, point.left)]);
+    point.weight *= std::min(1.0, *middle / weights[cellOf(camera, point.left)]);
 }
 
 }  // namespace

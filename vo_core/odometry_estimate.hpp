@@ -24,6 +24,8 @@ struct StereoImages {
   std::int64_t right_exposure_ns = 0;
   double offset_stddev = 0.0;  ///< s, standard deviation of the right exposure minus the left
   KeyFrames key_frames{};      ///< which images are key frames of a video; none by default
+  /// pictureDigest() of the images as received, before rectification; 0: that of `left` and `right`.
+  std::uint64_t left_digest = 0, right_digest = 0;
 };
 
 /// Why an estimate is invalid or, for zero_velocity, how it was obtained. Unless stated otherwise an invalid
@@ -44,8 +46,20 @@ enum class OdometryReason : std::uint8_t {
   repeated_picture,     ///< a camera repeats its image while the cart moves (it is frozen). When it recovers
                         ///< after an unknown distance, a new epoch starts
   offset_too_large,     ///< the exposures of the pair are more than validity.maximum_offset apart
+  wrong_stereo_geometry,  ///< the images do not belong together as the rig says: see StereoFault. After it, a
+                          ///< new epoch starts
 };
-constexpr int kOdometryReasonCount = 13;
+constexpr int kOdometryReasonCount = 14;
+
+/// A gross fault of the rig or of the pairs, at which a motion may look good and be wrong.
+enum class StereoFault : std::uint8_t {
+  none,
+  suspected,      ///< one of the following was seen, but not yet in enough pairs to name it
+  same_picture,   ///< both images are the same picture
+  swapped,        ///< the left image comes from the right camera and vice versa
+  misaligned,     ///< rows disagree by more than self-calibration can correct: another rig's file
+  period_offset,  ///< the right image lies a period of the camera or more from its timestamp
+};
 
 /// Set of reasons. Only `estimator: thesis` sets more than one.
 class OdometryReasons {
@@ -109,6 +123,8 @@ struct OdometryEstimate {
   std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
   /// Parts of the image that do not move with the scene and are left out: lettering, dirt, the cart itself.
   ImageRegions still_regions;
+  /// Fault of the pair's geometry; none unless the reasons have wrong_stereo_geometry.
+  StereoFault stereo_fault = StereoFault::none;
 };
 
 }  // namespace cartvo::vo

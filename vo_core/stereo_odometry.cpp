@@ -5,6 +5,7 @@
 #include <string>
 
 #include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/integrity/stereo_geometry_check.hpp"
 #include "vo_core/reprojection_odometry.hpp"
 #include "vo_core/thesis/thesis_odometry.hpp"
 
@@ -24,11 +25,11 @@ std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const Odo
   return makeReprojectionOdometry(camera, settings);
 }
 
-/// Estimate of a pair whose images repeat: the last pose, as if the pair had not arrived.
-OdometryEstimate rejectRepeated(const OdometryEstimate& last, const StereoImages& images) {
+/// Estimate of a pair that is ignored: the last pose, as if the pair had not arrived.
+OdometryEstimate rejected(const OdometryEstimate& last, const StereoImages& images, OdometryReason reason) {
   OdometryEstimate estimate;
   estimate.exposure_ns = images.left_exposure_ns;
-  estimate.reasons = OdometryReason::repeated_picture;
+  estimate.reasons = reason;
   estimate.reset_counter = last.reset_counter;
   estimate.T_world_camera = last.T_world_camera;
   estimate.pose_covariance = last.pose_covariance;
@@ -42,6 +43,7 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySetting
     : camera_(camera), settings_(settings), repeated_images_(std::make_unique<RepeatedImageDetector>()) {
   validate(camera);
   validate(settings);
+  stereo_geometry_ = std::make_unique<StereoGeometryCheck>(camera);
   method_ = makeMethod(camera, settings);
 }
 
@@ -63,8 +65,30 @@ OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserv
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");
   const ImageRepeats repeats = repeated_images_->update(images, last_);
-  last_ = repeats.while_moving ? rejectRepeated(last_, images) : method_->process(images, repeats, observer);
+  const StereoFault fault = stereo_geometry_->update(images, repeats.left || repeats.right);
+  if (repeats.while_moving) {
+    last_ = rejected(last_, images, OdometryReason::repeated_picture);
+  } else if (fault != StereoFault::none) {
+    last_ = rejectWrongGeometry(images, fault);
+  } else {
+    last_ = method_->process(images, repeats, observer);
+    last_.reset_counter += first_epoch_;
+    method_is_new_ = false;
+  }
   return last_;
+}
+
+/// Rejects the pair. What the method has learnt from earlier ones, such as depths and the rig's calibration
+/// error, may be wrong for the same reason: it starts anew.
+OdometryEstimate StereoOdometry::rejectWrongGeometry(const StereoImages& images, StereoFault fault) {
+  OdometryEstimate estimate = rejected(last_, images, OdometryReason::wrong_stereo_geometry);
+  estimate.stereo_fault = fault;
+  estimate.rig.reset();
+  if (method_is_new_) return estimate;
+  method_ = makeMethod(camera_, settings_);
+  method_is_new_ = true;
+  first_epoch_ = last_.reset_counter + 1;
+  return estimate;
 }
 
 }  // namespace cartvo::vo

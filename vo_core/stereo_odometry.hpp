@@ -11,6 +11,7 @@ namespace cartvo::vo {
 
 class OdometryMethod;
 class RepeatedImageDetector;
+class StereoGeometryCheck;
 
 /// Stereo visual odometry: estimates the motion of a stereo camera from rectified image pairs.
 ///
@@ -52,11 +53,16 @@ class StereoOdometry {
   void setTargetFeatureCount(int features);
 
  private:
+  OdometryEstimate rejectWrongGeometry(const StereoImages& images, StereoFault fault);
+
   StereoCamera camera_;
   OdometrySettings settings_;
   std::unique_ptr<OdometryMethod> method_;
   std::unique_ptr<RepeatedImageDetector> repeated_images_;
-  OdometryEstimate last_;  ///< of the last pair
+  std::unique_ptr<StereoGeometryCheck> stereo_geometry_;
+  bool method_is_new_ = true;      ///< it has processed no pair
+  std::uint32_t first_epoch_ = 0;  ///< reset_counter of the method's first epoch
+  OdometryEstimate last_;          ///< of the last pair
 };
 
 }  // namespace cartvo::vo

@@ -21,7 +21,7 @@ bool hasTooFewMatches(const vo::FeatureCounts& counts) {
 bool isObservable(const vo::OdometryReasons& reasons) {
   return reasons != vo::OdometryReason::zero_velocity && reasons != vo::OdometryReason::offset_uncertain &&
          reasons != vo::OdometryReason::offset_too_large && reasons != vo::OdometryReason::repeated_picture &&
-         reasons != vo::OdometryReason::time_step;
+         reasons != vo::OdometryReason::time_step && reasons != vo::OdometryReason::wrong_stereo_geometry;
 }
 
 }  // namespace

@@ -44,6 +44,8 @@ constexpr std::int32_t messageBit(vo::OdometryReason reason) {
       return odometry_t::REASON_REPEATED_PICTURE;
     case vo::OdometryReason::offset_too_large:
       return odometry_t::REASON_OFFSET_TOO_LARGE;
+    case vo::OdometryReason::wrong_stereo_geometry:
+      return odometry_t::REASON_WRONG_STEREO_GEOMETRY;
     case vo::OdometryReason::zero_velocity:
       return odometry_t::REASON_ZERO_VELOCITY;
   }

@@ -44,6 +44,8 @@ const char* reasonName(vo::OdometryReason reason) {
       return "repeated_picture";
     case vo::OdometryReason::offset_too_large:
       return "offset_too_large";
+    case vo::OdometryReason::wrong_stereo_geometry:
+      return "wrong_stereo_geometry";
     case vo::OdometryReason::zero_velocity:
       return "zero_velocity";
   }

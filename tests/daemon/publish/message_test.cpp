@@ -159,6 +159,7 @@ TEST(OdometryMessage, HasBitForEachOdometryReason) {
       {vo::OdometryReason::offset_uncertain, 4096},
       {vo::OdometryReason::repeated_picture, 8192},
       {vo::OdometryReason::offset_too_large, 16384},
+      {vo::OdometryReason::wrong_stereo_geometry, 32768},
   }};
   vo::OdometryReasons all;
   std::int32_t all_bits = 0;

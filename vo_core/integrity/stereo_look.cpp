@@ -1,0 +1,169 @@
+// Robust regression of the rows of matches on the errors of the right camera, and the tests on it.
+#include "vo_core/integrity/stereo_look.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace cartvo::vo {
+namespace {
+
+// Causes of row differences: pitch, roll and cross term of the right camera, as RowErrors', rad; and the time
+// by which its image lies behind the left one, in units of the time between the left images of row_flow.
+constexpr int kCauses = 4;
+constexpr int kLag = 3;
+using Vector = Eigen::Matrix<double, kCauses, 1>;
+using Matrix = Eigen::Matrix<double, kCauses, kCauses>;
+
+// Wide, so that they decide only what the matches leave open.
+const Vector kPriorStddev(0.1, 0.1, 0.1, 3.0);
+constexpr int kMinimumMatches = 24;  // twice what ten mismatches can outvote
+// rad, rotations up to which self-calibration corrects (PitchSearch; PitchRollFilter and YawFilter 0.01 rad).
+constexpr double kCorrectableAngle = 0.0105;
+constexpr double kRowTolerance = 2.0;  // px; the search is wrong by less, a mismatch mostly by more
+constexpr double kDisagreeingShare = 0.5, kAgreeingShare = 0.7, kRotatedShare = 0.9;  // of the matches
+constexpr double kSignificance = 3.0;                                                 // standard deviations
+// px, row errors of the search and of good lenses that are not among the causes. They are shared by many
+// matches, so that they do not average out.
+constexpr double kRowNoise = 0.15;
+// Half-widths of Cauchy's weight, px, in the order of the iterations. The narrow start finds the minimum near
+// a correct rig among many mismatches, the wide one that of a wrong rig.
+constexpr std::array<double, 6> kNarrow{2.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+constexpr std::array<double, 9> kWide{16.0, 16.0, 8.0, 8.0, 4.0, 2.0, 1.0, 1.0, 1.0};
+
+/// Matches and what is known about them.
+struct Rows {
+  const StereoCamera& camera;
+  const std::vector<LookMatch>& matches;
+  double expected_lag;
+  bool with_lag;  ///< only the matches with row_flow, and the lag is estimated
+
+  bool uses(const LookMatch& match) const { return !with_lag || match.row_flow.has_value(); }
+  int count() const {
+    return static_cast<int>(
+        std::count_if(matches.begin(), matches.end(), [&](const LookMatch& match) { return uses(match); }));
+  }
+
+  Vector derivatives(const LookMatch& match) const {
+    const double f = camera.focal_length;
+    const double x = (match.right.x() - camera.cx) / f;
+    const double y = (match.right.y() - camera.cy) / f;
+    return {f * (1.0 + y * y), -f * x, -f * x * y, with_lag ? *match.row_flow : 0.0};
+  }
+
+  double error(const LookMatch& match, const Vector& causes) const {
+    return match.right.y() - match.left.y() - derivatives(match).dot(causes);
+  }
+};
+
+struct RowFit {
+  Vector causes = Vector::Zero();
+  Matrix covariance = Matrix::Zero();
+  double agreeing = 0.0;  ///< share of the matches within kRowTolerance
+};
+
+/// One step of iteratively reweighted least squares.
+void refine(const Rows& rows, double width, RowFit& fit) {
+  const Matrix prior = kPriorStddev.cwiseAbs2().cwiseInverse().asDiagonal();
+  Matrix information = prior;
+  Vector gradient = prior * (Vector(0.0, 0.0, 0.0, rows.expected_lag) - fit.causes);
+  double weights = 1.0;
+  for (const LookMatch& match : rows.matches) {
+    if (!rows.uses(match)) continue;
+    const double error = rows.error(match, fit.causes);
+    const double weight = 1.0 / (1.0 + error * error / (width * width));
+    const Vector row = rows.derivatives(match);
+    information += weight * row * row.transpose();
+    gradient += weight * error * row;
+    weights += weight;
+  }
+  fit.causes += information.inverse() * gradient;
+  // The row noise does not average out: the covariance is that of a single, mean match.
+  fit.covariance = kRowNoise * kRowNoise * weights * information.inverse();
+}
+
+RowFit fitFrom(const Rows& rows, const double* widths, std::size_t steps) {
+  RowFit fit;
+  fit.causes[kLag] = rows.expected_lag;
+  for (std::size_t i = 0; i < steps; ++i)
+    refine(rows, widths[i], fit);
+  int agreeing = 0;
+  for (const LookMatch& match : rows.matches)
+    if (rows.uses(match) && std::abs(rows.error(match, fit.causes)) <= kRowTolerance) ++agreeing;
+  fit.agreeing = static_cast<double>(agreeing) / rows.count();
+  return fit;
+}
+
+RowFit fitRows(const Rows& rows) {
+  const RowFit narrow = fitFrom(rows, kNarrow.data(), kNarrow.size());
+  const RowFit wide = fitFrom(rows, kWide.data(), kWide.size());
+  return wide.agreeing > narrow.agreeing ? wide : narrow;
+}
+
+Evidence rowEvidence(const RowFit& fit) {
+  if (fit.agreeing < kDisagreeingShare) return Evidence::wrong;
+  if (fit.agreeing < kAgreeingShare) return Evidence::none;
+  bool turned = false;
+  for (int cause = 0; cause < kLag; ++cause)
+    turned = turned || std::abs(fit.causes[cause]) >
+                           kCorrectableAngle + kSignificance * std::sqrt(fit.covariance(cause, cause));
+  if (!turned) return Evidence::right;
+  return fit.agreeing >= kRotatedShare ? Evidence::wrong : Evidence::none;
+}
+
+/// Disparities are positive, unless a yaw of the right camera shifts them. Those beyond what self-calibration
+/// corrects are counted.
+Evidence orderEvidence(const Rows& rows, const RowFit& fit) {
+  constexpr int kMinimumNear = 12;
+  constexpr int kMajority = 4;
+  const double limit = kCorrectableAngle * rows.camera.focal_length;
+  int positive = 0;
+  int negative = 0;
+  for (const LookMatch& match : rows.matches) {
+    if (!rows.uses(match) || std::abs(rows.error(match, fit.causes)) > kRowTolerance) continue;
+    const double disparity = match.left.x() - match.right.x();
+    if (disparity > limit) ++positive;
+    if (disparity < -limit) ++negative;
+  }
+  if (positive >= kMinimumNear && positive > kMajority * negative) return Evidence::right;
+  if (negative >= kMinimumNear && negative > kMajority * positive) return Evidence::wrong;
+  return Evidence::none;
+}
+
+Evidence lagEvidence(const RowFit& fit, const PairTimes& times) {
+  if (fit.agreeing < kAgreeingShare) return Evidence::none;
+  const double stddev = kSignificance * std::sqrt(fit.covariance(kLag, kLag)) * times.flow;
+  const double error = std::abs(fit.causes[kLag] * times.flow - times.offset);
+  if (error - stddev > 0.5 * times.period) return Evidence::wrong;
+  return error + stddev < 0.5 * times.period ? Evidence::right : Evidence::none;
+}
+
+}  // namespace
+
+StereoLook lookAt(const StereoCamera& camera, const std::vector<LookMatch>& matches, const PairTimes& times) {
+  StereoLook look;
+  const Rows simultaneous{camera, matches, 0.0, false};
+  if (simultaneous.count() < kMinimumMatches) return look;
+  const RowFit fit = fitRows(simultaneous);
+  look.rows = rowEvidence(fit);
+  look.order = orderEvidence(simultaneous, fit);
+  const Rows delayed{camera, matches, times.flow > 0.0 ? times.offset / times.flow : 0.0, true};
+  if (!(times.flow > 0.0) || delayed.count() < kMinimumMatches) {
+    // The motion between the exposures, which is not known, may disturb the rows.
+    if (times.offset != 0.0 && look.rows == Evidence::wrong) look.rows = Evidence::none;
+    return look;
+  }
+  const RowFit delayed_fit = fitRows(delayed);
+  look.lag = lagEvidence(delayed_fit, times);
+  // Rows and disparities that only the motion between the exposures disturbs are no fault of the rig.
+  if (look.lag == Evidence::wrong || rowEvidence(delayed_fit) == Evidence::right) {
+    look.rows = rowEvidence(delayed_fit);
+    look.order = Evidence::none;
+    if (look.lag != Evidence::wrong) look.order = orderEvidence(delayed, delayed_fit);
+  }
+  return look;
+}
+
+}  // namespace cartvo::vo

@@ -197,6 +197,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   setSelfCheck(message, self_check_);
   setClock(message, snapshot.clock);
   message.problem = shortened(firstProblem(snapshot));
+  if (message.problem.empty()) message.problem = shortened(self_check_.stereoFaultMessage());
   if (message.problem.empty()) message.problem = shortened(overloadMessage(message));
 
   last_ = now;

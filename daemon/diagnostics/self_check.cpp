@@ -38,6 +38,10 @@ std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
 }  // namespace
 
 void SelfCheck::update(const vo::OdometryEstimate& estimate) {
+  const bool is_named = estimate.stereo_fault != vo::StereoFault::suspected;
+  const vo::StereoFault fault = is_named ? estimate.stereo_fault : vo::StereoFault::none;
+  changed_ = changed_ || fault != stereo_fault_;
+  stereo_fault_ = fault;
   if (estimate.rig) updateRig(*estimate.rig);
   const bool were_missing = matches_.matchesMissing();
   matches_.update(estimate);
@@ -60,7 +64,29 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
   }
 }
 
+std::string SelfCheck::stereoFaultMessage() const {
+  switch (stereo_fault_) {
+    case vo::StereoFault::none:
+    case vo::StereoFault::suspected:
+      return {};
+    case vo::StereoFault::same_picture:
+      return "both cameras give the same picture: check that cameras.left.url and cameras.right.url are the "
+             "addresses of two cameras";
+    case vo::StereoFault::swapped:
+      return "the left and the right picture are exchanged, or from one camera: check cameras.left.url and "
+             "cameras.right.url";
+    case vo::StereoFault::misaligned:
+      return "the pictures do not fit the rig file: check that it is the file of these two cameras; if a "
+             "camera was turned, calibrate again";
+    case vo::StereoFault::period_offset:
+      return "the pictures of a pair were taken a frame or more apart, unlike their timestamps: check both "
+             "cameras' clocks and frame rates";
+  }
+  return {};
+}
+
 std::string SelfCheck::message() const {
+  if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
   // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
   // estimate from few matches is not worth its space in the message.
   if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();

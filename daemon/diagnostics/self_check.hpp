@@ -11,15 +11,20 @@
 
 namespace cartvo::daemon {
 
-/// Reports errors of the rig calibration and of the time offset that the odometry has estimated, missing
-/// stereo matches, and regions of the picture that do not move with the scene. An error is reported while it is significant (3 standard deviations) and large enough to
-/// matter, until it is clearly smaller. Not thread-safe.
+/// Reports gross faults of the rig, errors of the rig calibration and of the time offset that the odometry
+/// has estimated, missing stereo matches, and regions of the picture that do not move with the scene. An error
+/// is reported while it is significant (3 standard deviations) and large enough to matter, until it is clearly
+/// smaller. Not thread-safe.
 class SelfCheck {
  public:
   void update(const vo::OdometryEstimate& estimate);
 
-  /// Faults with their latest numbers and what to do; empty if there is none.
+  /// Faults with their latest numbers and what to do; empty if there is none. A gross fault hides the others,
+  /// which it may cause.
   std::string message() const;
+
+  /// The gross fault and what to do; empty if there is none.
+  std::string stereoFaultMessage() const;
 
   /// True once after each change of the set of faults.
   bool consumeChange();
@@ -38,6 +43,7 @@ class SelfCheck {
   std::array<bool, kQuantities> faulty_{};
   StereoMatchMonitor matches_;
   vo::ImageRegions still_regions_;
+  vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named
   bool changed_ = false;
 };
 

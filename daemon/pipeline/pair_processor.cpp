@@ -6,6 +6,7 @@
 
 #include "calib/rectification/rectifier.hpp"
 #include "common/parallel_loop.hpp"
+#include "common/picture_digest.hpp"
 #include "daemon/pipeline/velocity_at_exposure.hpp"
 
 namespace cartvo::daemon {
@@ -93,6 +94,8 @@ class PairProcessor::Implementation {
     images_.left_exposure_ns = pair.left.exposure_ns;
     images_.right_exposure_ns = pair.right.exposure_ns;
     images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
+    images_.left_digest = pictureDigest(pair.left.image);
+    images_.right_digest = pictureDigest(pair.right.image);
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(vo::Stage::rectify);
     odometry_.acquireBuffers(images_);

@@ -1,12 +1,15 @@
 // Pipeline in replay: processes every pair in order and is reproducible.
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <sstream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "support/capture/synthetic_cameras.hpp"
 
@@ -138,6 +141,28 @@ TEST(PipelineReplay, RejectsFrameOfWrongSize) {
     EXPECT_THAT(error.what(),
                 testing::HasSubstr("left camera: the stream is 704x576, but the rig is for 320x240"));
   }
+}
+
+/// Expects that no pair is valid and that health names the fault in these words.
+void expectFault(const Replay& run, const std::string& words) {
+  HealthMonitor monitor{{}};
+  for (const PairResult& result : run.results) {
+    EXPECT_FALSE(result.estimate.valid) << result.sequence;
+    odometry_t message{};
+    message.status = odometry_t::INVALID;
+    monitor.addPair(result, message);
+  }
+  const health_t health = monitor.summarise(HealthMonitor::Clock::time_point(std::chrono::seconds(1)), {});
+  EXPECT_THAT(health.problem, testing::HasSubstr(words));
+  EXPECT_THAT(health.self_check, testing::HasSubstr(words));
+}
+
+TEST(PipelineReplay, NamesExchangedCameras) {
+  expectFault(replay(frames(12, 0), frames(0, 0), test::kPeriod_ns), "are exchanged");
+}
+
+TEST(PipelineReplay, NamesTheSameStreamTwice) {
+  expectFault(replay(frames(0, 0), frames(0, 0), test::kPeriod_ns), "both cameras give the same picture");
 }
 
 TEST(PipelineReplay, EndsOnStop) {

@@ -61,6 +61,7 @@ ReplayedPair toReplayedPair(const daemon::PairResult& result, const Rectificatio
   pair.offset_ns = result.offset_ns();
   pair.valid = estimate.valid;
   pair.reasons = estimate.reasons;
+  pair.stereo_fault = estimate.stereo_fault;
   pair.reset_counter = estimate.reset_counter;
   pair.time_step = estimate.time_step;
   pair.counts = estimate.counts;

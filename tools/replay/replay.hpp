@@ -44,6 +44,7 @@ struct ReplayedPair {
   std::int64_t offset_ns = 0;
   bool valid = false;
   vo::OdometryReasons reasons;
+  vo::StereoFault stereo_fault = vo::StereoFault::none;
   std::uint32_t reset_counter = 0;
   double time_step = 0.0;  ///< s, duration of the motion; 0 if not valid
   vo::FeatureCounts counts;

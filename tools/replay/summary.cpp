@@ -3,7 +3,9 @@
 #include "tools/replay/summary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/version.hpp>
@@ -50,6 +52,26 @@ const char* reasonName(vo::OdometryReason reason) {
       return "zero_velocity";
   }
   return "unknown";
+}
+
+constexpr std::array<std::pair<vo::StereoFault, const char*>, 4> kNamedFaults{{
+    {vo::StereoFault::same_picture, "same_picture"},
+    {vo::StereoFault::swapped, "swapped"},
+    {vo::StereoFault::misaligned, "misaligned"},
+    {vo::StereoFault::period_offset, "period_offset"},
+}};
+
+/// Gross faults of the rig that were named, each with its first pair and the number of its pairs.
+Json stereoFaultsJson(const Replay& replay) {
+  Json faults = Json::object();
+  for (const auto& [fault, name] : kNamedFaults) {
+    const auto has_fault = [fault = fault](const ReplayedPair& pair) { return pair.stereo_fault == fault; };
+    const auto first = std::find_if(replay.pairs.begin(), replay.pairs.end(), has_fault);
+    if (first == replay.pairs.end()) continue;
+    faults[name] = {{"first_pair", first - replay.pairs.begin()},
+                    {"pairs", std::count_if(first, replay.pairs.end(), has_fault)}};
+  }
+  return faults;
 }
 
 const char* kindName(capture::SourceKind kind) {
@@ -190,6 +212,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["features"] = settings.odometry.features;
   json["seed"] = settings.odometry.seed;
   json.update(pairsJson(replay));
+  json["stereo_faults"] = stereoFaultsJson(replay);
   json["frames"] = framesJson(replay.counts);
   json["problems"] = replay.problems;
   json["duration_s"] =

@@ -308,6 +308,19 @@ TEST(ReplayOfEuroc, OfRawImagesAtStandstillDoesNotMove) {
   EXPECT_LT(Eigen::AngleAxisd(end.linear()).angle(), 0.5 * std::numbers::pi / 180.0);
 }
 
+TEST(ReplaySummary, NamesGrossFaultsOfTheRig) {
+  Replay replay;
+  replay.pairs.resize(4);
+  for (std::size_t i = 1; i < replay.pairs.size(); ++i) {
+    replay.pairs[i].reasons = vo::OdometryReason::wrong_stereo_geometry;
+    replay.pairs[i].stereo_fault = i == 1 ? vo::StereoFault::suspected : vo::StereoFault::swapped;
+  }
+  const nlohmann::ordered_json summary = replaySummary({}, replay);
+  const nlohmann::ordered_json expected{{"swapped", {{"first_pair", 2}, {"pairs", 2}}}};
+  EXPECT_EQ(summary["stereo_faults"], expected);
+  EXPECT_EQ(summary["invalid_by_reason"]["wrong_stereo_geometry"], 3);
+}
+
 TEST(Replay, RejectsFolderThatIsNoSource) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));

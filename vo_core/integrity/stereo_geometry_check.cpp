@@ -87,6 +87,7 @@ void StereoGeometryCheck::look(const StereoImages& images) {
   PairTimes times;
   times.offset = seconds(images.right_exposure_ns - images.left_exposure_ns);
   times.period = period_;
+  times.offset_stddev = images.offset_stddev;
   if (previous_left_) times.flow = seconds(images.left_exposure_ns - previous_exposure_ns_);
   const StereoLook seen = lookAt(camera_, matches_, times);
   rows_.update(seen.rows);

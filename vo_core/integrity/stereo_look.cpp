@@ -134,7 +134,8 @@ Evidence orderEvidence(const Rows& rows, const RowFit& fit) {
 
 Evidence lagEvidence(const RowFit& fit, const PairTimes& times) {
   if (fit.agreeing < kAgreeingShare) return Evidence::none;
-  const double stddev = kSignificance * std::sqrt(fit.covariance(kLag, kLag)) * times.flow;
+  const double stddev =
+      kSignificance * std::hypot(std::sqrt(fit.covariance(kLag, kLag)) * times.flow, times.offset_stddev);
   const double error = std::abs(fit.causes[kLag] * times.flow - times.offset);
   if (error - stddev > 0.5 * times.period) return Evidence::wrong;
   return error + stddev < 0.5 * times.period ? Evidence::right : Evidence::none;

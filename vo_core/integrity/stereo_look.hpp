@@ -20,9 +20,10 @@ struct LookMatch {
 
 /// Times of a pair, s.
 struct PairTimes {
-  double offset = 0.0;  ///< right minus left exposure
-  double flow = 0.0;    ///< between the two left images of LookMatch::row_flow; 0 if there are none
-  double period = 0.0;  ///< of the camera
+  double offset = 0.0;         ///< right minus left exposure
+  double flow = 0.0;           ///< between the two left images of LookMatch::row_flow; 0 if there are none
+  double period = 0.0;         ///< of the camera
+  double offset_stddev = 0.0;  ///< standard deviation of `offset`
 };
 
 /// Answer of one pair to one question.

@@ -110,8 +110,14 @@ TEST(StereoLook, FindsALagThatTheTimestampsDoNotTell) {
   for (const double lag : {-0.055, 0.055}) {
     EXPECT_EQ(look({.lag = lag}).lag, Evidence::wrong);
     EXPECT_NE(look({.lag = lag}).rows, Evidence::wrong);
-    EXPECT_EQ(look({.lag = lag}, {lag, kTimes.flow, kTimes.period}).lag, Evidence::right);
+    EXPECT_EQ(look({.lag = lag}, {.offset = lag, .flow = kTimes.flow, .period = kTimes.period}).lag,
+              Evidence::right);
   }
+}
+
+TEST(StereoLook, CannotTellTheLagIfTheTimestampsAreUncertain) {
+  EXPECT_EQ(look({.lag = 0.055}, {.flow = 0.055, .period = 0.055, .offset_stddev = 0.01}).lag,
+            Evidence::none);
 }
 
 TEST(StereoLook, CannotTellTheLagAtAStandstill) {

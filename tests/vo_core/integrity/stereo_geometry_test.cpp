@@ -77,7 +77,9 @@ class StereoFaults : public testing::TestWithParam<Estimator> {
     std::optional<int> named;
     for (int i = 0; i < static_cast<int>(pairs.size()); ++i) {
       const OdometryEstimate estimate = process(pairs[i]);
-      if (i >= invalid_from) EXPECT_FALSE(estimate.valid) << i;
+      if (i >= invalid_from) {
+        EXPECT_FALSE(estimate.valid) << i;
+      }
       if (!named && estimate.stereo_fault == fault) named = i;
       if (!named) continue;
       EXPECT_EQ(estimate.stereo_fault, fault) << i;
@@ -190,8 +192,12 @@ TEST_P(StereoFaults, FaultEndsWithANewEpoch) {
   std::optional<std::uint32_t> epoch;
   for (int i = 0; i < kPairs; ++i) {
     const OdometryEstimate estimate = process(pairs[i]);
-    if (i == 3) EXPECT_EQ(estimate.reset_counter, 0U);
-    if (i >= 4 && i < 20) EXPECT_EQ(estimate.stereo_fault, StereoFault::same_picture) << i;
+    if (i == 3) {
+      EXPECT_EQ(estimate.reset_counter, 0U);
+    }
+    if (i >= 4 && i < 20) {
+      EXPECT_EQ(estimate.stereo_fault, StereoFault::same_picture) << i;
+    }
     if (i >= 8 && estimate.valid) epoch = estimate.reset_counter;
   }
   EXPECT_EQ(epoch, 1U);

@@ -113,16 +113,18 @@ Evidence rowEvidence(const RowFit& fit) {
   return fit.agreeing >= kRotatedShare ? Evidence::wrong : Evidence::none;
 }
 
-/// Disparities are positive, unless a yaw of the right camera shifts them. Those beyond what self-calibration
-/// corrects are counted.
+/// Disparities are positive, unless a yaw of the right camera shifts them. Those beyond a yaw that
+/// self-calibration corrects, and the disparity of a distant scene, are counted.
 Evidence orderEvidence(const Rows& rows, const RowFit& fit) {
   constexpr int kMinimumNear = 12;
   constexpr int kMajority = 4;
-  const double limit = kCorrectableAngle * rows.camera.focal_length;
+  constexpr double kDistant = 0.0015;  // rad, disparity of a point 700 baselines away, which is not near
   int positive = 0;
   int negative = 0;
   for (const LookMatch& match : rows.matches) {
     if (!rows.uses(match) || std::abs(rows.error(match, fit.causes)) > kRowTolerance) continue;
+    const double x = (match.left.x() - rows.camera.cx) / rows.camera.focal_length;
+    const double limit = rows.camera.focal_length * (kCorrectableAngle + kDistant) * (1.0 + x * x);
     const double disparity = match.left.x() - match.right.x();
     if (disparity > limit) ++positive;
     if (disparity < -limit) ++negative;

@@ -63,6 +63,7 @@ TEST(BenchmarkCommand, ReportsImpossibleRequestsBeforeTheWork) {
                   "there is no folder /no/such/folder"),
         std::pair("ablation --data none --scenarios none", "nothing to measure"),
         std::pair("offset --data none --scenarios none", "nothing to measure"),
+        std::pair("robustness --data none --scenarios none", "nothing to measure"),
         std::pair("offset --data none --plot /no/such/folder/plot", "there is no folder /no/such/folder"),
         std::pair("offset --scenarios none --data . --plot plot", "--plot draws rendered worlds"),
         std::pair("speed --data none --sizes none", "nothing to time"),

@@ -25,7 +25,7 @@ constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks a
 constexpr double kMaximumSecondWeight = 0.5;
 // Minimum share of the landmarks that a pose explains which the last motion did not predict: fewer may agree
 // by chance, or on what moves.
-constexpr double kMinimumSurprisedShare = 0.1;
+constexpr double kMinimumSurprisedShare = 0.05;
 constexpr double kMinimumGatedSupport =
     0.5;  // inlier ratio; below, poses beyond the motion gate are searched
 // m and rad, part of the gate that is independent of the time step.

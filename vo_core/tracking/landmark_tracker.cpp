@@ -285,6 +285,7 @@ void LandmarkTracker::trackAll(std::vector<Landmark>& landmarks, const Scene& sc
 TrackingOutcome LandmarkTracker::track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                                        const TrackedImage& image) {
   tracked = previous;
+  differences_.reserve(tracked.capacity());
   Scene scene(image.window, image.left, image.frame, image.T_world_camera);
   scene.at_prediction = image.pose_is_found;
   trackAll(tracked, scene, image.oldest_anchor, found_);

@@ -20,10 +20,8 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
   for (const WindowFrame& frame : window)
     T_camera_frame.push_back(T_camera_world * frame.T_world_camera);
   auto& [columns, rows, sizes] = buffers;
-  for (std::vector<double>* buffer : {&columns, &rows, &sizes}) {
+  for (std::vector<double>* buffer : {&columns, &rows, &sizes})
     buffer->clear();
-    buffer->reserve(landmarks.size());
-  }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth() || (!used.empty() && used[i] == 0)) continue;

@@ -23,6 +23,11 @@ struct PixelDifference {
 /// Buffers of differenceFromPrediction(), for each landmark.
 struct DifferenceBuffers {
   std::vector<double> columns, rows, sizes;
+
+  void reserve(std::size_t landmarks) {
+    for (std::vector<double>* buffer : {&columns, &rows, &sizes})
+      buffer->reserve(landmarks);
+  }
 };
 
 /// Differences of the landmarks' last positions from those predicted at the pose `T_world_camera`. `used`:

@@ -19,7 +19,7 @@ constexpr double kUnknownInformation = 1.0;    // m^2, of a stddev of 1 / m
 constexpr double kCertainInformation = 400.0;
 // Factor on the weight of a landmark without a depth: its depth follows from the poses, but it has no say in
 // them. With a wrong depth, or a vague one, it would take part of the rotation for translation.
-constexpr double kFollowerWeight = 1e-6;
+constexpr double kFollowerWeight = 1e-2;
 
 /// Bounds the weight of each cell of the image to that of the median cell, so that a lettering or a dirty
 /// spot with many corners does not outvote a scene with few.

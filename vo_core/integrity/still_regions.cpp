@@ -21,23 +21,33 @@ constexpr double kMinimumRatio = 4.0;  // pairs in which the cell was still, ove
 constexpr double kMemory = 0.98;       // factor per pair: dirt is wiped off, the lettering is switched off
 constexpr double kMaximumShare = 1.0 / 3.0;  // of the landmarks and of the cells
 
-/// Pixel in the window's pair `frame`; the landmark has a depth, or is assumed at infinity.
-Projection pixelIn(const StereoCamera& camera, const WindowFrame& frame, const WindowFrame& anchor,
-                   const Landmark& landmark) {
-  return projectLandmark(camera, frame.T_world_camera.inverse() * anchor.T_world_camera,
-                         bearingOf(camera, landmark.anchor().left),
-                         landmark.hasDepth() ? landmark.inverse_depth : 0.0);
-}
+/// How the last motion moves landmarks through the image.
+class ExpectedFlow {
+ public:
+  ExpectedFlow(const StereoCamera& camera, const std::vector<WindowFrame>& window)
+      : camera_(camera),
+        window_(window),
+        T_now_world_(window.back().T_world_camera.inverse()),
+        T_before_world_(window[window.size() - 2].T_world_camera.inverse()) {}
 
-/// Length (px) of the landmark's way through the image that the last motion explains; 0 if unknown.
-double expectedFlow(const StereoCamera& camera, const std::vector<WindowFrame>& window,
-                    const Landmark& landmark) {
-  const WindowFrame* anchor = findFrame(window, landmark.anchor().frame);
-  if (anchor == nullptr) return 0.0;
-  const Projection now = pixelIn(camera, window.back(), *anchor, landmark);
-  const Projection before = pixelIn(camera, window[window.size() - 2], *anchor, landmark);
-  return now.valid && before.valid ? (now.pixel - before.pixel).norm() : 0.0;
-}
+  /// Length (px) of the landmark's way, at infinity if it has no depth; 0 if unknown.
+  double of(const Landmark& landmark) const {
+    const WindowFrame* anchor = findFrame(window_, landmark.anchor().frame);
+    if (anchor == nullptr) return 0.0;
+    const Eigen::Vector3d bearing = bearingOf(camera_, landmark.anchor().left);
+    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : 0.0;
+    const auto pixel = [&](const Eigen::Isometry3d& T_camera_world) {
+      return projectLandmark(camera_, T_camera_world * anchor->T_world_camera, bearing, inverse_depth);
+    };
+    const Projection now = pixel(T_now_world_), before = pixel(T_before_world_);
+    return now.valid && before.valid ? (now.pixel - before.pixel).norm() : 0.0;
+  }
+
+ private:
+  const StereoCamera& camera_;
+  const std::vector<WindowFrame>& window_;
+  Eigen::Isometry3d T_now_world_, T_before_world_;
+};
 
 }  // namespace
 
@@ -48,6 +58,7 @@ void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vec
   if (window.size() < 2) return;
   std::fill(still_.begin(), still_.end(), 0);
   std::fill(moved_.begin(), moved_.end(), 0);
+  const ExpectedFlow expected(camera_, window);
   for (const Landmark& landmark : landmarks) {
     const auto count = landmark.observations.size();
     if (count < 2 || landmark.last().frame != window.back().index) continue;
@@ -55,7 +66,7 @@ void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vec
     const int cell = cellOf(camera_, landmark.last().left);
     if (flow > kMovedFlow)
       ++moved_[cell];
-    else if (flow < kStillFlow && expectedFlow(camera_, window, landmark) > kExpectedFlow)
+    else if (flow < kStillFlow && expected.of(landmark) > kExpectedFlow)
       ++still_[cell];
   }
   const int still = std::accumulate(still_.begin(), still_.end(), 0);

@@ -143,8 +143,11 @@ LandmarkTracker::Scene::Scene(const std::vector<WindowFrame>& in, const ImagePyr
     : window(in), left(image), frame(index) {
   if (!T_world_camera) return;
   const Eigen::Isometry3d T_camera_world = T_world_camera->inverse();
-  for (const WindowFrame& seen : window)
+  const Eigen::Isometry3d T_last_world = window.back().T_world_camera.inverse();
+  for (const WindowFrame& seen : window) {
     T_camera_frame.push_back(T_camera_world * seen.T_world_camera);
+    T_last_frame.push_back(T_last_world * seen.T_world_camera);
+  }
 }
 
 /// Predicts the left pixel; returns nothing if it is outside the image by more than the margin.
@@ -168,15 +171,16 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
 /// Factor by which the landmark's patch grows from its last image to this one, by the predicted pose; 1 if
 /// its depth or the pose is not known.
 double LandmarkTracker::predictedGrowth(const Landmark& landmark, const Scene& scene) const {
+  if (!landmark.hasDepth() || !scene.hasPredictedPose()) return 1.0;
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
-  const std::optional<int> last = findFrameIndex(scene.window, landmark.last().frame);
-  if (!anchor || !last || !landmark.hasDepth() || !scene.hasPredictedPose()) return 1.0;
-  const Eigen::Isometry3d& T_camera_anchor = scene.T_camera_frame[static_cast<std::size_t>(*anchor)];
-  const Eigen::Isometry3d T_last_camera = scene.T_camera_frame[static_cast<std::size_t>(*last)].inverse();
-  const Eigen::Vector3d bearing = bearingOf(camera_, landmark.anchor().left);
-  const Eigen::Vector3d now = T_camera_anchor * (bearing / landmark.inverse_depth);
-  const Eigen::Vector3d before = T_last_camera * now;
-  return now.z() > 0.0 && before.z() > 0.0 ? before.z() / now.z() : 1.0;
+  if (!anchor) return 1.0;
+  const auto depth_in = [&](const Eigen::Isometry3d& T) {  // times the inverse depth
+    return T.linear().row(2).dot(bearingOf(camera_, landmark.anchor().left)) +
+           landmark.inverse_depth * T.translation().z();
+  };
+  const double now = depth_in(scene.T_camera_frame[static_cast<std::size_t>(*anchor)]);
+  const double before = depth_in(scene.T_last_frame[static_cast<std::size_t>(*anchor)]);
+  return now > 0.0 && before > 0.0 ? before / now : 1.0;
 }
 
 std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const Scene& scene,
@@ -200,6 +204,7 @@ void LandmarkTracker::shiftAll(std::span<Landmark> landmarks, const Scene& scene
   FixedVector<std::size_t, AlignmentBlock::kCapacity> of_landmark;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (const auto task = startShift(landmarks[i], scene, oldest_anchor)) {
+      attempts[i].expected = task->guess;
       tasks.push_back(*task);
       of_landmark.push_back(i);
     }
@@ -244,7 +249,7 @@ void LandmarkTracker::alignAtPrediction(std::span<const Landmark> landmarks, con
 }
 
 void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& scene,
-                                 std::int64_t oldest_anchor, std::span<unsigned char> found) const {
+                                 std::int64_t oldest_anchor, std::span<SearchResult> results) const {
   std::array<TrackingAttempt, AlignmentBlock::kCapacity> attempts;
   shiftAll(landmarks, scene, oldest_anchor, attempts);
   alignWithAnchors(landmarks, scene, attempts);
@@ -260,8 +265,10 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
   if (scene.at_prediction) alignAtPrediction(landmarks, scene, attempts);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const auto& aligned = attempts[i].aligned;
-    found[i] = aligned ? 1 : 0;
+    results[i] = SearchResult::lost;
     if (!aligned) continue;
+    const bool near = (aligned->position - attempts[i].expected).norm() <= kMaximumPredictionError;
+    results[i] = near || !landmarks[i].hasDepth() ? SearchResult::near : SearchResult::far;
     landmarks[i].warp = aligned->warp;
     Observation observation;
     observation.frame = scene.frame;
@@ -273,29 +280,28 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
 }
 
 void LandmarkTracker::trackAll(std::vector<Landmark>& landmarks, const Scene& scene,
-                               std::int64_t oldest_anchor, std::vector<unsigned char>& found) const {
-  found.reserve(landmarks.capacity());
-  found.resize(landmarks.size());
+                               std::int64_t oldest_anchor, std::vector<SearchResult>& results) const {
+  results.reserve(landmarks.capacity());
+  results.resize(landmarks.size());
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     trackBlock(std::span(landmarks).subspan(first, count), scene, oldest_anchor,
-               std::span(found).subspan(first, count));
+               std::span(results).subspan(first, count));
   });
 }
 
 TrackingOutcome LandmarkTracker::track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                                        const TrackedImage& image) {
   tracked = previous;
-  differences_.reserve(tracked.capacity());
   Scene scene(image.window, image.left, image.frame, image.T_world_camera);
   scene.at_prediction = image.pose_is_found;
   trackAll(tracked, scene, image.oldest_anchor, found_);
   TrackingOutcome outcome{image.T_world_camera, false};
-  if (image.T_world_camera && !image.pose_is_found && predictionFails(tracked, image))
+  if (image.T_world_camera && !image.pose_is_found && predictionFails())
     outcome = {searchWidely(previous, tracked, image), true};
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracked.size(); ++i) {
-    if (wasNew(tracked[i], found_[i] != 0)) detector_.recordOutcome(tracked[i], found_[i] != 0);
-    if (found_[i] == 0) continue;
+    if (wasNew(tracked[i], isFound(i))) detector_.recordOutcome(tracked[i], isFound(i));
+    if (!isFound(i)) continue;
     if (kept != i) tracked[kept] = std::move(tracked[i]);
     ++kept;
   }
@@ -303,13 +309,13 @@ TrackingOutcome LandmarkTracker::track(const std::vector<Landmark>& previous, st
   return outcome;
 }
 
-/// Whether the landmarks contradict the predicted pose.
-bool LandmarkTracker::predictionFails(const std::vector<Landmark>& tracked, const TrackedImage& image) {
-  const auto count = static_cast<double>(std::count(found_.begin(), found_.end(), 1));
-  if (count < kMinimumFoundShare * static_cast<double>(tracked.size())) return true;
-  const auto error =
-      differenceFromPrediction(tracked, found_, image.window, camera_, *image.T_world_camera, differences_);
-  return error && error->size > kMaximumPredictionError;
+/// Whether the landmarks contradict the predicted pose: less than half are found, or most of them far from
+/// it.
+bool LandmarkTracker::predictionFails() const {
+  const auto near = std::count(found_.begin(), found_.end(), SearchResult::near);
+  const auto far = std::count(found_.begin(), found_.end(), SearchResult::far);
+  return static_cast<double>(near + far) < kMinimumFoundShare * static_cast<double>(found_.size()) ||
+         far > near;
 }
 
 /// Searches the landmarks that were not found once more, in all pyramid levels, and marks those found in
@@ -327,10 +333,10 @@ std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector
   scene.wide = scene.at_prediction = true;
   lost_.clear();
   for (std::size_t i = 0; i < previous.size(); ++i)
-    if (found_[i] == 0) lost_.push_back(previous[i]);
+    if (!isFound(i)) lost_.push_back(previous[i]);
   trackAll(lost_, scene, image.oldest_anchor, found_wide_);
   for (std::size_t i = 0, searched = 0; i < previous.size(); ++i) {
-    if (found_[i] != 0) continue;
+    if (isFound(i)) continue;
     found_[i] = found_wide_[searched];
     tracked[i] = std::move(lost_[searched++]);
   }

@@ -77,7 +77,9 @@ class LandmarkTracker {
     const ImagePyramid& left;  ///< of the current pair
     std::int64_t frame;        ///< index of the current pair
     FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
-        T_camera_frame;          ///< predicted, for each pair of the window; empty without a predicted pose
+        T_camera_frame;  ///< predicted, for each pair of the window; empty without a predicted pose
+    FixedVector<Eigen::Isometry3d, kMaximumWindowPairs>
+        T_last_frame;            ///< to the window's last pair, likewise
     bool wide = false;           ///< whether to search in all pyramid levels
     bool at_prediction = false;  ///< whether to align what no shift finds at the predicted pixels
   };
@@ -92,6 +94,7 @@ class LandmarkTracker {
 
   /// State of the search for one landmark.
   struct TrackingAttempt {
+    Eigen::Vector2d expected = Eigen::Vector2d::Zero();  ///< px, by the predicted pose
     std::optional<Eigen::Vector2d> shifted;  ///< px, by the last pair's patch; unset if the search failed
     std::optional<AffineAlignment> aligned;  ///< alignment with the anchor's patch
   };
@@ -108,10 +111,11 @@ class LandmarkTracker {
   void alignAtPrediction(std::span<const Landmark> landmarks, const Scene& scene,
                          std::span<TrackingAttempt> attempts) const;
   void trackBlock(std::span<Landmark> landmarks, const Scene& scene, std::int64_t oldest_anchor,
-                  std::span<unsigned char> found) const;
+                  std::span<SearchResult> results) const;
   void trackAll(std::vector<Landmark>& landmarks, const Scene& scene, std::int64_t oldest_anchor,
-                std::vector<unsigned char>& found) const;
-  bool predictionFails(const std::vector<Landmark>& tracked, const TrackedImage& image);
+                std::vector<SearchResult>& results) const;
+  bool isFound(std::size_t landmark) const { return found_[landmark] != SearchResult::lost; }
+  bool predictionFails() const;
   std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
                                                 std::vector<Landmark>& tracked, const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
@@ -123,9 +127,9 @@ class LandmarkTracker {
   OdometrySettings settings_;
   LandmarkDetector detector_;
   // Memory of track(), reused.
-  std::vector<unsigned char> found_;       ///< result for each landmark
-  std::vector<unsigned char> found_wide_;  ///< the same of the wide search, for each of lost_
-  std::vector<Landmark> lost_;             ///< landmarks of the wide search
+  std::vector<SearchResult> found_;       ///< result for each landmark
+  std::vector<SearchResult> found_wide_;  ///< the same of the wide search, for each of lost_
+  std::vector<Landmark> lost_;            ///< landmarks of the wide search
   DifferenceBuffers differences_;
 
   /// Memory of replenish(), reused so that the steady state allocates nothing.

@@ -10,7 +10,7 @@
 namespace cartvo::vo {
 
 std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark> landmarks,
-                                                        std::span<const unsigned char> used,
+                                                        std::span<const SearchResult> used,
                                                         const std::vector<WindowFrame>& window,
                                                         const StereoCamera& camera,
                                                         const Eigen::Isometry3d& T_world_camera,
@@ -20,11 +20,13 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
   for (const WindowFrame& frame : window)
     T_camera_frame.push_back(T_camera_world * frame.T_world_camera);
   auto& [columns, rows, sizes] = buffers;
-  for (std::vector<double>* buffer : {&columns, &rows, &sizes})
+  for (std::vector<double>* buffer : {&columns, &rows, &sizes}) {
     buffer->clear();
+    buffer->reserve(landmarks.size());
+  }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
-    if (!landmark.hasDepth() || (!used.empty() && used[i] == 0)) continue;
+    if (!landmark.hasDepth() || (!used.empty() && used[i] == SearchResult::lost)) continue;
     const std::optional<int> anchor = findFrameIndex(window, landmark.anchor().frame);
     if (!anchor) continue;
     const Projection predicted =
@@ -59,7 +61,7 @@ Eigen::Isometry3d rotated(const Eigen::Isometry3d& T_world_camera, const Eigen::
 }  // namespace
 
 std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> landmarks,
-                                                      std::span<const unsigned char> used,
+                                                      std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
                                                       const Eigen::Isometry3d& T_world_camera,

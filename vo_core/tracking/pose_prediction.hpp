@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +14,13 @@
 
 namespace cartvo::vo {
 
+/// Result of the search for a landmark near a predicted pose.
+enum class SearchResult : std::uint8_t {
+  lost,
+  near,  ///< found near the predicted pixel, or without a depth
+  far,   ///< found farther from it
+};
+
 /// Median over the landmarks with a depth of the pixels by which a prediction differs from what is given;
 /// nothing if there are none.
 struct PixelDifference {
@@ -23,26 +31,21 @@ struct PixelDifference {
 /// Buffers of differenceFromPrediction(), for each landmark.
 struct DifferenceBuffers {
   std::vector<double> columns, rows, sizes;
-
-  void reserve(std::size_t landmarks) {
-    for (std::vector<double>* buffer : {&columns, &rows, &sizes})
-      buffer->reserve(landmarks);
-  }
 };
 
 /// Differences of the landmarks' last positions from those predicted at the pose `T_world_camera`. `used`:
-/// which landmarks to use, one each; all if it is empty.
+/// result for each landmark, of which those found are used; all are used if it is empty.
 std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark> landmarks,
-                                                        std::span<const unsigned char> used,
+                                                        std::span<const SearchResult> used,
                                                         const std::vector<WindowFrame>& window,
                                                         const StereoCamera& camera,
                                                         const Eigen::Isometry3d& T_world_camera,
                                                         DifferenceBuffers& buffers);
 
-/// The predicted pose, rotated so that it agrees with the landmarks in `used`, in the median. Returns nothing
+/// The predicted pose, rotated so that it agrees with the landmarks found, in the median. Returns nothing
 /// if they are few or do not agree.
 std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> landmarks,
-                                                      std::span<const unsigned char> used,
+                                                      std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
                                                       const Eigen::Isometry3d& T_world_camera,

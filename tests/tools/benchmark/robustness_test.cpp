@@ -89,6 +89,19 @@ TEST_F(Disturbances, ChangeOnlyTheirPartOfThePictures) {
   EXPECT_NEAR(after[0], before[0] / 3.0, 0.5);
 }
 
+TEST_F(Disturbances, JumpsTurnPicturesAndTruth) {
+  const Played intact = played("none");
+  for (const char* name : {"pitch-jumps", "yaw-jumps"}) {
+    const DisturbedSequence opened = disturbed(sequence(), disturbanceNamed(name));
+    const Played turned = played(name);
+    const cv::Size size = opened.rig.rig.left.size;
+    EXPECT_EQ(turned.left.front().size(), size) << name;
+    EXPECT_LT(size.width, intact.left.front().cols) << name;
+    ASSERT_EQ(opened.truth.left_camera.size(), sequence().truth.left_camera.size());
+    EXPECT_TRUE(opened.truth.left_camera.front().pose.isApprox(Eigen::Isometry3d::Identity()));
+  }
+}
+
 TEST_F(Disturbances, OfTheRigExchangePictures) {
   const Played intact = played("none");
   const auto equal = [](const cv::Mat& a, const cv::Mat& b) { return cv::countNonZero(a != b) == 0; };

@@ -15,6 +15,7 @@
 #include "capture/dataset/image_folder.hpp"
 #include "common/units.hpp"
 #include "tools/benchmark/offset/alternate_frames.hpp"
+#include "tools/benchmark/robustness/jumps.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -99,14 +100,15 @@ void reduceContrast(cv::Mat& image) {
   image.convertTo(image, -1, 1.0 / 3.0, 85.0);
 }
 
-using PictureChange = std::function<void(cv::Mat& image, bool left, std::uint64_t number)>;
+using PictureChange = std::function<void(cv::Mat& image, bool left, const capture::Frame& frame)>;
 
 PictureChange pictureChange(const std::string& disturbance) {
   if (disturbance == "text")
-    return [](cv::Mat& image, bool, std::uint64_t number) { writeText(image, number); };
+    return [](cv::Mat& image, bool, const capture::Frame& frame) { writeText(image, frame.sequence); };
   if (disturbance == "strip")
-    return [](cv::Mat& image, bool left, std::uint64_t) { coverByCart(image, left); };
-  if (disturbance == "contrast") return [](cv::Mat& image, bool, std::uint64_t) { reduceContrast(image); };
+    return [](cv::Mat& image, bool left, const capture::Frame&) { coverByCart(image, left); };
+  if (disturbance == "contrast")
+    return [](cv::Mat& image, bool, const capture::Frame&) { reduceContrast(image); };
   throw std::logic_error("no picture change named " + disturbance);
 }
 
@@ -119,8 +121,9 @@ class ChangedSource final : public capture::CameraSource {
   capture::ReadOutcome read(capture::Frame& frame, std::chrono::milliseconds timeout) override {
     const capture::ReadOutcome outcome = camera_->read(frame, timeout);
     if (outcome != capture::ReadOutcome::frame) return outcome;
-    frame.image = frame.image.clone();
-    change_(frame.image, left_, frame.sequence);
+    cv::Mat image = frame.image.clone();
+    change_(image, left_, frame);
+    frame.image = image;
     return outcome;
   }
   capture::CameraHealth health() const override { return camera_->health(); }
@@ -132,10 +135,21 @@ class ChangedSource final : public capture::CameraSource {
   bool left_;
 };
 
-void changePictures(capture::StereoSource& source, const std::string& disturbance) {
-  const PictureChange change = pictureChange(disturbance);
+void changePictures(capture::StereoSource& source, const PictureChange& change) {
   source.left = std::make_unique<ChangedSource>(std::move(source.left), change, true);
   source.right = std::make_unique<ChangedSource>(std::move(source.right), change, false);
+}
+
+void addJumps(const std::string& disturbance, std::int64_t first_ns, DisturbedSequence& result) {
+  const Eigen::Vector3d axis =
+      disturbance == "pitch-jumps" ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Jumps jumps = jumpsOf(result.rig.rig, result.truth.left_camera, first_ns, axis);
+  changePictures(result.source,
+                 [turned = jumps.turned](cv::Mat& image, bool left, const capture::Frame& frame) {
+                   image = turned(image, left, frame.exposure_ns);
+                 });
+  result.rig.rig = jumps.rig;
+  result.truth = {jumps.truth, {}};
 }
 
 /// Exchanges image files, or turns the right camera of the rig.
@@ -175,6 +189,8 @@ const std::vector<Disturbance>& allDisturbances() {
       {"text", "date and name are written into the pictures", picture},
       {"strip", "the cart covers 15 % of the pictures", picture},
       {"contrast", "a third of the contrast", picture},
+      {"pitch-jumps", "the cameras are turned by 5 deg in pitch and back, each second", jumps},
+      {"yaw-jumps", "the same in yaw", jumps},
       {"half-period", "the right camera is exposed half a period later", exposure},
       {"swapped", "left and right are exchanged", rig},
       {"twice", "both cameras are the left one", rig},
@@ -207,7 +223,10 @@ DisturbedSequence disturbed(const Sequence& sequence, const Disturbance& disturb
       break;
     }
     case DisturbanceKind::picture:
-      changePictures(result.source, disturbance.name);
+      changePictures(result.source, pictureChange(disturbance.name));
+      break;
+    case DisturbanceKind::jumps:
+      addJumps(disturbance.name, images.left.instants_ns.front(), result);
       break;
     case DisturbanceKind::exposure:
       result.source = openAlternate(sequence.folder, RightFrames::next, false);

@@ -16,6 +16,7 @@ enum class DisturbanceKind : std::uint8_t {
   none,
   pairs,     ///< some pairs are missing
   picture,   ///< both images are changed
+  jumps,     ///< the cameras jump between two directions
   exposure,  ///< the right camera is exposed half a period later
   rig,       ///< a gross fault, at which no motion is right
 };

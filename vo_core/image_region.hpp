@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vo_core/geometry/fixed_vector.hpp"
+#include <vector>
 
 namespace cartvo::vo {
 
@@ -10,7 +10,6 @@ struct ImageRegion {
   int width = 0, height = 0;
 };
 
-constexpr std::size_t kMaximumImageRegions = 8;
-using ImageRegions = FixedVector<ImageRegion, kMaximumImageRegions>;
+using ImageRegions = std::vector<ImageRegion>;
 
 }  // namespace cartvo::vo

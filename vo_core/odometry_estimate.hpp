@@ -6,8 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "vo_core/key_frames.hpp"
 #include "vo_core/image_region.hpp"
+#include "vo_core/key_frames.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/rigid_motion.hpp"
 

@@ -150,8 +150,8 @@ struct OdometrySettings {
 double minimumDistance(const OdometrySettings& settings, int width, int height);
 
 /// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px:
-/// stereo.maximum_disparity, or half the width if that is more. Of nearer surfaces, only the edges are seen by
-/// both cameras.
+/// stereo.maximum_disparity, or half the width if that is more. Of nearer surfaces, only the edges are seen
+/// by both cameras.
 int nearestDisparity(const StereoSettings& settings, int width);
 
 /// Throws std::invalid_argument that names the first value out of range and its range, for example

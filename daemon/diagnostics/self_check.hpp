@@ -12,9 +12,9 @@
 namespace cartvo::daemon {
 
 /// Reports gross faults of the rig, errors of the rig calibration and of the time offset that the odometry
-/// has estimated, missing stereo matches, and regions of the picture that do not move with the scene. An error
-/// is reported while it is significant (3 standard deviations) and large enough to matter, until it is clearly
-/// smaller. Not thread-safe.
+/// has estimated, missing stereo matches, and regions of the picture that do not move with the scene. An
+/// error is reported while it is significant (3 standard deviations) and large enough to matter, until it is
+/// clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
   void update(const vo::OdometryEstimate& estimate);

@@ -19,6 +19,7 @@ constexpr double kMovedFlow = 1.5;     // px; more shows that the cell moves
 constexpr double kMinimumPairs = 8.0;  // half a second of a turning or driving cart
 constexpr double kMinimumRatio = 4.0;  // pairs in which the cell was still, over those in which it moved
 constexpr double kMemory = 0.98;       // factor per pair: dirt is wiped off, the lettering is switched off
+constexpr std::size_t kMaximumRegions = 8;   // reported
 constexpr double kMaximumShare = 1.0 / 3.0;  // of the landmarks and of the cells
 
 /// How the last motion moves landmarks through the image.
@@ -110,7 +111,7 @@ void StillRegions::findRegions() {
     return boxes.at<int>(a, cv::CC_STAT_AREA) > boxes.at<int>(b, cv::CC_STAT_AREA);
   });
   for (const int i : order) {
-    if (regions_.size() == kMaximumImageRegions) break;
+    if (regions_.size() == kMaximumRegions) break;
     const auto scaled = [](int cells, int size, int all) { return cells * size / all; };
     const int x = boxes.at<int>(i, cv::CC_STAT_LEFT), y = boxes.at<int>(i, cv::CC_STAT_TOP);
     const int right = x + boxes.at<int>(i, cv::CC_STAT_WIDTH),

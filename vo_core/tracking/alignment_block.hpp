@@ -59,4 +59,9 @@ class AlignmentBlock {
   std::array<std::optional<AffineAlignment>, kCapacity> aligned_;
 };
 
+/// Whether the backward alignment ends at the start.
+inline bool isConsistentBackward(const AffineAlignment& found, const TrackingSettings& tracking) {
+  return found.forward_backward_error <= tracking.maximum_backward_error;
+}
+
 }  // namespace cartvo::vo

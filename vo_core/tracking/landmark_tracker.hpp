@@ -27,7 +27,7 @@ struct TrackedImage {
   std::int64_t frame;                               ///< index of its pair
   std::int64_t oldest_anchor;                       ///< index of a pair
   std::optional<Eigen::Isometry3d> T_world_camera;  ///< predicted pose, if any
-  bool pose_is_found = false;  ///< whether the pose comes from landmarks of this image: it is not doubted
+  bool pose_is_found = false;  ///< whether the pose comes from landmarks of this image: the search trusts it
 };
 
 /// What the search says of the predicted pose.

@@ -10,11 +10,9 @@ namespace {
 
 ImagePyramid textureAt(std::uint64_t seed, const Eigen::Vector2d& shift, double gain = 1.0) {
   const test::MultiscaleTexture texture(seed);
-  return buildPyramid(test::draw(680, 420,
-                                 [&](double x, double y) {
-                                   return gain * texture(x - shift.x(), y - shift.y());
-                                 }),
-                      4);
+  return buildPyramid(
+      test::draw(680, 420, [&](double x, double y) { return gain * texture(x - shift.x(), y - shift.y()); }),
+      4);
 }
 
 TEST(ImageShift, IsFoundWithinTwoPixelsWhateverTheBrightness) {

@@ -155,7 +155,7 @@ class FrozenAtStandstill : public testing::Test {
 
 /// The left camera repeats its last image with different noise.
 TEST_F(FrozenAtStandstill, IsDetectedByTheRightCamera) {
-  constexpr int kRecoversLate = 45;  // later than the longest time between pairs of an epoch
+  constexpr int kRecoversLate = 45;    // later than the longest time between pairs of an epoch
   constexpr double kUnnoticed = 0.02;  // m
   while (pair() < kStands)
     show(0.0, 0.0);

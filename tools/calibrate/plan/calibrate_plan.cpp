@@ -27,10 +27,8 @@ struct Options {
   std::vector<double> views_deg, focal_lengths_mm, focal_lengths_px;
   double sensor_width_mm = 0.0;
   double relative_error_percent = 5.0;
-  calibrate::PlanSettings questions{vo::OdometrySettings{}.motion.disparity_noise,
-                                    std::nullopt,
-                                    0.0,
-                                    {5.0, 10.0, 20.0, 40.0}};
+  calibrate::PlanSettings questions{
+      vo::OdometrySettings{}.motion.disparity_noise, std::nullopt, 0.0, {5.0, 10.0, 20.0, 40.0}};
   std::string format = "text";
   std::filesystem::path output, plot;
 };

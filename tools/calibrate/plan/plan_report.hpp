@@ -13,10 +13,10 @@ namespace cartvo::calibrate {
 
 /// Assumptions and ranges for the comparison of designs.
 struct PlanSettings {
-  double disparity_noise = 0.0;  ///< standard deviation, px
+  double disparity_noise = 0.0;             ///< standard deviation, px
   std::optional<double> largest_disparity;  ///< px; nearer points are not matched; default: as cartvod
-  double relative_error = 0.05;  ///< limit of the depth error relative to the range
-  std::vector<double> ranges;    ///< m; at least one
+  double relative_error = 0.05;             ///< limit of the depth error relative to the range
+  std::vector<double> ranges;               ///< m; at least one
 };
 
 /// A table with one row per design: nearest and farthest usable range, and the depth error at each range.

@@ -1,0 +1,121 @@
+// Matching of landmarks in the right image.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/parallel_loop.hpp"
+#include "vo_core/image/affine_alignment.hpp"
+#include "vo_core/stereo/stereo_matcher.hpp"
+#include "vo_core/tracking/alignment_block.hpp"
+#include "vo_core/tracking/landmark_tracker.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+constexpr double kMaximumRowResidual = 1.5;  // px of the level, of a stereo match
+// Motion of the right camera since the left exposure below which rows are the same in both images.
+constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
+constexpr double kMaximumRowRoll = 0.01;          // rad
+
+/// Warp model from the left to the right image. Between rectified cameras only the columns of a patch are
+/// stretched and sheared, whatever the baseline. A right camera that has moved since the left exposure
+/// changes the rows too; a model without them would bias the match sideways.
+WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left) {
+  return keepsRows(T_right_left) ? WarpModel::stereo : WarpModel::affine;
+}
+
+/// Epipolar line in the right image, to first order in the inverse depth.
+EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
+                          const Eigen::Vector2d& pixel) {
+  EpipolarLine line;
+  const Eigen::Vector3d bearing = bearingOf(camera, pixel);
+  const Projection infinity = projectLandmark(camera, T_right_left, bearing, 0.0);
+  if (!infinity.valid) return line;
+  line.at_infinity = infinity.pixel - pixel;
+  const ProjectionJacobians by = projectionJacobians(camera, T_right_left, bearing, 0.0, infinity);
+  line.per_disparity =
+      by.by_inverse_depth / (camera.focal_length * camera.baseline) + Eigen::Vector2d::UnitX();
+  return line;
+}
+
+}  // namespace
+
+bool keepsRows(const Eigen::Isometry3d& T_right_left) {
+  const Eigen::Vector3d place = T_right_left.inverse().translation();
+  const double roll = vectorFromMotion(T_right_left)[5];
+  return place.tail<2>().norm() < kMaximumRowTranslation && std::abs(roll) < kMaximumRowRoll;
+}
+
+/// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
+/// search along the epipolar line.
+std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
+                                                             double inverse_depth) const {
+  const Eigen::Vector2d& left = landmark.last().left;
+  AffineAlignment start;
+  if (inverse_depth > 0.0) {
+    const Projection expected =
+        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, left), inverse_depth);
+    if (!expected.valid) return std::nullopt;
+    start.position = expected.pixel;
+    start.warp = landmark.stereo_warp;
+    // The stereo warp model keeps rows: reset what an earlier affine alignment has estimated for them.
+    if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
+  } else {
+    const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
+    const auto found =
+        cartvo::vo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
+    if (!found) return std::nullopt;
+    start.position = found->right;
+  }
+  if (!view.right.grey.front().contains(start.position)) return std::nullopt;
+  return start;
+}
+
+/// Predicted inverse depth in the newest left camera; 0 for landmarks without a depth or with an anchor
+/// outside the window.
+double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Scene& scene) const {
+  const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
+  if (!landmark.hasDepth() || !anchor) return 0.0;
+  const Projection seen = projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(*anchor)],
+                                          bearingOf(camera_, landmark.anchor().left), landmark.inverse_depth);
+  return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
+}
+
+void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
+                                 const StereoView& view) const {
+  std::array<double, AlignmentBlock::kCapacity> expected_row{};
+  AlignmentBlock block;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene));
+    if (!start) continue;
+    expected_row[i] = start->position.y();
+    block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
+  }
+  block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+    Landmark& landmark = landmarks[i];
+    const double row_residual = aligned.position.y() - expected_row[i];
+    if (aligned.correlation < settings_.stereo.minimum_correlation ||
+        std::abs(row_residual) > kMaximumRowResidual * levelScale(landmark.level) ||
+        !isConsistentBackward(aligned, settings_.tracking))
+      return;
+    Observation& observation = landmark.observations.back();
+    landmark.stereo_warp = aligned.warp;
+    landmark.row_residual = row_residual;
+    observation.stereo = true;
+    observation.stereo_offset = observation.left - aligned.position;
+  });
+}
+
+void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
+                                  const ImagePyramid& left, const ImagePyramid& right,
+                                  const Eigen::Isometry3d& T_right_left,
+                                  const Eigen::Isometry3d& T_world_camera) const {
+  const Scene scene(window, left, window.back().index, T_world_camera);
+  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left)};
+  forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
+    matchBlock(std::span(landmarks).subspan(first, count), scene, view);
+  });
+}
+
+}  // namespace cartvo::vo

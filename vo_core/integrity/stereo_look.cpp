@@ -58,6 +58,21 @@ struct Rows {
   }
 };
 
+/// Whether the matches for which counts(match) holds are spread over the image: lettering that a camera
+/// writes into its pictures fills one or two bands, and says nothing about the rig.
+template <typename Counts>
+bool areSpread(const Rows& rows, const Counts& counts) {
+  constexpr int kBands = 8, kMinimumBands = 3, kMinimumInBand = 2;
+  std::array<int, kBands> found{};
+  for (const LookMatch& match : rows.matches) {
+    if (!rows.uses(match) || !counts(match)) continue;
+    const int band = static_cast<int>(match.left.y() / rows.camera.height * kBands);
+    ++found[std::clamp(band, 0, kBands - 1)];
+  }
+  return std::count_if(found.begin(), found.end(), [](int count) { return count >= kMinimumInBand; }) >=
+         kMinimumBands;
+}
+
 struct RowFit {
   Vector causes = Vector::Zero();
   Matrix covariance = Matrix::Zero();
@@ -102,9 +117,11 @@ RowFit fitRows(const Rows& rows) {
   return wide.agreeing > narrow.agreeing ? wide : narrow;
 }
 
-Evidence rowEvidence(const RowFit& fit) {
+Evidence rowEvidence(const Rows& rows, const RowFit& fit) {
   if (fit.agreeing < kDisagreeingShare) return Evidence::wrong;
-  if (fit.agreeing < kAgreeingShare) return Evidence::none;
+  const bool spread = areSpread(
+      rows, [&](const LookMatch& match) { return std::abs(rows.error(match, fit.causes)) <= kRowTolerance; });
+  if (fit.agreeing < kAgreeingShare || !spread) return Evidence::none;
   bool turned = false;
   for (int cause = 0; cause < kLag; ++cause)
     turned = turned || std::abs(fit.causes[cause]) >
@@ -119,18 +136,21 @@ Evidence orderEvidence(const Rows& rows, const RowFit& fit) {
   constexpr int kMinimumNear = 12;
   constexpr int kMajority = 4;
   constexpr double kDistant = 0.0015;  // rad, disparity of a point 700 baselines away, which is not near
-  int positive = 0;
-  int negative = 0;
-  for (const LookMatch& match : rows.matches) {
-    if (!rows.uses(match) || std::abs(rows.error(match, fit.causes)) > kRowTolerance) continue;
+  // Disparity over the limit: above 1 if the match is near, below -1 if it is near and exchanged.
+  const auto nearness = [&](const LookMatch& match) {
+    if (std::abs(rows.error(match, fit.causes)) > kRowTolerance) return 0.0;
     const double x = (match.left.x() - rows.camera.cx) / rows.camera.focal_length;
     const double limit = rows.camera.focal_length * (kCorrectableAngle + kDistant) * (1.0 + x * x);
-    const double disparity = match.left.x() - match.right.x();
-    if (disparity > limit) ++positive;
-    if (disparity < -limit) ++negative;
-  }
-  if (positive >= kMinimumNear && positive > kMajority * negative) return Evidence::right;
-  if (negative >= kMinimumNear && negative > kMajority * positive) return Evidence::wrong;
+    return (match.left.x() - match.right.x()) / limit;
+  };
+  const auto near = [&](const LookMatch& match) { return rows.uses(match) && nearness(match) > 1.0; };
+  const auto exchanged = [&](const LookMatch& match) { return rows.uses(match) && nearness(match) < -1.0; };
+  const auto positive = std::count_if(rows.matches.begin(), rows.matches.end(), near);
+  const auto negative = std::count_if(rows.matches.begin(), rows.matches.end(), exchanged);
+  if (positive >= kMinimumNear && positive > kMajority * negative && areSpread(rows, near))
+    return Evidence::right;
+  if (negative >= kMinimumNear && negative > kMajority * positive && areSpread(rows, exchanged))
+    return Evidence::wrong;
   return Evidence::none;
 }
 
@@ -150,7 +170,7 @@ StereoLook lookAt(const StereoCamera& camera, const std::vector<LookMatch>& matc
   const Rows simultaneous{camera, matches, 0.0, false};
   if (simultaneous.count() < kMinimumMatches) return look;
   const RowFit fit = fitRows(simultaneous);
-  look.rows = rowEvidence(fit);
+  look.rows = rowEvidence(simultaneous, fit);
   look.order = orderEvidence(simultaneous, fit);
   const Rows delayed{camera, matches, times.flow > 0.0 ? times.offset / times.flow : 0.0, true};
   if (!(times.flow > 0.0) || delayed.count() < kMinimumMatches) {
@@ -161,8 +181,8 @@ StereoLook lookAt(const StereoCamera& camera, const std::vector<LookMatch>& matc
   const RowFit delayed_fit = fitRows(delayed);
   look.lag = lagEvidence(delayed_fit, times);
   // Rows and disparities that only the motion between the exposures disturbs are no fault of the rig.
-  if (look.lag == Evidence::wrong || rowEvidence(delayed_fit) == Evidence::right) {
-    look.rows = rowEvidence(delayed_fit);
+  if (look.lag == Evidence::wrong || rowEvidence(delayed, delayed_fit) == Evidence::right) {
+    look.rows = rowEvidence(delayed, delayed_fit);
     look.order = Evidence::none;
     if (look.lag != Evidence::wrong) look.order = orderEvidence(delayed, delayed_fit);
   }

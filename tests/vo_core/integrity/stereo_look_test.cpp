@@ -78,6 +78,21 @@ TEST(StereoLook, SaysNothingAboutFewMatches) {
   EXPECT_EQ(seen.lag, Evidence::none);
 }
 
+/// Date and name in the pictures, at the same pixels of both, which rectification moves apart.
+TEST(StereoLook, SaysNothingAboutLettering) {
+  std::vector<LookMatch> matches;
+  for (int i = 0; i < 40; ++i) {
+    LookMatch match;
+    match.left = {20.0 + 15.0 * i, i % 2 == 0 ? 20.0 : 400.0};
+    match.right = match.left + Eigen::Vector2d(12.0, 9.0);
+    match.row_flow = 0.0;
+    matches.push_back(match);
+  }
+  const StereoLook seen = lookAt(kCamera, matches, kTimes);
+  EXPECT_EQ(seen.rows, Evidence::none);
+  EXPECT_EQ(seen.order, Evidence::none);
+}
+
 TEST(StereoLook, FindsExchangedImages) {
   EXPECT_EQ(look({.swapped = true}).order, Evidence::wrong);
 }

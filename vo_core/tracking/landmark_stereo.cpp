@@ -12,6 +12,10 @@
 namespace cartvo::vo {
 namespace {
 
+// The search beyond the ordinary largest disparity takes longer. It is made for one landmark in eight, and
+// for all if some are nearly as near as the ordinary search reaches.
+constexpr std::size_t kNearSample = 8, kNearLandmarks = 3;
+constexpr double kNearShare = 0.6;           // of the ordinary largest disparity
 constexpr double kMaximumRowResidual = 1.5;  // px of the level, of a stereo match
 // Motion of the right camera since the left exposure below which rows are the same in both images.
 constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
@@ -49,7 +53,7 @@ bool keepsRows(const Eigen::Isometry3d& T_right_left) {
 /// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
 /// search along the epipolar line.
 std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
-                                                             double inverse_depth) const {
+                                                             double inverse_depth, bool search_near) const {
   const Eigen::Vector2d& left = landmark.last().left;
   AffineAlignment start;
   if (inverse_depth > 0.0) {
@@ -62,8 +66,8 @@ std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& lan
     if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
     const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
-    const auto found =
-        cartvo::vo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
+    const StereoSettings& search = search_near ? near_stereo_ : settings_.stereo;
+    const auto found = cartvo::vo::matchStereo(view.left, view.right, left, search, line, landmark.level);
     if (!found) return std::nullopt;
     start.position = found->right;
   }
@@ -81,13 +85,27 @@ double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Sce
   return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
 }
 
+/// Whether landmarks are nearly as near as the ordinary search reaches, or no depth is known yet.
+bool LandmarkTracker::seesNearSurfaces(const std::vector<Landmark>& landmarks) const {
+  const double nearest =
+      kNearShare * settings_.stereo.maximum_disparity / (camera_.focal_length * camera_.baseline);
+  std::size_t known = 0, near = 0;
+  for (const Landmark& landmark : landmarks) {
+    if (!landmark.hasDepth()) continue;
+    ++known;
+    if (landmark.inverse_depth > nearest) ++near;
+  }
+  return known == 0 || near >= kNearLandmarks;
+}
+
 void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
                                  const StereoView& view) const {
   std::array<double, AlignmentBlock::kCapacity> expected_row{};
   AlignmentBlock block;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
-    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene));
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene),
+                                    view.near_surfaces || i % kNearSample == 0);
     if (!start) continue;
     expected_row[i] = start->position.y();
     block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
@@ -112,7 +130,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const Eigen::Isometry3d& T_right_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left)};
+  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left), seesNearSurfaces(landmarks)};
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     matchBlock(std::span(landmarks).subspan(first, count), scene, view);
   });

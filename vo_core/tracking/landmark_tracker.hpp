@@ -90,6 +90,7 @@ class LandmarkTracker {
     const ImagePyramid& right;
     const Eigen::Isometry3d& T_right_left;  ///< predicted
     WarpModel warp_model;
+    bool near_surfaces;  ///< whether to search all landmarks beyond the ordinary largest disparity
   };
 
   /// State of the search for one landmark.
@@ -119,12 +120,14 @@ class LandmarkTracker {
   std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
                                                 std::vector<Landmark>& tracked, const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
-                                              double inverse_depth) const;
+                                              double inverse_depth, bool search_near) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
+  bool seesNearSurfaces(const std::vector<Landmark>& landmarks) const;
   void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  StereoSettings near_stereo_;  ///< those of settings_ with nearestDisparity()
   LandmarkDetector detector_;
   // Memory of track(), reused.
   std::vector<SearchResult> found_;       ///< result for each landmark

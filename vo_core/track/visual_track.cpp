@@ -254,11 +254,11 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 /// on, near and far, left and right, is measured.
 std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
-  const auto within_gate = search();
+  auto within_gate = search();
   if (!pose_problem_.admissible_change) return within_gate;
   if (within_gate && within_gate->inlier_ratio >= kMinimumGatedSupport) return within_gate;
   const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
-  if (const auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond)) return beyond;
+  if (auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond)) return beyond;
   pose_problem_.admissible_change = gate;
   return search();  // sets the points' flags again
 }

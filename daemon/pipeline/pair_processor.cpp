@@ -94,13 +94,18 @@ class PairProcessor::Implementation {
     images_.left_exposure_ns = pair.left.exposure_ns;
     images_.right_exposure_ns = pair.right.exposure_ns;
     images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
-    images_.left_digest = pictureDigest(pair.left.image);
-    images_.right_digest = pictureDigest(pair.right.image);
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(vo::Stage::rectify);
     odometry_.acquireBuffers(images_);
-    doBoth([&] { rectifier_.rectifyLeft(pair.left.image, images_.left); },
-           [&] { rectifier_.rectifyRight(pair.right.image, images_.right); });
+    doBoth(
+        [&] {
+          images_.left_digest = pictureDigest(pair.left.image);
+          rectifier_.rectifyLeft(pair.left.image, images_.left);
+        },
+        [&] {
+          images_.right_digest = pictureDigest(pair.right.image);
+          rectifier_.rectifyRight(pair.right.image, images_.right);
+        });
     clock_.end(vo::Stage::rectify);
   }
 

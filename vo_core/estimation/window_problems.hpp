@@ -19,7 +19,7 @@ TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
 /// Fills `points` with the landmarks that have a depth and `chosen` with their indices. Their last
 /// observations must be in the current pair. `window` has the anchors and may end before the current pair; a
-/// landmark whose anchor is not in the window is left out. Their weights are bounded for each region of the
+/// landmark whose anchor is not in the window is left out. Their weights are bounded for each cell of the
 /// image.
 void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                   const StereoCamera& camera, std::vector<PosePoint>& points,

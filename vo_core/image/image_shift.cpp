@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/parallel_loop.hpp"
+#include "vo_core/geometry/parabola.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -93,12 +94,6 @@ double correlationAt(const Thumbnail& before, const Thumbnail& after, const Shif
   return sums.correlation();
 }
 
-/// Place of the peak of a parabola through three values, relative to the middle one.
-double peakOffset(double before, double middle, double after) {
-  const double curvature = before - 2.0 * middle + after;
-  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
-}
-
 /// Correlations at all shifts that differ from `centre` by at most `reach`.
 class Correlations {
  public:
@@ -121,8 +116,8 @@ class Correlations {
   Eigen::Vector2d peak() const {
     Eigen::Vector2d peak(best().x, best().y);
     const double* const at = values_.data() + best_;
-    if (column() > 0 && column() < columns_ - 1) peak.x() += peakOffset(at[-1], *at, at[1]);
-    if (row() > 0 && row() < rows_ - 1) peak.y() += peakOffset(at[-columns_], *at, at[columns_]);
+    if (column() > 0 && column() < columns_ - 1) peak.x() += vertexOfParabola(at[-1], *at, at[1]);
+    if (row() > 0 && row() < rows_ - 1) peak.y() += vertexOfParabola(at[-columns_], *at, at[columns_]);
     return peak;
   }
 

@@ -9,6 +9,8 @@
 #include <emmintrin.h>
 #endif
 
+#include "vo_core/geometry/parabola.hpp"
+
 namespace cartvo::vo {
 namespace {
 
@@ -76,12 +78,6 @@ double correlationOf(const PyramidLevel& a, const Vector2i& at_a, const PyramidL
   return product > 0.0 ? covariance / std::sqrt(product) : 0.0;
 }
 
-/// Place of the vertex of a parabola through three values, relative to the middle one, which is the highest.
-double vertex(double before, double middle, double after) {
-  const double curvature = before - 2.0 * middle + after;
-  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
-}
-
 bool patchFits(const PyramidLevel& level, const Vector2i& centre, int radius) {
   return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < level.width() &&
          centre.y() + radius < level.height();
@@ -114,8 +110,9 @@ std::optional<FinePeak> finePeak(const PyramidLevel& from, const Vector2i& centr
   FinePeak peak;
   peak.displacement = guess + Vector2i(best_x - kFineReach, best_y - kFineReach);
   peak.correlation = values[best_y][best_x];
-  peak.subpixel = {vertex(values[best_y][best_x - 1], peak.correlation, values[best_y][best_x + 1]),
-                   vertex(values[best_y - 1][best_x], peak.correlation, values[best_y + 1][best_x])};
+  peak.subpixel = {
+      vertexOfParabola(values[best_y][best_x - 1], peak.correlation, values[best_y][best_x + 1]),
+      vertexOfParabola(values[best_y - 1][best_x], peak.correlation, values[best_y + 1][best_x])};
   return peak;
 }
 

@@ -289,9 +289,8 @@ std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector
                                                                const TrackedImage& image) {
   const Eigen::Isometry3d& expected = *image.T_world_camera;
   std::optional<Eigen::Isometry3d> prediction =
-      correctedByLandmarks(tracked, found_, image.window, camera_, expected, differences_);
-  if (!prediction)
-    prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected, differences_);
+      correctedByLandmarks(tracked, found_, image.window, camera_, expected);
+  if (!prediction) prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected);
   if (!prediction) prediction = expected;
   Scene scene(image.window, image.left, image.frame, prediction);
   scene.wide = scene.at_prediction = true;

@@ -50,8 +50,8 @@ class LandmarkTracker {
   /// `image.oldest_anchor`, gets the last pair as its new anchor.
   ///
   /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
-  /// far from them, the prediction is corrected by the shift of the whole image, and the others are searched
-  /// in all pyramid levels. Returns the prediction used, nothing without one.
+  /// far from them, the prediction is corrected by those found or by the shift of the whole image, and the
+  /// others are searched in all pyramid levels.
   TrackingOutcome track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                         const TrackedImage& image);
 
@@ -133,7 +133,6 @@ class LandmarkTracker {
   std::vector<SearchResult> found_;       ///< result for each landmark
   std::vector<SearchResult> found_wide_;  ///< the same of the wide search, for each of lost_
   std::vector<Landmark> lost_;            ///< landmarks of the wide search
-  DifferenceBuffers differences_;
 
   /// Memory of replenish(), reused so that the steady state allocates nothing.
   struct ReplenishBuffers {

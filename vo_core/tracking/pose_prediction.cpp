@@ -13,17 +13,12 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
                                                         std::span<const SearchResult> used,
                                                         const std::vector<WindowFrame>& window,
                                                         const StereoCamera& camera,
-                                                        const Eigen::Isometry3d& T_world_camera,
-                                                        DifferenceBuffers& buffers) {
+                                                        const Eigen::Isometry3d& T_world_camera) {
   const Eigen::Isometry3d T_camera_world = T_world_camera.inverse();
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_camera_frame;
   for (const WindowFrame& frame : window)
     T_camera_frame.push_back(T_camera_world * frame.T_world_camera);
-  auto& [columns, rows, sizes] = buffers;
-  for (std::vector<double>* buffer : {&columns, &rows, &sizes}) {
-    buffer->clear();
-    buffer->reserve(landmarks.size());
-  }
+  std::vector<double> columns, rows, sizes;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
     if (!landmark.hasDepth() || (!used.empty() && used[i] == SearchResult::lost)) continue;
@@ -39,7 +34,7 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
     sizes.push_back(difference.norm());
   }
   if (sizes.empty()) return std::nullopt;
-  return PixelDifference{{median(columns), median(rows)}, median(sizes)};
+  return PixelDifference{{median(columns), median(rows)}, median(sizes), sizes.size()};
 }
 
 namespace {
@@ -64,24 +59,22 @@ std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> 
                                                       std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
-                                                      const Eigen::Isometry3d& T_world_camera,
-                                                      DifferenceBuffers& buffers) {
-  const auto error = differenceFromPrediction(landmarks, used, window, camera, T_world_camera, buffers);
-  if (!error || buffers.sizes.size() < kMinimumLandmarks) return std::nullopt;
+                                                      const Eigen::Isometry3d& T_world_camera) {
+  const auto error = differenceFromPrediction(landmarks, used, window, camera, T_world_camera);
+  if (!error || error->landmarks < kMinimumLandmarks) return std::nullopt;
   const Eigen::Isometry3d corrected = rotated(T_world_camera, error->median, camera);
-  const auto left = differenceFromPrediction(landmarks, used, window, camera, corrected, buffers);
+  const auto left = differenceFromPrediction(landmarks, used, window, camera, corrected);
   return left && left->size < kMaximumDisagreement ? std::optional(corrected) : std::nullopt;
 }
 
 std::optional<Eigen::Isometry3d> correctedByImageShift(std::span<const Landmark> landmarks,
                                                        const std::vector<WindowFrame>& window,
                                                        const ImagePyramid& left, const StereoCamera& camera,
-                                                       const Eigen::Isometry3d& T_world_camera,
-                                                       DifferenceBuffers& buffers) {
+                                                       const Eigen::Isometry3d& T_world_camera) {
   const ImagePyramid& last = *window.back().left;
   const auto shift = findImageShift(last, left);
   if (!shift) return std::nullopt;
-  const auto predicted = differenceFromPrediction(landmarks, {}, window, camera, T_world_camera, buffers);
+  const auto predicted = differenceFromPrediction(landmarks, {}, window, camera, T_world_camera);
   // The landmarks' positions are those of the last pair: their difference is minus the predicted shift.
   const Eigen::Vector2d missing = *shift + (predicted ? predicted->median : Eigen::Vector2d::Zero());
   const double pixel = levelScale(static_cast<int>(std::min(last.grey.size(), left.grey.size())) - 1);

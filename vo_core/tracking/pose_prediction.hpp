@@ -26,11 +26,7 @@ enum class SearchResult : std::uint8_t {
 struct PixelDifference {
   Eigen::Vector2d median = Eigen::Vector2d::Zero();  ///< px, of each coordinate
   double size = 0.0;                                 ///< px, median of the lengths
-};
-
-/// Buffers of differenceFromPrediction(), for each landmark.
-struct DifferenceBuffers {
-  std::vector<double> columns, rows, sizes;
+  std::size_t landmarks = 0;                         ///< number
 };
 
 /// Differences of the landmarks' last positions from those predicted at the pose `T_world_camera`. `used`:
@@ -39,8 +35,7 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
                                                         std::span<const SearchResult> used,
                                                         const std::vector<WindowFrame>& window,
                                                         const StereoCamera& camera,
-                                                        const Eigen::Isometry3d& T_world_camera,
-                                                        DifferenceBuffers& buffers);
+                                                        const Eigen::Isometry3d& T_world_camera);
 
 /// The predicted pose, rotated so that it agrees with the landmarks found, in the median. Returns nothing
 /// if they are few or do not agree.
@@ -48,8 +43,7 @@ std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> 
                                                       std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
-                                                      const Eigen::Isometry3d& T_world_camera,
-                                                      DifferenceBuffers& buffers);
+                                                      const Eigen::Isometry3d& T_world_camera);
 
 /// The predicted pose, rotated so that it agrees with the shift of the image as a whole since the window's
 /// last pair. Returns nothing if the images show no shift, or if it is the one predicted, to a pixel of the
@@ -57,7 +51,6 @@ std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> 
 std::optional<Eigen::Isometry3d> correctedByImageShift(std::span<const Landmark> landmarks,
                                                        const std::vector<WindowFrame>& window,
                                                        const ImagePyramid& left, const StereoCamera& camera,
-                                                       const Eigen::Isometry3d& T_world_camera,
-                                                       DifferenceBuffers& buffers);
+                                                       const Eigen::Isometry3d& T_world_camera);
 
 }  // namespace cartvo::vo

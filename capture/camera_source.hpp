@@ -35,6 +35,7 @@ struct CameraHealth {
   std::uint64_t damaged = 0;        ///< of these, marked FrameStatus::damaged
   std::uint64_t reconnections = 0;  ///< times the stream had to be opened again
   std::string last_error;           ///< what is wrong and what to do; empty if there was no error
+  std::string advice;               ///< what to change about a camera that streams; empty if nothing
 };
 
 /// One camera as a sequence of frames in the order of their exposure. One thread reads; `health` and

@@ -26,6 +26,7 @@ struct EncodedUnit {
   std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s; continuous within one connection
   std::int64_t exposure_ns = 0;    ///< as Frame's
   std::int64_t exposure_stddev_ns = 0;       ///< as Frame's
+  std::int64_t slew_ns = 0;                  ///< as Frame's
   std::int64_t min_delay_arrival_ns = 0;     ///< as Frame's
   std::int64_t first_arrival_ns = 0;         ///< reception of its first packet, host's clock
   std::int64_t arrival_ns = 0;               ///< as Frame's

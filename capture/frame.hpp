@@ -45,7 +45,10 @@ constexpr std::int64_t defaultStddevNs(InstantSource source) {
 struct Frame {
   cv::Mat image;                 ///< CV_8UC1, grey; may lie in memory that `storage` keeps alive; read-only
   std::int64_t exposure_ns = 0;  ///< live cameras: by the host's clock, see StereoTimestamper
-  std::int64_t exposure_stddev_ns = 0;    ///< standard deviation of exposure_ns
+  std::int64_t exposure_stddev_ns = 0;  ///< standard deviation of exposure_ns
+  /// Part of exposure_ns that corrections of the clock models have added: exposure_ns - slew_ns advances by
+  /// the camera's own clock from picture to picture, also where exposure_ns is being corrected.
+  std::int64_t slew_ns = 0;
   std::int64_t min_delay_arrival_ns = 0;  ///< live cameras: see ExposureTimestamp; else 0
   std::int64_t arrival_ns = 0;            ///< reception of the frame's last packet, host's clock
   std::int64_t decoded_ns = 0;            ///< end of decoding, host's clock

@@ -44,7 +44,7 @@ void PairSynchroniser::push(CameraSide which, Frame frame) {
     ++side.counts.out_of_order;
     return;
   }
-  side.period.add(frame.exposure_ns);
+  side.period.add(frame.exposure_ns - frame.slew_ns);
   if (frame.status == FrameStatus::damaged) {
     ++side.counts.damaged;
     return;

@@ -73,6 +73,9 @@ class PairSynchroniser {
   /// Ends this camera's sequence: the other camera's frames no longer wait for it.
   void finish(CameraSide side);
 
+  /// Measured frame period of one camera, ns; 0 until it is known.
+  std::int64_t framePeriodNs(CameraSide side) const { return sides_[index(side)].period.periodNs(); }
+
   const PairingCounts& counts(CameraSide side) const { return sides_[index(side)].counts; }
 
   /// The frame period in use, ns; 0 while it is unknown: then only frames with equal instants are paired.

@@ -17,7 +17,6 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
   RecordingInfo info = readRecordingInfo(path);
   StereoSource source;
   source.kind = SourceKind::recording;
-  source.period_ns = settings.recording_period_ns;
   if (settings.clock) source.clock = std::make_shared<RecordingTimestamper>(path, *settings.clock);
   source.left = std::make_unique<RecordingSource>(path, CameraSide::left, source.clock);
   source.right = std::make_unique<RecordingSource>(path, CameraSide::right, source.clock);

@@ -46,9 +46,6 @@ struct SourceSettings {
   /// Clock choice by which a recording's time stamps are recomputed from its RTP times, sender reports and
   /// arrivals; nothing: the recorded instants are used.
   std::optional<ClockChoice> clock;
-
-  /// StereoSource::period_ns of a recording.
-  std::int64_t recording_period_ns = 0;
 };
 StereoSource openSource(const std::filesystem::path& path, const SourceSettings& settings);
 

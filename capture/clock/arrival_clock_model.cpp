@@ -61,6 +61,11 @@ void ArrivalClockModel::add(std::int64_t rtp_ns, std::int64_t arrival_ns) {
   }
 }
 
+void ArrivalClockModel::forgetEarlierBlocks() {
+  blocks_.erase(blocks_.begin(), blocks_.end() - 1);
+  fit();
+}
+
 /// Drops all but the recent blocks if every recent block is late: a clock was set.
 void ArrivalClockModel::dropStaleBlocks() {
   if (blocks_.size() <= kRecentBlocks) return;

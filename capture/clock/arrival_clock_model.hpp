@@ -15,10 +15,13 @@ class ArrivalClockModel {
   /// Adds a picture: RTP time `rtp_ns` (unwrapped, increasing) and arrival by the host's clock.
   void add(std::int64_t rtp_ns, std::int64_t arrival_ns);
 
+  /// Keeps only the current two seconds.
+  void forgetEarlierBlocks();
+
   bool hasData() const { return !blocks_.empty(); }
 
   /// Whether the model covers more than the first few seconds.
-  bool isSettled() const { return blocks_.size() > 2; }
+  bool isMature() const { return blocks_.size() > 2; }
 
   /// Arrival at the least delay, ns since the Unix epoch, host's clock. Requires hasData().
   std::int64_t at(std::int64_t rtp_ns) const;

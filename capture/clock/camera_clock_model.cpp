@@ -3,11 +3,16 @@
 #include "capture/clock/camera_clock_model.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace cartvo::capture {
 namespace {
 
 constexpr double kMaxLatencyStddev_ns = 12e6;
+constexpr std::int64_t kMaxEarly_ns = 1'000'000'000;     // against the fastest pictures; a backlog's are near
+constexpr std::int64_t kMaxLate_ns = 5'000'000'000;      // a connection without pictures ends sooner
+constexpr std::int64_t kMaxReordering_ns = 500'000'000;  // five B-frames at 10 Hz
+constexpr int kStraysOfAnEpoch = 3;
 constexpr std::int64_t kMaxTicks = std::int64_t{1} << 48;   // 99 years
 constexpr std::int64_t kLatest_us = std::int64_t{1} << 52;  // the year 2112; later reports are invalid
 
@@ -19,23 +24,64 @@ std::int64_t ticksToNanoseconds(std::int64_t ticks) {
 }  // namespace
 
 void CameraClockModel::connect() {
+  restart();
+  jump_.reset();
+}
+
+void CameraClockModel::restart() {
+  const std::uint64_t epoch = epoch_ + 1;
   *this = CameraClockModel(default_scatter_ns_);
+  epoch_ = epoch;
 }
 
 /// The value nearest to the last time stamp whose lower 32 bits equal those of `pts`. The first one has these
 /// 32 bits only. Clamped to 99 years, so that no sum of it overflows.
-std::int64_t CameraClockModel::unwrapped(std::int64_t pts) {
+std::int64_t CameraClockModel::unwrapped(std::int64_t pts) const {
   const std::int64_t last = last_pts_.value_or(static_cast<std::uint32_t>(pts));
   const auto step =
       static_cast<std::int32_t>(static_cast<std::uint32_t>(pts) - static_cast<std::uint32_t>(last));
-  last_pts_ = std::clamp(last + step, -kMaxTicks, kMaxTicks);
-  return *last_pts_;
+  return std::clamp(last + step, -kMaxTicks, kMaxTicks);
 }
 
-void CameraClockModel::add(const RtpTimestamps& timestamps) {
-  rtp_ns_ = ticksToNanoseconds(unwrapped(timestamps.pts));
+/// Whether a picture may arrive then: not much earlier than the fastest ones, nor later than any network
+/// delays it, and not farther behind the last one than B-frames are.
+bool CameraClockModel::isPlausible(std::int64_t rtp_ns, std::int64_t arrival_ns) const {
+  const std::int64_t delay_ns = arrival_ns - arrivals_.at(rtp_ns);
+  return delay_ns >= -kMaxEarly_ns && delay_ns <= kMaxLate_ns && rtp_ns >= rtp_ns_ - kMaxReordering_ns;
+}
+
+/// Whether pictures in a row agree on another RTP time.
+bool CameraClockModel::beginsEpoch(std::int64_t rtp_ns, std::int64_t arrival_ns) {
+  const std::int64_t step_ns = rtp_ns - strays_.rtp_ns - (arrival_ns - strays_.arrival_ns);
+  const bool continues = strays_.count > 0 && std::abs(step_ns) < kMaxEarly_ns;
+  strays_ = {rtp_ns, arrival_ns, continues ? strays_.count + 1 : 1};
+  return strays_.count >= kStraysOfAnEpoch;
+}
+
+bool CameraClockModel::add(const RtpTimestamps& timestamps) {
+  std::int64_t pts = unwrapped(timestamps.pts);
+  std::int64_t rtp_ns = ticksToNanoseconds(pts);
+  if (arrivals_.hasData() && !isPlausible(rtp_ns, timestamps.arrival_ns)) {
+    if (!beginsEpoch(rtp_ns, timestamps.arrival_ns)) return false;
+    const double jump = static_cast<double>(arrivals_.at(rtp_ns) - timestamps.arrival_ns) * 1e-9;
+    restart();
+    jump_ = jump;
+    pts = unwrapped(timestamps.pts);
+    rtp_ns = ticksToNanoseconds(pts);
+  }
+  strays_ = {};
+  last_pts_ = pts;
+  rtp_ns_ = rtp_ns;
   if (!first_rtp_ns_) first_rtp_ns_ = rtp_ns_;
   arrivals_.add(rtp_ns_, timestamps.arrival_ns);
+  const bool was_settled = pace_.isSettled();
+  pace_.add(rtp_ns_, timestamps.arrival_ns);
+  if (pace_.isSettled() && !was_settled) arrivals_.forgetEarlierBlocks();  // their pictures were late
+  addReport(timestamps);
+  return true;
+}
+
+void CameraClockModel::addReport(const RtpTimestamps& timestamps) {
   if (!timestamps.reference_us || *timestamps.reference_us < 0 || *timestamps.reference_us > kLatest_us)
     return;
   const std::int64_t expected_ns = reportedNs().value_or(minDelayArrivalNs());

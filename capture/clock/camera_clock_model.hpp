@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "capture/clock/arrival_clock_model.hpp"
+#include "capture/clock/arrival_pace.hpp"
 #include "capture/clock/sender_report_clock_model.hpp"
 #include "capture/clock/sender_report_extractor.hpp"
 
@@ -34,7 +35,19 @@ class CameraClockModel {
   /// Begins a new connection, with which RTP time restarts.
   void connect();
 
-  void add(const RtpTimestamps& timestamps);
+  /// Adds the next picture. False if its RTP time cannot be: nothing changes. Where the pictures go on from
+  /// another RTP time (a camera's encoder restarts within a connection), the clock begins anew with the third
+  /// of them.
+  bool add(const RtpTimestamps& timestamps);
+
+  /// Changes when RTP time begins anew: with a connection, and after a jump.
+  std::uint64_t epoch() const { return epoch_; }
+
+  /// Jump of RTP time with which the current epoch began, s; nothing if it began with the connection.
+  std::optional<double> jump() const { return jump_; }
+
+  /// Whether the arrivals follow RTP time, and if not, by how much it is off.
+  const ArrivalPace& pace() const { return pace_; }
 
   /// Duration of this connection, s of RTP time.
   double seconds() const { return static_cast<double>(rtp_ns_ - first_rtp_ns_.value_or(rtp_ns_)) * 1e-9; }
@@ -57,15 +70,30 @@ class CameraClockModel {
   std::optional<std::int64_t> latencyNs() const;
 
  private:
-  std::int64_t unwrapped(std::int64_t pts);
+  /// Pictures whose RTP time does not follow from the earlier ones.
+  struct Strays {
+    std::int64_t rtp_ns = 0;      ///< of the last one
+    std::int64_t arrival_ns = 0;  ///< of the last one
+    int count = 0;                ///< in a row, consistent among themselves
+  };
+
+  std::int64_t unwrapped(std::int64_t pts) const;
+  bool isPlausible(std::int64_t rtp_ns, std::int64_t arrival_ns) const;
+  bool beginsEpoch(std::int64_t rtp_ns, std::int64_t arrival_ns);
+  void restart();
+  void addReport(const RtpTimestamps& timestamps);
 
   double default_scatter_ns_;
   ArrivalClockModel arrivals_;
+  ArrivalPace pace_;
   SenderReportClockModel reports_;
   SenderReportExtractor report_extractor_;
   std::optional<std::int64_t> last_pts_;
   std::optional<std::int64_t> first_rtp_ns_;
   std::int64_t rtp_ns_ = 0;
+  Strays strays_;
+  std::uint64_t epoch_ = 0;
+  std::optional<double> jump_;
 };
 
 }  // namespace cartvo::capture

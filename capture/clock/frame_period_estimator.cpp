@@ -9,7 +9,7 @@ namespace cartvo::capture {
 namespace {
 
 constexpr std::size_t kMinIntervals = 4;
-constexpr std::size_t kMaxIntervals = 64;
+constexpr std::size_t kMaxIntervals = 16;  // a camera that halves its rate at dusk is followed in a second
 
 }  // namespace
 

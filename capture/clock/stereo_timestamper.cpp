@@ -18,11 +18,14 @@ constexpr double kGate = 3.0;                      // standard deviations
 constexpr double kReportedDisagreement_ns = 5e6;   // smaller ones are no problem to report
 constexpr double kMaxLatencyDifference_ns = 20e6;  // plausible between two cameras
 
-constexpr double kSlewRate = 0.005;        // of the elapsed time
-constexpr double kInitialSlewRate = 0.25;  // in the first seconds of a connection
-constexpr double kMinClockStep_ns =
-    500e6;  // larger corrections are applied at once: the host's clock was set
+constexpr double kSlewRate = 0.005;            // of the elapsed time
+constexpr double kInitialSlewRate = 0.25;      // in the first seconds of a connection
+constexpr double kMaxReportOffset_ns = 500e6;  // larger ones are two clocks that do not agree
 constexpr std::int64_t kMinExposureStep_ns = 1'000'000;
+
+constexpr double kUnsettledStddev_ns = 1e9;  // more than any limit of the offset's uncertainty
+
+constexpr double kJumpReported = 10.0;  // s after a jump of RTP time
 
 constexpr double kFirstReportTimeout = 15.0;  // s; cameras send reports every few seconds
 
@@ -68,6 +71,15 @@ std::string inSeconds(double nanoseconds) {
 
 }  // namespace
 
+void setTimestamp(EncodedUnit& unit, const ExposureTimestamp& timestamp) {
+  unit.exposure_ns = timestamp.exposure_ns;
+  unit.exposure_stddev_ns = timestamp.stddev_ns;
+  unit.slew_ns = timestamp.slew_ns;
+  unit.min_delay_arrival_ns = timestamp.min_delay_arrival_ns;
+  unit.instant_source = timestamp.source;
+  if (!timestamp.is_usable) unit.status = FrameStatus::damaged;
+}
+
 StereoTimestamper::StereoTimestamper(ClockChoice choice)
     : choice_(choice), sides_{Side(defaultScatterNs(choice)), Side(defaultScatterNs(choice))} {}
 
@@ -81,11 +93,29 @@ void StereoTimestamper::connect(CameraSide which) {
 ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps& timestamps) {
   const std::lock_guard lock(mutex_);
   Side& side = sides_[static_cast<std::size_t>(which)];
-  side.clock.add(timestamps);
-  updateTargets();
-  const std::int64_t exposure_ns = slewedExposureNs(side, timestamps.arrival_ns);
-  const double stddev = std::hypot(offset_.stddev_ns, sides_[1].lag_ns - sides_[0].lag_ns);
-  return {exposure_ns, std::llround(stddev / std::sqrt(2.0)), side.clock.minDelayArrivalNs(), source_};
+  ExposureTimestamp timestamp;
+  timestamp.is_usable = side.clock.add(timestamps);
+  if (timestamp.is_usable) {
+    updateTargets();
+    advance(side, timestamps.arrival_ns);
+  } else if (side.last_exposure_ns) {
+    *side.last_exposure_ns += kMinExposureStep_ns;
+    side.slew_ns += kMinExposureStep_ns;
+  }
+  double stddev = std::hypot(offset_.stddev_ns, sides_[1].lag_ns - sides_[0].lag_ns);
+  for (const Side& camera : sides_)
+    if (camera.connected && !camera.clock.pace().isSettled()) stddev = std::max(stddev, kUnsettledStddev_ns);
+  timestamp.exposure_ns = side.last_exposure_ns.value_or(timestamps.arrival_ns);
+  timestamp.stddev_ns = std::llround(stddev / std::sqrt(2.0));
+  timestamp.min_delay_arrival_ns = side.clock.minDelayArrivalNs();
+  timestamp.slew_ns = side.slew_ns;
+  timestamp.source = source_;
+  return timestamp;
+}
+
+void StereoTimestamper::setHostClockCorrection(std::int64_t correction_ns) {
+  const std::lock_guard lock(mutex_);
+  host_clock_correction_ns_ = static_cast<double>(correction_ns);
 }
 
 void StereoTimestamper::setVisual(const std::optional<OffsetEstimate>& offset) {
@@ -137,7 +167,7 @@ void StereoTimestamper::selectOffset(const OffsetEstimate& arrival) {
     case ClockChoice::automatic:
       return combineOffsets(arrival);
     case ClockChoice::ntp:
-      if (!reports_ || std::abs(reports_->value_ns) > kMinClockStep_ns) return;
+      if (!reports_ || std::abs(reports_->value_ns) > kMaxReportOffset_ns) return;
       reports_agree_ = true;
       offset_ = *reports_;
       source_ = InstantSource::sender_report;
@@ -168,7 +198,33 @@ void StereoTimestamper::combineOffsets(const OffsetEstimate& arrival) {
   }
 }
 
+/// Fault of a stream's RTP time: it jumped, or runs at another pace than time.
+std::string StereoTimestamper::timeBaseProblem() const {
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const CameraClockModel& clock = sides_[i].clock;
+    const std::string camera = std::string("the ") + (i == 0 ? "left" : "right") + " camera's RTP time ";
+    char text[200];
+    if (const std::optional<double> deviation = clock.pace().deviation()) {
+      std::snprintf(
+          text, sizeof text,
+          "runs %.1f %% too %s, so that no motion can be measured: its frame rate is set to one that it "
+          "does not reach; set a lower one in the camera",
+          100.0 * std::abs(*deviation), *deviation > 0.0 ? "fast" : "slow");
+      return camera + text;
+    }
+    if (clock.jump() && clock.seconds() < kJumpReported) {
+      std::snprintf(
+          text, sizeof text,
+          "jumped by %.3f s within the connection, and its clock began anew: did its encoder restart?",
+          *clock.jump());
+      return camera + text;
+    }
+  }
+  return {};
+}
+
 std::string StereoTimestamper::problem() const {
+  if (std::string text = timeBaseProblem(); !text.empty()) return text;
   for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
     if (clock.seconds() < kFirstReportTimeout || clock.reports().hasData()) continue;
@@ -193,7 +249,7 @@ double StereoTimestamper::commonLatencyNs() const {
   for (const Side& side : sides_) {
     const std::optional<std::int64_t> latency_ns = side.clock.latencyNs();
     if (!latency_ns) continue;
-    const auto latency = static_cast<double>(*latency_ns);
+    const double latency = static_cast<double>(*latency_ns) + host_clock_correction_ns_;
     if (latency < kMinLatency_ns || latency > kMaxLatency_ns) continue;
     sum += latency;
     count += 1.0;
@@ -201,37 +257,41 @@ double StereoTimestamper::commonLatencyNs() const {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-/// Exposure of the side's last picture, which arrived at `arrival_ns`: its target, limited by the slew rate.
-std::int64_t StereoTimestamper::slewedExposureNs(Side& side, std::int64_t arrival_ns) {
+/// Computes the exposure of the side's last picture, which arrived at `arrival_ns`.
+void StereoTimestamper::advance(Side& side, std::int64_t arrival_ns) {
   const CameraClockModel& clock = side.clock;
   const std::int64_t target_ns = clock.minDelayArrivalNs() + std::llround(side.target_ns);
-  const bool clock_was_set = !side.connected || side.last_restarts != clock.arrivals().restarts();
-  std::int64_t exposure_ns = target_ns;
-  if (side.last_exposure_ns) {
-    const std::int64_t step_ns = side.connected ? clock.rtpNs() - side.last_rtp_ns : 0;
-    const auto correction_ns = static_cast<double>(target_ns - *side.last_exposure_ns - step_ns);
-    if (!side.connected && correction_ns > 0.0) {
-      exposure_ns = target_ns;  // a later connection may begin at any later time
-    } else if (!clock_was_set || std::abs(correction_ns) <= kMinClockStep_ns) {
-      const double slew_rate = clock.arrivals().isSettled() ? kSlewRate : kInitialSlewRate;
-      const double limit_ns = slew_rate * static_cast<double>(std::abs(step_ns));
-      exposure_ns =
-          *side.last_exposure_ns + step_ns + std::llround(std::clamp(correction_ns, -limit_ns, limit_ns));
-      if (!side.connected) exposure_ns += kMinExposureStep_ns;
-    }
-  }
+  const bool continues = side.connected && side.last_epoch == clock.epoch();
+  const std::int64_t step_ns = continues ? clock.rtpNs() - side.last_rtp_ns : 0;
+  const bool may_jump =
+      !continues || !clock.pace().isSettled() || side.last_restarts != clock.arrivals().restarts();
+  std::int64_t exposure_ns =
+      may_jump || !side.last_exposure_ns ? target_ns : slewedExposureNs(side, target_ns, step_ns);
   // A picture that arrived later was exposed later, unless the host's clock was set back.
-  const bool arrived_later =
-      arrival_ns >= side.last_arrival_ns && (!side.connected || clock.rtpNs() > side.last_rtp_ns);
+  const bool arrived_later = arrival_ns >= side.last_arrival_ns && (!continues || step_ns > 0);
   if (side.last_exposure_ns && arrived_later)
     exposure_ns = std::max(exposure_ns, *side.last_exposure_ns + kMinExposureStep_ns);
+  if (continues && side.last_exposure_ns) {
+    const std::int64_t own_step_ns =
+        step_ns + std::llround(static_cast<double>(step_ns) * clock.arrivals().skew());
+    side.slew_ns += exposure_ns - *side.last_exposure_ns - own_step_ns;
+  }
   side.lag_ns = static_cast<double>(exposure_ns - target_ns);
   side.last_arrival_ns = arrival_ns;
   side.last_exposure_ns = exposure_ns;
   side.last_rtp_ns = clock.rtpNs();
   side.last_restarts = clock.arrivals().restarts();
+  side.last_epoch = clock.epoch();
   side.connected = true;
-  return exposure_ns;
+}
+
+/// The target, limited by the slew rate.
+std::int64_t StereoTimestamper::slewedExposureNs(const Side& side, std::int64_t target_ns,
+                                                 std::int64_t step_ns) {
+  const auto correction_ns = static_cast<double>(target_ns - *side.last_exposure_ns - step_ns);
+  const double slew_rate = side.clock.arrivals().isMature() ? kSlewRate : kInitialSlewRate;
+  const double limit_ns = slew_rate * static_cast<double>(std::abs(step_ns));
+  return *side.last_exposure_ns + step_ns + std::llround(std::clamp(correction_ns, -limit_ns, limit_ns));
 }
 
 ClockStatus StereoTimestamper::status() const {

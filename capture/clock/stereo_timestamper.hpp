@@ -9,6 +9,7 @@
 
 #include "capture/camera_side.hpp"
 #include "capture/clock/camera_clock_model.hpp"
+#include "capture/encoded_unit.hpp"
 #include "capture/frame.hpp"
 
 // Exposure time stamps of two IP cameras on the host's clock.
@@ -28,8 +29,14 @@ struct ExposureTimestamp {
   std::int64_t exposure_ns = 0;           ///< host's clock, ns since the Unix epoch
   std::int64_t stddev_ns = 0;             ///< of one camera's exposure: 1/sqrt(2) of that of right minus left
   std::int64_t min_delay_arrival_ns = 0;  ///< arrival at the least network delay
+  std::int64_t slew_ns = 0;               ///< as Frame's
   InstantSource source = InstantSource::arrival;
+  bool is_usable = true;  ///< false: the RTP time cannot be, and the instants are no picture's
 };
+
+/// Puts the time stamps into a unit. A picture whose RTP time cannot be is marked as damaged: it is decoded,
+/// as later ones refer to it, but not used.
+void setTimestamp(EncodedUnit& unit, const ExposureTimestamp& timestamp);
 
 /// Estimate of the clock offset between the two cameras: right minus left exposure, relative to right minus
 /// left minimum-delay arrival.
@@ -62,7 +69,9 @@ struct ClockStatus {
 /// - image content.
 /// An estimate that the others reject at three standard deviations is not used. The latency that both cameras
 /// have in common comes from the sender reports. Corrections are slewed at 0.5 % of the elapsed time, so that
-/// exposures always increase and poses do not jump.
+/// exposures always increase and poses do not jump; `slew_ns` tells by how much, so that time steps can be
+/// taken from RTP time alone. Until the arrivals of both cameras follow RTP time (ArrivalPace), the standard
+/// deviation is so large that no motion is valid.
 class StereoTimestamper {
  public:
   explicit StereoTimestamper(ClockChoice choice);
@@ -76,6 +85,10 @@ class StereoTimestamper {
   /// Sets the offset estimated from the image content; nothing if there is none.
   void setVisual(const std::optional<OffsetEstimate>& offset);
 
+  /// Sets by how much the host's wall clock is ahead of the clock of the arrivals (hostClockCorrection()).
+  /// The cameras' wall clocks are compared with the former.
+  void setHostClockCorrection(std::int64_t correction_ns);
+
   ClockStatus status() const;
 
  private:
@@ -86,10 +99,12 @@ class StereoTimestamper {
     bool connected = false;                        ///< a picture of this connection was timestamped
     std::int64_t last_rtp_ns = 0;                  ///< of the previous picture, if connected
     std::uint64_t last_restarts = 0;               ///< restarts of the arrival model at that picture
+    std::uint64_t last_epoch = 0;                  ///< epoch of RTP time at that picture
     std::int64_t last_arrival_ns = 0;              ///< of the previous picture, also of an earlier connection
     std::optional<std::int64_t> last_exposure_ns;  ///< as returned for that picture
     double target_ns = 0.0;                        ///< desired exposure minus minimum-delay arrival
     double lag_ns = 0.0;                           ///< returned exposure minus desired one
+    std::int64_t slew_ns = 0;                      ///< as Frame's, of that picture
   };
 
   void updateTargets();
@@ -99,7 +114,9 @@ class StereoTimestamper {
   void combineOffsets(const OffsetEstimate& arrival);
   std::string problem() const;
   double commonLatencyNs() const;
-  static std::int64_t slewedExposureNs(Side& side, std::int64_t arrival_ns);
+  std::string timeBaseProblem() const;
+  static void advance(Side& side, std::int64_t arrival_ns);
+  static std::int64_t slewedExposureNs(const Side& side, std::int64_t target_ns, std::int64_t step_ns);
 
   mutable std::mutex mutex_;
   ClockChoice choice_;
@@ -109,6 +126,7 @@ class StereoTimestamper {
   bool reports_agree_ = false;  ///< the reports' offset passes the gate against the other estimates
   OffsetEstimate offset_;
   InstantSource source_ = InstantSource::arrival;
+  double host_clock_correction_ns_ = 0.0;
 };
 
 }  // namespace cartvo::capture

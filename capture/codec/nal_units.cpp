@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <iterator>
 
 namespace cartvo::capture {
@@ -35,22 +36,51 @@ NalUnit classifyH265(std::span<const std::uint8_t> nal) {
   return unit;
 }
 
-}  // namespace
-
-bool beginsWithStartCode(std::span<const std::uint8_t> data) {
-  if (data.size() >= 4 && data[0] == 0) data = data.subspan(data[2] == 0 ? 1 : 0);
-  return data.size() >= 3 && std::equal(kStartCode.begin(), kStartCode.end(), data.begin());
+/// The first start code from `from` on, or the end.
+std::span<const std::uint8_t>::iterator findStartCode(std::span<const std::uint8_t>::iterator from,
+                                                      std::span<const std::uint8_t> data) {
+  while (data.end() - from >= 3) {
+    // The code's last byte is the rarest one to search for.
+    const void* found = std::memchr(&from[2], 1, static_cast<std::size_t>(data.end() - from - 2));
+    if (found == nullptr) break;
+    from += static_cast<const std::uint8_t*>(found) - &from[2];
+    if (from[0] == 0 && from[1] == 0) return from;
+    ++from;
+  }
+  return data.end();
 }
+
+}  // namespace
 
 std::size_t nalHeaderSize(VideoCodec codec) {
   return codec == VideoCodec::h264 ? 1 : 2;
 }
 
+NalPlace nalPlace(VideoCodec codec, std::span<const std::uint8_t> nal) {
+  const std::size_t header = nalHeaderSize(codec);
+  if (nal.size() < header) return NalPlace::other;
+  // first_mb_in_slice is 0 (one bit 1), or first_slice_segment_in_pic_flag is set.
+  const bool is_first = nal.size() > header && (nal[header] & 0x80) != 0;
+  if (codec == VideoCodec::h264) {
+    const int type = nal[0] & 0x1f;
+    if (type == 1 || type == 2 || type == 5) return is_first ? NalPlace::first_slice : NalPlace::slice;
+    if (type == 3 || type == 4) return NalPlace::slice;
+    return (type >= 6 && type <= 9) || (type >= 14 && type <= 18) ? NalPlace::before_slices : NalPlace::other;
+  }
+  const int type = (nal[0] >> 1) & 0x3f;
+  if (type < 32) return is_first ? NalPlace::first_slice : NalPlace::slice;
+  const bool before = type <= 35 || type == 39 || (type >= 41 && type <= 44) || (type >= 48 && type <= 55);
+  return before ? NalPlace::before_slices : NalPlace::other;
+}
+
+bool isKeySlice(VideoCodec codec, std::span<const std::uint8_t> nal) {
+  const NalUnit unit = codec == VideoCodec::h264 ? classifyH264(nal) : classifyH265(nal);
+  return unit.kind == NalKind::key_slice;
+}
+
 std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
   std::vector<NalUnit> units;
-  const auto next = [&](auto from) {
-    return std::search(from, data.end(), kStartCode.begin(), kStartCode.end());
-  };
+  const auto next = [&](auto from) { return findStartCode(from, data); };
   for (auto code = next(data.begin()); code != data.end();) {
     const auto begin = code + kStartCode.size();
     code = next(begin);

@@ -15,6 +15,14 @@ namespace cartvo::capture {
 /// Kind of a NAL unit (ITU-T H.264 table 7-1, ITU-T H.265 table 7-1).
 enum class NalKind : std::uint8_t { slice, key_slice, parameter_set, other };
 
+/// Place of a NAL unit in its picture (ITU-T H.264 7.4.1.2.3, H.265 7.4.2.4.4).
+enum class NalPlace : std::uint8_t {
+  before_slices,  ///< after a slice, it begins the next picture
+  first_slice,    ///< begins a picture
+  slice,          ///< a further slice of the same picture
+  other,
+};
+
 /// One NAL unit within a buffer in Annex B form: header and payload, without the start code.
 struct NalUnit {
   std::span<const std::uint8_t> bytes;
@@ -22,11 +30,14 @@ struct NalUnit {
   bool is_reference = false;  ///< H.264: later pictures may be predicted from it
 };
 
-/// Whether the buffer begins with a start code (00 00 01 or 00 00 00 01).
-bool beginsWithStartCode(std::span<const std::uint8_t> data);
-
 /// Size of a NAL unit's header, bytes: 1 in H.264, 2 in H.265.
 std::size_t nalHeaderSize(VideoCodec codec);
+
+/// Place of a NAL unit, by its header and the first byte after it.
+NalPlace nalPlace(VideoCodec codec, std::span<const std::uint8_t> nal);
+
+/// Whether the NAL unit is a slice of a key picture (IDR, or H.265's IRAP), by its header.
+bool isKeySlice(VideoCodec codec, std::span<const std::uint8_t> nal);
 
 /// Splits the buffer at its start codes. Bytes before the first one are ignored.
 std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_t> data);

@@ -2,6 +2,7 @@
 
 #include "capture/codec/video_decoder.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "capture/codec/ffmpeg_log.hpp"
 #include "capture/codec/luma_plane.hpp"
 #include "capture/codec/nal_units.hpp"
+#include "capture/codec/refresh_detector.hpp"
 #include "common/host_clock.hpp"
 
 namespace cartvo::capture {
@@ -18,6 +20,9 @@ namespace {
 
 /// Maximum number of frames in the decoder (H.264's largest decoded picture buffer).
 constexpr std::size_t kMaxPending = 64;
+
+/// Longest step back of RTP time that is the order of B-frames, 1/90000 s: 16 pictures at 10 Hz.
+constexpr std::int64_t kMaxReordering = 144'000;
 
 std::shared_ptr<AVFrame> makeFrame() {
   std::shared_ptr<AVFrame> frame(av_frame_alloc(), [](AVFrame* f) { av_frame_free(&f); });
@@ -31,31 +36,38 @@ std::shared_ptr<AVFrame> makeFrame() {
 struct VideoDecoder::Pending {
   std::int64_t exposure_ns = 0;
   std::int64_t exposure_stddev_ns = 0;
+  std::int64_t slew_ns = 0;
   std::int64_t min_delay_arrival_ns = 0;
   std::int64_t arrival_ns = 0;
   std::uint64_t sequence = 0;
   std::uint64_t order = 0;
   InstantSource instant_source = InstantSource::arrival;
   FrameStatus status = FrameStatus::good;
-  bool key = false;
+  bool is_refreshed = false;  ///< no earlier damage affects it
 };
 
 struct VideoDecoder::Implementation {
-  Implementation(const StreamFormat& stream_format, int slice_threads)
-      : format(stream_format), threads(slice_threads) {
+  Implementation(const StreamFormat& stream_format, int slice_threads, std::int64_t pixels)
+      : format(stream_format), threads(slice_threads), max_pixels(pixels), refreshes(stream_format) {
     open();
   }
 
   void open();
   void restartAtKeyPicture(const EncodedUnit& unit);
+  void noteRefusedSize(const EncodedUnit& unit);
 
   StreamFormat format;  ///< includes the latest parameter sets
   int threads;
+  std::int64_t max_pixels;
+  cv::Size refused_size;
   ffmpeg::CodecContext context;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   std::deque<Pending> pending;
+  RefreshDetector refreshes;
+  std::optional<std::int64_t> latest_pts;
+  bool reorders = false;     ///< pictures are sent in another order than they were taken in
   bool send_failed = false;  ///< a unit was rejected since the last frame
-  bool damaged = false;      ///< the decoder reported errors since the last key frame
+  bool damaged = false;      ///< the decoder reported errors since the last refresh
   bool saw_damage = false;   ///< a damaged unit was decoded since the decoder was opened
 };
 
@@ -67,7 +79,10 @@ void VideoDecoder::Implementation::open() {
   }
   ffmpeg::CodecContext opened(avcodec_alloc_context3(codec));
   if (!opened) throw std::bad_alloc();
-  opened->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  opened->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  // Without this flag FFmpeg puts pictures into their order, which delays them.
+  if (!reorders) opened->flags |= AV_CODEC_FLAG_LOW_DELAY;
+  opened->max_pixels = max_pixels;
   opened->thread_type = FF_THREAD_SLICE;
   opened->thread_count = threads;
   if (!format.parameter_sets.empty()) {
@@ -85,12 +100,12 @@ void VideoDecoder::Implementation::open() {
   context = std::move(opened);
 }
 
-/// Opens a new decoder before a key picture if the old one has decoded damaged data. FFmpeg's H.264 decoder
-/// keeps coefficients of a truncated picture in its memory and adds them to the first macroblock of the next
-/// picture, key or not, without an error.
+/// Opens a new decoder before a key picture if the stream turned out to have B-frames, or if the old one has
+/// decoded damaged data: FFmpeg's H.264 decoder keeps coefficients of a truncated picture in its memory and
+/// adds them to the first macroblock of the next picture, key or not, without an error.
 void VideoDecoder::Implementation::restartAtKeyPicture(const EncodedUnit& unit) {
   try {
-    if (saw_damage) open();
+    if (saw_damage || reorders != ((context->flags & AV_CODEC_FLAG_LOW_DELAY) == 0)) open();
     saw_damage = false;
   } catch (const std::runtime_error&) {
     // The parameter sets are damaged: continue with the old decoder.
@@ -99,20 +114,37 @@ void VideoDecoder::Implementation::restartAtKeyPicture(const EncodedUnit& unit) 
   if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
 }
 
-VideoDecoder::VideoDecoder(const StreamFormat& format, int threads) {
+/// Notes the size of a picture that was not decoded, if it exceeds the limit.
+void VideoDecoder::Implementation::noteRefusedSize(const EncodedUnit& unit) {
+  const std::unique_ptr<AVCodecParameters, void (*)(AVCodecParameters*)> parameters(
+      avcodec_parameters_alloc(), [](AVCodecParameters* p) { avcodec_parameters_free(&p); });
+  if (!parameters) throw std::bad_alloc();
+  parameters->codec_type = AVMEDIA_TYPE_VIDEO;
+  parameters->codec_id = ffmpeg::codecId(format.codec);
+  if (!format.parameter_sets.empty()) ffmpeg::setExtradata(*parameters, format.parameter_sets);
+  ffmpeg::readPictureSize(*parameters, unit.data);
+  const cv::Size size(parameters->width, parameters->height);
+  if (static_cast<std::int64_t>(size.width) * size.height > max_pixels) refused_size = size;
+}
+
+VideoDecoder::VideoDecoder(const StreamFormat& format, int threads, std::int64_t max_pixels) {
   keepFfmpegQuiet();
-  implementation_ = std::make_unique<Implementation>(format, threads);
+  implementation_ = std::make_unique<Implementation>(format, threads, max_pixels);
 }
 
 VideoDecoder::~VideoDecoder() = default;
 
 void VideoDecoder::send(const EncodedUnit& unit) {
   Implementation& self = *implementation_;
+  const std::int64_t latest = self.latest_pts.value_or(unit.pts);
+  if (unit.pts < latest && latest - unit.pts < kMaxReordering) self.reorders = true;
+  self.latest_pts = unit.pts < latest - kMaxReordering ? unit.pts : std::max(latest, unit.pts);
   if (unit.key) self.restartAtKeyPicture(unit);
+  const PictureRefresh refresh = self.refreshes.inspect(splitNalUnits(self.format.codec, unit.data));
   if (unit.status == FrameStatus::damaged) self.saw_damage = true;
-  self.pending.push_back({unit.exposure_ns, unit.exposure_stddev_ns, unit.min_delay_arrival_ns,
+  self.pending.push_back({unit.exposure_ns, unit.exposure_stddev_ns, unit.slew_ns, unit.min_delay_arrival_ns,
                           unit.arrival_ns, unit.sequence, unit.order, unit.instant_source, unit.status,
-                          unit.key});
+                          refresh.is_complete});
   if (self.pending.size() > kMaxPending) self.pending.pop_front();
 
   // Not reference-counted, so FFmpeg copies the data with the required padding.
@@ -126,6 +158,10 @@ void VideoDecoder::send(const EncodedUnit& unit) {
   if (error < 0) {
     ++failures_;
     self.send_failed = self.saw_damage = true;
+    self.refreshes.restart();
+    if (unit.key) self.noteRefusedSize(unit);
+  } else {
+    self.refused_size = {};
   }
 }
 
@@ -138,21 +174,26 @@ std::optional<Frame> VideoDecoder::receive() {
     if (error < 0) {
       ++failures_;
       self.send_failed = self.saw_damage = true;
+      self.refreshes.restart();
       return std::nullopt;
     }
     const auto sequence = static_cast<std::uint64_t>(picture->pts);
-    while (!self.pending.empty() && self.pending.front().sequence < sequence)
-      self.pending.pop_front();
     const cv::Mat luma = lumaPlane(*picture);
-    if (self.pending.empty() || self.pending.front().sequence != sequence || luma.empty()) continue;
-    const Pending pending = self.pending.front();
-    self.pending.pop_front();
+    const auto found = std::find_if(self.pending.begin(), self.pending.end(),
+                                    [&](const Pending& p) { return p.sequence == sequence; });
+    if (found == self.pending.end() || luma.empty()) continue;
+    const Pending pending = *found;
+    self.pending.erase(found);
 
-    const bool failed = (picture->flags & AV_FRAME_FLAG_CORRUPT) != 0 || picture->decode_error_flags != 0;
+    // FFmpeg marks H.264 pictures as corrupt up to an IDR or recovery point; RefreshDetector knows more.
+    const bool is_corrupt =
+        (picture->flags & AV_FRAME_FLAG_CORRUPT) != 0 && self.format.codec != VideoCodec::h264;
+    const bool failed = is_corrupt || picture->decode_error_flags != 0;
     Frame frame;
     frame.image = luma;
     frame.exposure_ns = pending.exposure_ns;
     frame.exposure_stddev_ns = pending.exposure_stddev_ns;
+    frame.slew_ns = pending.slew_ns;
     frame.min_delay_arrival_ns = pending.min_delay_arrival_ns;
     frame.arrival_ns = pending.arrival_ns;
     frame.decoded_ns = hostNow();
@@ -170,15 +211,26 @@ void VideoDecoder::finish() {
   avcodec_send_packet(implementation_->context.get(), nullptr);
 }
 
-/// Updates the damage state; returns whether this frame is damaged. Damage lasts until a key frame, which is
-/// predicted from no other picture, is decoded without an error.
+/// Updates the damage state; returns whether this frame is damaged. Damage lasts until a refresh that is
+/// decoded without an error.
 bool VideoDecoder::updateDamage(const Pending& pending, bool decoder_failed) {
   Implementation& self = *implementation_;
-  if (pending.key) self.damaged = false;
-  if (decoder_failed) self.saw_damage = true;
-  if (decoder_failed || (self.send_failed && !pending.key)) self.damaged = true;
+  if (pending.is_refreshed) self.damaged = false;
+  if (decoder_failed) {
+    self.saw_damage = self.damaged = true;
+    self.refreshes.restart();
+  }
+  if (self.send_failed && !pending.is_refreshed) self.damaged = true;
   self.send_failed = false;
   return self.damaged || pending.status == FrameStatus::damaged;
+}
+
+cv::Size VideoDecoder::refusedSize() const {
+  return implementation_->refused_size;
+}
+
+bool VideoDecoder::reorders() const {
+  return implementation_->reorders;
 }
 
 }  // namespace cartvo::capture

@@ -64,11 +64,7 @@ bool RecordingSource::Implementation::readUnit() {
   if (!timestamper) return true;
   EncodedUnit& unit = current.unit;
   const std::optional<ExposureTimestamp> timestamp = timestamper->stamp(side, unit.order);
-  if (!timestamp) return true;
-  unit.exposure_ns = timestamp->exposure_ns;
-  unit.exposure_stddev_ns = timestamp->stddev_ns;
-  unit.min_delay_arrival_ns = timestamp->min_delay_arrival_ns;
-  unit.instant_source = timestamp->source;
+  if (timestamp) setTimestamp(unit, *timestamp);
   return true;
 }
 

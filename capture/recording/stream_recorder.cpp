@@ -64,7 +64,7 @@ struct StreamRecorder::Implementation {
   explicit Implementation(const RecordingSettings& recording)
       : settings(recording),
         writer(std::in_place, recording.folder,
-               RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, hostNow(), recording.configuration,
+               RecordingInfo{kRecordingFormatVersion, CARTVO_VERSION, wallClockNow(), recording.configuration,
                              recording.rig},
                recording.segment_length) {
     stopOnError([this] { requireQuota(); });

@@ -1,38 +1,164 @@
-// Assembly of RTP payloads into pictures, with early detection of a picture's last packet.
+// Assembly of RTP payloads into pictures, which end with the marker bit where that can be relied on.
 
 #include "capture/rtsp/access_unit_assembler.hpp"
 
-#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "capture/codec/nal_units.hpp"
 
 namespace cartvo::capture {
+namespace {
+
+// Payload structures (RFC 6184, 5.2; RFC 7798, 4.4).
+constexpr int kH264Aggregate = 24;  // STAP-A
+constexpr int kH264Fragment = 28;   // FU-A
+constexpr int kH265Aggregate = 48;  // AP
+constexpr int kH265Fragment = 49;   // FU
+constexpr std::uint8_t kFragmentBegins = 0x80;
+constexpr std::uint8_t kFragmentEnds = 0x40;
+
+constexpr std::array<std::uint8_t, 4> kStartCode = {0, 0, 0, 1};
+
+}  // namespace
 
 void AccessUnitAssembler::add(const StreamFragment& fragment) {
-  if (fragment.data.empty() || isRepeated(fragment)) return;
-  last_fragment_.assign(fragment.data.begin(), fragment.data.end());
-  if (current_ && current_->pts == fragment.pts) {
-    if (seems_complete_) rejectRule();
-    if (delivered_) {  // incomplete; pictures that refer to it are damaged, too
-      current_->data_lost = true;
-      return;
-    }
-    if (!beginsWithStartCode(fragment.data)) learnFullFragmentLength();
-    if (lastFragmentEndsNalUnit()) continued_after_slices_ = slices_;
+  if (fragment.data_lost) {
+    lost_since_ = true;
+    nal_is_open_ = false;                                     // its remaining fragments are of no use
+    if (current_ && !delivered_) current_->data_lost = true;  // the missing data may be its end
+  }
+  if (codec_ == VideoCodec::h264) {
+    addH264(fragment);
   } else {
-    checkRuleOnFinishedPicture();
-    beginPicture(fragment);
+    addH265(fragment);
   }
-  append(fragment);
+  if (!fragment.ends_picture || !current_ || !has_slices_ || nal_is_open_ || delivered_) return;
+  is_marked_ = true;
+  if (completesEarly()) endPicture();
+}
 
-  seems_complete_ = slices_ > 0 && slices_ == usual_slices_ && lastFragmentEndsNalUnit();
-  if (seems_complete_ && completesEarly()) {
-    AssembledUnit unit = std::move(*current_);
-    current_ = AssembledUnit{{}, unit.pts, 0, 0, std::nullopt, false};
-    delivered_ = true;
-    complete_.push_back(std::move(unit));
+void AccessUnitAssembler::addH264(const StreamFragment& fragment) {
+  const std::span<const std::uint8_t> data = fragment.data;
+  if (data.empty()) return;
+  const int type = data[0] & 0x1f;
+  if (type == kH264Aggregate) return addAggregate(data.subspan(1), fragment);
+  if (type < kH264Aggregate) return addWholeNal(data, fragment);
+  if (type != kH264Fragment || data.size() < 3) return;
+  const std::array<std::uint8_t, 1> header = {static_cast<std::uint8_t>((data[0] & 0xe0) | (data[1] & 0x1f))};
+  addFragmentedNal(header, data[1], data.subspan(2), fragment);
+}
+
+void AccessUnitAssembler::addH265(const StreamFragment& fragment) {
+  const std::span<const std::uint8_t> data = fragment.data;
+  if (data.size() < 3) return;
+  const int type = (data[0] >> 1) & 0x3f;
+  if (type == kH265Aggregate) return addAggregate(data.subspan(2), fragment);
+  if (type < kH265Aggregate) return addWholeNal(data, fragment);
+  if (type != kH265Fragment || data.size() < 4) return;
+  const std::array<std::uint8_t, 2> header = {
+      static_cast<std::uint8_t>((data[0] & 0x81) | (data[2] & 0x3f) << 1), data[1]};
+  addFragmentedNal(header, data[2], data.subspan(3), fragment);
+}
+
+/// NAL units, each behind its size in 16 bits.
+void AccessUnitAssembler::addAggregate(std::span<const std::uint8_t> data, const StreamFragment& fragment) {
+  while (data.size() > 2) {
+    const std::size_t size = static_cast<std::size_t>(data[0]) << 8 | data[1];
+    data = data.subspan(2);
+    if (size > data.size()) break;  // malformed
+    addWholeNal(data.first(size), fragment);
+    data = data.subspan(size);
   }
+}
+
+void AccessUnitAssembler::addWholeNal(std::span<const std::uint8_t> nal, const StreamFragment& fragment) {
+  if (nal.size() < nalHeaderSize(codec_)) return;
+  nal_is_open_ = false;
+  if (!beginNal(nal, fragment)) return;
+  append(kStartCode, fragment);
+  append(nal, fragment);
+}
+
+void AccessUnitAssembler::addFragmentedNal(std::span<const std::uint8_t> header, std::uint8_t fragment_header,
+                                           std::span<const std::uint8_t> data,
+                                           const StreamFragment& fragment) {
+  if ((fragment_header & kFragmentBegins) != 0) {
+    // The header and the slice's first byte, which tells whether the picture begins.
+    std::array<std::uint8_t, 3> beginning{};
+    std::copy(header.begin(), header.end(), beginning.begin());
+    beginning[header.size()] = data[0];
+    nal_is_open_ = beginNal(std::span(beginning).first(header.size() + 1), fragment);
+    if (!nal_is_open_) return;
+    append(kStartCode, fragment);
+    append(header, fragment);
+  } else if (!nal_is_open_) {
+    return;  // its beginning is missing
+  }
+  append(data, fragment);
+  if ((fragment_header & kFragmentEnds) != 0) nal_is_open_ = false;
+}
+
+/// Begins a picture if the NAL unit does. False if the NAL unit belongs to a picture that was delivered.
+bool AccessUnitAssembler::beginNal(std::span<const std::uint8_t> beginning, const StreamFragment& fragment) {
+  const NalPlace place = nalPlace(codec_, beginning);
+  const bool is_slice = place == NalPlace::first_slice || place == NalPlace::slice;
+  const bool begins = place == NalPlace::before_slices || place == NalPlace::first_slice;
+  const bool other_picture = is_slice && lost_since_ && current_ && current_->pts != fragment.pts;
+  if (!current_ || (has_slices_ && (begins || other_picture))) {
+    beginPicture(fragment);
+  } else if (delivered_) {
+    if (is_slice) {  // the marker bit was wrong: pictures that refer to the incomplete one are damaged, too
+      rejectMarker();
+      current_->data_lost = true;
+    }
+    return false;
+  }
+  if (is_marked_ && is_slice) marked_early_ = true;
+  is_marked_ = false;
+  if (!is_slice) return true;
+  if (!has_slices_) {
+    current_->pts = fragment.pts;
+    current_->first_arrival_ns = fragment.arrival_ns;
+    current_->reference_us = fragment.reference_us;
+    is_key_ = isKeySlice(codec_, beginning);
+    // A key picture needs nothing of what was lost before it; without its first slice it is incomplete.
+    if (place != NalPlace::first_slice) current_->data_lost = true;
+    if (is_key_ && place == NalPlace::first_slice) current_->data_lost = false;
+  }
+  has_slices_ = true;
+  return true;
+}
+
+void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {
+  checkMarkerOfFinishedPicture();
+  const bool carried = delivered_ && current_ && current_->data_lost;
+  if (current_ && !delivered_) complete_.push_back(std::move(*current_));
+  current_ = AssembledUnit{{},
+                           fragment.pts,
+                           fragment.arrival_ns,
+                           fragment.arrival_ns,
+                           fragment.reference_us,
+                           carried || lost_since_};
+  delivered_ = has_slices_ = is_key_ = is_marked_ = marked_early_ = false;
+}
+
+void AccessUnitAssembler::append(std::span<const std::uint8_t> data, const StreamFragment& fragment) {
+  lost_since_ = false;
+  if (current_->data.size() + data.size() > kMaxUnitBytes) {
+    current_->data_lost = true;
+    return;
+  }
+  current_->data.insert(current_->data.end(), data.begin(), data.end());
+  current_->arrival_ns = fragment.arrival_ns;
+}
+
+/// Delivers the current picture with its last packet.
+void AccessUnitAssembler::endPicture() {
+  const std::int64_t pts = current_->pts;
+  complete_.push_back(std::move(*current_));
+  current_ = AssembledUnit{{}, pts, 0, 0, std::nullopt, false};
+  delivered_ = true;
 }
 
 std::optional<AssembledUnit> AccessUnitAssembler::popUnit() {
@@ -42,88 +168,20 @@ std::optional<AssembledUnit> AccessUnitAssembler::popUnit() {
   return unit;
 }
 
-/// Whether the fragment equals the previous one. A network may deliver a packet twice, and FFmpeg drops the
-/// duplicate only if another packet came in between. A duplicate fragment would corrupt the picture, which
-/// the decoder need not detect.
-bool AccessUnitAssembler::isRepeated(const StreamFragment& fragment) const {
-  return current_ && current_->pts == fragment.pts && !fragment.data_lost &&
-         std::ranges::equal(fragment.data, last_fragment_);
-}
-
-void AccessUnitAssembler::beginPicture(const StreamFragment& fragment) {
-  const bool lost = current_ && current_->data_lost;
-  if (current_ && !delivered_) {
-    if (fragment.data_lost) current_->data_lost = true;  // the missing data may be its end
-    complete_.push_back(std::move(*current_));
-  }
-  // A premature picture marks the next one.
-  const bool carried = delivered_ && lost;
-  current_ = AssembledUnit{{}, fragment.pts, fragment.arrival_ns, fragment.arrival_ns, std::nullopt, carried};
-  delivered_ = false;
-  slices_ = 0;
-  key_ = false;
-  continued_after_slices_ = 0;
-  // No start code: the picture's beginning is missing.
-  if (!beginsWithStartCode(fragment.data)) current_->data_lost = true;
-}
-
-void AccessUnitAssembler::append(const StreamFragment& fragment) {
-  if (current_->data.size() + fragment.data.size() > kMaxUnitBytes) {
-    current_->data_lost = true;
-    return;
-  }
-  current_->data.insert(current_->data.end(), fragment.data.begin(), fragment.data.end());
-  current_->arrival_ns = fragment.arrival_ns;
-  if (fragment.reference_us) current_->reference_us = fragment.reference_us;
-  current_->data_lost = current_->data_lost || fragment.data_lost;
-
-  if (!beginsWithStartCode(fragment.data)) {
-    fragment_length_ = fragment.data.size();
-    fragment_may_continue_ = true;
-    return;
-  }
-  const std::vector<NalUnit> units = splitNalUnits(codec_, fragment.data);
-  for (const NalUnit& unit : units) {
-    if (unit.kind == NalKind::slice || unit.kind == NalKind::key_slice) ++slices_;
-    key_ = key_ || unit.kind == NalKind::key_slice;
-  }
-  const std::size_t start_code = fragment.data[2] == 1 ? 3 : 4;
-  fragment_length_ =
-      fragment.data.size() - std::min(fragment.data.size(), start_code + nalHeaderSize(codec_));
-  fragment_may_continue_ = units.size() <= 1;  // an aggregate holds whole NAL units
-}
-
-/// Whether the last fragment ended its NAL unit. False until the length of full fragments is known.
-bool AccessUnitAssembler::lastFragmentEndsNalUnit() const {
-  return full_fragment_ > 0 && (!fragment_may_continue_ || fragment_length_ != full_fragment_);
-}
-
-/// Takes the length of the last fragment, which was continued by another one, as that of full fragments.
-void AccessUnitAssembler::learnFullFragmentLength() {
-  if (fragment_length_ == full_fragment_) return;
-  full_fragment_ = fragment_length_;
-  confirmations_ = 0;
-}
-
-/// Tests the rule on the current picture, whose last fragment is known because the next picture begins. The
-/// first picture counts, too: its number of slices is known by now.
-void AccessUnitAssembler::checkRuleOnFinishedPicture() {
-  if (!current_) return;
-  if (slices_ != usual_slices_) {
-    usual_slices_ = slices_;
+/// Tests the marker bit on the current picture, whose last fragment is known because the next one begins.
+void AccessUnitAssembler::checkMarkerOfFinishedPicture() {
+  if (!current_ || !has_slices_ || current_->data_lost) return;
+  if (!is_marked_ || marked_early_) {
     confirmations_ = 0;
+    return;
   }
-  const bool is_right = slices_ > 0 && lastFragmentEndsNalUnit() && continued_after_slices_ != slices_;
-  if (!is_right) return;
   if (confirmations_ == 0) confirmed_on_key_ = false;
-  confirmed_on_key_ = confirmed_on_key_ || key_;
+  confirmed_on_key_ = confirmed_on_key_ || is_key_;
   if (confirmations_ < kConfirmationsNeeded) ++confirmations_;
 }
 
-/// Resets the rule after a picture continued that the rule took for complete.
-void AccessUnitAssembler::rejectRule() {
-  if (delivered_) rule_rejected_ = true;
-  seems_complete_ = false;
+void AccessUnitAssembler::rejectMarker() {
+  marker_rejected_ = true;
   confirmations_ = 0;
 }
 

@@ -3,34 +3,44 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
+#include "capture/codec/nal_units.hpp"
+#include "capture/codec/refresh_detector.hpp"
+#include "capture/codec/sequence_parameter_set.hpp"
 #include "capture/encoded_unit.hpp"
 
 namespace cartvo::capture {
 
-/// Detects that pictures are missing from a stream, and marks the pictures up to the next key frame as
-/// damaged, because each picture is predicted from earlier ones. Reads no clock; deterministic.
+/// What a receiver knows about a picture.
+struct PictureInspection {
+  FrameStatus status = FrameStatus::damaged;
+  bool is_access_point = false;  ///< as PictureRefresh's
+};
+
+/// Detects that pictures are missing from a stream, and marks the pictures up to the next refresh (see
+/// RefreshDetector) as damaged, because each picture is predicted from earlier ones. The pictures before the
+/// first refresh are damaged, too. Reads no clock; deterministic.
 ///
-/// H.264 numbers its reference pictures (frame_num, ITU-T H.264 7.4.3), so a missing one is always detected.
-/// H.265 has no such number: there a gap in time counts as a loss.
+/// The receiver finds lost packets by their sequence numbers. H.264 also numbers its reference pictures
+/// (frame_num, ITU-T H.264 7.4.3), which shows pictures that a relay has left out. Gaps in time show nothing:
+/// a camera may send fewer pictures at night.
 class LossDetector {
  public:
   explicit LossDetector(const StreamFormat& format);
 
-  /// Status of the next picture. `data_lost`: the receiver knows that data are missing before or in it;
-  /// `frames_missed`: number of frame periods without a picture since the previous one.
-  FrameStatus inspect(std::span<const std::uint8_t> unit, bool data_lost, std::uint64_t frames_missed);
+  /// Inspects the next picture. `data_lost`: the receiver knows that data are missing before or in it.
+  PictureInspection inspect(std::span<const std::uint8_t> unit, bool data_lost);
 
  private:
-  bool isReferenceMissing(std::span<const std::uint8_t> unit);
-  void parseSequenceParameterSet(std::span<const std::uint8_t> nal);
+  bool isReferenceMissing(const std::vector<NalUnit>& units);
+  bool isReferenceMissing(const NalUnit& slice);
 
   VideoCodec codec_;
-  int frame_num_bits_ = 0;  ///< log2_max_frame_num; 0: unknown
-  bool separate_colour_planes_ = false;
-  bool gaps_allowed_ = false;
+  std::optional<H264SequenceParameters> parameters_;
   std::optional<std::uint32_t> last_reference_;  ///< frame_num of the last reference picture
-  bool damaged_ = false;
+  RefreshDetector refreshes_;
+  bool damaged_ = true;
 };
 
 }  // namespace cartvo::capture

@@ -13,12 +13,13 @@
 #include <utility>
 
 #include "capture/clock/frame_period_estimator.hpp"
-#include "capture/codec/nal_units.hpp"
 #include "capture/codec/video_decoder.hpp"
 #include "capture/frozen_picture_detector.hpp"
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/loss_detector.hpp"
 #include "capture/rtsp/rtsp_session.hpp"
+#include "capture/rtsp/rtsp_url.hpp"
+#include "common/image_size.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -52,30 +53,38 @@ std::string inSeconds(milliseconds duration) {
 /// Converts the packets of one connection into numbered, timestamped units, and these into frames.
 class PictureStream {
  public:
-  PictureStream(const StreamFormat& format, int decoder_threads, StereoTimestamper& timestamper,
-                CameraSide side)
-      : codec_(format.codec),
-        assembler_(format.codec),
+  PictureStream(const StreamFormat& format, const RtspCameraSettings& settings,
+                StereoTimestamper& timestamper, CameraSide side)
+      : assembler_(format.codec),
         losses_(format),
         timestamper_(timestamper),
         side_(side),
-        decoder_(format, decoder_threads) {
+        decoder_(format, settings.decoder_threads, settings.max_pixels) {
     timestamper_.connect(side_);
   }
+
+  /// What has come since the last frame.
+  enum class Progress : std::uint8_t { nothing, no_access_point, undecodable };
+  Progress progress() const {
+    if (!has_units_) return Progress::nothing;
+    return has_begun_ ? Progress::undecodable : Progress::no_access_point;
+  }
+  void noteFrame() { has_units_ = false; }
 
   void add(const StreamFragment& fragment) { assembler_.add(fragment); }
 
   /// Removes and returns the next unit, numbered from `next_sequence` on, which is advanced. Nothing before
-  /// the first key picture.
+  /// the first picture where decoding can begin.
   std::optional<EncodedUnit> popUnit(std::uint64_t& next_sequence) {
     while (std::optional<AssembledUnit> assembled = assembler_.popUnit()) {
+      const PictureInspection inspection = losses_.inspect(assembled->data, assembled->data_lost);
+      has_units_ = true;
+      if (!has_begun_ && !inspection.is_access_point) continue;
+      has_begun_ = true;
       EncodedUnit unit;
-      unit.key = hasKeySlice(assembled->data);
-      if (!has_key_picture_ && !unit.key) continue;
-      has_key_picture_ = true;
-      const std::uint64_t missed = countMissedFrames(assembled->pts);
-      unit.status = losses_.inspect(assembled->data, assembled->data_lost, missed);
-      next_sequence += missed;
+      unit.key = inspection.is_access_point;
+      unit.status = inspection.status;
+      next_sequence += countMissedFrames(*assembled);
       unit.sequence = next_sequence++;
       unit.data = std::move(assembled->data);
       unit.pts = assembled->pts;
@@ -83,45 +92,38 @@ class PictureStream {
       unit.reference_us = assembled->reference_us;
       unit.first_arrival_ns = assembled->first_arrival_ns;
       unit.arrival_ns = assembled->arrival_ns;
-      const ExposureTimestamp instant =
-          timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
-      unit.exposure_ns = instant.exposure_ns;
-      unit.exposure_stddev_ns = instant.stddev_ns;
-      unit.min_delay_arrival_ns = instant.min_delay_arrival_ns;
-      unit.instant_source = instant.source;
+      setTimestamp(unit, timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns}));
       return unit;
     }
     return std::nullopt;
   }
 
   VideoDecoder& decoder() { return decoder_; }
+  const VideoDecoder& decoder() const { return decoder_; }
 
  private:
-  bool hasKeySlice(const std::vector<std::uint8_t>& data) const {
-    const std::vector<NalUnit> units = splitNalUnits(codec_, data);
-    return std::any_of(units.begin(), units.end(),
-                       [](const NalUnit& u) { return u.kind == NalKind::key_slice; });
-  }
-
-  /// Number of pictures missing between the previous one and this one, by the RTP time stamps.
-  std::uint64_t countMissedFrames(std::int64_t pts) {
+  /// Number of pictures missing between the previous one and this one, by the RTP time stamps, where packets
+  /// were lost. Without a loss none is missing: a camera may send fewer pictures at night.
+  std::uint64_t countMissedFrames(const AssembledUnit& unit) {
     const std::int64_t period = period_.periodNs();
-    const std::int64_t step = last_pts_ ? pts - *last_pts_ : 0;
-    last_pts_ = pts;
-    period_.add(pts);
-    if (period == 0 || step < period) return 0;
+    const std::int64_t step = last_pts_ ? unit.pts - *last_pts_ : 0;
+    last_pts_ = unit.pts;
+    period_.add(unit.pts);
+    if (!unit.data_lost || period == 0 || step < period) return 0;
     const auto periods = std::llround(static_cast<double>(step) / static_cast<double>(period));
-    return static_cast<std::uint64_t>(std::max(periods - 1, 0LL));
+    return static_cast<std::uint64_t>(std::max(std::min(periods, kMaxMissed) - 1, 0LL));
   }
 
-  VideoCodec codec_;
+  static constexpr long long kMaxMissed = 10'000;
+
   AccessUnitAssembler assembler_;
   LossDetector losses_;
   StereoTimestamper& timestamper_;
   CameraSide side_;
   FramePeriodEstimator period_;  ///< in RTP ticks instead of ns
   std::optional<std::int64_t> last_pts_;
-  bool has_key_picture_ = false;
+  bool has_begun_ = false;  ///< a picture where decoding can begin has come
+  bool has_units_ = false;  ///< a picture has come since the last frame
   VideoDecoder decoder_;
 };
 
@@ -183,7 +185,7 @@ class RtspCamera::Receiver {
   void connect() {
     try {
       session_.emplace(settings_, interrupted_);
-      stream_.emplace(session_->format(), settings_.decoder_threads, *timestamper_, side_);
+      stream_.emplace(session_->format(), settings_, *timestamper_, side_);
     } catch (const RtspError& error) {
       disconnect();
       if (error.kind() == RtspError::Kind::interrupted) return;
@@ -212,9 +214,8 @@ class RtspCamera::Receiver {
         }
         break;
       case RtspSession::Outcome::timed_out:
-        closeStream(CameraState::stalled, "the camera at " + rtspHost(settings_.url) +
-                                              " sent no picture for " +
-                                              std::to_string(frameTimeout().count()) + " ms; reconnecting");
+        closeStream(CameraState::stalled,
+                    "the camera at " + rtspHost(settings_.url) + " " + whyNoFrame() + "; reconnecting");
         break;
       case RtspSession::Outcome::lost:
         closeStream(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
@@ -225,6 +226,26 @@ class RtspCamera::Receiver {
     }
   }
 
+  /// Why no frame came in time: no packets, or packets that give no picture.
+  std::string whyNoFrame() const {
+    const cv::Size refused = stream_->decoder().refusedSize();
+    if (!refused.empty()) {
+      return "sends pictures of " + sizeText(refused) + ", which are too large: at most " +
+             std::to_string(settings_.max_pixels / 1000) + " thousand pixels are accepted";
+    }
+    const std::string duration = " for " + std::to_string(frameTimeout().count()) + " ms";
+    switch (stream_->progress()) {
+      case PictureStream::Progress::nothing:
+        return "sent no picture" + duration;
+      case PictureStream::Progress::no_access_point:
+        return "sent no picture" + duration +
+               " that decoding can begin with (key picture, I-frame): set its I-frame interval to one second";
+      case PictureStream::Progress::undecodable:
+        break;
+    }
+    return "sent no picture" + duration + " that can be decoded";
+  }
+
   milliseconds frameTimeout() const {
     return streaming_ ? settings_.stall_timeout : settings_.connect_timeout;
   }
@@ -232,6 +253,7 @@ class RtspCamera::Receiver {
   void collectFrames() {
     while (std::optional<Frame> frame = stream_->decoder().receive()) {
       streaming_ = true;
+      stream_->noteFrame();
       frame_deadline_ =
           Clock::now() + settings_.stall_timeout;  // packets without a picture count as a stall, too
       failures_ = 0;
@@ -251,6 +273,12 @@ class RtspCamera::Receiver {
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen) health_.last_error = frozen_text_;
     health_.instant_source = frame.instant_source;
+    if (health_.advice.empty() && stream_->decoder().reorders()) {
+      health_.advice =
+          "the camera at " + rtspHost(settings_.url) +
+          " sends B-frames, which delay its pictures by some frame periods; switch them off in the "
+          "camera (H.264 profile Baseline, or no smart codec)";
+    }
     ++health_.frames;
     if (frame.status == FrameStatus::damaged) ++health_.damaged;
     return true;

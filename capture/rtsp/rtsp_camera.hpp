@@ -22,6 +22,7 @@ struct RtspCameraSettings {
   std::string url;  ///< rtsp://host[:port]/path, without credentials
   Credentials credentials;
   RtspTransport transport = RtspTransport::tcp;
+  bool basic_authentication = false;  ///< allow Basic, which sends the password readably
 
   std::chrono::milliseconds answer_timeout{1000};   ///< limit for the TCP connection
   std::chrono::milliseconds connect_timeout{5000};  ///< limit from the TCP connection to the first frame
@@ -36,6 +37,8 @@ struct RtspCameraSettings {
   /// Pause after a refused password; doubles every time. Cameras lock an account after a few wrong passwords.
   std::chrono::milliseconds refused_retry{30000};
   std::chrono::milliseconds longest_refused_retry{30 * 60 * 1000};
+
+  std::int64_t max_pixels = 64'000'000;  ///< larger pictures are refused
 
   int decoder_threads =
       1;  ///< slice threads; frame threads are not used, because each adds a frame of latency

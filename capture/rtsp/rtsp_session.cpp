@@ -1,85 +1,54 @@
-// RTSP connection through FFmpeg's demuxer, without its parser.
+// RTSP connection: set-up, RTP packets in order, keep-alive and receiver reports.
 
 #include "capture/rtsp/rtsp_session.hpp"
 
-#include <array>
-#include <cctype>
+#include <algorithm>
+#include <charconv>
 #include <optional>
+#include <random>
+#include <system_error>
 
-#include "capture/codec/ffmpeg.hpp"
-#include "capture/codec/ffmpeg_log.hpp"
-#include "capture/rtsp/tcp_connect.hpp"
+#include "capture/rtsp/rtp_packet.hpp"
+#include "capture/rtsp/rtp_sequencer.hpp"
+#include "capture/rtsp/rtsp_client.hpp"
+#include "capture/rtsp/session_description.hpp"
+#include "capture/rtsp/udp_ports.hpp"
 #include "common/host_clock.hpp"
 
 namespace cartvo::capture {
 namespace {
 
-constexpr char kScheme[] = "rtsp://";
-constexpr std::chrono::milliseconds kTeardownTimeout{200};  ///< for sending TEARDOWN, without its response
+using Clock = RtspSession::Clock;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
 
-/// Percent-encodes all but unreserved characters (RFC 3986, 2.1).
-std::string percentEncoded(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (std::isalnum(byte) != 0 || c == '-' || c == '.' || c == '_' || c == '~') {
-      result += c;
-    } else {
-      constexpr char kDigits[] = "0123456789ABCDEF";
-      result += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
-    }
+constexpr milliseconds kTeardownTimeout{200};  ///< for sending TEARDOWN, without its response
+constexpr seconds kDefaultSessionTimeout{60};  ///< RFC 2326, 12.37
+constexpr seconds kMaxSessionTimeout{3600};
+constexpr seconds kReportInterval{5};                  ///< of receiver reports (RFC 3550, 6.2)
+constexpr std::size_t kUdpWindow = 64;                 ///< packets
+constexpr std::int64_t kUdpPatience_ns = 100'000'000;  ///< for a packet that others have overtaken
+constexpr int kMaxUdpBatch = 64;
+
+/// Value of a parameter of a header such as "RTP/AVP/TCP;unicast;interleaved=0-1"; nothing if it is missing.
+std::optional<std::string_view> parameter(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const std::size_t end = header.find(';');
+    std::string_view part = header.substr(0, end);
+    header.remove_prefix(end == std::string_view::npos ? header.size() : end + 1);
+    part.remove_prefix(std::min(part.find_first_not_of(' '), part.size()));
+    if (part.starts_with(name) && part.size() > name.size() && part[name.size()] == '=')
+      return part.substr(name.size() + 1);
   }
-  return result;
+  return std::nullopt;
 }
 
-/// URL with user and password, the only form that FFmpeg accepts. The result must not be logged or stored.
-std::string urlForFfmpeg(const RtspCameraSettings& settings) {
-  if (settings.credentials.user.empty()) return settings.url;
-  return kScheme + percentEncoded(settings.credentials.user) + ":" +
-         percentEncoded(settings.credentials.password) + "@" + settings.url.substr(sizeof(kScheme) - 1);
-}
-
-/// Owner of an AVDictionary.
-class Options {
- public:
-  ~Options() { av_dict_free(&dictionary_); }
-  Options() = default;
-  Options(const Options&) = delete;
-  Options& operator=(const Options&) = delete;
-  void set(const char* key, const std::string& value) { av_dict_set(&dictionary_, key, value.c_str(), 0); }
-  AVDictionary** get() { return &dictionary_; }
-
- private:
-  AVDictionary* dictionary_ = nullptr;
-};
-
-std::string noAnswerText(const RtspCameraSettings& settings) {
-  return "no answer from the camera at " + rtspHost(settings.url) + " within " +
-         std::to_string(settings.connect_timeout.count()) + " ms";
-}
-
-std::string openErrorText(int error, const RtspCameraSettings& settings) {
-  const std::string host = rtspHost(settings.url);
-  switch (error) {
-    case AVERROR_HTTP_UNAUTHORIZED:
-    case AVERROR_HTTP_FORBIDDEN:
-      return settings.credentials.user.empty()
-                 ? "the camera at " + host + " requires a user and password, and none are configured"
-                 : "the camera at " + host + " refused the user or password (user '" +
-                       settings.credentials.user +
-                       "'); correct them, or wait if the camera has locked the account";
-    case AVERROR_HTTP_NOT_FOUND:
-      return "the camera at " + host + " has no such stream; check the path of its URL";
-    case AVERROR_EXIT:
-    case AVERROR(ETIMEDOUT):
-      return noAnswerText(settings);
-    default:
-      return "cannot open the camera at " + host + ": " + ffmpeg::errorText(error);
-  }
-}
-
-bool isRefusal(int error) {
-  return error == AVERROR_HTTP_UNAUTHORIZED || error == AVERROR_HTTP_FORBIDDEN;
+/// The number at the beginning of a text; nothing if there is none.
+std::optional<int> leadingNumber(std::optional<std::string_view> text) {
+  int value = 0;
+  if (!text || std::from_chars(text->data(), text->data() + text->size(), value).ec != std::errc())
+    return std::nullopt;
+  return value;
 }
 
 }  // namespace
@@ -88,36 +57,65 @@ struct RtspSession::Connection {
   Connection(const RtspCameraSettings& camera_settings, const std::atomic<bool>& stop)
       : settings(camera_settings),
         interrupted(stop),
-        deadline(Clock::now() + camera_settings.connect_timeout) {}
+        client(camera_settings, stop, [this](const RtspInput& input) { takeInterleaved(input); }),
+        url(camera_settings.url),
+        sequencer(is_udp() ? kUdpWindow : 0, kUdpPatience_ns),
+        receiver(std::random_device{}()) {}
+
+  bool is_udp() const { return settings.transport == RtspTransport::udp; }
+
+  void open();
+  void describe();
+  void setUp();
+  void requireSuccess(std::string_view method, const RtspHead& head) const;
+  void takeInterleaved(const RtspInput& input);
+  void takeRtp(std::span<const std::uint8_t> bytes);
+  void takeRtcp(std::span<const std::uint8_t> bytes);
+  void receiveDatagrams();
+  std::optional<Outcome> receiveInput(Clock::time_point deadline);
+  bool keepAlive();
+  void sendReceiverReport();
+  RtspClient::Headers sessionHeaders() const {
+    return session.empty() ? RtspClient::Headers{} : RtspClient::Headers{{"Session", session}};
+  }
+  bool next(StreamFragment& fragment);
 
   const RtspCameraSettings& settings;
   const std::atomic<bool>& interrupted;
-  Clock::time_point deadline;
-  ffmpeg::Packet packet = ffmpeg::makePacket();
+  Clock::time_point deadline{};  ///< of the set-up
+  RtspClient client;
+  std::string url;          ///< of the presentation
+  std::string control_url;  ///< for PLAY and what follows
+  std::string stream_url;   ///< for SETUP
   StreamFormat format;
-  int stream_index = -1;
+  int payload_type = 0;
+  std::unique_ptr<UdpPorts> udp;
+  int rtp_channel = 0;
+  std::string session;
+  std::string keep_alive_method = "OPTIONS";
+  Clock::duration keep_alive_interval{};
+  Clock::time_point next_keep_alive{};
+  Clock::time_point next_report{};
+  RtpSequencer sequencer;
+  std::uint32_t receiver;  ///< SSRC of the receiver reports
+  std::optional<std::uint32_t> source;
+  std::optional<SenderReport> report;
+  Clock::time_point report_arrival{};
+  std::optional<std::int64_t> last_timestamp;  ///< unwrapped
+  SequencedPacket current;
+  bool ended = false;  ///< by the sender's RTCP BYE
   std::string reason;
-  std::optional<MissedPacketCounter> missed_packets;
-  ffmpeg::Input input;  // last member: closed while `deadline` is still valid
-
-  static int shouldAbort(void* self) {
-    const auto& connection = *static_cast<const Connection*>(self);
-    return connection.interrupted || Clock::now() >= connection.deadline ? 1 : 0;
-  }
-
-  void open();
-  void selectStream();
 };
 
 RtspSession::RtspSession(const RtspCameraSettings& settings, const std::atomic<bool>& interrupted)
     : connection_(std::make_unique<Connection>(settings, interrupted)) {
-  keepFfmpegQuiet();
   connection_->open();
-  connection_->selectStream();
 }
 
 RtspSession::~RtspSession() {
-  connection_->deadline = Clock::now() + kTeardownTimeout;
+  Connection& self = *connection_;
+  if (self.control_url.empty()) return;  // not connected
+  self.client.send("TEARDOWN", self.control_url, self.sessionHeaders(), Clock::now() + kTeardownTimeout);
 }
 
 const StreamFormat& RtspSession::format() const {
@@ -128,105 +126,202 @@ const std::string& RtspSession::reason() const {
   return connection_->reason;
 }
 
-void RtspSession::Connection::open() {
-  if (const auto why = tcpConnectError(rtspHost(settings.url), settings.answer_timeout, interrupted))
-    throw RtspError(RtspError::Kind::unreachable,
-                    "cannot open the camera at " + rtspHost(settings.url) + ": " + *why);
-  deadline = Clock::now() + settings.connect_timeout;
-  AVFormatContext* context = avformat_alloc_context();
-  if (context == nullptr) throw std::bad_alloc();
-  context->interrupt_callback = {shouldAbort, this};
-  // No parser: it would delay each picture until the next one begins.
-  context->flags |= AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN | AVFMT_FLAG_NOBUFFER;
-  Options options;
-  options.set("rtsp_transport", settings.transport == RtspTransport::tcp ? "tcp" : "udp");
-  options.set("allowed_media_types", "video");
-  options.set(
-      "timeout",
-      std::to_string(std::chrono::microseconds(settings.connect_timeout + settings.stall_timeout).count()));
-  // Force the RTSP demuxer, whatever format a server announces.
-  const AVInputFormat* rtsp = av_find_input_format("rtsp");
-  const int error = avformat_open_input(&context, urlForFfmpeg(settings).c_str(), rtsp, options.get());
-  if (error < 0) {  // FFmpeg has freed the context
-    if (interrupted) throw RtspError(RtspError::Kind::interrupted, "interrupted");
-    // FFmpeg reports a time-out by several error codes, "invalid data" among them.
-    if (Clock::now() >= deadline) throw RtspError(RtspError::Kind::unreachable, noAnswerText(settings));
-    throw RtspError(isRefusal(error) ? RtspError::Kind::refused : RtspError::Kind::unreachable,
-                    openErrorText(error, settings));
-  }
-  input.reset(context);
-  missed_packets.emplace(context);
+void RtspSession::Connection::requireSuccess(std::string_view method, const RtspHead& head) const {
+  if (head.status < 200 || head.status >= 300) throw client.failure(method, head);
 }
 
-void RtspSession::Connection::selectStream() {
-  for (unsigned i = 0; i < input->nb_streams; ++i) {
-    const AVCodecParameters& parameters = *input->streams[i]->codecpar;
-    if (parameters.codec_id != AV_CODEC_ID_H264 && parameters.codec_id != AV_CODEC_ID_HEVC) continue;
-    stream_index = static_cast<int>(i);
-    format.codec = parameters.codec_id == AV_CODEC_ID_H264 ? VideoCodec::h264 : VideoCodec::h265;
-    format.parameter_sets.assign(parameters.extradata, parameters.extradata + parameters.extradata_size);
-    return;
+void RtspSession::Connection::open() {
+  client.connect();
+  deadline = Clock::now() + settings.connect_timeout;
+  const RtspResponse options = client.request("OPTIONS", url, {}, deadline);
+  if (options.head.header("public").value_or("").find("GET_PARAMETER") != std::string_view::npos)
+    keep_alive_method = "GET_PARAMETER";
+  describe();
+  setUp();
+  RtspClient::Headers headers = sessionHeaders();
+  headers.emplace_back("Range", "npt=0.000-");
+  const RtspResponse play = client.request("PLAY", control_url, headers, deadline);
+  requireSuccess("PLAY", play.head);
+  next_keep_alive = Clock::now() + keep_alive_interval;
+  next_report = Clock::now() + kReportInterval;
+}
+
+void RtspSession::Connection::describe() {
+  const RtspResponse response = client.request("DESCRIBE", url, {{"Accept", "application/sdp"}}, deadline);
+  requireSuccess("DESCRIBE", response.head);
+  std::string offered;
+  const std::optional<VideoDescription> video = describedVideo(response.body, offered);
+  if (!video) {
+    throw RtspError(RtspError::Kind::unreachable,
+                    "the camera at " + rtspHost(settings.url) + " sends no H.264 or H.265 video" +
+                        (offered.empty() ? "" : " (it offers " + offered + ")") +
+                        "; set its stream to H.264");
   }
-  throw RtspError(
-      RtspError::Kind::unreachable,
-      "the camera at " + rtspHost(settings.url) + " sends no H.264 or H.265 video; set its stream to H.264");
+  format = video->format;
+  payload_type = video->payload_type;
+  std::string base(response.head.header("content-base").value_or(""));
+  if (base.empty()) base = response.head.header("content-location").value_or(url);
+  stream_url = controlUrl(base, video->control);
+  control_url = controlUrl(base, video->session_control);
+}
+
+void RtspSession::Connection::setUp() {
+  std::string transport = "RTP/AVP/TCP;unicast;interleaved=0-1";
+  if (is_udp()) {
+    try {
+      udp = std::make_unique<UdpPorts>(client.socket().peer().ss_family);
+    } catch (const std::system_error& error) {
+      throw RtspError(RtspError::Kind::unreachable, error.what());
+    }
+    transport = "RTP/AVP;unicast;client_port=" + std::to_string(udp->rtpPort()) + "-" +
+                std::to_string(udp->rtpPort() + 1);
+    udp->setPeer(client.socket().peer(), 0);
+  }
+  const RtspResponse response = client.request("SETUP", stream_url, {{"Transport", transport}}, deadline);
+  requireSuccess("SETUP", response.head);
+  const std::string_view answer = response.head.header("transport").value_or("");
+  if (is_udp()) {
+    const int port = leadingNumber(parameter(answer, "server_port")).value_or(0);
+    if (port > 0 && port < 65535) udp->setPeer(client.socket().peer(), static_cast<std::uint16_t>(port));
+  } else {
+    rtp_channel = leadingNumber(parameter(answer, "interleaved")).value_or(0);
+  }
+  const std::string_view header = response.head.header("session").value_or("");
+  session = header.substr(0, header.find(';'));
+  const int timeout_s = leadingNumber(parameter(header, "timeout")).value_or(0);
+  const Clock::duration timeout =
+      timeout_s > 0 ? std::min(seconds(timeout_s), kMaxSessionTimeout) : kDefaultSessionTimeout;
+  keep_alive_interval = timeout / 2;
+}
+
+void RtspSession::Connection::takeInterleaved(const RtspInput& input) {
+  if (input.channel == rtp_channel) takeRtp(input.data);
+  if (input.channel == rtp_channel + 1) takeRtcp(input.data);
+}
+
+void RtspSession::Connection::takeRtp(std::span<const std::uint8_t> bytes) {
+  const std::optional<RtpPacket> packet = parseRtpPacket(bytes);
+  if (!packet || packet->payload_type != payload_type || packet->payload.empty()) return;
+  source = packet->source;
+  sequencer.add(*packet, {{bytes.begin(), bytes.end()}, hostNow(), false});
+}
+
+void RtspSession::Connection::takeRtcp(std::span<const std::uint8_t> bytes) {
+  const RtcpContent content = parseRtcp(bytes);
+  if (content.report && (!source || content.report->source == *source)) {
+    report = content.report;
+    report_arrival = Clock::now();
+  }
+  if (content.ended_source && content.ended_source == source) ended = true;
+}
+
+void RtspSession::Connection::receiveDatagrams() {
+  for (int i = 0; i < kMaxUdpBatch; ++i) {
+    const auto packet = udp->receive(0);
+    if (!packet) break;
+    takeRtp(*packet);
+  }
+  for (int i = 0; i < kMaxUdpBatch; ++i) {
+    const auto packet = udp->receive(1);
+    if (!packet) break;
+    takeRtcp(*packet);
+  }
+}
+
+/// Sends the keep-alive request and the receiver report when they are due. False if the connection failed.
+bool RtspSession::Connection::keepAlive() {
+  const Clock::time_point now = Clock::now();
+  if (now >= next_report) {
+    next_report = now + kReportInterval;
+    sendReceiverReport();
+  }
+  if (now < next_keep_alive) return true;
+  next_keep_alive = now + keep_alive_interval;
+  return client.send(keep_alive_method, control_url, sessionHeaders(), now + settings.stall_timeout);
+}
+
+void RtspSession::Connection::sendReceiverReport() {
+  if (!source) return;
+  ReceiverReport statistics;
+  statistics.receiver = receiver;
+  statistics.source = *source;
+  statistics.lost = static_cast<std::uint32_t>(std::min<std::uint64_t>(sequencer.lost(), UINT32_MAX));
+  statistics.highest_sequence = sequencer.highestSequence();
+  if (report && report->source == *source) {
+    const std::chrono::duration<double> since = Clock::now() - report_arrival;
+    statistics.last_report = report->ntp_middle;
+    statistics.since_last_report = static_cast<std::uint32_t>(std::min(since.count(), 65535.0) * 65536.0);
+  }
+  const std::vector<std::uint8_t> packet = receiverReportPacket(statistics);
+  if (udp) return udp->sendRtcp(packet);
+  std::vector<std::uint8_t> framed = {'$', static_cast<std::uint8_t>(rtp_channel + 1),
+                                      static_cast<std::uint8_t>(packet.size() >> 8),
+                                      static_cast<std::uint8_t>(packet.size() & 0xff)};
+  framed.insert(framed.end(), packet.begin(), packet.end());
+  client.socket().send(framed, Clock::now() + kTeardownTimeout);
+}
+
+/// Waits for something from the camera. Nothing if there may be packets now.
+std::optional<RtspSession::Outcome> RtspSession::Connection::receiveInput(Clock::time_point until) {
+  if (interrupted) return Outcome::interrupted;
+  if (Clock::now() >= until) return Outcome::timed_out;
+  if (!keepAlive()) {
+    reason = "it takes no further requests";
+    return Outcome::lost;
+  }
+  const Clock::time_point wake = std::min({until, next_keep_alive, next_report});
+  const RtspInput input =
+      client.socket().receive(wake, udp ? std::span<const int>(udp->descriptors()) : std::span<const int>());
+  if (udp) receiveDatagrams();
+  switch (input.kind) {
+    case RtspInput::Kind::nothing:
+      break;
+    case RtspInput::Kind::interleaved:
+      takeInterleaved(input);
+      break;
+    case RtspInput::Kind::message:
+      if (client.takeResponse(input.head, Clock::now() + settings.stall_timeout)) break;
+      reason = "it refuses to keep the session alive (" + statusText(input.head) + ")";
+      return Outcome::lost;
+    case RtspInput::Kind::closed:
+      reason = input.reason;
+      return Outcome::lost;
+    case RtspInput::Kind::invalid:
+      reason = "it " + input.reason;
+      return Outcome::lost;
+  }
+  if (!ended) return std::nullopt;
+  reason = "the camera ended the stream";
+  return Outcome::lost;
+}
+
+/// Takes the next packet in order.
+bool RtspSession::Connection::next(StreamFragment& fragment) {
+  std::optional<SequencedPacket> packet = sequencer.pop();
+  if (!packet) return false;
+  current = std::move(*packet);
+  const RtpPacket header = *parseRtpPacket(current.bytes);
+  const std::int64_t last = last_timestamp.value_or(header.timestamp);
+  last_timestamp = last + static_cast<std::int32_t>(header.timestamp - static_cast<std::uint32_t>(last));
+  fragment.data = header.payload;
+  fragment.pts = *last_timestamp;
+  fragment.arrival_ns = current.arrival_ns;
+  fragment.ends_picture = header.marker;
+  fragment.data_lost = current.data_lost;
+  fragment.reference_us.reset();
+  if (report && report->source == header.source) {
+    const auto since = static_cast<std::int32_t>(header.timestamp - report->timestamp);
+    fragment.reference_us = report->instant_us + static_cast<std::int64_t>(since) * 100 / 9;
+  }
+  return true;
 }
 
 RtspSession::Outcome RtspSession::receive(StreamFragment& fragment, Clock::time_point deadline) {
   Connection& self = *connection_;
-  self.deadline = deadline;
-  for (;;) {
-    av_packet_unref(self.packet.get());
-    const int error = av_read_frame(self.input.get(), self.packet.get());
-    if (self.interrupted) return Outcome::interrupted;
-    if (error == AVERROR(EAGAIN) && Clock::now() < deadline) continue;
-    if (error < 0) {
-      if (Clock::now() >= deadline) return Outcome::timed_out;
-      self.reason = error == AVERROR_EOF ? "the camera closed the connection" : ffmpeg::errorText(error);
-      return Outcome::lost;
-    }
-    if (self.packet->stream_index != self.stream_index || self.packet->size <= 0) continue;
-    break;
+  while (!self.next(fragment)) {
+    if (const std::optional<Outcome> outcome = self.receiveInput(deadline)) return *outcome;
   }
-  const AVPacket& packet = *self.packet;
-  fragment.arrival_ns = hostNow();
-  fragment.data = {packet.data, static_cast<std::size_t>(packet.size)};
-  if (packet.pts != AV_NOPTS_VALUE)
-    fragment.pts = packet.pts;  // else it belongs to the previous packet's picture
-  fragment.data_lost = self.missed_packets->fetchAndReset() > 0 || (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
-  fragment.reference_us.reset();
-  std::size_t size = 0;
-  const std::uint8_t* side_data = av_packet_get_side_data(&packet, AV_PKT_DATA_PRFT, &size);
-  if (side_data != nullptr && size >= sizeof(AVProducerReferenceTime)) {
-    fragment.reference_us = reinterpret_cast<const AVProducerReferenceTime*>(side_data)->wallclock;
-  }
-  return Outcome::fragment;
-}
-
-void checkRtspUrl(const std::string& url) {
-  if (url.rfind(kScheme, 0) != 0) {
-    throw std::invalid_argument(
-        "a camera's URL must begin with rtsp://, as in rtsp://192.168.1.64:554/Streaming/"
-        "Channels/101");
-  }
-  for (const char c : url) {
-    if (std::isspace(static_cast<unsigned char>(c)) != 0 ||
-        std::iscntrl(static_cast<unsigned char>(c)) != 0) {
-      throw std::invalid_argument("a camera's URL must not contain white space");
-    }
-  }
-  const std::string host = rtspHost(url);
-  if (host.find('@') != std::string::npos) {
-    throw std::invalid_argument(
-        "a camera's URL must not contain a user or password (the part before '@'), because URLs are logged; "
-        "give them as the camera's credentials");
-  }
-  if (host.empty()) throw std::invalid_argument("a camera's URL must contain a host after rtsp://");
-}
-
-std::string rtspHost(const std::string& url) {
-  const std::size_t begin = std::min(url.size(), sizeof(kScheme) - 1);
-  return url.substr(begin, url.find_first_of("/?#", begin) - begin);
+  return self.interrupted ? Outcome::interrupted : Outcome::fragment;
 }
 
 }  // namespace cartvo::capture

@@ -18,6 +18,7 @@
 
 #include "capture/frozen_picture_detector.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
+#include "common/host_clock.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -31,27 +32,6 @@ void validate(const V4l2CameraSettings& settings) {
   if (settings.stall_timeout.count() <= 0 || settings.frozen_after.count() <= 0 ||
       settings.retry.count() <= 0)
     throw std::invalid_argument("a camera's time-outs must be positive");
-}
-
-std::int64_t nowNs(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec;
-}
-
-/// Real time minus monotonic time, ns. Uses the fastest of three readings, because the thread may be
-/// preempted during one.
-std::int64_t realMinusMonotonicNs() {
-  std::int64_t best = 0, shortest = 0;
-  for (int reading = 0; reading < 3; ++reading) {
-    const std::int64_t before = nowNs(CLOCK_MONOTONIC);
-    const std::int64_t real = nowNs(CLOCK_REALTIME);
-    const std::int64_t took = nowNs(CLOCK_MONOTONIC) - before;
-    if (reading > 0 && took >= shortest) continue;
-    shortest = took;
-    best = real - before - took / 2;
-  }
-  return best;
 }
 
 /// Event that wakes a thread that waits for file descriptors; stays set.
@@ -147,7 +127,7 @@ class V4l2Camera::Receiver {
 
   /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a lost one.
   bool toFrame(const V4l2Buffer& buffer, Frame& frame) {
-    const std::int64_t arrival_ns = nowNs(CLOCK_REALTIME);
+    const std::int64_t arrival_ns = hostNow();
     if (last_driver_sequence_) next_sequence_ += buffer.sequence - *last_driver_sequence_ - 1U;
     last_driver_sequence_ = buffer.sequence;
     const std::uint64_t sequence = next_sequence_++;
@@ -155,11 +135,11 @@ class V4l2Camera::Receiver {
     received.image = toGreyImage(device_->format(), buffer.data, settings_.size, device_->stride());
     if (received.image.empty()) return false;
     frame_deadline_ = Clock::now() + settings_.stall_timeout;
-    received.exposure_ns = buffer.monotonic.count() + realMinusMonotonicNs();
+    received.exposure_ns = hostTimeOfMonotonic(buffer.monotonic.count());
     received.exposure_stddev_ns = defaultStddevNs(InstantSource::kernel);
     received.min_delay_arrival_ns = received.exposure_ns;
     received.arrival_ns = arrival_ns;
-    received.decoded_ns = nowNs(CLOCK_REALTIME);
+    received.decoded_ns = hostNow();
     received.sequence = sequence;
     received.status = buffer.damaged ? FrameStatus::damaged : FrameStatus::good;
     received.instant_source = InstantSource::kernel;

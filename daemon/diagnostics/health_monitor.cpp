@@ -106,7 +106,11 @@ std::string firstProblem(const HealthSnapshot& snapshot) {
   if (snapshot.right.state != capture::CameraState::streaming && !snapshot.right.last_error.empty()) {
     return "right camera: " + snapshot.right.last_error;
   }
-  return snapshot.clock.problem.empty() ? snapshot.recording : snapshot.clock.problem;
+  if (!snapshot.clock.problem.empty()) return snapshot.clock.problem;
+  if (!snapshot.recording.empty()) return snapshot.recording;
+  if (!snapshot.frame_rate.empty()) return snapshot.frame_rate;
+  if (!snapshot.left.advice.empty()) return "left camera: " + snapshot.left.advice;
+  return snapshot.right.advice.empty() ? "" : "right camera: " + snapshot.right.advice;
 }
 
 void setClock(health_t& message, const capture::ClockStatus& clock) {
@@ -174,7 +178,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
     return static_cast<double>(count - before) / seconds;
   };
   health_t message{};
-  message.utime = hostNow() / 1000;
+  message.utime = wallClockNow() / 1000;
   message.version = CARTVO_VERSION;
   message.uptime_us = std::chrono::duration_cast<std::chrono::microseconds>(now - start_).count();
   message.left =

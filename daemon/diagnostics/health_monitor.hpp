@@ -25,9 +25,11 @@ struct HealthSnapshot {
   capture::CameraHealth right;
   PipelineCounts counts;
   capture::ClockStatus clock;
-  std::string problem;    ///< the problem to fix first; empty: see the cameras' last errors
-  int features = 0;       ///< as configured
-  std::string recording;  ///< why a configured recording is not written; lowest priority of all problems
+  std::string problem;  ///< the problem to fix first; empty: see the cameras' last errors
+  int features = 0;     ///< as configured
+  std::string
+      recording;  ///< why a configured recording is not written; lower priority than the cameras' problems
+  std::string frame_rate;  ///< as frameRateProblem()
 };
 
 /// Accumulates statistics between health messages. Not thread-safe.

@@ -15,11 +15,10 @@ constexpr int kMinFeatures = 150;            // fewer would cost more accuracy t
 
 }  // namespace
 
-FeatureBudget::FeatureBudget(int max_features, double period)
-    : max_features_(max_features), period_(period), features_(max_features) {}
+FeatureBudget::FeatureBudget(int max_features) : max_features_(max_features), features_(max_features) {}
 
-int FeatureBudget::update(double processing_time) {
-  const double load = processing_time / period_;
+int FeatureBudget::update(double processing_time, double period) {
+  const double load = processing_time / period;
   // The smaller load of two pairs: a single pair may take longer because of another process.
   const double sustained = std::min(load, last_load_);
   last_load_ = load;

@@ -9,16 +9,15 @@ namespace cartvo::daemon {
 /// The number drops at once to what the last two processing times allow and recovers slowly. Reads no clock.
 class FeatureBudget {
  public:
-  /// `max_features`: the configured number. `period`: s between pairs.
-  FeatureBudget(int max_features, double period);
+  /// `max_features`: the configured number.
+  explicit FeatureBudget(int max_features);
 
-  /// Updates the budget with the processing time of a pair, s. Returns the target number of features from now
-  /// on.
-  int update(double processing_time);
+  /// Updates the budget with the processing time of a pair and the time between pairs, s. Returns the target
+  /// number of features from now on.
+  int update(double processing_time, double period);
 
  private:
   int max_features_;
-  double period_;
   double features_;
   double last_load_ = 0.0;  ///< processing time of the previous pair, in periods
 };

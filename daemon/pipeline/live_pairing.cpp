@@ -73,6 +73,12 @@ LivePairing::Counts LivePairing::counts() const {
   return {totals(synchroniser_), skipped_, refused_size_};
 }
 
+std::array<std::int64_t, 2> LivePairing::periodsNs() const {
+  const std::lock_guard lock(mutex_);
+  return {synchroniser_.framePeriodNs(capture::CameraSide::left),
+          synchroniser_.framePeriodNs(capture::CameraSide::right)};
+}
+
 std::string LivePairing::problem() const {
   const std::lock_guard lock(mutex_);
   for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {

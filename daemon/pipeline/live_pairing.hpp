@@ -49,6 +49,9 @@ class LivePairing {
   };
   Counts counts() const;
 
+  /// Measured frame periods of the left and the right camera, ns; 0 until they are known.
+  std::array<std::int64_t, 2> periodsNs() const;
+
   /// Describes a stream whose latest frame was rejected for its size; empty if there is none.
   std::string problem() const;
 

@@ -91,8 +91,9 @@ class PairProcessor::Implementation {
   }
 
   void rectify(const capture::FramePair& pair) {
-    images_.left_exposure_ns = pair.left.exposure_ns;
-    images_.right_exposure_ns = pair.right.exposure_ns;
+    // Time steps by the left camera's own clock: corrections of the exposures are no motion.
+    images_.left_exposure_ns = pair.left.exposure_ns - pair.left.slew_ns;
+    images_.right_exposure_ns = images_.left_exposure_ns + pair.offsetNs();
     images_.offset_stddev = 1e-9 * pair.offsetStddevNs();
     images_.key_frames = {pair.left.key_frame, pair.right.key_frame};
     clock_.begin(vo::Stage::rectify);

@@ -3,6 +3,8 @@
 
 #include "daemon/pipeline/pipeline.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -24,6 +26,10 @@ using SteadyClock = std::chrono::steady_clock;
 
 /// Time that a reader waits for a frame before it loops.
 constexpr std::chrono::milliseconds kReadTimeout{200};
+
+/// Time between two messages while the cameras' frame rate is unknown, and the longest one.
+constexpr std::chrono::nanoseconds kFirstPeriod = std::chrono::milliseconds(55);
+constexpr std::chrono::nanoseconds kLongestPeriod = std::chrono::milliseconds(500);
 
 capture::PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
   capture::PairSynchroniserSettings settings;
@@ -119,6 +125,7 @@ class Pipeline::Implementation {
  private:
   void readCamera(capture::CameraSource& source, capture::CameraSide side, Heartbeat& heartbeat) noexcept;
   void processNewestPairs(const PipelineSink& sink);
+  std::chrono::nanoseconds livePeriod() const;
   PairResult processPair(const capture::FramePair& pair, const PipelineSink& sink);
   void requireRigSize(capture::CameraSide side, const capture::Frame& frame) const;
 
@@ -170,8 +177,6 @@ void Pipeline::Implementation::replay(const PipelineSink& sink) {
 }
 
 void Pipeline::Implementation::runLive(const PipelineSink& sink) {
-  if (settings_.period_ns <= 0)
-    throw std::invalid_argument("PipelineSettings::period_ns must be positive for live cameras");
   {
     const std::jthread left_reader([this] { readCamera(left_, capture::CameraSide::left, left_beat_); });
     const std::jthread right_reader([this] { readCamera(right_, capture::CameraSide::right, right_beat_); });
@@ -207,24 +212,33 @@ void Pipeline::Implementation::readCamera(capture::CameraSource& source, capture
 }
 
 void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
-  const std::chrono::nanoseconds period(settings_.period_ns);
-  FeatureBudget budget(processor_.features(), std::chrono::duration<double>(period).count());
+  FeatureBudget budget(processor_.features());
   // A pair that arrives within one period after it was due is late, not missed.
-  SteadyClock::time_point missed = SteadyClock::now() + 2 * period;
+  SteadyClock::time_point missed = SteadyClock::now() + 2 * livePeriod();
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
     const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
     if (pair) {
-      processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total));
+      const std::chrono::nanoseconds period = livePeriod();
+      processor_.setTargetFeatureCount(
+          budget.update(processPair(*pair, sink).times.total, std::chrono::duration<double>(period).count()));
       missed = SteadyClock::now() + 2 * period;
       before = live_.counts();
     } else if (!stopped_ && SteadyClock::now() >= missed) {
       const LivePairing::Counts now = live_.counts();
       if (sink.no_pair) sink.no_pair({hostNow(), cause(before, now)});
-      missed += period;
+      missed += livePeriod();
       before = now;
     }
   }
+}
+
+/// Time between two pairs, as measured from the frames.
+std::chrono::nanoseconds Pipeline::Implementation::livePeriod() const {
+  const std::array<std::int64_t, 2> periods = live_.periodsNs();
+  const std::chrono::nanoseconds period(
+      std::max(periods[0], periods[1]));  // the slower camera limits the pairs
+  return periods[0] == 0 || periods[1] == 0 ? kFirstPeriod : std::min(period, kLongestPeriod);
 }
 
 void Pipeline::Implementation::requireRigSize(capture::CameraSide side, const capture::Frame& frame) const {
@@ -246,6 +260,7 @@ PipelineCounts Pipeline::Implementation::counts() const {
   counts.processed = processed_;
   counts.skipped = live.skipped;
   counts.refused_size = live.refused_size;
+  counts.periods_ns = live_.periodsNs();
   return counts;
 }
 

@@ -2,6 +2,7 @@
 
 // The processing chain from two cameras to the sink, live or replayed.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,8 +40,8 @@ struct PipelineSink {
 
 struct PipelineSettings {
   cv::Size image_size;         ///< of the rig; frames of another size are rejected
-  std::int64_t period_ns = 0;  ///< frame period; 0: estimated from the frames (replay only). Frames are
-                               ///< paired within half of it.
+  std::int64_t period_ns = 0;  ///< frame period; 0: measured from the frames. Frames are paired within half
+                               ///< of it.
   /// Receives the odometry's estimate of the time offset after each pair, before the sink: the clock model
   /// that stamps the next frames. May be empty.
   std::function<void(const std::optional<capture::OffsetEstimate>&)> set_visual_offset{};
@@ -57,6 +58,8 @@ struct PipelineCounts {
   std::uint64_t dropped_out_of_order = 0;  ///< frames older than a previous one
   std::uint64_t dropped_overflow = 0;      ///< frames that exceeded the synchroniser's buffer
   std::uint64_t dropped_clock = 0;         ///< frames buffered when the host's clock was set back
+  std::array<std::int64_t, 2>
+      periods_ns{};  ///< measured, of the left and the right camera (live only); 0: unknown
 };
 
 /// Time since each camera's reader last started a read, s; 0 after the reader has ended. A reader loops with

@@ -154,7 +154,15 @@ const odometry_t& OdometryPublisher::send(const odometry_t& message) {
   last_ = message;
   last_.sequence = next_sequence_++;
   last_.time_to_live_us = time_to_live_.count();
-  last_.publication_utime = hostNow() / kNanosecondsPerMicrosecond;
+  const std::int64_t correction = hostClockCorrection();
+  last_.utime += correction / kNanosecondsPerMicrosecond;
+  if (last_.arrival_utime != 0) last_.arrival_utime += correction / kNanosecondsPerMicrosecond;
+  last_.publication_utime = (hostNow() + correction) / kNanosecondsPerMicrosecond;
+  if (last_.status == odometry_t::VALID && last_.utime > last_.publication_utime) {
+    last_.status = odometry_t::INVALID;  // no picture was exposed after now
+    last_.reasons = odometry_t::REASON_OFFSET_UNCERTAIN;
+    eraseMeasurements(last_);
+  }
   if (lcm_.publish(kOdometryChannel, &last_) != 0) ++failures_;
   return last_;
 }

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "capture/rtsp/rtsp_url.hpp"
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
 #include "daemon/publish/lcm_connection.hpp"
@@ -21,8 +22,9 @@ namespace {
 
 using Keys = std::initializer_list<const char*>;
 constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
-constexpr Keys kCamerasKeys = {"left",       "right",          "transport",       "clock",
-                               "frame_rate", "answer_timeout", "connect_timeout", "stall_timeout"};
+constexpr Keys kCamerasKeys = {"left",           "right",           "transport",
+                               "clock",          "authentication",  "frame_rate",
+                               "answer_timeout", "connect_timeout", "stall_timeout"};
 constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
                               "size", "format",   "exposure",      "gain"};
 constexpr Keys kOdometryKeys = {"estimator",
@@ -46,6 +48,7 @@ constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", 
                                                                       {"error", LogLevel::err}}};
 constexpr std::array<std::pair<const char*, capture::RtspTransport>, 2> kTransports{
     {{"tcp", capture::RtspTransport::tcp}, {"udp", capture::RtspTransport::udp}}};
+constexpr std::array<std::pair<const char*, bool>, 2> kAuthentications{{{"digest", false}, {"basic", true}}};
 constexpr std::array<std::pair<const char*, capture::PixelFormat>, 4> kFormats{
     {{"grey", capture::PixelFormat::grey},
      {"nv12", capture::PixelFormat::nv12},
@@ -91,7 +94,7 @@ std::filesystem::path path(const StrictYaml& yaml, const std::filesystem::path& 
 }
 
 std::string streamUrl(const StrictYaml& yaml) {
-  static const std::regex kRtspUrl("rtsp://[^/@]+(/[^@]*)?"), kV4l2Url("v4l2:/.+");
+  static const std::regex kV4l2Url("v4l2:/.+");
   std::string url = yaml.text();
   if (std::regex_match(url, kV4l2Url)) return url;
   if (url.find('@') != std::string::npos) {
@@ -100,8 +103,10 @@ std::string streamUrl(const StrictYaml& yaml) {
         "a URL must not contain user and password, because URLs are logged; use username and "
         "password_file or password_credential");
   }
-  if (!std::regex_match(url, kRtspUrl)) {
-    yaml.failExpecting("a URL such as rtsp://192.168.1.64:554/Streaming/Channels/101 or v4l2:/dev/video0");
+  try {
+    capture::checkRtspUrl(url);
+  } catch (const std::invalid_argument& error) {
+    yaml.fail(std::string(error.what()) + " (or v4l2:/dev/video0); found '" + url + "'");
   }
   return url;
 }
@@ -171,6 +176,8 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   if (yaml.has("transport")) {
     configuration.transport = choice(yaml["transport"], kTransports);
   }
+  if (yaml.has("authentication"))
+    configuration.basic_authentication = choice(yaml["authentication"], kAuthentications);
   if (yaml.has("clock")) configuration.clock = choice(yaml["clock"], kClocks);
   if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
   readTimeouts(yaml, configuration);
@@ -300,8 +307,9 @@ std::string effectiveConfiguration(const Configuration& configuration) {
   camera("left", configuration.left);
   camera("right", configuration.right);
   yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
+  yaml << YAML::Key << "authentication" << nameOf(configuration.basic_authentication, kAuthentications);
   yaml << YAML::Key << "clock" << nameOf(configuration.clock, kClocks);
-  yaml << YAML::Key << "frame_rate" << configuration.frame_rate;
+  if (configuration.frame_rate) yaml << YAML::Key << "frame_rate" << *configuration.frame_rate;
   yaml << YAML::Key << "answer_timeout" << seconds(configuration.answer_timeout);
   yaml << YAML::Key << "connect_timeout" << seconds(configuration.connect_timeout);
   yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;

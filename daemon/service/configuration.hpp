@@ -40,8 +40,11 @@ struct Configuration {
   CameraConfiguration left;
   CameraConfiguration right;
   capture::RtspTransport transport = capture::RtspTransport::tcp;
+  bool basic_authentication = false;  ///< as RtspCameraSettings'
   capture::ClockChoice clock = capture::ClockChoice::automatic;
-  double frame_rate = 18.0;  ///< Hz
+  /// Hz: of V4L2 cameras the rate to ask for; of IP cameras the rate that they are set to, for a comparison
+  /// with the one that is measured. Nothing else depends on it.
+  std::optional<double> frame_rate;
   std::chrono::milliseconds answer_timeout{
       1000};  ///< IP cameras only, see RtspCameraSettings, as is the next
   std::chrono::milliseconds connect_timeout{5000};

@@ -19,8 +19,10 @@
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
 #include "capture/recording/stream_recorder.hpp"
+#include "common/host_clock.hpp"
 #include "common/image_size.hpp"
 #include "daemon/diagnostics/camera_log.hpp"
+#include "daemon/diagnostics/frame_rate_check.hpp"
 #include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/diagnostics/stalled_reader.hpp"
@@ -48,10 +50,8 @@ calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::pat
 
 /// `clock` stamps the frames and gets the odometry's estimate of the time offset; it must outlive the
 /// pipeline.
-PipelineSettings pipelineSettings(const Configuration& configuration, const calib::Rig& rig,
-                                  capture::StereoTimestamper& clock) {
+PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock) {
   return {.image_size = rig.left.size,
-          .period_ns = std::llround(1e9 / configuration.frame_rate),
           .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); }};
 }
 
@@ -109,7 +109,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
-      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(configuration, rig_, clock_)),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
       health_(Clock::now()),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -200,15 +200,18 @@ void Daemon::Implementation::tick() {
 }
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
-  const HealthSnapshot snapshot{
+  clock_.setHostClockCorrection(hostClockCorrection());
+  HealthSnapshot snapshot{
       left_.source().health(), right_.source().health(),         pipeline_.counts(), clock_.status(),
-      pipeline_.problem(),     configuration_.odometry.features, recordingProblem()};
+      pipeline_.problem(),     configuration_.odometry.features, recordingProblem(), {}};
+  snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);
-  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording}) {
+  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording,
+                                     snapshot.frame_rate, snapshot.left.advice, snapshot.right.advice}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {

@@ -15,6 +15,12 @@ namespace {
 /// Time that a V4L2 driver may need to open a camera; some wait for the hardware.
 constexpr std::chrono::seconds kMaxOpenTime{3};
 
+// Pictures up to these sizes are decoded, so that the message about a wrong size can tell it.
+constexpr std::int64_t kMaxPixelRatio = 4;          // of the rig's
+constexpr std::int64_t kRefusedPixels = 9'000'000;  // 4K
+
+constexpr double kDefaultV4l2Rate = 18.0;  // Hz
+
 double twice(std::chrono::milliseconds duration) {
   return 2.0 * std::chrono::duration<double>(duration).count();
 }
@@ -27,6 +33,7 @@ capture::RtspCameraSettings rtspSettings(const Configuration& configuration,
   settings.url = camera.url;
   settings.credentials = {camera.username, readPassword(camera)};
   settings.transport = configuration.transport;
+  settings.basic_authentication = configuration.basic_authentication;
   settings.answer_timeout = configuration.answer_timeout;
   settings.connect_timeout = configuration.connect_timeout;
   settings.stall_timeout = configuration.stall_timeout;
@@ -43,7 +50,7 @@ capture::V4l2CameraSettings v4l2Settings(const Configuration& configuration,
                              std::string(camera.url == configuration.left.url ? "left" : "right") +
                              ".size is missing: without a rig file the image size must be configured");
   }
-  settings.frame_rate = configuration.frame_rate;
+  settings.frame_rate = configuration.frame_rate.value_or(kDefaultV4l2Rate);
   settings.format = camera.format;
   settings.exposure = camera.exposure;
   settings.gain = camera.gain;
@@ -59,7 +66,9 @@ LiveCamera::LiveCamera(const Configuration& configuration, capture::CameraSide s
     source_ = std::make_unique<capture::V4l2Camera>(v4l2Settings(configuration, camera, size));
     reader_timeout_ = twice(std::max<std::chrono::milliseconds>(kMaxOpenTime, configuration.stall_timeout));
   } else {
-    connect(rtspSettings(configuration, camera), side, clock);
+    capture::RtspCameraSettings settings = rtspSettings(configuration, camera);
+    settings.max_pixels = std::max(kRefusedPixels, kMaxPixelRatio * size.width * size.height);
+    connect(settings, side, clock);
   }
 }
 

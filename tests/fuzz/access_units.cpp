@@ -11,11 +11,12 @@ using namespace cartvo;
 
 namespace {
 
-constexpr int kMaxRounds = 40;  // more than AccessUnitAssembler needs to confirm its rule
+constexpr int kMaxRounds = 40;  // more than AccessUnitAssembler needs to confirm the marker bit
 
 struct Packet {
   std::vector<std::uint8_t> data;
   bool begins_picture = false;
+  bool ends_picture = false;
   bool data_lost = false;
 };
 
@@ -26,7 +27,7 @@ std::vector<Packet> parsePackets(fuzz::Bytes& bytes) {
     Packet packet;
     packet.begins_picture = (flags & 1) != 0;
     packet.data_lost = (flags & 2) != 0;
-    if ((flags & 4) != 0) packet.data = {0, 0, 0, 1};
+    packet.ends_picture = (flags & 4) != 0;
     const auto piece = bytes.readSpan(bytes.readByte());
     packet.data.insert(packet.data.end(), piece.begin(), piece.end());
     packets.push_back(std::move(packet));
@@ -59,12 +60,12 @@ void receive(capture::VideoCodec codec, const std::vector<Packet>& packets, int 
   for (int i = 0; i < rounds; ++i) {
     for (const Packet& packet : packets) {
       if (packet.begins_picture) pts += 3600;
-      assembler.add({packet.data, pts, ++now_ns, std::nullopt, packet.data_lost});
-      sent += packet.data.size();
+      assembler.add({packet.data, pts, ++now_ns, std::nullopt, packet.ends_picture, packet.data_lost});
+      sent += 4 * packet.data.size() + 4;  // with start codes
       while (const std::optional<capture::AssembledUnit> unit = assembler.popUnit()) {
         received += unit->data.size();
         fuzz::require(unit->first_arrival_ns <= unit->arrival_ns, "a picture begins before it ends");
-        detector.inspect(unit->data, unit->data_lost, 0);
+        detector.inspect(unit->data, unit->data_lost);
         if (i == 0) checkNalUnits(codec, unit->data);
       }
     }

@@ -107,7 +107,6 @@ capture::SourceSettings sourceSettings(const ReplaySettings& settings, std::vect
   } catch (const std::runtime_error& error) {
     problems.push_back(std::string("the recording's configuration cannot be used: ") + error.what());
   }
-  if (configuration) opened.recording_period_ns = std::llround(1e9 / configuration->frame_rate);
   if (configuration && settings.clock == ReplayClock::configured) opened.clock = configuration->clock;
   if (settings.clock >= ReplayClock::automatic) opened.clock = toClockChoice(settings.clock);
   return opened;

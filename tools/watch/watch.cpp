@@ -45,7 +45,7 @@ class LiveLine {
     if (drawn_ && secondsSince(last_) < (redraws_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
-    const std::string line = liveLine(message, statistics.currentFrameRate(hostNow())) + clocks;
+    const std::string line = liveLine(message, statistics.currentFrameRate(wallClockNow())) + clocks;
     std::printf(redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stdout);
   }
@@ -153,7 +153,7 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       const odometry_t& message = receiver.last();
       if (!has_message) first = last_pair = Clock::now();
       has_message = true;
-      statistics.addMessage(message, hostNow());
+      statistics.addMessage(message, wallClockNow());
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
       line.draw(message, statistics, receiver.clocks());
     }

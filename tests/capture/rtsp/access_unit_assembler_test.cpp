@@ -3,6 +3,8 @@
 #include "capture/rtsp/access_unit_assembler.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,262 +20,299 @@ constexpr std::size_t kMtu = 1400;  ///< maximum RTP payload, bytes
 constexpr std::uint8_t kKeySlice = 0x65;
 constexpr std::uint8_t kSlice = 0x41;
 constexpr std::uint8_t kSei = 0x06;
+constexpr std::uint8_t kParameters = 0x67;
+constexpr std::uint8_t kFirst = 0x80;  ///< first byte of a slice whose first macroblock is the picture's
+constexpr std::uint8_t kLater = 0x40;  ///< of another slice
 
-Bytes startCode() {
-  return {0, 0, 0, 1};
-}
+/// One packet of a picture.
+struct Packet {
+  Bytes payload;
+  bool marker = false;
+  std::int64_t pts_step = 0;  ///< RTP time relative to the picture's
+  bool data_lost = false;
+};
 
-/// One NAL unit as FFmpeg delivers its RTP packets: whole, or in FU-A fragments (RFC 6184, 5.8).
-std::vector<Bytes> packets(std::uint8_t header, std::size_t payload, std::size_t fragment = kMtu - 2) {
-  Bytes whole = startCode();
-  whole.push_back(header);
-  for (std::size_t i = 0; i < payload; ++i)  // all fragments differ, and none contains a start code
-    whole.push_back(static_cast<std::uint8_t>(0x80U | (i * 31U + i / 128U + payload)));
-  if (payload + 1 <= kMtu) return {whole};
-  std::vector<Bytes> result;
-  std::size_t begin = 0;
-  std::size_t end = 5 + fragment;
-  while (begin < whole.size()) {
-    end = std::min(end, whole.size());
-    result.emplace_back(whole.begin() + static_cast<std::ptrdiff_t>(begin),
-                        whole.begin() + static_cast<std::ptrdiff_t>(end));
-    begin = end;
-    end += fragment;
+/// A NAL unit as RTP packets: whole, or in FU-A fragments (RFC 6184, 5.8).
+std::vector<Packet> nal(std::uint8_t header, std::uint8_t first_byte, std::size_t size) {
+  Bytes body = {first_byte};
+  while (body.size() < size)
+    body.push_back(static_cast<std::uint8_t>(0x80U | (body.size() * 31U + size)));
+  if (size + 1 <= kMtu) {
+    body.insert(body.begin(), header);
+    return {{body}};
   }
-  return result;
+  std::vector<Packet> packets;
+  for (std::size_t at = 0; at < body.size(); at += kMtu - 2) {
+    const std::size_t end = std::min(at + kMtu - 2, body.size());
+    Bytes payload = {static_cast<std::uint8_t>((header & 0xe0) | 28),
+                     static_cast<std::uint8_t>(header & 0x1f)};
+    if (at == 0) payload[1] |= 0x80;
+    if (end == body.size()) payload[1] |= 0x40;
+    payload.insert(payload.end(), body.begin() + static_cast<std::ptrdiff_t>(at),
+                   body.begin() + static_cast<std::ptrdiff_t>(end));
+    packets.push_back({payload});
+  }
+  return packets;
 }
 
-std::vector<Bytes> picture(bool key, const std::vector<std::size_t>& slices) {
-  std::vector<Bytes> result;
+std::vector<Packet> joined(std::initializer_list<std::vector<Packet>> parts) {
+  std::vector<Packet> all;
+  for (const std::vector<Packet>& part : parts)
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// A picture of slices of these sizes, with the marker bit on its last packet.
+std::vector<Packet> picture(bool key, const std::vector<std::size_t>& slices) {
+  std::vector<Packet> packets;
   for (const std::size_t size : slices) {
-    for (Bytes& packet : packets(key ? kKeySlice : kSlice, size))
-      result.push_back(std::move(packet));
+    for (Packet& packet : nal(key ? kKeySlice : kSlice, packets.empty() ? kFirst : kLater, size))
+      packets.push_back(std::move(packet));
   }
-  return result;
+  packets.back().marker = true;
+  return packets;
 }
 
-/// Feeds pictures packet by packet and records after which packet each is delivered.
+/// Feeds pictures packet by packet, and tells which are delivered after which packet.
 class Feeder {
  public:
   struct Result {
     bool early = false;  ///< delivered with its own last packet
-    bool data_lost = false;
-    Bytes data;
+    AssembledUnit unit;
   };
 
-  std::vector<Result> feed(const std::vector<Bytes>& fragments) {
+  std::vector<Result> feed(const std::vector<Packet>& packets) {
     std::vector<Result> results;
     pts_ += 5000;
-    Bytes whole;
-    for (std::size_t i = 0; i < fragments.size(); ++i) {
-      whole.insert(whole.end(), fragments[i].begin(), fragments[i].end());
-      assembler.add({fragments[i], pts_, pts_ + static_cast<std::int64_t>(i), std::nullopt, false});
-      while (std::optional<AssembledUnit> unit = assembler.popUnit()) {
-        if (unit->pts == pts_) {
-          EXPECT_EQ(unit->arrival_ns, pts_ + static_cast<std::int64_t>(i));
-        }
-        results.push_back(
-            {unit->pts == pts_ && i + 1 == fragments.size(), unit->data_lost, std::move(unit->data)});
-      }
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      const Packet& packet = packets[i];
+      assembler.add(
+          {packet.payload, pts_ + packet.pts_step, ++now_ns_, std::nullopt, packet.marker, packet.data_lost});
+      while (std::optional<AssembledUnit> unit = assembler.popUnit())
+        results.push_back({unit->pts == pts_ && i + 1 == packets.size(), std::move(*unit)});
     }
     return results;
   }
 
-  /// Feeds pictures of these sizes, every tenth one a key picture.
-  void warmUp(int pictures, const std::vector<std::size_t>& slices) {
-    for (int i = 0; i < pictures; ++i) {
-      std::vector<std::size_t> sizes = slices;
-      sizes.back() += static_cast<std::size_t>(i) * 37;
-      feed(picture(i % 10 == 0, sizes));
-    }
+  /// Feeds pictures, every tenth one a key picture.
+  void warmUp(int pictures) {
+    for (int i = 0; i < pictures; ++i)
+      feed(picture(i % 10 == 0, {4000 + static_cast<std::size_t>(i)}));
   }
 
   AccessUnitAssembler assembler{VideoCodec::h264};
 
  private:
   std::int64_t pts_ = 0;
+  std::int64_t now_ns_ = 0;
 };
 
-TEST(AccessUnitAssembler, CompletesPictureWhenNextOneBeginsUntilRuleIsConfirmed) {
+TEST(AccessUnitAssembler, CompletesPictureWhenNextOneBeginsUntilMarkerIsConfirmed) {
   Feeder feeder;
   EXPECT_TRUE(feeder.feed(picture(true, {5000})).empty());
   const auto results = feeder.feed(picture(false, {3000}));
   ASSERT_EQ(results.size(), 1U);
-  EXPECT_EQ(results[0].data.size(), 5005U);
+  EXPECT_EQ(results[0].unit.data.size(), 5005U);
   EXPECT_FALSE(results[0].early);
 }
 
-TEST(AccessUnitAssembler, CompletesPictureWithLastPacketOnceRuleIsConfirmed) {
+TEST(AccessUnitAssembler, CompletesPictureWithItsMarkerOnceThatIsConfirmed) {
   Feeder feeder;
-  feeder.warmUp(40, {4000});
+  feeder.warmUp(12);
   ASSERT_TRUE(feeder.assembler.completesEarly());
-  for (const std::size_t size : {100UL, 1399UL, 1400UL, 5000UL, 20000UL}) {
-    const auto results = feeder.feed(picture(false, {size}));
+  for (const std::size_t size : {100UL, 1399UL, 1400UL, 2796UL, 20000UL}) {
+    const auto results = feeder.feed(picture(false, {size, 700}));
     ASSERT_EQ(results.size(), 1U) << size;
     EXPECT_TRUE(results[0].early) << size;
-    EXPECT_EQ(results[0].data.size(), size + 5) << size;
+    EXPECT_EQ(results[0].unit.data.size(), size + 5 + 705) << size;
+    EXPECT_FALSE(results[0].unit.data_lost);
   }
 }
 
-TEST(AccessUnitAssembler, ConfirmsRuleAfterFourPicturesIncludingKeyPicture) {
+TEST(AccessUnitAssembler, DoesNotConfirmMarkerWithoutKeyPicture) {
   Feeder feeder;
-  feeder.feed(picture(true, {9000}));
-  for (const std::size_t size : {3000UL, 3100UL, 2900UL}) {
-    for (const auto& result : feeder.feed(picture(false, {size})))
-      EXPECT_FALSE(result.early) << size;
-  }
-  const auto results = feeder.feed(picture(false, {3200}));
-  ASSERT_EQ(results.size(), 2U) << "the previous picture and this one";
-  EXPECT_FALSE(results[0].early);
-  EXPECT_TRUE(results[1].early);
-}
-
-TEST(AccessUnitAssembler, DoesNotConfirmRuleWithoutKeyPicture) {
-  Feeder feeder;
-  for (std::size_t i = 0; i < 100; ++i)
-    feeder.feed(picture(false, {3000 + 37 * i}));
-  EXPECT_FALSE(feeder.assembler.completesEarly());
-  feeder.feed(picture(true, {9000}));
-  feeder.feed(picture(false, {3000}));
-  EXPECT_TRUE(feeder.assembler.completesEarly());
-}
-
-TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithSlicesOfLimitedSize) {
-  Feeder feeder;
-  for (int i = 0; i < 100; ++i)  // a key picture has more slices
-    feeder.feed(picture(i % 10 == 0, std::vector<std::size_t>(i % 10 == 0 ? 5 : 2, 2000)));
-  EXPECT_FALSE(feeder.assembler.completesEarly());
-}
-
-TEST(AccessUnitAssembler, DoesNotConfirmRuleWithKeyPictureFollowedByOtherNalUnits) {
-  Feeder feeder;
-  std::vector<Bytes> first = picture(true, {4000});
-  first.push_back(packets(kSei, 20).front());
-  feeder.feed(first);
   for (std::size_t i = 0; i < 50; ++i)
-    feeder.feed(picture(false, {3000 + 37 * i}));
-  EXPECT_FALSE(feeder.assembler.completesEarly()) << "no key picture has satisfied the rule";
-}
-
-TEST(AccessUnitAssembler, WaitsForNextPictureAfterLastFragmentOfFullSize) {
-  Feeder feeder;
-  feeder.warmUp(40, {4000});
-  EXPECT_TRUE(feeder.feed(picture(false, {3 * (kMtu - 2)})).empty());
-  const auto results = feeder.feed(picture(false, {2000}));
-  ASSERT_EQ(results.size(), 2U);
-  EXPECT_FALSE(results[0].early);
-  EXPECT_TRUE(results[1].early);
-  EXPECT_FALSE(results[0].data_lost || results[1].data_lost);
-}
-
-TEST(AccessUnitAssembler, CountsSlicesOfEachPicture) {
-  Feeder feeder;
-  feeder.warmUp(40, {1700, 900, 2500, 3000});
-  ASSERT_TRUE(feeder.assembler.completesEarly());
-  const auto results = feeder.feed(picture(false, {800, 900, 700, 100}));
-  ASSERT_EQ(results.size(), 1U);
-  EXPECT_TRUE(results[0].early);
-}
-
-TEST(AccessUnitAssembler, DropsDuplicatePacket) {
-  Feeder feeder;
-  feeder.warmUp(40, {4000});
-  for (std::size_t repeated = 0; repeated < 3; ++repeated) {
-    std::vector<Bytes> fragments = picture(false, {4000});
-    const Bytes twice = fragments[repeated];
-    fragments.insert(fragments.begin() + static_cast<std::ptrdiff_t>(repeated), twice);
-    const auto results = feeder.feed(fragments);
-    ASSERT_EQ(results.size(), 1U) << repeated;
-    EXPECT_EQ(results[0].data.size(), 4005U) << repeated;
-    EXPECT_FALSE(results[0].data_lost) << repeated;
-  }
-  EXPECT_FALSE(feeder.feed(picture(false, {4000})).at(0).data_lost);
-}
-
-TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithVaryingNumberOfSlices) {
-  Feeder feeder;
-  for (int i = 0; i < 100; ++i) {
-    feeder.feed(picture(i % 10 == 0, std::vector<std::size_t>(static_cast<std::size_t>(1 + i % 3), 2000)));
-  }
+    feeder.feed(picture(false, {3000 + i}));
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, DoesNotCompleteEarlyWithEvenlyCutFragments) {
+TEST(AccessUnitAssembler, DoesNotRelyOnMarkerOfEachSlice) {
   Feeder feeder;
-  for (int i = 0; i < 100; ++i) {
-    const std::size_t size = 3000 + static_cast<std::size_t>(i * 131 % 4000);
-    const std::size_t count = size / kMtu + 1;
-    feeder.feed(packets(i % 10 == 0 ? kKeySlice : kSlice, size, size / count + 1));
+  std::size_t pictures = 0;
+  for (int i = 0; i < 50; ++i) {
+    std::vector<Packet> packets = picture(i % 10 == 0, {700, 700, 700});
+    for (Packet& packet : packets)
+      packet.marker = true;
+    for (const auto& result : feeder.feed(packets)) {
+      ++pictures;
+      EXPECT_EQ(result.unit.data.size(), 3U * 705U);
+      EXPECT_FALSE(result.unit.data_lost);
+    }
   }
+  EXPECT_EQ(pictures, 49U);
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, WaitsForNalUnitsAfterSlices) {
+TEST(AccessUnitAssembler, DeliversPicturesWithoutMarkers) {
   Feeder feeder;
-  for (int i = 0; i < 100; ++i) {
-    std::vector<Bytes> fragments = picture(i % 10 == 0, {4000});
-    for (Bytes& packet : packets(kSei, 20))
-      fragments.push_back(std::move(packet));
-    for (const auto& result : feeder.feed(fragments))
-      EXPECT_EQ(result.data.size(), 4005U + 25U);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Packet> packets = picture(i % 10 == 0, {4000});
+    packets.back().marker = false;
+    const auto results = feeder.feed(packets);
+    EXPECT_EQ(results.size(), i == 0 ? 0U : 1U);
   }
-  EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, MarksNextPictureAfterPrematureOneAndRejectsRule) {
+TEST(AccessUnitAssembler, MarksPicturesAfterWrongMarkerAndDoesNotUseItAgain) {
   Feeder feeder;
-  feeder.warmUp(40, {4000});
-  ASSERT_TRUE(feeder.assembler.completesEarly());
-  feeder.feed(picture(false, {4000, 4000}));  // two slices instead of one
+  feeder.warmUp(12);
+  std::vector<Packet> packets = picture(false, {700, 700});
+  packets.front().marker = true;
+  feeder.feed(packets);
   EXPECT_FALSE(feeder.assembler.completesEarly());
   feeder.feed(picture(false, {4000}));
   const auto results = feeder.feed(picture(false, {4000}));
   ASSERT_EQ(results.size(), 1U);
-  EXPECT_TRUE(results[0].data_lost) << "the picture after the incomplete one must count as damaged";
-  feeder.warmUp(100, {4000});
+  EXPECT_TRUE(results[0].unit.data_lost) << "it refers to the incomplete picture";
+  feeder.warmUp(50);
   EXPECT_FALSE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, MarksPictureWithoutBeginning) {
+TEST(AccessUnitAssembler, KeepsMessagesWithTimesOfTheirOwnWithTheirPicture) {
   Feeder feeder;
-  std::vector<Bytes> fragments = picture(false, {4000});
-  fragments.erase(fragments.begin());
-  feeder.feed(fragments);
-  const auto results = feeder.feed(picture(false, {3000}));
-  ASSERT_EQ(results.size(), 1U);
-  EXPECT_TRUE(results[0].data_lost);
+  for (int i = 0; i < 30; ++i) {
+    std::vector<Packet> message = nal(kSei, 5, 20);
+    message.front().pts_step = -900;
+    std::vector<Packet> parameters = nal(kParameters, 0x64, 12);
+    parameters.front().pts_step = -1800;
+    const auto results = feeder.feed(joined({parameters, message, picture(i % 10 == 0, {4000})}));
+    for (const auto& result : results) {
+      EXPECT_EQ(result.unit.data.size(), 4005U + 25U + 17U);
+      EXPECT_EQ(result.unit.pts % 5000, 0) << "the slices' time";
+      EXPECT_FALSE(result.unit.data_lost);
+    }
+  }
+  EXPECT_TRUE(feeder.assembler.completesEarly());
 }
 
-TEST(AccessUnitAssembler, KeepsLatestReferenceOfPicture) {
+TEST(AccessUnitAssembler, TellsPicturesOfOneTimeStampApart) {
+  Feeder feeder;
+  std::vector<Packet> second = picture(false, {300});
+  second.front().pts_step = -5000;  // the picture before has the same time
+  feeder.feed(picture(true, {500}));
+  const auto results = feeder.feed(second);
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0].unit.data.size(), 505U);
+}
+
+TEST(AccessUnitAssembler, MarksPicturesAroundALoss) {
+  Feeder feeder;
+  feeder.warmUp(12);
+  // The beginning of a picture is lost.
+  std::vector<Packet> packets = picture(false, {4000});
+  packets.erase(packets.begin());
+  packets.front().data_lost = true;
+  feeder.feed(packets);
+  auto results = feeder.feed(picture(false, {700}));
+  ASSERT_EQ(results.size(), 1U);
+  // The end of a picture is lost, and the next one is a key picture.
+  packets = picture(false, {4000});
+  packets.pop_back();
+  feeder.feed(packets);
+  std::vector<Packet> key = picture(true, {700});
+  key.front().data_lost = true;
+  results = feeder.feed(key);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_TRUE(results[0].unit.data_lost);
+  EXPECT_FALSE(results[1].unit.data_lost) << "a whole key picture needs nothing that was lost before";
+  // A slice in the middle of a picture is lost.
+  packets = picture(false, {700, 700, 700});
+  packets.erase(packets.begin() + 1);
+  packets[1].data_lost = true;
+  results = feeder.feed(packets);
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_TRUE(results[0].unit.data_lost);
+}
+
+TEST(AccessUnitAssembler, MarksPictureWithoutFirstSlice) {
+  Feeder feeder;
+  std::vector<Packet> packets = picture(true, {700, 700});
+  packets.erase(packets.begin());
+  feeder.feed(packets);
+  const auto results = feeder.feed(picture(false, {700}));
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_TRUE(results[0].unit.data_lost);
+}
+
+TEST(AccessUnitAssembler, SplitsAggregates) {
+  // STAP-A (RFC 6184, 5.7.1) of a parameter set and a slice.
   AccessUnitAssembler assembler(VideoCodec::h264);
-  const Bytes data = packets(kKeySlice, 100).front();
-  assembler.add({data, 0, 1, 77, false});
-  assembler.add({data, 5000, 2, std::nullopt, false});
+  const Bytes aggregate = {24, 0, 3, kParameters, 1, 2, 0, 4, kKeySlice, kFirst, 7, 8};
+  assembler.add({aggregate, 0, 1, 77, true, false});
+  const Bytes next = {kSlice, kFirst, 1};
+  assembler.add({next, 5000, 2, std::nullopt, true, false});
   const std::optional<AssembledUnit> unit = assembler.popUnit();
   ASSERT_TRUE(unit);
+  EXPECT_EQ(unit->data, (Bytes{0, 0, 0, 1, kParameters, 1, 2, 0, 0, 0, 1, kKeySlice, kFirst, 7, 8}));
   EXPECT_EQ(unit->reference_us, 77);
 }
 
-TEST(AccessUnitAssembler, ParsesH265Headers) {
+TEST(AccessUnitAssembler, ParsesH265) {
   AccessUnitAssembler assembler(VideoCodec::h265);
-  constexpr std::uint8_t kIdr = 19 << 1;
-  constexpr std::uint8_t kTrail = 1 << 1;
+  constexpr std::uint8_t kIdr = 19, kTrail = 1, kSuffixSei = 40;
   std::int64_t pts = 0;
   std::size_t early = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     pts += 5000;
-    Bytes first = startCode();
-    first.push_back(i % 10 == 0 ? kIdr : kTrail);
-    first.push_back(1);
-    first.insert(first.end(), kMtu - 3, 0xaa);
-    assembler.add({first, pts, pts, std::nullopt, false});
-    assembler.add({Bytes(kMtu - 3, 0xaa), pts, pts, std::nullopt, false});
-    assembler.add({Bytes(200 + static_cast<std::size_t>(i), 0xaa), pts, pts, std::nullopt, false});
+    const std::uint8_t type = i % 10 == 0 ? kIdr : kTrail;
+    const Bytes begin = {49 << 1, 1, static_cast<std::uint8_t>(0x80 | type), kFirst, 1, 2};
+    const Bytes middle = {49 << 1, 1, type, 3, 4};
+    const Bytes end = {49 << 1, 1, static_cast<std::uint8_t>(0x40 | type), 5, 6};
+    const Bytes suffix = {kSuffixSei << 1, 1, 9, 9};
+    assembler.add({begin, pts, pts, std::nullopt, false, false});
+    assembler.add({middle, pts, pts, std::nullopt, false, false});
+    assembler.add({end, pts, pts, std::nullopt, false, false});
+    assembler.add({suffix, pts, pts, std::nullopt, true, false});
     while (const std::optional<AssembledUnit> unit = assembler.popUnit()) {
       if (unit->pts == pts) ++early;
+      EXPECT_EQ(unit->data, (Bytes{0,
+                                   0,
+                                   0,
+                                   1,
+                                   static_cast<std::uint8_t>(unit->data[4]),
+                                   1,
+                                   kFirst,
+                                   1,
+                                   2,
+                                   3,
+                                   4,
+                                   5,
+                                   6,
+                                   0,
+                                   0,
+                                   0,
+                                   1,
+                                   kSuffixSei << 1,
+                                   1,
+                                   9,
+                                   9}));
     }
   }
   EXPECT_GT(early, 20U);
+}
+
+TEST(AccessUnitAssembler, SurvivesMalformedPayloads) {
+  for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
+    AccessUnitAssembler assembler(codec);
+    for (int type = 0; type < 256; ++type) {
+      for (std::size_t size = 0; size < 6; ++size) {
+        const Bytes data(size, static_cast<std::uint8_t>(type));
+        assembler.add({data, type, type, std::nullopt, size % 2 == 0, size == 3});
+        while (assembler.popUnit())
+          continue;
+      }
+    }
+  }
 }
 
 TEST(NalUnits, ReadsExpGolombCodesAndSkipsEmulationPrevention) {

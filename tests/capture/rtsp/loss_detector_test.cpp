@@ -22,7 +22,8 @@ TEST(LossDetector, AcceptsUnbrokenStream) {
   for (const char* options : {"", "ref=4", "slices=3", "cabac=1:ref=2"}) {
     LossDetector detector({VideoCodec::h264, {}});
     for (const EncodedUnit& unit : camera(options)) {
-      EXPECT_EQ(detector.inspect(unit.data, false, 0), FrameStatus::good) << options << " " << unit.sequence;
+      EXPECT_EQ(detector.inspect(unit.data, false).status, FrameStatus::good)
+          << options << " " << unit.sequence;
     }
   }
 }
@@ -32,7 +33,7 @@ TEST(LossDetector, MarksPicturesAfterMissingReferenceUpToKeyFrame) {
   for (const EncodedUnit& unit : camera()) {
     if (unit.sequence == 27) continue;
     const bool damaged = unit.sequence > 27 && unit.sequence < 40;
-    EXPECT_EQ(detector.inspect(unit.data, false, 0), damaged ? FrameStatus::damaged : FrameStatus::good)
+    EXPECT_EQ(detector.inspect(unit.data, false).status, damaged ? FrameStatus::damaged : FrameStatus::good)
         << unit.sequence;
   }
 }
@@ -41,19 +42,48 @@ TEST(LossDetector, MarksPicturesAfterLostDataUpToKeyFrame) {
   LossDetector detector({VideoCodec::h264, {}});
   for (const EncodedUnit& unit : camera()) {
     const bool damaged = unit.sequence >= 5 && unit.sequence < 20;
-    EXPECT_EQ(detector.inspect(unit.data, unit.sequence == 5, 0),
+    EXPECT_EQ(detector.inspect(unit.data, unit.sequence == 5).status,
               damaged ? FrameStatus::damaged : FrameStatus::good);
   }
 }
 
-TEST(LossDetector, CountsGapInTimeAsLossForH265) {
+TEST(LossDetector, MarksH265PicturesAfterLostDataUpToKeyFrame) {
   LossDetector detector({VideoCodec::h265, {}});
   for (const EncodedUnit& unit : test::encodeSequence(VideoCodec::h265, kSize, 30, 10, "")) {
     const bool damaged = unit.sequence >= 4 && unit.sequence < 10;
-    EXPECT_EQ(detector.inspect(unit.data, false, unit.sequence == 4 ? 1 : 0),
+    EXPECT_EQ(detector.inspect(unit.data, unit.sequence == 4).status,
               damaged ? FrameStatus::damaged : FrameStatus::good)
         << unit.sequence;
   }
+}
+
+/// Whether each picture from `first` on can begin the stream, and is good, as "A" or "a" and "+" or "-".
+std::string beginnings(const std::vector<EncodedUnit>& units, std::size_t first) {
+  LossDetector detector({VideoCodec::h264, {}});
+  std::string text;
+  for (std::size_t i = first; i < units.size(); ++i) {
+    const PictureInspection inspection = detector.inspect(units[i].data, false);
+    text += inspection.is_access_point ? 'A' : 'a';
+    text += inspection.status == FrameStatus::good ? '+' : '-';
+  }
+  return text;
+}
+
+TEST(LossDetector, BeginsAtRecoveryPointsAndCompletesGradualRefresh) {
+  // The encoder refreshes a part of each picture, with a recovery point for each cycle of ten pictures.
+  const auto units = test::encodeSequence(VideoCodec::h264, kSize, 60, 10, "intra-refresh=1");
+  const std::string text = beginnings(units, 5);
+  const std::size_t access = text.find('A');
+  const std::size_t good = text.find('+');
+  ASSERT_NE(access, std::string::npos) << text;
+  ASSERT_NE(good, std::string::npos) << text;
+  EXPECT_GE(good - access, 10U) << text;
+  EXPECT_EQ(text.find('-', good), std::string::npos) << "no picture after the refresh is damaged: " << text;
+}
+
+TEST(LossDetector, MarksPicturesBeforeFirstAccessPoint) {
+  const std::string text = beginnings(camera(), 5);
+  EXPECT_EQ(text.substr(0, 34), "a-a-a-a-a-a-a-a-a-a-a-a-a-a-a-A+a+");
 }
 
 /// NAL unit with start code from a string of '0' and '1', with emulation prevention bytes (ITU-T
@@ -81,15 +111,15 @@ TEST(LossDetector, IgnoresParameterSetsOutOfRange) {
   LossDetector detector(
       {VideoCodec::h264, nalUnit(0x67, profile_and_level + zero + largest + zero + zero + zero + "01")});
   for (const char* frame_num : {"00", "10"}) {
-    const std::vector<std::uint8_t> slice = nalUnit(0x41, zero + zero + zero + frame_num + "111111");
-    EXPECT_EQ(detector.inspect(slice, false, 0), FrameStatus::good);
+    const std::vector<std::uint8_t> slice = nalUnit(0x65, zero + zero + zero + frame_num + "111111");
+    EXPECT_EQ(detector.inspect(slice, false).status, FrameStatus::good);
   }
 
   // A scaling list of the high profile with an equally large first difference.
   const std::string high_profile = "011001000000000000001010";
   LossDetector with_scaling_list({VideoCodec::h264, nalUnit(0x67, high_profile + zero + "010" + zero + zero +
                                                                       "0" + "1" + "1" + largest)});
-  EXPECT_EQ(with_scaling_list.inspect(nalUnit(0x41, "11110000"), false, 0), FrameStatus::good);
+  EXPECT_EQ(with_scaling_list.inspect(nalUnit(0x65, "11110000"), false).status, FrameStatus::good);
 }
 
 TEST(LossDetector, SurvivesInvalidData) {
@@ -98,7 +128,7 @@ TEST(LossDetector, SurvivesInvalidData) {
     for (std::size_t size = 0; size < 12; ++size) {
       std::vector<std::uint8_t> data = {0, 0, 1, type};
       data.insert(data.end(), size, static_cast<std::uint8_t>(17 * type));
-      detector.inspect(data, false, 0);
+      detector.inspect(data, false);
     }
   }
 }

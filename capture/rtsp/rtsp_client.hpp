@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "capture/rtsp/digest_authentication.hpp"
+#include "capture/rtsp/rtsp_camera.hpp"
+#include "capture/rtsp/rtsp_error.hpp"
+#include "capture/rtsp/rtsp_message.hpp"
+#include "capture/rtsp/rtsp_socket.hpp"
+
+// Requests of an RTSP client (RFC 2326). Internal to RtspSession.
+
+namespace cartvo::capture {
+
+/// Sends requests to one camera and receives their responses, with authentication and redirections.
+/// Credentials go to the configured host and port only, whatever the server asks for.
+class RtspClient {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Headers = std::vector<std::pair<std::string, std::string>>;
+  /// Receives the packets that arrive while a response is waited for.
+  using PacketHandler = std::function<void(const RtspInput&)>;
+
+  /// `settings` and `interrupted` must outlive the client.
+  RtspClient(const RtspCameraSettings& settings, const std::atomic<bool>& interrupted,
+             PacketHandler on_packet);
+
+  /// Connects within `settings.answer_timeout`. Throws RtspError.
+  void connect();
+
+  /// Sends a request and waits for its response. Answers challenges; follows redirections within the server,
+  /// which change `url`. Returns responses of any other status. Throws RtspError if none comes until the
+  /// deadline, if the password is refused, or if the server redirects elsewhere.
+  RtspResponse request(std::string_view method, std::string& url, const Headers& headers,
+                       Clock::time_point deadline);
+
+  /// Sends a request without waiting for the response: hand over to `takeResponse` the messages that are
+  /// received later. False if the connection failed.
+  bool send(std::string_view method, std::string_view url, const Headers& headers,
+            Clock::time_point deadline);
+
+  /// Takes a message that was received outside of `request`. Answers a challenge by sending the last request
+  /// again. False if the server refuses it.
+  bool takeResponse(const RtspHead& head, Clock::time_point deadline);
+
+  /// Error for a response that is no success, with what to do about it.
+  RtspError failure(std::string_view method, const RtspHead& head) const;
+
+  RtspSocket& socket() { return socket_; }
+
+ private:
+  struct Sent {
+    std::string method, url;
+    Headers headers;
+    int number = 0;                   ///< CSeq
+    bool answered_challenge = false;  ///< it was sent again for a challenge
+  };
+
+  bool sendAgain(Clock::time_point deadline);
+  RtspInput receiveResponse(Clock::time_point deadline);
+  void acceptChallenge(const RtspHead& head);
+  std::string redirected(const RtspHead& head) const;
+  RtspError closedError(std::string_view method, const RtspInput& input) const;
+  RtspError refused(const std::string& text) const { return {RtspError::Kind::refused, text}; }
+  std::string camera() const { return "the camera at " + server_.authority; }
+
+  const RtspCameraSettings& settings_;
+  const std::atomic<bool>& interrupted_;
+  PacketHandler on_packet_;
+  RtspUrl server_;
+  RtspSocket socket_;
+  Authenticator authenticator_;
+  Sent last_;
+};
+
+}  // namespace cartvo::capture

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <sys/socket.h>
+
+#include "capture/rtsp/rtsp_message.hpp"
+#include "capture/rtsp/rtsp_url.hpp"
+
+namespace cartvo::capture {
+
+/// One thing received over an RTSP connection.
+struct RtspInput {
+  enum class Kind : std::uint8_t {
+    nothing,      ///< timed out or interrupted
+    message,      ///< `head` and `body`: a response, or a request of the server
+    interleaved,  ///< `data`: a binary packet (RFC 2326, 10.12)
+    closed,       ///< the camera closed the connection, or it failed; `reason` says how
+    invalid,      ///< no RTSP, or more than is accepted; `reason` says what
+  };
+  Kind kind = Kind::nothing;
+  RtspHead head;
+  std::string body;
+  int channel = 0;
+  std::span<const std::uint8_t> data;  ///< valid until the next call of the socket
+  std::string reason;
+};
+
+/// TCP connection to an RTSP server. Calls return at their deadline, and within 0.1 s after an interruption.
+class RtspSocket {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `interrupted` must outlive the socket.
+  explicit RtspSocket(const std::atomic<bool>& interrupted) : interrupted_(interrupted) {}
+  ~RtspSocket();
+  RtspSocket(const RtspSocket&) = delete;
+  RtspSocket& operator=(const RtspSocket&) = delete;
+
+  /// Connects, or connects anew. Returns the error's text, or nothing on success or interruption.
+  std::optional<std::string> connect(const RtspUrl& server, Clock::time_point deadline);
+
+  /// Sends everything. False if the connection failed or the deadline passed.
+  bool send(std::span<const std::uint8_t> data, Clock::time_point deadline);
+
+  /// Waits for the next message or packet. `wake`: further sockets to wait for; the result is `nothing` as
+  /// soon as one of them is readable.
+  RtspInput receive(Clock::time_point deadline, std::span<const int> wake = {});
+
+  /// Whether received data wait in the buffer.
+  bool hasBuffered() const { return begin_ < end_; }
+
+  /// Address of the server, if connected.
+  const sockaddr_storage& peer() const { return peer_; }
+
+ private:
+  std::optional<RtspInput> parseBuffered();
+  RtspInput parseMessage(std::string_view text, std::size_t head_size);
+  std::optional<RtspInput> fill();
+  bool wait(int events, Clock::time_point deadline, std::span<const int> wake) const;
+  void close();
+
+  const std::atomic<bool>& interrupted_;
+  int descriptor_ = -1;
+  sockaddr_storage peer_{};
+  std::vector<std::uint8_t> buffer_;
+  std::size_t begin_ = 0;  ///< of the data in the buffer that are not yet parsed
+  std::size_t end_ = 0;
+};
+
+}  // namespace cartvo::capture

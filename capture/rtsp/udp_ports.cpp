@@ -1,0 +1,112 @@
+// UDP sockets for RTP and RTCP.
+
+#include "capture/rtsp/udp_ports.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <random>
+#include <system_error>
+
+#include <netinet/in.h>
+#include <unistd.h>
+
+namespace cartvo::capture {
+namespace {
+
+constexpr int kAttempts = 64;
+constexpr int kReceiveBuffer = 2 << 20;  ///< bytes; the kernel may grant less
+constexpr std::uint16_t kFirstPort = 20000;
+constexpr std::uint16_t kLastPort = 60000;
+
+void setPort(sockaddr_storage& address, std::uint16_t port) {
+  if (address.ss_family == AF_INET6) {
+    reinterpret_cast<sockaddr_in6&>(address).sin6_port = htons(port);
+  } else {
+    reinterpret_cast<sockaddr_in&>(address).sin_port = htons(port);
+  }
+}
+
+socklen_t sizeOf(const sockaddr_storage& address) {
+  return address.ss_family == AF_INET6 ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
+}
+
+bool hasSameHost(const sockaddr_storage& a, const sockaddr_storage& b) {
+  if (a.ss_family != b.ss_family) return false;
+  if (a.ss_family == AF_INET6) {
+    return std::memcmp(&reinterpret_cast<const sockaddr_in6&>(a).sin6_addr,
+                       &reinterpret_cast<const sockaddr_in6&>(b).sin6_addr, sizeof(in6_addr)) == 0;
+  }
+  return reinterpret_cast<const sockaddr_in&>(a).sin_addr.s_addr ==
+         reinterpret_cast<const sockaddr_in&>(b).sin_addr.s_addr;
+}
+
+}  // namespace
+
+UdpPorts::UdpPorts(sa_family_t family) {
+  std::minstd_rand random(std::random_device{}());
+  std::uniform_int_distribution<int> pairs(kFirstPort / 2, kLastPort / 2);
+  for (int i = 0; i < kAttempts; ++i) {
+    port_ = static_cast<std::uint16_t>(2 * pairs(random));
+    if (open(family, port_)) return;
+  }
+  throw std::system_error(errno, std::generic_category(), "no pair of UDP ports is free");
+}
+
+UdpPorts::~UdpPorts() {
+  closeAll();
+}
+
+void UdpPorts::closeAll() {
+  for (int& descriptor : descriptors_) {
+    if (descriptor >= 0) close(descriptor);
+    descriptor = -1;
+  }
+}
+
+bool UdpPorts::open(sa_family_t family, std::uint16_t port) {
+  for (std::size_t i = 0; i < descriptors_.size(); ++i) {
+    sockaddr_storage address{};
+    address.ss_family = family;
+    setPort(address, static_cast<std::uint16_t>(port + i));
+    descriptors_[i] = socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    setsockopt(descriptors_[i], SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+    if (descriptors_[i] >= 0 &&
+        bind(descriptors_[i], reinterpret_cast<const sockaddr*>(&address), sizeOf(address)) == 0)
+      continue;
+    const int error = errno;
+    closeAll();
+    errno = error;
+    return false;
+  }
+  return true;
+}
+
+void UdpPorts::setPeer(const sockaddr_storage& host, std::uint16_t rtp) {
+  peer_ = host;
+  peer_port_ = rtp;
+  for (std::size_t i = 0; rtp != 0 && i < descriptors_.size(); ++i)
+    send(i, {});
+}
+
+std::optional<std::span<const std::uint8_t>> UdpPorts::receive(std::size_t which) {
+  for (;;) {
+    sockaddr_storage from{};
+    socklen_t size = sizeof from;
+    const ssize_t length = recvfrom(descriptors_[which], buffer_.data(), buffer_.size(), 0,
+                                    reinterpret_cast<sockaddr*>(&from), &size);
+    if (length < 0 && errno == EINTR) continue;
+    if (length < 0) return std::nullopt;
+    if (peer_ && hasSameHost(from, *peer_))
+      return std::span<const std::uint8_t>(buffer_.data(), static_cast<std::size_t>(length));
+  }
+}
+
+void UdpPorts::send(std::size_t which, std::span<const std::uint8_t> packet) {
+  if (!peer_ || peer_port_ == 0) return;
+  sockaddr_storage to = *peer_;
+  setPort(to, static_cast<std::uint16_t>(peer_port_ + which));
+  sendto(descriptors_[which], packet.data(), packet.size(), MSG_NOSIGNAL,
+         reinterpret_cast<const sockaddr*>(&to), sizeOf(to));
+}
+
+}  // namespace cartvo::capture

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <sys/socket.h>
+
+namespace cartvo::capture {
+
+/// A pair of UDP sockets on adjacent ports, an even one for RTP and the next one for RTCP (RFC 3550, 11).
+class UdpPorts {
+ public:
+  /// Opens a free pair. Throws std::system_error if there is none.
+  explicit UdpPorts(sa_family_t family);
+  ~UdpPorts();
+  UdpPorts(const UdpPorts&) = delete;
+  UdpPorts& operator=(const UdpPorts&) = delete;
+
+  std::uint16_t rtpPort() const { return port_; }
+  const std::array<int, 2>& descriptors() const { return descriptors_; }  ///< RTP, RTCP
+
+  /// Accepts packets from this host only, and sends to its ports `rtp` and `rtp + 1`. An empty packet to each
+  /// opens the way through firewalls on it.
+  void setPeer(const sockaddr_storage& host, std::uint16_t rtp);
+
+  /// Receives a packet that has arrived, of RTP (`which` = 0) or RTCP (1). The view is valid until the next
+  /// call. Nothing if none has.
+  std::optional<std::span<const std::uint8_t>> receive(std::size_t which);
+
+  void sendRtcp(std::span<const std::uint8_t> packet) { send(1, packet); }
+
+ private:
+  bool open(sa_family_t family, std::uint16_t port);
+  void closeAll();
+  void send(std::size_t which, std::span<const std::uint8_t> packet);
+
+  std::array<int, 2> descriptors_{-1, -1};
+  std::uint16_t port_ = 0;
+  std::optional<sockaddr_storage> peer_;
+  std::uint16_t peer_port_ = 0;
+  std::array<std::uint8_t, 65536> buffer_{};
+};
+
+}  // namespace cartvo::capture

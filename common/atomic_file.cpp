@@ -1,68 +1,239 @@
-// Atomic file writing: temporary file, fsync, rename.
+// Writing of files: atomic replacement of regular files, all else in place.
 #include "common/atomic_file.hpp"
 
+#include <atomic>
 #include <cerrno>
-#include <cstdlib>
+#include <charconv>
+#include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 namespace cartvo {
+namespace fs = std::filesystem;
 namespace {
 
-/// An open temporary file. The destructor closes it, and removes it unless it was renamed.
+constexpr mode_t kPermissionBits = 07777;
+
+[[noreturn]] void fail(const fs::path& file, const std::string& what) {
+  throw std::runtime_error(file.string() + ": " + what);
+}
+
+[[noreturn]] void failWith(const fs::path& file, const std::string& what, int error) {
+  fail(file, what + ": " + std::generic_category().message(error));
+}
+
+/// A descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+void writeAll(int descriptor, std::string_view contents, const fs::path& file) {
+  while (!contents.empty()) {
+    const ssize_t written = ::write(descriptor, contents.data(), contents.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) failWith(file, "cannot be written", errno);
+    contents.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+/// What a path names once its links are followed.
+struct Target {
+  fs::path path;
+  int descriptor = -1;                ///< of this process, for paths such as /dev/stdout; -1: none
+  std::optional<struct stat> status;  ///< empty: no such file yet
+  bool in_process_folder = false;     ///< `path` is a link in /proc to another process's descriptor
+};
+
+/// The number N of a path in the process's folder of open descriptors; -1 otherwise.
+int ownDescriptor(const fs::path& folder, const std::string& name) {
+  if (folder != "/proc/" + std::to_string(::getpid()) + "/fd") return -1;
+  int number = -1;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  return error == std::errc{} && end == name.data() + name.size() ? number : -1;
+}
+
+Target followLinks(const fs::path& file) {
+  constexpr int kMaxLinks = 40;  // as in path_resolution(7)
+  Target target{file, -1, {}, false};
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target.path, error)); ++links) {
+    if (links == kMaxLinks) failWith(file, "cannot be written", ELOOP);
+    const fs::path folder = fs::canonical(fs::absolute(target.path).parent_path(), error);
+    target.descriptor = ownDescriptor(folder, target.path.filename());
+    target.in_process_folder = target.descriptor < 0 && folder.string().starts_with("/proc/");
+    if (target.descriptor >= 0 || target.in_process_folder) break;
+    const fs::path next = fs::read_symlink(target.path, error);
+    if (error) failWith(file, "cannot be written", error.value());
+    target.path = next.is_absolute() ? next : target.path.parent_path() / next;
+  }
+  return target;
+}
+
+Target resolve(const fs::path& file) {
+  if (file.filename().empty()) fail(file, "names no file");
+  Target target = followLinks(file);
+  struct stat status {};
+  if (::stat(target.path.c_str(), &status) == 0) {
+    target.status = status;
+  } else if (errno != ENOENT) {
+    failWith(file, "cannot be written", errno);
+  }
+  return target;
+}
+
+/// Whether a new file in the place of this one would lack something that the old one has.
+bool losesByReplacement(const Target& target) {
+  return target.in_process_folder || !S_ISREG(target.status->st_mode) || target.status->st_nlink > 1 ||
+         ::listxattr(target.path.c_str(), nullptr, 0) > 0;
+}
+
+/// Throws if an existing target cannot be opened for writing, or must not be.
+void checkExisting(const Target& target, const fs::path& file) {
+  const mode_t mode = target.status->st_mode;
+  if (S_ISDIR(mode)) fail(file, "is a folder; name a file");
+  if (S_ISBLK(mode)) fail(file, "is a block device, whose contents are not overwritten; name a file");
+  if (S_ISSOCK(mode)) fail(file, "is a socket; name a file");
+  if (::access(target.path.c_str(), W_OK) != 0) failWith(file, "cannot be written", errno);
+}
+
+void writeInPlace(const Target& target, std::string_view contents, const fs::path& file) {
+  const Descriptor descriptor(::open(target.path.c_str(), O_WRONLY | O_TRUNC | O_NOCTTY | O_CLOEXEC));
+  if (descriptor.number() < 0) failWith(file, "cannot be written", errno);
+  writeAll(descriptor.number(), contents, file);
+}
+
+/// A temporary file beside a target. The destructor removes it unless it was renamed.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::filesystem::path& target)
-      : target_(target), name_(target.string() + ".XXXXXX"), descriptor_(mkstemp(name_.data())) {
-    if (descriptor_ < 0) fail("cannot create a temporary file beside it");
-  }
+  explicit TemporaryFile(const Target& target)
+      : target_(target.path), name_(unusedName(target)), descriptor_(open(name_, target)) {}
   ~TemporaryFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-    if (!renamed_) unlink(name_.c_str());
+    if (isOpen() && !renamed_) ::unlink(name_.c_str());
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-  void write(std::string_view contents) {
-    while (!contents.empty()) {
-      const ssize_t written = ::write(descriptor_, contents.data(), contents.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail("cannot write");
-      contents.remove_prefix(static_cast<std::size_t>(written));
-    }
+  bool isOpen() const { return descriptor_.number() >= 0; }
+  int descriptor() const { return descriptor_.number(); }
+
+  /// Gives the file the owner and mode of `status`; returns whether that was possible.
+  bool takeOwner(const struct stat& status) const {
+    return ::fchown(descriptor(), status.st_uid, status.st_gid) == 0 &&
+           ::fchmod(descriptor(), status.st_mode & kPermissionBits) == 0;
   }
 
-  void moveToTarget() {
-    constexpr mode_t kReadableByAll = 0644;
-    if (fchmod(descriptor_, kReadableByAll) != 0) fail("cannot set its permissions");
-    if (fsync(descriptor_) != 0) fail("cannot sync it to the disk");
-    if (std::rename(name_.c_str(), target_.c_str()) != 0) fail("cannot rename it into place");
-    renamed_ = true;
+  /// Renames the file to its target; returns 0 or the error number.
+  int moveToTarget() {
+    renamed_ = std::rename(name_.c_str(), target_.c_str()) == 0;
+    return renamed_ ? 0 : errno;
   }
 
  private:
-  [[noreturn]] void fail(const char* what) const {
-    const int error = errno;
-    throw std::runtime_error(target_.string() + ": " + what + ": " + std::generic_category().message(error));
+  static std::string unusedName(const Target& target) {
+    static std::atomic<unsigned> count = 0;
+    std::string name;
+    struct stat status {};
+    do {
+      name = target.path.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(++count);
+    } while (::lstat(name.c_str(), &status) == 0);
+    return name;
   }
 
-  std::filesystem::path target_;
+  /// A new file is created with the mode of the umask; one that replaces another is private until it has the
+  /// other's mode.
+  static int open(const std::string& name, const Target& target) {
+    constexpr mode_t kOfUmask = 0666, kPrivate = 0600;
+    return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+                  target.status ? kPrivate : kOfUmask);
+  }
+
+  fs::path target_;
   std::string name_;
-  int descriptor_;
+  Descriptor descriptor_;
   bool renamed_ = false;
 };
 
+/// The folder of a target, for messages.
+std::string folderOf(const Target& target) {
+  return target.path.has_parent_path() ? target.path.parent_path().string() : ".";
+}
+
+/// Replaces the target; returns false, with the target unchanged, if only writing in place is possible.
+bool replace(const Target& target, std::string_view contents, const fs::path& file) {
+  TemporaryFile temporary(target);
+  if (!temporary.isOpen()) {
+    if (target.status) return false;
+    failWith(file, "no file can be made in the folder " + folderOf(target), errno);
+  }
+  if (target.status && !temporary.takeOwner(*target.status)) return false;
+  writeAll(temporary.descriptor(), contents, file);
+  if (::fsync(temporary.descriptor()) != 0) failWith(file, "cannot be synced to the disk", errno);
+  const int error = temporary.moveToTarget();
+  if (error != 0 && !(error == EBUSY && target.status)) failWith(file, "cannot be renamed into place", error);
+  return error == 0;
+}
+
 }  // namespace
 
-void writeFileAtomically(const std::filesystem::path& file, std::string_view contents) {
-  TemporaryFile temporary(file);
-  temporary.write(contents);
-  temporary.moveToTarget();
+void writeFileAtomically(const fs::path& file, std::string_view contents) {
+  const Target target = resolve(file);
+  if (target.descriptor >= 0) {
+    std::fflush(stdout);
+    writeAll(target.descriptor, contents, file);
+    return;
+  }
+  if (target.status) checkExisting(target, file);
+  if (!target.status && target.path.has_parent_path()) createFolders(target.path.parent_path());
+  if (target.status && losesByReplacement(target)) return writeInPlace(target, contents, file);
+  if (!replace(target, contents, file)) writeInPlace(target, contents, file);
+}
+
+void checkFileCanBeWritten(const fs::path& file) {
+  const Target target = resolve(file);
+  if (target.descriptor >= 0) {
+    const int flags = ::fcntl(target.descriptor, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) failWith(file, "cannot be written", EBADF);
+    return;
+  }
+  if (target.status) return checkExisting(target, file);
+  std::vector<fs::path> created;
+  if (target.path.has_parent_path()) created = createFolders(target.path.parent_path());
+  const int error = TemporaryFile(target).isOpen() ? 0 : errno;
+  std::error_code ignored;
+  for (auto folder = created.rbegin(); folder != created.rend(); ++folder)
+    fs::remove(*folder, ignored);
+  if (error != 0) failWith(file, "no file can be made in the folder " + folderOf(target), error);
+}
+
+std::vector<fs::path> createFolders(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(folder).lexically_normal(); !fs::exists(path, error) && !error;
+       path = path.parent_path()) {
+    if (!path.filename().empty()) missing.insert(missing.begin(), path);
+  }
+  fs::create_directories(folder, error);
+  if (!error && !fs::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
+  if (error) failWith(folder, "the folder cannot be created", error.value());
+  return missing;
 }
 
 }  // namespace cartvo

@@ -2,12 +2,32 @@
 
 #include <filesystem>
 #include <string_view>
+#include <vector>
+
+// Writing of files that the user or the configuration names.
 
 namespace cartvo {
 
-/// Writes a file atomically: into a temporary file beside it, which is synced and then renamed. A reader, or
-/// a system after a power cut, finds either all of the old contents or all of the new ones. Throws
-/// std::runtime_error naming the file and the reason.
+/// Writes a file. Symbolic links are followed, missing folders are made.
+///
+/// A regular file, and one that does not exist, is written atomically: into a temporary file beside it, which
+/// is synced and then renamed. A reader, or a system after a power cut, finds either all of the old contents
+/// or all of the new ones. An existing file keeps its mode and owner; a new one has those of the umask.
+///
+/// All else is opened and written: character devices, FIFOs, open descriptors of this process (/dev/stdout,
+/// /dev/fd/N; standard output is flushed first), and regular files that a replacement would cut off: those
+/// with several names, with extended attributes (access control lists), of an owner that this process cannot
+/// give, that are mount points, or in a folder that does not allow it.
+///
+/// Throws std::runtime_error naming the file and the reason, also for a folder, a socket, a block device and
+/// a write-protected file.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view contents);
+
+/// Throws as `writeFileAtomically` would, for use before long work. Leaves everything as it was.
+void checkFileCanBeWritten(const std::filesystem::path& file);
+
+/// Creates a folder and those above it that are missing. Returns the created ones, outermost first. Throws
+/// std::runtime_error naming the folder and the reason.
+std::vector<std::filesystem::path> createFolders(const std::filesystem::path& folder);
 
 }  // namespace cartvo

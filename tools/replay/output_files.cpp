@@ -10,6 +10,8 @@
 
 #include <unistd.h>
 
+#include "common/atomic_file.hpp"
+
 namespace cartvo {
 
 OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
@@ -20,17 +22,7 @@ OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(fol
         folder_.string() +
         ": is not a folder; --output-dir needs a folder, which is created if it is missing");
   }
-  std::vector<fs::path> missing;
-  for (fs::path path = fs::absolute(folder_).lexically_normal(); !fs::exists(path, error) && !error;
-       path = path.parent_path()) {
-    if (!path.filename().empty()) missing.insert(missing.begin(), path);
-  }
-  fs::create_directories(folder_, error);
-  if (error) {
-    throw std::runtime_error(folder_.string() + ": cannot be created: " + error.message() +
-                             "; choose another --output-dir");
-  }
-  created_ = std::move(missing);
+  created_ = createFolders(folder_);
   if (::access(folder_.c_str(), W_OK | X_OK) != 0) {
     throw std::runtime_error(folder_.string() + ": is not writable: " +
                              std::generic_category().message(errno) + "; choose another --output-dir");

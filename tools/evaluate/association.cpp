@@ -90,9 +90,25 @@ AssociatedTrajectories associateByRows(const Trajectory& estimate, const Traject
   return {AssociationMethod::rows, estimate, truth, 0};
 }
 
+namespace {
+
+/// Throws if both files state their frame and the frames differ.
+void checkFrames(const std::filesystem::path& estimate, const std::filesystem::path& truth) {
+  const TrajectoryFrame estimated = frameOf(estimate), true_frame = frameOf(truth);
+  const bool both_known = estimated != TrajectoryFrame::unknown && true_frame != TrajectoryFrame::unknown;
+  if (!both_known || estimated == true_frame) return;
+  throw std::runtime_error(estimate.string() + " has poses of " + frameName(estimated) + ", " +
+                           truth.string() + " of " + frameName(true_frame) +
+                           ", as their first lines state; compare files of the same frame: of a replay, "
+                           "poses.txt is of the left camera and trajectory.tum of the cart's body");
+}
+
+}  // namespace
+
 AssociatedTrajectories associateFiles(const std::filesystem::path& estimate,
                                       const std::filesystem::path& truth) {
   const Trajectory estimated = readTrajectory(estimate), true_poses = readTrajectory(truth);
+  checkFrames(estimate, truth);
   const bool has_instants = !isKittiTrajectory(estimate) && !isKittiTrajectory(truth);
   try {
     return has_instants ? associateByTime(estimated, true_poses) : associateByRows(estimated, true_poses);

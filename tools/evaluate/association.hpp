@@ -30,7 +30,7 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
 AssociatedTrajectories associateByRows(const Trajectory& estimate, const Trajectory& truth);
 
 /// Reads both files and associates them: by time if both are TUM, by rows if one is KITTI, which has no
-/// times. Errors name the files.
+/// times. Throws if the files state different frames. Errors name the files.
 AssociatedTrajectories associateFiles(const std::filesystem::path& estimate,
                                       const std::filesystem::path& truth);
 

@@ -65,6 +65,22 @@ nlohmann::ordered_json alignedJson(const AlignedAxes& aligned) {
           {"segments_5_to_40_m", groupJson(aligned.short_segments)}};
 }
 
+/// Says that the two files may be of different frames, if their axes differ by more than an error of the
+/// mounting; empty otherwise.
+std::string frameProblem(const Evaluation& evaluation) {
+  constexpr double kMaxMountingError_deg = 45.0;
+  if (!evaluation.aligned_axes) return {};
+  const double turned_deg = kDegreesPerRadian * evaluation.aligned_axes->rotation.norm();
+  if (turned_deg <= kMaxMountingError_deg) return {};
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the axes of the two files differ by %.0f deg: is one of the left camera (poses.txt of a "
+                "replay, KITTI) and the other of the cart's body (trajectory.tum)? Compare files of the same "
+                "frame",
+                turned_deg);
+  return text;
+}
+
 }  // namespace
 
 std::string evaluationTable(const Evaluation& evaluation) {
@@ -88,6 +104,8 @@ std::string evaluationTable(const Evaluation& evaluation) {
   text += segmentTable("5 to 40 m", evaluation.short_segments);
   if (evaluation.aligned_axes) text += alignedRow(*evaluation.aligned_axes);
   text += segmentTable("100 to 800 m", evaluation.long_segments);
+  if (const std::string problem = frameProblem(evaluation); !problem.empty())
+    text += "problem: " + problem + "\n";
   return text;
 }
 
@@ -108,6 +126,7 @@ nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   json["origin_rmse_m"] = evaluation.absolute_origin;
   json["segments_5_to_40_m"] = groupJson(evaluation.short_segments);
   json["segments_100_to_800_m"] = groupJson(evaluation.long_segments);
+  json["problem"] = frameProblem(evaluation);
   json["axes_aligned"] = nullptr;
   if (evaluation.aligned_axes) json["axes_aligned"] = alignedJson(*evaluation.aligned_axes);
   return json;

@@ -94,8 +94,8 @@ void run(const Options& options) {
     summary["truth"] = options.truth.string();
     summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
   }
-  writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
-  writeTum(output / "trajectory.tum", bodyTrajectory(replay));
+  writeKitti(output / "poses.txt", leftCameraTrajectory(replay), TrajectoryFrame::left_camera);
+  writeTum(output / "trajectory.tum", bodyTrajectory(replay), TrajectoryFrame::body);
   writeFileAtomically(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeFileAtomically(output / "timing.csv", timingCsv(replay));
   writeFileAtomically(output / "summary.json", summary.dump(2) + "\n");

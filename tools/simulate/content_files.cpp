@@ -49,12 +49,13 @@ void writeDescription(const fs::path& folder, const Content& content) {
   writeFileAtomically(folder / "times_0.txt", left_times);
   writeFileAtomically(folder / "times_1.txt", right_times);
   const Trajectory truth = content.truth();
-  if (!truth.empty()) writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig));
+  if (!truth.empty())
+    writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig), TrajectoryFrame::left_camera);
 }
 
 void writeTruth(const fs::path& folder, const Content& content, std::int64_t epoch_ns) {
   const Trajectory truth = content.truth();
-  if (!truth.empty()) writeTum(folder / "truth.tum", shifted(truth, epoch_ns));
+  if (!truth.empty()) writeTum(folder / "truth.tum", shifted(truth, epoch_ns), TrajectoryFrame::body);
 }
 
 void renderFolder(const fs::path& folder, const Content& content, const Progress& progress) {

@@ -132,7 +132,41 @@ bool isKitti(const std::vector<Row>& rows) {
   return rows.front().words.size() == kKittiNumbers;
 }
 
+/// The start of the first line of a file that states its frame.
+std::string frameText(TrajectoryFrame frame) {
+  const char* axes =
+      frame == TrajectoryFrame::body ? " (x forward, y left, z up)" : " (x right, y down, z forward)";
+  return std::string("# poses of ") + frameName(frame) + axes;
+}
+
+/// The first line of a file.
+std::string firstLine(TrajectoryFrame frame, const char* columns) {
+  return (frame == TrajectoryFrame::unknown ? "# " : frameText(frame) + ": ") + columns + "\n";
+}
+
 }  // namespace
+
+const char* frameName(TrajectoryFrame frame) {
+  switch (frame) {
+    case TrajectoryFrame::left_camera:
+      return "the left camera";
+    case TrajectoryFrame::body:
+      return "the cart's body";
+    case TrajectoryFrame::unknown:
+      break;
+  }
+  return "an unknown frame";
+}
+
+TrajectoryFrame frameOf(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  for (const TrajectoryFrame frame : {TrajectoryFrame::left_camera, TrajectoryFrame::body}) {
+    if (line.starts_with(frameText(frame))) return frame;
+  }
+  return TrajectoryFrame::unknown;
+}
 
 Trajectory readTrajectory(const std::filesystem::path& file) {
   const std::vector<Row> rows = readRows(file);
@@ -152,8 +186,8 @@ bool isKittiTrajectory(const std::filesystem::path& file) {
   return isKitti(readRows(file));
 }
 
-void writeTum(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::string text = "# seconds x y z qx qy qz qw\n";
+void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
+  std::string text = firstLine(frame, "seconds x y z qx qy qz qw");
   char row[256];
   for (const auto& [time_ns, pose] : trajectory) {
     const Eigen::Quaterniond q(pose.linear());
@@ -169,8 +203,9 @@ void writeTum(const std::filesystem::path& file, const Trajectory& trajectory) {
   writeFileAtomically(file, text);
 }
 
-void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory) {
+void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
   std::string text;
+  if (frame != TrajectoryFrame::unknown) text = firstLine(frame, "3x4 matrix, row by row");
   char word[32];
   for (const auto& [time_ns, pose] : trajectory) {
     for (int element = 0; element < 12; ++element) {

@@ -16,6 +16,19 @@ struct StampedPose {
 /// Poses of one frame in one world, in the order of time.
 using Trajectory = std::vector<StampedPose>;
 
+/// The frame whose poses a file has.
+enum class TrajectoryFrame : std::uint8_t {
+  unknown,
+  left_camera,  ///< x right, y down, z forward
+  body,         ///< x forward, y left, z up
+};
+
+/// Such as "the left camera".
+const char* frameName(TrajectoryFrame frame);
+
+/// The frame that the file's first line states, if cartvo wrote it.
+TrajectoryFrame frameOf(const std::filesystem::path& file);
+
 /// Reads a trajectory in either format: 8 numbers per row are TUM (seconds x y z qx qy qz qw), 12 are KITTI
 /// (a 3x4 matrix, row-major; `time_ns` is then the row's index). '#' begins a comment. Throws
 /// std::runtime_error naming file, line and what was expected.
@@ -24,10 +37,14 @@ Trajectory readTrajectory(const std::filesystem::path& file);
 /// True if the file is in KITTI format, which has no times.
 bool isKittiTrajectory(const std::filesystem::path& file);
 
-/// Writes TUM format: seconds with nine decimals, then x y z qx qy qz qw.
-void writeTum(const std::filesystem::path& file, const Trajectory& trajectory);
+/// Writes TUM format: seconds with nine decimals, then x y z qx qy qz qw. The first line, a comment, states
+/// the frame if it is known.
+void writeTum(const std::filesystem::path& file, const Trajectory& trajectory,
+              TrajectoryFrame frame = TrajectoryFrame::unknown);
 
-/// Writes KITTI format: a 3x4 matrix per row, without times.
-void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory);
+/// Writes KITTI format: a 3x4 matrix per row, without times. If the frame is known, the first
+/// line, a comment, states it.
+void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory,
+                TrajectoryFrame frame = TrajectoryFrame::unknown);
 
 }  // namespace cartvo

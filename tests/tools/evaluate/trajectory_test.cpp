@@ -61,6 +61,18 @@ TEST(Trajectory, KittiFormatKeepsPosesAndUsesRowIndexAsTime) {
   EXPECT_TRUE(isKittiTrajectory(folder / "a.txt"));
 }
 
+TEST(Trajectory, FirstLineStatesTheFrame) {
+  const test::TemporaryFolder folder;
+  writeTum(folder / "body.tum", helix(), TrajectoryFrame::body);
+  writeKitti(folder / "camera.txt", helix(), TrajectoryFrame::left_camera);
+  writeKitti(folder / "unknown.txt", helix());
+  write(folder / "other.tum", "# seconds x y z qx qy qz qw\n0 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(frameOf(folder / "body.tum"), TrajectoryFrame::body);
+  EXPECT_EQ(frameOf(folder / "camera.txt"), TrajectoryFrame::left_camera);
+  EXPECT_EQ(frameOf(folder / "unknown.txt"), TrajectoryFrame::unknown);
+  EXPECT_EQ(frameOf(folder / "other.tum"), TrajectoryFrame::unknown);
+}
+
 TEST(Trajectory, ReadsCommentsEmptyLinesAndAnyTimeNotation) {
   const test::TemporaryFolder folder;
   write(folder / "a.tum",

@@ -13,6 +13,7 @@
 #include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
 
+#include "common/standard_output.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/daemon.hpp"
@@ -102,10 +103,14 @@ int main(int argument_count, char** arguments) {
   CLI::App app;
   CommandLine command_line;
   describe(app, command_line);
+  int code = kStopped;
   try {
     app.parse(argument_count, arguments);
+    code = run(command_line);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kStopped : kWrongConfiguration;
+    code = app.exit(error) == 0 ? kStopped : kWrongConfiguration;
   }
-  return run(command_line);
+  const std::string output_error = cartvo::standardOutputError();
+  if (!output_error.empty()) spdlog::error(output_error);
+  return code == kStopped && !output_error.empty() ? kFailed : code;
 }

@@ -17,6 +17,7 @@
 #include "tools/benchmark/thesis/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis/thesis_report.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
@@ -75,7 +76,7 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
 }
 
 void runAccuracy(const AccuracyOptions& options) {
-  checkOutput(options.common.output);
+  checkResultFiles({options.common.output});
   const AccuracySettings settings = settingsOf(options);
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
@@ -158,7 +159,7 @@ struct ThesisOptions {
 };
 
 void runThesis(const ThesisOptions& options) {
-  checkOutput(options.common.output);
+  checkResultFiles({options.common.output});
   ThesisSettings settings;
   settings.data = dataFolder(options.common);
   settings.odometry.estimator = vo::Estimator::thesis;

@@ -94,13 +94,6 @@ fs::path dataFolder(const BenchmarkOptions& options) {
   return data;
 }
 
-void checkOutput(const fs::path& file) {
-  if (file.empty()) return;
-  const fs::path folder = fs::absolute(file).parent_path();
-  if (!fs::is_directory(folder))
-    throw std::runtime_error(file.string() + ": cannot be written: there is no folder " + folder.string());
-}
-
 void writeReport(const BenchmarkOptions& options, const char* benchmark,
                  const std::function<nlohmann::ordered_json()>& json,
                  const std::function<std::string(ReportFormat)>& text) {

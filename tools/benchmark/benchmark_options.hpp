@@ -39,10 +39,6 @@ void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
 /// is none. Throws std::runtime_error if it is not a folder.
 std::filesystem::path dataFolder(const BenchmarkOptions& options);
 
-/// Checks before the long work that the folder of an output file exists. Throws std::runtime_error if not.
-/// Accepts an empty name.
-void checkOutput(const std::filesystem::path& file);
-
 /// Writes the report to the terminal or to the output file: `json` with the name of the benchmark, versions
 /// and threads before it, or `text` in the chosen format. Calls only one of the two functions.
 void writeReport(const BenchmarkOptions& options, const char* benchmark,

@@ -28,7 +28,6 @@ struct Options {
 void write(const fs::path& output, const std::vector<calib::RigFile>& files) {
   for (const calib::RigFile& file : files) {
     const fs::path path = file.name.empty() ? output : output / file.name;
-    if (!file.name.empty()) fs::create_directories(path.parent_path());
     writeFileAtomically(path, file.text);
     std::printf("%s\n", path.c_str());
   }

@@ -1,19 +1,22 @@
 // `cartvo`: the command line tools around the daemon, one subcommand each.
 // Exit codes: 0 success, 1 failure, 2 wrong command line.
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string>
+#include <vector>
 
+#include "common/standard_output.hpp"
+#include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/commands.hpp"
 
-// NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
-int main(int argument_count, char** arguments) {
-  CLI::App cartvo{"cartvo: motion from two ordinary IP cameras"};
-  cartvo.set_version_flag("--version", "cartvo " CARTVO_VERSION);
-  cartvo.require_subcommand(1);
-  cartvo.footer("'cartvo COMMAND --help' explains each command.");
+namespace {
 
+constexpr int kWrongCommandLine = 2;
+
+void addCommands(CLI::App& cartvo) {
   cartvo::addSimulateCommand(cartvo);
   cartvo::addReplayCommand(cartvo);
   cartvo::addRecordingCommand(cartvo);
@@ -21,16 +24,43 @@ int main(int argument_count, char** arguments) {
   cartvo::addWatchCommand(cartvo);
   cartvo::addCalibrateCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);
+}
 
+/// Runs the command; returns the exit code.
+int run(CLI::App& cartvo, std::vector<std::string> arguments) {
   try {
-    cartvo.parse(argument_count, arguments);
+    if (const std::string unknown = cartvo::unknownWord(cartvo, arguments); !unknown.empty()) {
+      std::fprintf(stderr, "cartvo: %s\n", unknown.c_str());
+      return kWrongCommandLine;
+    }
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
+    cartvo.parse(std::move(arguments));
   } catch (const CLI::RuntimeError& error) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    return cartvo.exit(error) == 0 ? EXIT_SUCCESS : 2;
+    return cartvo.exit(error) == 0 ? EXIT_SUCCESS : kWrongCommandLine;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cartvo: %s\n", error.what());
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
+int main(int argument_count, char** arguments) {
+  CLI::App cartvo{"cartvo: motion from two ordinary IP cameras", "cartvo"};
+  cartvo.set_version_flag("-V,--version", "cartvo " CARTVO_VERSION);
+  cartvo.require_subcommand(1);
+  cartvo.failure_message(cartvo::commandLineError);
+  cartvo.footer("'cartvo COMMAND --help' or 'cartvo help COMMAND' explains each command.");
+  addCommands(cartvo);
+
+  const int code =
+      run(cartvo,
+          cartvo::withHelpAsOption({arguments + std::min(1, argument_count), arguments + argument_count}));
+  const std::string error = cartvo::standardOutputError();
+  if (!error.empty()) std::fprintf(stderr, "cartvo: %s\n", error.c_str());
+  return code == EXIT_SUCCESS && !error.empty() ? EXIT_FAILURE : code;
 }

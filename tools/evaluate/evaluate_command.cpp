@@ -2,14 +2,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
-#include <vector>
-
-#include <opencv2/imgcodecs.hpp>
 
 #include "common/atomic_file.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/plot.hpp"
@@ -26,18 +23,11 @@ struct Options {
   std::filesystem::path plot;
 };
 
-void writePlot(const std::filesystem::path& file, const AssociatedTrajectories& associated, TopView view) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", plotTrajectories(associated, view), png)) {
-    throw std::runtime_error(file.string() + ": the plot cannot be encoded");
-  }
-  writeFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
-}
-
 void run(const Options& options, bool wants_json) {
+  const bool json_alone = wants_json && (options.json.empty() || options.json == "-");
+  checkResultFiles({json_alone ? "" : options.json, options.plot});
   const AssociatedTrajectories associated = associateFiles(options.estimate, options.truth);
   const Evaluation evaluation = evaluate(associated);
-  const bool json_alone = wants_json && (options.json.empty() || options.json == "-");
   if (wants_json) {
     nlohmann::ordered_json json{{"estimate", options.estimate.string()}, {"truth", options.truth.string()}};
     json.update(evaluationJson(evaluation));
@@ -51,7 +41,8 @@ void run(const Options& options, bool wants_json) {
   if (!json_alone) std::fputs(evaluationTable(evaluation).c_str(), stdout);
   if (!options.plot.empty()) {
     const bool is_kitti = isKittiTrajectory(options.truth);
-    writePlot(options.plot, associated, is_kitti ? TopView::camera_axes : TopView::body_axes);
+    writeDrawing(options.plot,
+                 plotTrajectories(associated, is_kitti ? TopView::camera_axes : TopView::body_axes));
   }
 }
 
@@ -71,8 +62,7 @@ void addEvaluateCommand(CLI::App& cartvo) {
                                        "output instead of the table")
                           ->type_name("FILE")
                           ->expected(0, 1);
-  command->add_option("--plot", options->plot, "Draw both paths and the error into this PNG")
-      ->type_name("FILE");
+  addPlotOption(*command, options->plot, "both paths and the error");
   command->footer(
       "Two TUM files are compared by time: the truth is interpolated at the estimate's times. A KITTI file "
       "has no\n"

@@ -9,21 +9,17 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
-
 #include "tools/evaluate/evaluation.hpp"
 
 namespace cartvo {
 namespace {
 
-// The plot is drawn at twice the size and reduced, which smooths lines and OpenCV's letters.
-constexpr int kOversampling = 2;
 const cv::Size kPicture(1400, 1000);
 const cv::Rect kMapFrame(90, 70, 1270, 560);
 const cv::Rect kErrorFrame(90, 720, 1270, 200);
 
-const cv::Scalar kPaper(255, 255, 255), kInk(60, 50, 45), kGrid(232, 228, 224);
-const cv::Scalar kTruthColour(120, 110, 100), kEstimateColour(190, 90, 20), kEndColour(40, 40, 200);
+constexpr DrawingColour kInk{45, 50, 60}, kGrid{224, 228, 232};
+constexpr DrawingColour kTruthColour{100, 110, 120}, kEstimateColour{20, 90, 190}, kEndColour{200, 40, 40};
 
 using Points = std::vector<cv::Point2d>;
 
@@ -44,53 +40,7 @@ std::string label(double value, double step) {
   return text;
 }
 
-/// Position of a text's reference point.
-enum class Anchor : std::uint8_t { left, centre, right };
-
-/// White image; coordinates are pixels of the final picture.
-class Sheet {
- public:
-  Sheet() : image_(kPicture * kOversampling, CV_8UC3, kPaper) {}
-
-  void line(const Points& points, const cv::Scalar& colour, double width) {
-    std::vector<cv::Point> scaled;
-    for (const cv::Point2d& point : points)
-      scaled.push_back(fixed(point));
-    cv::polylines(image_, scaled, false, colour, static_cast<int>(std::lround(width * kOversampling)),
-                  cv::LINE_AA, kShift);
-  }
-  void dot(const cv::Point2d& centre, double radius, const cv::Scalar& colour, int thickness) {
-    cv::circle(image_, fixed(centre), static_cast<int>(radius * kOversampling * (1 << kShift)), colour,
-               thickness < 0 ? cv::FILLED : thickness * kOversampling, cv::LINE_AA, kShift);
-  }
-  void frame(const cv::Rect& rectangle) {
-    cv::rectangle(image_, cv::Rect(rectangle.tl() * kOversampling, rectangle.size() * kOversampling), kInk,
-                  kOversampling, cv::LINE_AA);
-  }
-  void text(const std::string& letters, cv::Point2d at, Anchor anchor, const cv::Scalar& colour) {
-    constexpr double kSize = 0.5 * kOversampling;
-    const int width = cv::getTextSize(letters, cv::FONT_HERSHEY_SIMPLEX, kSize, kOversampling, nullptr).width;
-    cv::Point origin(static_cast<int>(at.x * kOversampling), static_cast<int>(at.y * kOversampling));
-    if (anchor != Anchor::left) origin.x -= anchor == Anchor::right ? width : width / 2;
-    cv::putText(image_, letters, origin, cv::FONT_HERSHEY_SIMPLEX, kSize, colour, kOversampling, cv::LINE_AA);
-  }
-  cv::Mat finished() const {
-    cv::Mat small;
-    cv::resize(image_, small, kPicture, 0, 0, cv::INTER_AREA);
-    return small;
-  }
-
- private:
-  static constexpr int kShift = 4;
-  static cv::Point fixed(const cv::Point2d& point) {
-    const double scale = kOversampling * (1 << kShift);
-    return {static_cast<int>(std::lround(point.x * scale)), static_cast<int>(std::lround(point.y * scale))};
-  }
-
-  cv::Mat image_;
-};
-
-/// Maps values to pixels inside a frame of the sheet.
+/// Maps values to pixels inside a frame of the drawing.
 struct Axes {
   cv::Rect frame;
   double x_low, x_high, y_low, y_high;
@@ -116,16 +66,17 @@ std::vector<double> multiples(double step, double low, double high) {
   return values;
 }
 
-void drawGrid(Sheet& sheet, const Axes& axes, double x_step, double y_step) {
+void drawGrid(Drawing& drawing, const Axes& axes, double x_step, double y_step) {
   for (const double x : multiples(x_step, axes.x_low, axes.x_high)) {
-    sheet.line({axes({x, axes.y_low}), axes({x, axes.y_high})}, kGrid, 1);
-    sheet.text(label(x, x_step), axes({x, axes.y_low}) + cv::Point2d(0, 20), Anchor::centre, kInk);
+    drawing.addLine({axes({x, axes.y_low}), axes({x, axes.y_high})}, kGrid, 1);
+    drawing.addText(axes({x, axes.y_low}) + cv::Point2d(0, 20), TextAnchor::middle, label(x, x_step), kInk);
   }
   for (const double y : multiples(y_step, axes.y_low, axes.y_high)) {
-    sheet.line({axes({axes.x_low, y}), axes({axes.x_high, y})}, kGrid, 1);
-    sheet.text(label(y, y_step), axes({axes.x_low, y}) + cv::Point2d(-8, 5), Anchor::right, kInk);
+    drawing.addLine({axes({axes.x_low, y}), axes({axes.x_high, y})}, kGrid, 1);
+    drawing.addText(axes({axes.x_low, y}) + cv::Point2d(-8, 5), TextAnchor::end, label(y, y_step), kInk);
   }
-  sheet.frame(axes.frame);
+  const cv::Point2d low = axes.frame.tl(), high = axes.frame.br();
+  drawing.addLine({low, {high.x, low.y}, high, {low.x, high.y}, low}, kInk, 1);
 }
 
 /// Both paths on the ground plane, and the names of the axes.
@@ -186,53 +137,53 @@ Axes equalAxes(const GroundPaths& paths) {
           centre.y + half_height};
 }
 
-void drawScaleBar(Sheet& sheet, const Axes& axes) {
+void drawScaleBar(Drawing& drawing, const Axes& axes) {
   const double length = roundStep(axes.x_high - axes.x_low, 8);
   const cv::Point2d right(axes.frame.br().x,
                           axes.frame.br().y + 38.0);  // outside the frame, so that it covers no path
   const double pixels = length / (axes.x_high - axes.x_low) * axes.frame.width;
   const cv::Point2d left = right - cv::Point2d(pixels, 0.0);
-  sheet.line({left, right}, kInk, 3);
+  drawing.addLine({left, right}, kInk, 3);
   for (const cv::Point2d& end : {left, right})
-    sheet.line({end - cv::Point2d(0, 5), end + cv::Point2d(0, 5)}, kInk, 2);
-  sheet.text(label(length, length) + " m", left - cv::Point2d(10, -5), Anchor::right, kInk);
+    drawing.addLine({end - cv::Point2d(0, 5), end + cv::Point2d(0, 5)}, kInk, 2);
+  drawing.addText(left - cv::Point2d(10, -5), TextAnchor::end, label(length, length) + " m", kInk);
 }
 
-void drawLegend(Sheet& sheet) {
+void drawLegend(Drawing& drawing) {
   double x = kMapFrame.x;
   constexpr double kY = 42.0;
-  const auto line_entry = [&](const char* name, const cv::Scalar& colour, double width) {
-    sheet.line({{x, kY}, {x + 36, kY}}, colour, width);
-    sheet.text(name, {x + 46, kY + 5}, Anchor::left, kInk);
+  const auto line_entry = [&](const char* name, DrawingColour colour, double width) {
+    drawing.addLine({{x, kY}, {x + 36, kY}}, colour, width);
+    drawing.addText({x + 46, kY + 5}, TextAnchor::start, name, kInk);
     x += 150;
   };
-  const auto dot_entry = [&](const char* name, const cv::Scalar& colour, int thickness) {
-    sheet.dot({x + 8, kY}, 6, colour, thickness);
-    sheet.text(name, {x + 24, kY + 5}, Anchor::left, kInk);
+  const auto dot_entry = [&](const char* name, DrawingColour colour, double line_width) {
+    drawing.addCircle({x + 8, kY}, 6, colour, line_width);
+    drawing.addText({x + 24, kY + 5}, TextAnchor::start, name, kInk);
     x += 110;
   };
   line_entry("truth", kTruthColour, 5);
   line_entry("estimate", kEstimateColour, 2);
   dot_entry("start", kInk, 2);
-  dot_entry("end", kEndColour, -1);
+  dot_entry("end", kEndColour, 0);
 }
 
-void drawMap(Sheet& sheet, const GroundPaths& paths) {
+void drawMap(Drawing& drawing, const GroundPaths& paths) {
   const Axes axes = equalAxes(paths);
   const double step = roundStep(axes.x_high - axes.x_low, 10);
-  drawGrid(sheet, axes, step, step);
-  sheet.line(axes(paths.truth), kTruthColour, 5);
-  sheet.line(axes(paths.estimate), kEstimateColour, 2);
-  sheet.dot(axes(paths.truth.front()), 7, kInk, 2);
-  sheet.dot(axes(paths.truth.back()), 6, kTruthColour, -1);
-  sheet.dot(axes(paths.estimate.back()), 5, kEndColour, -1);
-  drawScaleBar(sheet, axes);
-  sheet.text(paths.horizontal, {kMapFrame.x + kMapFrame.width / 2.0, kMapFrame.br().y + 42.0}, Anchor::centre,
-             kInk);
-  sheet.text(paths.vertical, {kMapFrame.x + 8.0, kMapFrame.y + 20.0}, Anchor::left, kInk);
+  drawGrid(drawing, axes, step, step);
+  drawing.addLine(axes(paths.truth), kTruthColour, 5);
+  drawing.addLine(axes(paths.estimate), kEstimateColour, 2);
+  drawing.addCircle(axes(paths.truth.front()), 7, kInk, 2);
+  drawing.addCircle(axes(paths.truth.back()), 6, kTruthColour, 0);
+  drawing.addCircle(axes(paths.estimate.back()), 5, kEndColour, 0);
+  drawScaleBar(drawing, axes);
+  drawing.addText({kMapFrame.x + kMapFrame.width / 2.0, kMapFrame.br().y + 42.0}, TextAnchor::middle,
+                  paths.horizontal, kInk);
+  drawing.addText({kMapFrame.x + 8.0, kMapFrame.y + 20.0}, TextAnchor::start, paths.vertical, kInk);
 }
 
-void drawError(Sheet& sheet, const AssociatedTrajectories& associated) {
+void drawError(Drawing& drawing, const AssociatedTrajectories& associated) {
   const std::vector<double> distances = distancesAlong(associated.truth);
   const Trajectory moved = startingAt(associated.truth.front().pose, associated.estimate);
   Points errors;
@@ -243,19 +194,19 @@ void drawError(Sheet& sheet, const AssociatedTrajectories& associated) {
     largest = std::max(largest, error);
   }
   const Axes axes{kErrorFrame, 0.0, std::max(distances.back(), 0.01), 0.0, 1.1 * largest};
-  drawGrid(sheet, axes, roundStep(axes.x_high, 10), roundStep(axes.y_high, 4));
-  sheet.line(axes(errors), kEstimateColour, 2);
-  sheet.text("position error (m), starts coincide", {kErrorFrame.x + 8.0, kErrorFrame.y - 10.0}, Anchor::left,
-             kInk);
-  sheet.text("distance driven (m)", {kErrorFrame.x + kErrorFrame.width / 2.0, kErrorFrame.br().y + 42.0},
-             Anchor::centre, kInk);
+  drawGrid(drawing, axes, roundStep(axes.x_high, 10), roundStep(axes.y_high, 4));
+  drawing.addLine(axes(errors), kEstimateColour, 2);
+  drawing.addText({kErrorFrame.x + 8.0, kErrorFrame.y - 10.0}, TextAnchor::start,
+                  "position error (m), starts coincide", kInk);
+  drawing.addText({kErrorFrame.x + kErrorFrame.width / 2.0, kErrorFrame.br().y + 42.0}, TextAnchor::middle,
+                  "distance driven (m)", kInk);
 }
 
 std::string headline(const AssociatedTrajectories& associated) {
   const Evaluation evaluation = evaluate(associated);
   char text[96];
   if (evaluation.final_drift_fraction) {
-    std::snprintf(text, sizeof text, "%.1f m driven, final drift %.2f m (%.2f %%)", evaluation.path_length,
+    std::snprintf(text, sizeof text, "%.1f m driven, final drift %.3f m (%.3f %%)", evaluation.path_length,
                   evaluation.final_drift, 100.0 * *evaluation.final_drift_fraction);
   } else {
     std::snprintf(text, sizeof text, "%.2f m driven, final drift %.3f m", evaluation.path_length,
@@ -266,13 +217,13 @@ std::string headline(const AssociatedTrajectories& associated) {
 
 }  // namespace
 
-cv::Mat plotTrajectories(const AssociatedTrajectories& associated, TopView view) {
-  Sheet sheet;
-  drawLegend(sheet);
-  sheet.text(headline(associated), {static_cast<double>(kMapFrame.br().x), 47.0}, Anchor::right, kInk);
-  drawMap(sheet, groundPaths(associated, view));
-  drawError(sheet, associated);
-  return sheet.finished();
+Drawing plotTrajectories(const AssociatedTrajectories& associated, TopView view) {
+  Drawing drawing(kPicture.width, kPicture.height);
+  drawLegend(drawing);
+  drawing.addText({static_cast<double>(kMapFrame.br().x), 47.0}, TextAnchor::end, headline(associated), kInk);
+  drawMap(drawing, groundPaths(associated, view));
+  drawError(drawing, associated);
+  return drawing;
 }
 
 }  // namespace cartvo

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "tools/evaluate/association.hpp"
+#include "tools/report/drawing.hpp"
 
 namespace cartvo {
 
@@ -12,8 +11,7 @@ enum class TopView : std::uint8_t {
   body_axes,    ///< x forward, y left
 };
 
-/// Plots both paths from above with coinciding starts, and the position error over the distance driven
-/// (CV_8UC3, BGR).
-cv::Mat plotTrajectories(const AssociatedTrajectories& associated, TopView view);
+/// Plots both paths from above with coinciding starts, and the position error over the distance driven.
+Drawing plotTrajectories(const AssociatedTrajectories& associated, TopView view);
 
 }  // namespace cartvo

@@ -260,9 +260,37 @@ TEST(Report, HasSameNumbersInTableAndJson) {
             json["segments_5_to_40_m"]["translation_percent"]);
 }
 
+TEST(EvaluationReport, AsksAboutTheFrameIfTheAxesDiffer) {
+  const Trajectory body = circle(300, 20.0, 0.5);
+  Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
+  T_body_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Trajectory camera = body;
+  for (StampedPose& stamped : camera)
+    stamped.pose = T_body_camera.inverse() * stamped.pose * T_body_camera;
+  const Evaluation wrong = evaluate(associateByRows(camera, body));
+  EXPECT_THAT(evaluationTable(wrong), HasSubstr("problem: the axes of the two files differ by 1"));
+  EXPECT_THAT(evaluationJson(wrong)["problem"].get<std::string>(), HasSubstr("is one of the left camera"));
+  const Evaluation right = evaluate(associateByRows(scaled(body, 1.1), body));
+  EXPECT_THAT(evaluationTable(right), ::testing::Not(HasSubstr("problem")));
+  EXPECT_EQ(evaluationJson(right)["problem"], "");
+}
+
+TEST(Association, RefusesFilesThatStateDifferentFrames) {
+  const test::TemporaryFolder folder;
+  writeTum(folder / "trajectory.tum", straight(50, 1.0), TrajectoryFrame::body);
+  writeKitti(folder / "poses.txt", straight(50, 1.0), TrajectoryFrame::left_camera);
+  writeTum(folder / "camera.tum", straight(50, 1.0), TrajectoryFrame::left_camera);
+  EXPECT_THAT(
+      test::messageOf([&] { associateFiles(folder / "trajectory.tum", folder / "poses.txt"); }),
+      ::testing::AllOf(HasSubstr("trajectory.tum has poses of the cart's body"),
+                       HasSubstr("poses.txt of the left camera"), HasSubstr("files of the same frame")));
+  EXPECT_EQ(associateFiles(folder / "camera.tum", folder / "poses.txt").method, AssociationMethod::rows);
+}
+
 TEST(Plot, ShowsBothPathsInTheirColours) {
   const Trajectory truth = circle(300, 20.0, 0.5);
-  const cv::Mat plot = plotTrajectories(associateByRows(scaled(truth, 1.1), truth), TopView::body_axes);
+  const cv::Mat plot =
+      plotTrajectories(associateByRows(scaled(truth, 1.1), truth), TopView::body_axes).picture();
   const auto pixels_near = [&](const cv::Scalar& colour) {
     cv::Mat mask;
     cv::inRange(plot, colour - cv::Scalar::all(12), colour + cv::Scalar::all(12), mask);

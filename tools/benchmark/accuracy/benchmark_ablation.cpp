@@ -12,6 +12,7 @@
 #include "tools/benchmark/accuracy/ablation_report.hpp"
 #include "tools/benchmark/accuracy/ablation_variants.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
 namespace cartvo {
@@ -42,7 +43,7 @@ AccuracySettings settingsOf(const AblationOptions& options) {
 }
 
 void run(const AblationOptions& options) {
-  checkOutput(options.common.output);
+  checkResultFiles({options.common.output});
   const AccuracySettings settings = settingsOf(options);
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;

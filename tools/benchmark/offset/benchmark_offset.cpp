@@ -9,11 +9,11 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "common/atomic_file.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/offset/offset_benchmark.hpp"
 #include "tools/benchmark/offset/offset_plot.hpp"
 #include "tools/benchmark/offset/offset_report.hpp"
+#include "tools/cartvo/result_files.hpp"
 
 namespace cartvo {
 namespace {
@@ -58,13 +58,12 @@ OffsetSettings settingsOf(const OffsetOptions& options) {
 }
 
 void run(const OffsetOptions& options) {
-  checkOutput(options.common.output);
-  checkOutput(options.plot);
+  checkResultFiles({options.common.output, options.plot});
   const OffsetSettings settings = settingsOf(options);
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
   const std::vector<OffsetAccuracy> accuracies = runOffsetBenchmark(settings, display.observer());
-  if (!options.plot.empty()) writeFileAtomically(options.plot, offsetPlot(accuracies));
+  if (!options.plot.empty()) writeDrawing(options.plot, offsetPlot(accuracies));
   const auto json = [&] {
     nlohmann::ordered_json report{{"features", options.drives.features}, {"seconds", options.drives.seconds}};
     report.update(offsetJson(accuracies));
@@ -110,8 +109,7 @@ void addOffsetBenchmark(CLI::App& benchmark) {
       ->check(CLI::IsMember(offsetModelNames()))
       ->type_name("LIST")
       ->capture_default_str();
-  command->add_option("--plot", options->plot, "Draw errors over offsets to this SVG file")
-      ->type_name("FILE");
+  addPlotOption(*command, options->plot, "errors over offsets");
   command->footer(
       "Measures each rendered drive with each time offset of the right camera, and with drifting clocks. The "
       "images of\n"

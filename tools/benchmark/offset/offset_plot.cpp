@@ -1,4 +1,4 @@
-// Plots segment errors over the time offset as SVG.
+// Plots segment errors over the time offset.
 #include "tools/benchmark/offset/offset_plot.hpp"
 
 #include <algorithm>
@@ -17,21 +17,20 @@ struct Curve {
   DiagramCurve drawn;
 };
 
-const char* colourOf(OffsetModel model) {
-  return model == OffsetModel::two_instants ? "#145abe" : "#c82828";
+DrawingColour colourOf(OffsetModel model) {
+  constexpr DrawingColour kBlue{20, 90, 190}, kRed{200, 40, 40};
+  return model == OffsetModel::two_instants ? kBlue : kRed;
 }
 
-std::string drawLegend(const std::vector<Curve>& curves, double y) {
-  std::string svg;
+void drawLegend(Drawing& drawing, const std::vector<Curve>& curves, double y) {
   double x = 70.0;
   for (const std::string& name : offsetModelNames()) {
     const OffsetModel model = offsetModelNamed(name);
     if (std::none_of(curves.begin(), curves.end(), [&](const Curve& curve) { return curve.model == model; }))
       continue;
-    svg += svgLegendEntry(x, y, colourOf(model), name);
+    addLegendEntry(drawing, {x, y}, colourOf(model), name);
     x += 160.0;
   }
-  return svg;
 }
 
 /// The curves of one value, with points sorted by offset.
@@ -50,7 +49,7 @@ std::vector<Curve> curvesOf(const std::vector<OffsetAccuracy>& accuracies, bool 
       curves.push_back({one.model, {{}, colourOf(one.model), of_all ? 3.0 : 1.0, of_all ? 1.0 : 0.6}});
       sequences.push_back(one.sequence);
     }
-    curves[index].drawn.points.push_back({1e3 * one.clock.offset_s, value(segments)});
+    curves[index].drawn.points.emplace_back(1e3 * one.clock.offset_s, value(segments));
   }
   for (Curve& curve : curves)
     std::sort(curve.drawn.points.begin(), curve.drawn.points.end(),
@@ -58,16 +57,16 @@ std::vector<Curve> curvesOf(const std::vector<OffsetAccuracy>& accuracies, bool 
   return curves;
 }
 
-std::string drawDiagram(const std::string& title, double top, const std::vector<Curve>& curves) {
+void drawDiagram(Drawing& drawing, const std::string& title, double top, const std::vector<Curve>& curves) {
   Diagram diagram{title, "right camera later by (ms)", 5.0, 70.0, top, 600.0, 260.0, {}};
   for (const Curve& curve : curves)
     diagram.curves.push_back(curve.drawn);
-  return svgDiagram(diagram);
+  addDiagram(drawing, diagram);
 }
 
 }  // namespace
 
-std::string offsetPlot(const std::vector<OffsetAccuracy>& accuracies) {
+Drawing offsetPlot(const std::vector<OffsetAccuracy>& accuracies) {
   const auto both = [&](const std::function<double(const SegmentErrors&)>& value) {
     std::vector<Curve> curves = curvesOf(accuracies, false, value);
     for (Curve& curve : curvesOf(allWorlds(accuracies), true, value))
@@ -81,10 +80,11 @@ std::string offsetPlot(const std::vector<OffsetAccuracy>& accuracies) {
     throw std::invalid_argument(
         "nothing to plot: no rendered world has a constant offset; measure one with --scenarios and "
         "--offsets-ms");
-  return svgFile(700, 730,
-                 drawLegend(translation, 24.0) +
-                     drawDiagram("translation over 5 to 40 m (%)", 70.0, translation) +
-                     drawDiagram("rotation over 5 to 40 m (deg/m)", 410.0, rotation));
+  Drawing drawing(700, 730);
+  drawLegend(drawing, translation, 24.0);
+  drawDiagram(drawing, "translation over 5 to 40 m (%)", 70.0, translation);
+  drawDiagram(drawing, "rotation over 5 to 40 m (deg/m)", 410.0, rotation);
+  return drawing;
 }
 
 }  // namespace cartvo::benchmark

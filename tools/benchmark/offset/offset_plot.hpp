@@ -1,15 +1,15 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "tools/benchmark/offset/offset_benchmark.hpp"
+#include "tools/report/drawing.hpp"
 
 namespace cartvo::benchmark {
 
-/// An SVG of the segment errors of the rendered worlds over the time offset, translation and rotation,
+/// A drawing of the segment errors of the rendered worlds over the time offset, translation and rotation,
 /// logarithmic: a thin line for each world and model, a thick line for all worlds together. Drifting clocks
 /// are left out. Throws std::invalid_argument if nothing is left.
-std::string offsetPlot(const std::vector<OffsetAccuracy>& accuracies);
+Drawing offsetPlot(const std::vector<OffsetAccuracy>& accuracies);
 
 }  // namespace cartvo::benchmark

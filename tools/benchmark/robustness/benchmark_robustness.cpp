@@ -10,6 +10,7 @@
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/robustness/robustness_benchmark.hpp"
 #include "tools/benchmark/robustness/robustness_report.hpp"
+#include "tools/cartvo/result_files.hpp"
 
 namespace cartvo {
 namespace {
@@ -33,7 +34,7 @@ struct RobustnessOptions {
 };
 
 void run(const RobustnessOptions& options) {
-  checkOutput(options.common.output);
+  checkResultFiles({options.common.output});
   RobustnessSettings settings;
   settings.data = dataFolder(options.common);
   settings.worlds = drivesOf(options.drives, options.common.threads);

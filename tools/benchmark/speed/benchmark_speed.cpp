@@ -11,6 +11,7 @@
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/speed/speed_benchmark.hpp"
 #include "tools/benchmark/speed/speed_report.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
@@ -43,7 +44,7 @@ std::string checkSize(const std::string& text) {
 }
 
 void run(const SpeedOptions& options) {
-  checkOutput(options.common.output);
+  checkResultFiles({options.common.output});
   SpeedSettings settings;
   for (const std::string& size : options.sizes)
     if (size != kNoSize) settings.sizes.push_back(parseImageSize(size).value());

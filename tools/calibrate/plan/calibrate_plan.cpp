@@ -13,6 +13,7 @@
 #include "common/atomic_file.hpp"
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {
@@ -73,10 +74,10 @@ std::string reportOf(const Options& options, const std::vector<StereoDesign>& de
 
 void run(Options& options) {
   options.questions.relative_error = options.relative_error_percent / 100.0;
+  checkResultFiles({options.output, options.plot});
   const std::vector<StereoDesign> designs = designsOf(options);
   const std::string report = reportOf(options, designs);
-  if (!options.plot.empty())
-    writeFileAtomically(options.plot, calibrate::planPlot(designs, options.questions));
+  if (!options.plot.empty()) writeDrawing(options.plot, calibrate::planPlot(designs, options.questions));
   if (options.output.empty()) {
     std::fputs(report.c_str(), stdout);
   } else {
@@ -135,8 +136,7 @@ void addReportOptions(CLI::App& command, Options& options) {
       ->check(CLI::IsMember({"text", "markdown", "json"}))
       ->capture_default_str();
   command.add_option("--output", options.output, "Write the report into this file")->type_name("FILE");
-  command.add_option("--plot", options.plot, "Draw error and overlap over the range into this SVG")
-      ->type_name("FILE");
+  addPlotOption(command, options.plot, "error and overlap over the range");
 }
 
 }  // namespace

@@ -42,9 +42,15 @@ std::vector<std::string> headerOf(const PlanSettings& settings) {
 /// A property of a design as a function of the range.
 using Measure = std::function<double(const StereoDesign&, double range)>;
 
-std::string colourOf(std::size_t index) {
+DrawingColour colourOf(std::size_t index) {
   // Okabe and Ito's palette, which is safe for colour-blind readers, without its yellow.
-  constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"};
+  constexpr std::array<DrawingColour, 7> kColours{{{0, 114, 178},
+                                                   {213, 94, 0},
+                                                   {0, 158, 115},
+                                                   {204, 121, 167},
+                                                   {86, 180, 233},
+                                                   {230, 159, 0},
+                                                   {0, 0, 0}}};
   return kColours[index % kColours.size()];
 }
 
@@ -61,7 +67,7 @@ Diagram diagramOf(const std::vector<StereoDesign>& designs, double max_range, co
     for (int point = 1; point <= kPoints; ++point) {
       const double range = max_range * point / kPoints;
       const double value = measure(designs[i], range);
-      if (value > 0.0) curve.points.push_back({range, value});
+      if (value > 0.0) curve.points.emplace_back(range, value);
     }
     diagram.curves.push_back(curve);
   }
@@ -115,14 +121,14 @@ nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const 
           {"designs", rows}};
 }
 
-std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
+Drawing planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings) {
   constexpr double kLegendTop = 24.0, kLegendLine = 20.0, kDiagramPitch = 340.0;  // px
   const double max_range = *std::max_element(settings.ranges.begin(), settings.ranges.end());
   const double top = kLegendTop + kLegendLine * static_cast<double>(designs.size()) + 26.0;
-  std::string svg;
+  Drawing drawing(700, static_cast<int>(top + 2.0 * kDiagramPitch));
   for (std::size_t i = 0; i < designs.size(); ++i) {
-    svg += svgLegendEntry(70.0, kLegendTop + kLegendLine * static_cast<double>(i), colourOf(i),
-                          nameOf(designs[i]));
+    addLegendEntry(drawing, {70.0, kLegendTop + kLegendLine * static_cast<double>(i)}, colourOf(i),
+                   nameOf(designs[i]));
   }
   Diagram error = diagramOf(designs, max_range, [&](const StereoDesign& design, double range) {
     return depthError(design, settings.disparity_noise, range);
@@ -134,8 +140,9 @@ std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSetting
   });
   overlap.title = "part of the left camera's view outside that of the right one (%)";
   overlap.top = top + kDiagramPitch;
-  return svgFile(700, static_cast<int>(overlap.top + kDiagramPitch),
-                 svg + svgDiagram(error) + svgDiagram(overlap));
+  addDiagram(drawing, error);
+  addDiagram(drawing, overlap);
+  return drawing;
 }
 
 }  // namespace cartvo::calibrate

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/calibrate/plan/stereo_design.hpp"
+#include "tools/report/drawing.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo::calibrate {
@@ -26,7 +27,7 @@ std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettin
 /// The same as JSON, with all digits.
 nlohmann::ordered_json planJson(const std::vector<StereoDesign>& designs, const PlanSettings& settings);
 
-/// An SVG with the depth error and the overlap over the range, up to the largest of the ranges.
-std::string planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings);
+/// A drawing of the depth error and the overlap over the range, up to the largest of the ranges.
+Drawing planPlot(const std::vector<StereoDesign>& designs, const PlanSettings& settings);
 
 }  // namespace cartvo::calibrate

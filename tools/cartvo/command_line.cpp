@@ -1,0 +1,161 @@
+// Error messages for command lines with unknown commands and options.
+#include "tools/cartvo/command_line.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace cartvo {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Number of letters to insert, delete or replace to turn one word into the other (Levenshtein distance).
+std::size_t editDistance(const std::string& from, const std::string& to) {
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const std::size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+/// The nearest of the words: one that begins with `word`, or differs in at most a third of its letters.
+std::optional<std::string> nearest(const std::string& word, const Words& words) {
+  std::optional<std::string> best;
+  std::size_t best_distance = std::max<std::size_t>(1, (word.size() + 1) / 3) + 1;
+  for (const std::string& candidate : words) {
+    const std::size_t distance =
+        word.size() > 1 && candidate.starts_with(word) ? 1 : editDistance(word, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+std::string joined(const Words& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words)
+    text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
+std::vector<const CLI::App*> subcommandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+}
+
+Words namesOf(const std::vector<const CLI::App*>& commands) {
+  Words names;
+  for (const CLI::App* command : commands)
+    names.push_back(command->get_name());
+  return names;
+}
+
+const CLI::App* subcommand(const CLI::App& app, const std::string& name) {
+  const auto commands = subcommandsOf(app);
+  const auto found = std::find_if(commands.begin(), commands.end(),
+                                  [&](const CLI::App* command) { return command->get_name() == name; });
+  return found == commands.end() ? nullptr : *found;
+}
+
+/// The commands that a command line names, from `cartvo` on.
+using Chain = std::vector<const CLI::App*>;
+
+std::string textOf(const Chain& chain) {
+  return joined(namesOf(chain), " ");
+}
+
+/// An unknown word where a command may stand. A word that names a file or folder, or no command nearly, may
+/// be an argument if a command is not required.
+std::string unknownCommand(const Chain& chain, const std::string& word) {
+  const CLI::App& app = *chain.back();
+  const Words names = namesOf(subcommandsOf(app));
+  if (names.empty()) return {};
+  const std::optional<std::string> similar = nearest(word, names);
+  const bool is_required = app.get_require_subcommand_min() > 0;
+  if (!is_required && (!similar || std::filesystem::exists(word))) return {};
+  const std::string intended = textOf(chain) + " " + word;
+  if (similar)
+    return "there is no command '" + intended + "'; did you mean '" + textOf(chain) + " " + *similar + "'?";
+  return "there is no command '" + intended + "'; the commands are " + joined(names, ", ");
+}
+
+bool isLongOption(const std::string& word) {
+  return word.size() > 2 && word.starts_with("--");
+}
+
+/// Adds the long options of a command and of its groups, which CLI11 keeps as commands without a name.
+void addOptionNames(const CLI::App& app, Words& names) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames())
+      names.push_back("--" + name);
+  }
+  for (const CLI::App* group :
+       app.get_subcommands([](const CLI::App* part) { return part->get_name().empty(); }))
+    addOptionNames(*group, names);
+}
+
+std::string unknownOption(const Chain& chain, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  Words names;
+  for (const CLI::App* app : chain) {
+    if (app->get_option_no_throw(name) != nullptr) return {};
+    addOptionNames(*app, names);
+  }
+  const std::optional<std::string> similar = nearest(name, names);
+  return textOf(chain) + " has no option " + name + (similar ? "; did you mean " + *similar + "?" : "");
+}
+
+/// The words of the arguments before "--".
+Words wordsOf(const Words& arguments) {
+  return {arguments.begin(), std::find(arguments.begin(), arguments.end(), "--")};
+}
+
+}  // namespace
+
+Words withHelpAsOption(Words arguments) {
+  if (arguments.empty() || arguments.front() != "help") return arguments;
+  arguments.erase(arguments.begin());
+  arguments.emplace_back("--help");
+  return arguments;
+}
+
+std::string unknownWord(const CLI::App& cartvo, const Words& arguments) {
+  const Words words = wordsOf(arguments);
+  Chain chain{&cartvo};
+  bool after_option = false;
+  for (const std::string& word : words) {
+    if (const CLI::App* command = subcommand(*chain.back(), word)) {
+      chain.push_back(command);
+      after_option = false;
+    } else if (word.starts_with("-")) {
+      after_option = true;  // what follows may be the option's value
+    } else if (!after_option) {
+      if (std::string unknown = unknownCommand(chain, word); !unknown.empty()) return unknown;
+      break;
+    }
+  }
+  for (const std::string& word : words) {
+    if (!isLongOption(word)) continue;
+    if (std::string unknown = unknownOption(chain, word); !unknown.empty()) return unknown;
+  }
+  return {};
+}
+
+std::string commandLineError(const CLI::App* cartvo, const CLI::Error& error) {
+  Chain chain{cartvo};
+  while (!chain.back()->get_subcommands().empty())
+    chain.push_back(chain.back()->get_subcommands().front());
+  return std::string("cartvo: ") + error.what() + "\n'" + textOf(chain) + " --help' explains the command.\n";
+}
+
+}  // namespace cartvo

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace cartvo {
+
+/// The command line `cartvo help [COMMAND...]` as `cartvo [COMMAND...] --help`; any other one unchanged.
+std::vector<std::string> withHelpAsOption(std::vector<std::string> arguments);
+
+/// Names the first command or option that does not exist, with the nearest one that does, or with all
+/// commands. Empty if all exist. CLI11 would first complain of what is missing, such as a required option.
+/// `arguments`: without the program's name.
+std::string unknownWord(const CLI::App& cartvo, const std::vector<std::string>& arguments);
+
+/// The error message of a wrong command line: "cartvo: REASON", and the command whose --help explains it.
+std::string commandLineError(const CLI::App* cartvo, const CLI::Error& error);
+
+}  // namespace cartvo

@@ -1,0 +1,32 @@
+// Options and checks of the files that commands write.
+#include "tools/cartvo/result_files.hpp"
+
+#include <exception>
+#include <string>
+
+#include "common/atomic_file.hpp"
+#include "tools/report/drawing.hpp"
+
+namespace cartvo {
+
+CLI::Option* addPlotOption(CLI::App& command, std::filesystem::path& file, const std::string& shows) {
+  const auto check_name = [](const std::string& name) -> std::string {
+    try {
+      checkDrawingName(name);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return {};
+  };
+  return command.add_option("--plot", file, "Draw " + shows + " into this .svg or .png file")
+      ->check(check_name)
+      ->type_name("FILE");
+}
+
+void checkResultFiles(std::initializer_list<std::filesystem::path> files) {
+  for (const std::filesystem::path& file : files) {
+    if (!file.empty()) checkFileCanBeWritten(file);
+  }
+}
+
+}  // namespace cartvo

@@ -28,6 +28,7 @@
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/camera_password.hpp"
@@ -91,6 +92,7 @@ class Daemon::Implementation {
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
+  ForeignOdometry foreign_;
   HealthMonitor health_;
   ServiceManager service_;
   RepeatedWarnings warnings_;
@@ -111,6 +113,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
+      foreign_(configuration.lcm_url),
       health_(Clock::now()),
       next_health_(Clock::now() + kHealthPeriod) {
   cv::setNumThreads(configuration.threads);
@@ -170,6 +173,7 @@ void Daemon::Implementation::run() {
 
 void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
+  foreign_.addOwn(message);
   health_.addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();
   validity_.log(message);
@@ -178,6 +182,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
 
 void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   const odometry_t& message = publisher_.publish(no_pair);
+  foreign_.addOwn(message);
   health_.addMissedPair();
   validity_.log(message);
   tick();
@@ -201,9 +206,15 @@ void Daemon::Implementation::tick() {
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
   clock_.setHostClockCorrection(hostClockCorrection());
-  HealthSnapshot snapshot{
-      left_.source().health(), right_.source().health(),         pipeline_.counts(), clock_.status(),
-      pipeline_.problem(),     configuration_.odometry.features, recordingProblem(), {}};
+  const std::string foreign = foreign_.consumeProblem();
+  HealthSnapshot snapshot{left_.source().health(),
+                          right_.source().health(),
+                          pipeline_.counts(),
+                          clock_.status(),
+                          foreign.empty() ? pipeline_.problem() : foreign,
+                          configuration_.odometry.features,
+                          recordingProblem(),
+                          {}};
   snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);

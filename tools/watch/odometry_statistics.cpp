@@ -33,7 +33,7 @@ std::optional<double> latencyMs(const odometry_t& message) {
 
 void OdometryStatistics::countMessage(const odometry_t& message) {
   ++counts_.messages;
-  if (message.sequence <= last_sequence_) ++counts_.restarts;
+  if (message.sequence <= last_sequence_) countRestart(message);
   if (last_sequence_ >= 0 && message.sequence > last_sequence_)
     counts_.lost += message.sequence - last_sequence_ - 1;
   if (message.sequence > last_sequence_ && message.reset_counter != last_reset_counter_ &&
@@ -43,8 +43,26 @@ void OdometryStatistics::countMessage(const odometry_t& message) {
   last_sequence_ = message.sequence;
 }
 
+/// A daemon does not restart twice within two seconds: then two daemons publish alternately.
+void OdometryStatistics::countRestart(const odometry_t& message) {
+  constexpr std::int64_t kMinRunTime_us = 2'000'000;
+  ++counts_.restarts;
+  if (last_restart_utime_ && message.publication_utime - *last_restart_utime_ < kMinRunTime_us)
+    counts_.two_publishers = true;
+  last_restart_utime_ = message.publication_utime;
+}
+
+/// UDP can repeat and reorder messages; a restarted daemon publishes later than the one before.
+bool OdometryStatistics::isLateOrRepeated(const odometry_t& message) const {
+  constexpr std::int64_t kMaxDelay_us = 1'000'000;
+  const std::int64_t delay = last_publication_utime_ - message.publication_utime;
+  return message.sequence <= last_sequence_ && delay >= 0 && delay < kMaxDelay_us;
+}
+
 void OdometryStatistics::addMessage(const odometry_t& message, std::int64_t reception_ns) {
+  if (isLateOrRepeated(message)) return;
   countMessage(message);
+  last_publication_utime_ = message.publication_utime;
   const bool same_epoch = last_was_valid_ && message.reset_counter == last_reset_counter_;
   last_reset_counter_ = message.reset_counter;
   last_was_valid_ = message.status == odometry_t::VALID;

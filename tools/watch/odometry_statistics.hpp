@@ -21,24 +21,29 @@ struct OdometrySummary {
   std::int64_t lost = 0;     ///< missing sequence numbers
   std::int64_t no_pair = 0;  ///< messages without a stereo pair
   std::int64_t valid = 0;
-  std::int64_t restarts = 0;  ///< restarts of the daemon: the sequence number decreased
-  std::int64_t resets = 0;    ///< resets of the pose: the reset counter changed
-  double seconds = 0.0;       ///< s, from the first to the last message with a pair
-  double frame_rate = 0.0;    ///< pairs per second over that time
-  double path_length = 0.0;   ///< m, over valid poses between resets
+  std::int64_t restarts = 0;    ///< restarts of the daemon: the sequence number decreased
+  bool two_publishers = false;  ///< the sequence numbers of two daemons alternated
+  std::int64_t resets = 0;      ///< resets of the pose: the reset counter changed
+  double seconds = 0.0;         ///< s, from the first to the last message with a pair
+  double frame_rate = 0.0;      ///< pairs per second over that time
+  double path_length = 0.0;     ///< m, over valid poses between resets
   double latency_p50_ms = 0.0, latency_p99_ms = 0.0;  ///< from last packet to publication
   double latency_settled_p99_ms = 0.0;                ///< the same without the first 2 s; NaN: none
   double age_p50_ms = 0.0, age_p99_ms = 0.0;          ///< from exposure to reception, by both clocks
   double offset_median_ms = 0.0;                      ///< right minus left exposure
 };
 
-/// Accumulates statistics of messages in their order of arrival. Memory grows by about 100 bytes per message.
+/// Accumulates statistics of messages in their order of arrival. Ignores messages that come again or late.
+/// Memory grows by about 100 bytes per message.
 class OdometryStatistics {
  public:
   /// `reception_ns`: system time of reception, ns since the Unix epoch.
   void addMessage(const odometry_t& message, std::int64_t reception_ns);
 
   OdometrySummary summarise() const;
+
+  /// Whether two daemons publish, see OdometrySummary.
+  bool hasTwoPublishers() const { return counts_.two_publishers; }
 
   /// Whether any message was of a stereo pair.
   bool hasPairs() const { return !receptions_ns_.empty(); }
@@ -51,12 +56,15 @@ class OdometryStatistics {
 
  private:
   void countMessage(const odometry_t& message);
+  void countRestart(const odometry_t& message);
+  bool isLateOrRepeated(const odometry_t& message) const;
 
   OdometrySummary counts_;
   Trajectory trajectory_;
   std::vector<std::int64_t> receptions_ns_;  ///< of messages with a pair
   std::vector<double> latencies_ms_, settled_latencies_ms_, ages_ms_, offsets_ms_;
-  std::int64_t last_sequence_ = -1;
+  std::int64_t last_sequence_ = -1, last_publication_utime_ = 0;
+  std::optional<std::int64_t> last_restart_utime_;  ///< publication of the first message after the last one
   std::int32_t last_reset_counter_ = 0;
   bool last_was_valid_ = false;
 };

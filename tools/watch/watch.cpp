@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/atomic_file.hpp"
 #include "common/host_clock.hpp"
 #include "common/units.hpp"
 #include "daemon/publish/lcm_connection.hpp"
@@ -25,6 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kPoll_ms = 50;
 constexpr int kQueueCapacity = 1000;
+constexpr const char* kTwoPublishers =
+    "two daemons publish on this channel: their sequence numbers alternate, and controllers receive both "
+    "motions. Stop one, or give it another lcm.url";
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -66,11 +69,18 @@ class LiveLine {
   Clock::time_point last_;
 };
 
+/// Decodes a message; returns false if it is of another definition of the type.
+template <typename Message>
+bool decode(const lcm::ReceiveBuffer& buffer, Message& message) {
+  const auto bytes = static_cast<int>(buffer.data_size);
+  return message.decode(buffer.data, 0, bytes) == bytes;
+}
+
 /// Receives odometry and health messages in order.
 class OdometryReceiver {
  public:
   explicit OdometryReceiver(lcm::LCM& lcm) : lcm_(lcm) {
-    lcm.subscribe(daemon::kOdometryChannel, &OdometryReceiver::onMessage, this)
+    lcm.subscribe(daemon::kOdometryChannel, &OdometryReceiver::onOdometry, this)
         ->setQueueCapacity(kQueueCapacity);
     lcm.subscribe(daemon::kHealthChannel, &OdometryReceiver::onHealth, this)
         ->setQueueCapacity(kQueueCapacity);
@@ -83,22 +93,36 @@ class OdometryReceiver {
     return received_;
   }
   const odometry_t& last() const { return last_; }
-  /// Problem and self-check of the last health message; empty if there is none.
-  const std::string& advice() const { return advice_; }
+  /// What the operator should know: messages that cannot be decoded, problem and self-check of the last
+  /// health message. Empty if there is nothing.
+  std::string advice() const {
+    const std::string foreign = foreignDefinitionText(foreign_odometry_, foreign_health_);
+    return foreign.empty() || advice_.empty() ? foreign + advice_ : foreign + "\n" + advice_;
+  }
   /// Source and standard deviation of the time offset; empty before the first health message.
   const std::string& clocks() const { return clocks_; }
+  /// Whether messages came that could not be decoded.
+  bool hasForeignMessages() const { return foreign_odometry_; }
 
  private:
-  void onMessage(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
-                 const odometry_t* message) {
-    last_ = *message;
-    received_ = true;
+  void onOdometry(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/) {
+    odometry_t message{};
+    if (decode(*buffer, message)) {
+      last_ = message;
+      received_ = true;
+    } else {
+      foreign_odometry_ = true;
+    }
   }
 
-  void onHealth(const lcm::ReceiveBuffer* /*buffer*/, const std::string& /*channel*/,
-                const health_t* message) {
-    advice_ = adviceText(*message);
-    clocks_ = "  " + clockText(*message);
+  void onHealth(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/) {
+    health_t message{};
+    if (decode(*buffer, message)) {
+      advice_ = adviceText(message);
+      clocks_ = "  " + clockText(message);
+    } else {
+      foreign_health_ = true;
+    }
   }
 
   lcm::LCM& lcm_;
@@ -106,9 +130,11 @@ class OdometryReceiver {
   std::string clocks_;
   odometry_t last_{};
   bool received_ = false;
+  bool foreign_odometry_ = false, foreign_health_ = false;
 };
 
-[[noreturn]] void failWithoutMessages(const WatchSettings& settings) {
+[[noreturn]] void failWithoutMessages(const WatchSettings& settings, bool has_foreign_messages) {
+  if (has_foreign_messages) throw std::runtime_error(foreignDefinitionText(true, false));
   const daemon::MulticastRoute route = daemon::findMulticastRoute(settings.url);
   throw std::runtime_error(fmt::format(
       "no message on {} within {:.0f} s.\n"
@@ -157,15 +183,26 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
       line.draw(message, statistics, receiver.clocks());
     }
-    line.printAdvice(receiver.advice());
-    if (!has_message && secondsSince(first) > settings.first_message) failWithoutMessages(settings);
+    line.printAdvice(statistics.hasTwoPublishers() ? kTwoPublishers : receiver.advice());
+    if (!has_message && secondsSince(first) > settings.first_message)
+      failWithoutMessages(settings, receiver.hasForeignMessages());
     if (has_message && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;
     if (statistics.hasPairs() && settings.until_silent > 0.0 &&
         secondsSince(last_pair) >= settings.until_silent)
       break;
   }
-  if (!has_message) failWithoutMessages(settings);
+  if (!has_message) failWithoutMessages(settings, receiver.hasForeignMessages());
   return statistics;
+}
+
+std::string foreignDefinitionText(bool odometry, bool health) {
+  if (!odometry && !health) return {};
+  const std::string channels = odometry && health
+                                   ? std::string(daemon::kOdometryChannel) + " and " + daemon::kHealthChannel
+                                   : (odometry ? daemon::kOdometryChannel : daemon::kHealthChannel);
+  return "messages come on " + channels +
+         ", but of another definition of the type: the sender is of another release than this cartvo (" +
+         CARTVO_VERSION + "). Compare 'cartvod --version' and install the same release on both computers";
 }
 
 std::string adviceText(const health_t& message) {
@@ -201,15 +238,17 @@ std::string summaryText(const OdometrySummary& summary) {
                                  summary.lost, summary.no_pair);
   if (pairs == 0)
     return text + "no pair of frames came: 'journalctl -u cartvod' names the camera and the cause\n";
-  return text + fmt::format(
-                    "valid             {} ({:.1f} % of the pairs)\n"
-                    "frame rate        {:.2f} pairs/s over {:.1f} s\n"
-                    "{}"
-                    "offset            median {:+.2f} ms (right minus left)\n"
-                    "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
-                    summary.valid, 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs),
-                    summary.frame_rate, summary.seconds, delayText(summary), summary.offset_median_ms,
-                    summary.path_length, summary.resets, summary.restarts);
+  return text +
+         fmt::format(
+             "valid             {} ({:.1f} % of the pairs)\n"
+             "frame rate        {:.2f} pairs/s over {:.1f} s\n"
+             "{}"
+             "offset            median {:+.2f} ms (right minus left)\n"
+             "path              {:.1f} m; {} pose resets, {} daemon restarts\n",
+             summary.valid, 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs),
+             summary.frame_rate, summary.seconds, delayText(summary), summary.offset_median_ms,
+             summary.path_length, summary.resets, summary.restarts) +
+         (summary.two_publishers ? std::string(kTwoPublishers) + "\n" : "");
 }
 
 void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary) {
@@ -220,6 +259,7 @@ void writeSummary(const std::filesystem::path& file, const OdometrySummary& summ
       {"valid", summary.valid},
       {"restarts", summary.restarts},
       {"resets", summary.resets},
+      {"two_publishers", summary.two_publishers},
       {"seconds", summary.seconds},
       {"frame_rate", summary.frame_rate},
       {"path_length_m", summary.path_length},
@@ -230,9 +270,7 @@ void writeSummary(const std::filesystem::path& file, const OdometrySummary& summ
       {"age_ms", {{"p50", summary.age_p50_ms}, {"p99", summary.age_p99_ms}}},
       {"offset_median_ms", summary.offset_median_ms},
   };
-  std::ofstream stream(file);
-  stream << json.dump(2) << '\n';
-  if (!stream.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+  writeFileAtomically(file, json.dump(2) + "\n");
 }
 
 }  // namespace cartvo

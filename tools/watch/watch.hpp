@@ -26,6 +26,9 @@ OdometryStatistics watchOdometry(const WatchSettings& settings);
 /// +0.4 ms valid".
 std::string liveLine(const odometry_t& message, double frame_rate);
 
+/// What to do if messages of these channels cannot be decoded; empty if all can.
+std::string foreignDefinitionText(bool odometry, bool health);
+
 /// The problem and the self-check of a health message, one line each; empty if there is none.
 std::string adviceText(const health_t& message);
 

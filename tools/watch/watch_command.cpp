@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/watch/watch.hpp"
 
 namespace cartvo {
@@ -15,10 +16,12 @@ struct Options {
 };
 
 void run(const Options& options) {
+  checkResultFiles({options.trajectory, options.summary});
   const OdometryStatistics statistics = watchOdometry(options.watch);
   const OdometrySummary summary = statistics.summarise();
   std::printf("%s", summaryText(summary).c_str());
-  if (!options.trajectory.empty()) writeTum(options.trajectory, statistics.trajectory());
+  if (!options.trajectory.empty())
+    writeTum(options.trajectory, statistics.trajectory(), TrajectoryFrame::body);
   if (!options.summary.empty()) writeSummary(options.summary, summary);
 }
 

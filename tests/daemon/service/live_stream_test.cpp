@@ -1,10 +1,12 @@
 // The live daemon on loopback in its own network namespace: simulated RTSP cameras -> daemon -> LCM.
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <future>
 #include <mutex>
 #include <sstream>
+#include <thread>
 
 #include <cartvo/health_t.hpp>
 #include <cartvo/odometry_t.hpp>
@@ -15,6 +17,7 @@
 #include <spdlog/spdlog.h>
 
 #include "calib/format/rig_file.hpp"
+#include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/daemon.hpp"
 #include "support/capture/synthetic_cameras.hpp"
@@ -256,6 +259,50 @@ TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_EQ(log.linesWith(subscriber.health.back().right.last_error), 1);
   EXPECT_EQ(log.linesWith("right camera: connecting: "), 1);
+}
+
+/// Publishes with `publish` until the problem is found; returns the problem.
+std::string foreignProblem(ForeignOdometry& foreign, const std::function<void()>& publish) {
+  const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
+  std::string problem;
+  while (problem.empty() && std::chrono::steady_clock::now() < end) {
+    publish();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    problem = foreign.consumeProblem();
+  }
+  return problem;
+}
+
+TEST(ForeignOdometry, FindsOtherPublishersAndNotItself) {
+  lcm::LCM lcm(kUrl);
+  ForeignOdometry foreign(kUrl);
+  odometry_t message{};
+  const auto publish_own = [&] {
+    ++message.sequence;
+    message.publication_utime += 1000;
+    lcm.publish(kOdometryChannel, &message);
+    foreign.addOwn(message);
+  };
+  // Only after the first foreign message is found it is known that messages are received.
+  EXPECT_THAT(foreignProblem(foreign,
+                             [&] {
+                               publish_own();
+                               odometry_t other = message;
+                               other.publication_utime += 1;
+                               lcm.publish(kOdometryChannel, &other);
+                             }),
+              HasSubstr("another program publishes CARTVO_ODOMETRY: controllers receive two motions"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  foreign.consumeProblem();
+  for (int i = 0; i < 20; ++i)
+    publish_own();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(foreign.consumeProblem(), "");
+
+  const std::array<std::uint8_t, 40> undecodable{0x12, 0x34};
+  EXPECT_THAT(
+      foreignProblem(foreign, [&] { lcm.publish(kOdometryChannel, undecodable.data(), undecodable.size()); }),
+      HasSubstr("with another definition of the type"));
 }
 
 TEST(LcmConnection, FindsInterfaceOfRoute) {

@@ -79,7 +79,9 @@ TEST(WatchStatistics, DistinguishesLossesRestartsAndResets) {
   odometry_t after_loss = message(10, 0.0);
   after_loss.reset_counter = 1;
   add(statistics, after_loss);
-  add(statistics, message(0, 0.0));  // the daemon was restarted
+  odometry_t after_restart = message(0, 0.0);
+  after_restart.publication_utime = after_loss.publication_utime + kPeriod_us;
+  add(statistics, after_restart);
   const OdometrySummary summary = statistics.summarise();
   EXPECT_EQ(summary.lost, 3);
   EXPECT_EQ(summary.resets, 1);
@@ -113,6 +115,40 @@ TEST(Watch, PrintsSourceOfTheTimeOffset) {
   health.right.instant_source = camera_health_t::PICTURES;
   health.clock_deviation_ms = 0.72F;
   EXPECT_EQ(clockText(health), "by pictures ±0.7 ms");
+}
+
+TEST(WatchStatistics, IgnoresLateAndRepeatedMessages) {
+  OdometryStatistics statistics;
+  for (const int sequence : {0, 1, 3, 2, 3, 4})
+    add(statistics, message(sequence, 0.1 * sequence));
+  const OdometrySummary summary = statistics.summarise();
+  EXPECT_EQ(summary.messages, 4);
+  EXPECT_EQ(summary.restarts, 0);
+  EXPECT_NEAR(summary.path_length, 0.4, 1e-9);
+}
+
+TEST(WatchStatistics, FindsTwoDaemonsWhoseSequencesAlternate) {
+  OdometryStatistics one_restart, alternating;
+  for (int i = 0; i < 4; ++i) {
+    odometry_t second = message(i, 0.0);
+    second.publication_utime = message(1000 + i, 0.0).publication_utime + 10'000;
+    add(alternating, message(1000 + i, 0.0));
+    add(alternating, second);
+  }
+  add(one_restart, message(1000, 0.0));
+  odometry_t restarted = message(0, 0.0);
+  restarted.publication_utime = message(1040, 0.0).publication_utime;
+  add(one_restart, restarted);
+  EXPECT_TRUE(alternating.hasTwoPublishers());
+  EXPECT_FALSE(one_restart.hasTwoPublishers());
+  EXPECT_NE(summaryText(alternating.summarise()).find("two daemons publish"), std::string::npos);
+}
+
+TEST(WatchText, NamesTheChannelsOfAnotherDefinition) {
+  EXPECT_EQ(foreignDefinitionText(false, false), "");
+  EXPECT_NE(foreignDefinitionText(true, false).find("CARTVO_ODOMETRY, but of another definition"),
+            std::string::npos);
+  EXPECT_NE(foreignDefinitionText(true, true).find("CARTVO_ODOMETRY and CARTVO_HEALTH"), std::string::npos);
 }
 
 }  // namespace

@@ -191,19 +191,27 @@ bool replace(const Target& target, std::string_view contents, const fs::path& fi
   return error == 0;
 }
 
+void write(const Target& target, std::string_view contents, const fs::path& file) {
+  if (target.descriptor >= 0) {
+    std::fflush(stdout);
+    return writeAll(target.descriptor, contents, file);
+  }
+  if (target.status) checkExisting(target, file);
+  if (target.status && losesByReplacement(target)) return writeInPlace(target, contents, file);
+  if (!replace(target, contents, file)) writeInPlace(target, contents, file);
+}
+
 }  // namespace
 
 void writeFileAtomically(const fs::path& file, std::string_view contents) {
+  write(resolve(file), contents, file);
+}
+
+void writeResultFile(const fs::path& file, std::string_view contents) {
   const Target target = resolve(file);
-  if (target.descriptor >= 0) {
-    std::fflush(stdout);
-    writeAll(target.descriptor, contents, file);
-    return;
-  }
-  if (target.status) checkExisting(target, file);
-  if (!target.status && target.path.has_parent_path()) createFolders(target.path.parent_path());
-  if (target.status && losesByReplacement(target)) return writeInPlace(target, contents, file);
-  if (!replace(target, contents, file)) writeInPlace(target, contents, file);
+  const bool is_new = target.descriptor < 0 && !target.status;
+  if (is_new && target.path.has_parent_path()) createFolders(target.path.parent_path());
+  write(target, contents, file);
 }
 
 void checkFileCanBeWritten(const fs::path& file) {

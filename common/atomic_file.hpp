@@ -8,7 +8,7 @@
 
 namespace cartvo {
 
-/// Writes a file. Symbolic links are followed, missing folders are made.
+/// Writes a file. Symbolic links are followed.
 ///
 /// A regular file, and one that does not exist, is written atomically: into a temporary file beside it, which
 /// is synced and then renamed. A reader, or a system after a power cut, finds either all of the old contents
@@ -23,7 +23,10 @@ namespace cartvo {
 /// a write-protected file.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view contents);
 
-/// Throws as `writeFileAtomically` would, for use before long work. Leaves everything as it was.
+/// As `writeFileAtomically`, for a file that the user names: missing folders are made.
+void writeResultFile(const std::filesystem::path& file, std::string_view contents);
+
+/// Throws as `writeResultFile` would, for use before long work. Leaves everything as it was.
 void checkFileCanBeWritten(const std::filesystem::path& file);
 
 /// Creates a folder and those above it that are missing. Returns the created ones, outermost first. Throws

@@ -59,8 +59,11 @@ TEST_F(AtomicFile, ReplacesTheContentsAndLeavesNoTemporaryFile) {
   EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(AtomicFile, CreatesMissingFolders) {
-  writeFileAtomically(*this / "new" / "folder" / "k6.json", "{}");
+TEST_F(AtomicFile, CreatesMissingFoldersOfResultFilesOnly) {
+  EXPECT_THAT(test::messageOf([&] { writeFileAtomically(*this / "new" / "folder" / "k6.json", "{}"); }),
+              HasSubstr("k6.json: no file can be made in the folder"));
+  EXPECT_FALSE(fs::exists(*this / "new"));
+  writeResultFile(*this / "new" / "folder" / "k6.json", "{}");
   EXPECT_EQ(contentsOf(*this / "new" / "folder" / "k6.json"), "{}");
 }
 
@@ -72,7 +75,7 @@ TEST_F(AtomicFile, FollowsLinksAndCreatesTheirMissingTarget) {
   fs::create_symlink("not/yet.json", *this / "later.json");
 
   writeFileAtomically(*this / "again.yaml", "new");
-  writeFileAtomically(*this / "later.json", "{}");
+  writeResultFile(*this / "later.json", "{}");
 
   EXPECT_TRUE(fs::is_symlink(*this / "rig.yaml"));
   EXPECT_TRUE(fs::is_symlink(*this / "again.yaml"));
@@ -166,7 +169,7 @@ TEST_F(AtomicFile, WritesToOwnDescriptorsWhereTheyStand) {
 TEST_F(AtomicFile, FailureNamesTheFileAndTheReason) {
   writeFileAtomically(*this / "file", "text");
   const auto message = [](const fs::path& file) {
-    return test::messageOf([&] { writeFileAtomically(file, "text"); });
+    return test::messageOf([&] { writeResultFile(file, "text"); });
   };
   EXPECT_EQ(message(*this / "file" / "rig.yaml"),
             (*this / "file" / "rig.yaml").string() + ": cannot be written: Not a directory");

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cartvo {
+
+/// Number of columns of the terminal that `descriptor` is open on; empty if it is none. A terminal that does
+/// not know its width counts as $COLUMNS, else as 80.
+std::optional<std::size_t> terminalColumns(int descriptor);
+
+/// Number of columns that printable UTF-8 text takes, one for each character.
+std::size_t textColumns(std::string_view text);
+
+/// The text, or its start and "..." if it takes more than `columns`.
+std::string cutToColumns(const std::string& text, std::size_t columns);
+
+}  // namespace cartvo

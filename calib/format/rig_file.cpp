@@ -122,6 +122,31 @@ std::string transformText(const Eigen::Isometry3d& transform) {
          exactText(std::vector<double>{translation.x(), translation.y(), translation.z()}) + "\n";
 }
 
+/// T_body_camera, or a comment with its form if it is the default, which is not measured.
+std::string mountText(const Rig& rig) {
+  if (rig.T_body_camera.matrix() == forwardLookingMount().matrix()) {
+    return "# T_body_camera, how the cameras sit on the cart, is not known: velocities are the left "
+           "camera's. "
+           "'cartvo\n"
+           "# calibrate mount' measures and writes it. It takes a point from the left camera's axes to the "
+           "cart's (x forward,\n"
+           "# y left, z up; m; origin on the ground below the rear axle). For a camera that looks forward:\n"
+           "# T_body_camera:\n"
+           "#   rotation:\n"
+           "#     - [0, 0, 1]\n"
+           "#     - [-1, 0, 0]\n"
+           "#     - [0, -1, 0]\n"
+           "#   translation: [FORWARD, LEFT, HEIGHT]\n";
+  }
+  return "# Takes a point from the left camera's axes to the cart's (x forward, y left, z up; m; origin on "
+         "the\n"
+         "# ground below the rear axle). The rotation's columns are the camera's right, down and forward; "
+         "the\n"
+         "# translation is where the left camera sits.\n"
+         "T_body_camera:\n" +
+         transformText(rig.T_body_camera);
+}
+
 }  // namespace
 
 Rig readRig(const std::filesystem::path& file) {
@@ -154,14 +179,7 @@ std::string rigText(const Rig& rig) {
          "row.\n"
          "# Side by side, the translation is about [-baseline, 0, 0].\n"
          "T_right_left:\n" +
-         transformText(rig.T_right_left) +
-         "# Takes a point from the left camera's axes to the cart's (x forward, y left, z up; m; origin on "
-         "the\n"
-         "# ground below the rear axle). The rotation's columns are the camera's right, down and forward; "
-         "the\n"
-         "# translation is where the left camera sits.\n"
-         "T_body_camera:\n" +
-         transformText(rig.T_body_camera) +
+         transformText(rig.T_right_left) + mountText(rig) +
          "# How much of the raw images the rectified ones keep: 0 crops until each pixel has a source, 1 "
          "keeps "
          "all.\n"
@@ -175,7 +193,7 @@ std::string rigText(const Rig& rig) {
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {
   validateRig(rig);
-  writeFileAtomically(file, rigText(rig));
+  writeResultFile(file, rigText(rig));
 }
 
 }  // namespace cartvo::calib

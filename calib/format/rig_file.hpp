@@ -19,7 +19,7 @@ Rig parseRig(const std::string& text, const std::filesystem::path& name);
 /// The rig in cartvo's own format, with comments. Reading it returns the same rig to the last bit.
 std::string rigText(const Rig& rig);
 
-/// Writes `rigText` atomically, see writeFileAtomically. Throws std::invalid_argument if the rig is invalid.
+/// Writes `rigText` atomically, see writeResultFile. Throws std::invalid_argument if the rig is invalid.
 void writeRig(const std::filesystem::path& file, const Rig& rig);
 
 }  // namespace cartvo::calib

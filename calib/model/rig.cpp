@@ -14,6 +14,10 @@ bool isPinhole(const CameraModel& camera) {
          std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0.0; });
 }
 
+bool hasMount(const Rig& rig) {
+  return rig.T_body_camera.translation().z() != 0.0;
+}
+
 Eigen::Isometry3d forwardLookingMount() {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
   // Columns: the camera's right, down and forward in body axes.

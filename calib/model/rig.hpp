@@ -55,6 +55,15 @@ struct Rig {
   double baseline() const { return T_right_left.translation().norm(); }
 };
 
+/// Whether the rig says how the cameras sit on the cart: false if the left camera's height above the body's
+/// origin is 0, as in a rig that has no T_body_camera. Velocities are then those of the left camera.
+bool hasMount(const Rig& rig);
+
+/// What to say of a rig without a mount.
+inline constexpr const char* kNoMountText =
+    "how the cameras sit on the cart is not known (T_body_camera is missing or has height 0): velocities are "
+    "the left camera's; run 'cartvo calibrate mount'";
+
 /// T_body_camera of a camera that looks forward from the body's origin: camera axes (x right, y down, z
 /// forward) to body axes (x forward, y left, z up). The default mount of a rig.
 Eigen::Isometry3d forwardLookingMount();

@@ -199,6 +199,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.features_configured = snapshot.features;
   message.features_least = std::min(window_.features, snapshot.features);
   setSelfCheck(message, self_check_);
+  if (message.self_check.empty()) message.self_check = shortened(snapshot.advice);
   setClock(message, snapshot.clock);
   message.problem = shortened(firstProblem(snapshot));
   if (message.problem.empty()) message.problem = shortened(self_check_.stereoFaultMessage());

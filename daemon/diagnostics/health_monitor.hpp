@@ -25,11 +25,11 @@ struct HealthSnapshot {
   capture::CameraHealth right;
   PipelineCounts counts;
   capture::ClockStatus clock;
-  std::string problem;  ///< the problem to fix first; empty: see the cameras' last errors
-  int features = 0;     ///< as configured
-  std::string
-      recording;  ///< why a configured recording is not written; lower priority than the cameras' problems
-  std::string frame_rate;  ///< as frameRateProblem()
+  std::string problem;     ///< the problem to fix first; empty: see the cameras' last errors
+  int features = 0;        ///< as configured
+  std::string recording;   ///< why a configured recording is not written; after the cameras' problems
+  std::string frame_rate;  ///< as frameRateProblem(); after that
+  std::string advice;      ///< said in self_check while that has no fault
 };
 
 /// Accumulates statistics between health messages. Not thread-safe.

@@ -140,8 +140,10 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
   if (yaml.has("password_credential")) {
     const StrictYaml name = yaml["password_credential"];
     camera.password_credential = name.text();
-    if (camera.password_credential.empty() || camera.password_credential.find('/') != std::string::npos) {
-      name.failExpecting("the name of a systemd credential, without '/'");
+    camera.credentials = folder / "credentials";
+    if (camera.password_credential.empty() || camera.password_credential.find('/') != std::string::npos ||
+        camera.password_credential.starts_with('.')) {
+      name.failExpecting("the name of a systemd credential, without '/' and not beginning with '.'");
     }
   }
   readV4l2Keys(yaml, camera);
@@ -264,12 +266,12 @@ double seconds(std::chrono::milliseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::path& folder) {
+Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::path& folder, RigKey rig) {
   yaml.allowOnly(kRootKeys);
 
   Configuration configuration;
   readCameras(yaml["cameras"], folder, configuration);
-  configuration.rig = path(yaml["rig"], folder);
+  if (rig == RigKey::required || yaml.has("rig")) configuration.rig = path(yaml["rig"], folder);
   if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);
   if (yaml.has("odometry")) readOdometry(yaml["odometry"], configuration);
   if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
@@ -280,12 +282,13 @@ Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::
 
 }  // namespace
 
-Configuration readConfiguration(const std::filesystem::path& file) {
-  return buildConfiguration(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path());
+Configuration readConfiguration(const std::filesystem::path& file, RigKey rig) {
+  return buildConfiguration(StrictYaml::readFile(file), std::filesystem::absolute(file).parent_path(), rig);
 }
 
 Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name) {
-  return buildConfiguration(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path());
+  return buildConfiguration(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path(),
+                            RigKey::required);
 }
 
 std::string effectiveConfiguration(const Configuration& configuration) {

@@ -24,7 +24,8 @@ struct CameraConfiguration {
   std::string url;                      ///< rtsp://HOST[:PORT]/PATH without user and password, or v4l2:DEVICE
   std::string username;                 ///< empty: no authentication
   std::filesystem::path password_file;  ///< absolute; empty: see `password_credential`
-  std::string password_credential;      ///< name of a file in $CREDENTIALS_DIRECTORY; empty: none
+  std::string password_credential;      ///< name of a file, see readPassword; empty: none
+  std::filesystem::path credentials;    ///< absolute; the folder "credentials" beside the configuration
   cv::Size size;                        ///< px, V4L2 only; empty: the rig's
   std::optional<capture::PixelFormat> format;  ///< V4L2 only, see V4l2CameraSettings, as are the next two
   std::optional<double> exposure;              ///< s
@@ -65,10 +66,13 @@ struct Configuration {
   spdlog::level::level_enum log_level = spdlog::level::info;
 };
 
+/// Whether the key rig: must be there; a calibration does without.
+enum class RigKey : std::uint8_t { required, optional };
+
 /// Reads a configuration file strictly: an unknown, missing or repeated key, a wrong type or a value out of
 /// range throws std::runtime_error naming file, line, key, expected and found value. Relative paths are
 /// relative to the file's folder. Opens no other file.
-Configuration readConfiguration(const std::filesystem::path& file);
+Configuration readConfiguration(const std::filesystem::path& file, RigKey rig = RigKey::required);
 
 /// Reads a configuration from text (of a recording). `name`: file name for errors; relative paths are
 /// relative to its folder.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -56,6 +57,16 @@ PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestam
           .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); }};
 }
 
+/// Reads the configured rig. Throws std::runtime_error that names the next step if there is none yet.
+calib::Rig readConfiguredRig(const Configuration& configuration) {
+  std::error_code error;
+  if (std::filesystem::exists(configuration.rig, error) || error) return calib::readRig(configuration.rig);
+  throw std::runtime_error(
+      configuration.rig.string() +
+      ": does not exist; are the cameras not calibrated yet? 'cartvo calibrate' writes this "
+      "file, which the key rig: of the configuration names");
+}
+
 std::string fileText(const std::filesystem::path& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -76,7 +87,7 @@ class Daemon::Implementation {
   void onNoPair(const NoPair& no_pair);
   void tick();
   void publishHealth(Clock::time_point now);
-  std::string statusLine(const health_t& health) const;
+  std::string statusLine(const health_t& health);
 
   Configuration configuration_;
   calib::Rig rig_;
@@ -105,7 +116,7 @@ class Daemon::Implementation {
 
 Daemon::Implementation::Implementation(const Configuration& configuration)
     : configuration_(configuration),
-      rig_(calib::readRig(configuration.rig)),
+      rig_(readConfiguredRig(configuration)),
       lcm_(connectLcm(configuration.lcm_url)),
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
@@ -120,6 +131,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
   const MulticastRoute route = findMulticastRoute(configuration.lcm_url);
   spdlog::info("LCM: {} through {}", configuration.lcm_url, route.interface);
   if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+  if (!calib::hasMount(rig_)) spdlog::warn("{}: {}", configuration.rig.string(), calib::kNoMountText);
   if (!configuration.recording_directory.empty()) startRecording();
 }
 
@@ -207,15 +219,16 @@ void Daemon::Implementation::tick() {
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
   clock_.setHostClockCorrection(hostClockCorrection());
   const std::string foreign = foreign_.consumeProblem();
-  HealthSnapshot snapshot{left_.source().health(),
-                          right_.source().health(),
-                          pipeline_.counts(),
-                          clock_.status(),
-                          foreign.empty() ? pipeline_.problem() : foreign,
-                          configuration_.odometry.features,
-                          recordingProblem(),
-                          {}};
+  HealthSnapshot snapshot;
+  snapshot.left = left_.source().health();
+  snapshot.right = right_.source().health();
+  snapshot.counts = pipeline_.counts();
+  snapshot.clock = clock_.status();
+  snapshot.problem = foreign.empty() ? pipeline_.problem() : foreign;
+  snapshot.features = configuration_.odometry.features;
+  snapshot.recording = recordingProblem();
   snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
+  if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   service_.setStatus(statusLine(message));
@@ -238,9 +251,9 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   }
 }
 
-std::string Daemon::Implementation::statusLine(const health_t& health) const {
+std::string Daemon::Implementation::statusLine(const health_t& health) {
   if (!health.problem.empty()) return health.problem;
-  if (!health.self_check.empty()) return health.self_check;
+  if (const std::string fault = health_.selfCheck().message(); !fault.empty()) return fault;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
                      validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);
@@ -256,16 +269,16 @@ void Daemon::stop() noexcept {
   implementation_->stop();
 }
 
+std::string configurationWarning(const Configuration& configuration) {
+  return calib::hasMount(calib::readRig(configuration.rig)) ? "" : calib::kNoMountText;
+}
+
 void checkConfiguration(const Configuration& configuration) {
-  const calib::Rig rig = calib::readRig(configuration.rig);
+  const calib::Rig rig = readConfiguredRig(configuration);
   calib::computeRectification(rig, rig.rectification);
   vo::validate(configuration.odometry);
-  for (const CameraConfiguration* camera : {&configuration.left, &configuration.right}) {
-    // systemd passes credentials only to the running service.
-    const bool given_by_systemd =
-        camera->password_file.empty() && std::getenv("CREDENTIALS_DIRECTORY") == nullptr;
-    if (!given_by_systemd) readPassword(*camera);
-  }
+  for (const CameraConfiguration* camera : {&configuration.left, &configuration.right})
+    readPassword(*camera);
   findMulticastRoute(configuration.lcm_url);
 }
 

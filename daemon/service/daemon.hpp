@@ -27,6 +27,10 @@ class Daemon {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// What works but is most likely not meant: a rig that does not say how the cameras sit on the cart. Empty:
+/// nothing. Throws as checkConfiguration.
+std::string configurationWarning(const Configuration& configuration);
+
 /// Checks what can be checked without cameras and LCM: the rig and its rectification, the odometry settings,
 /// the passwords, the LCM URL. Throws std::runtime_error that names the fault.
 void checkConfiguration(const Configuration& configuration);

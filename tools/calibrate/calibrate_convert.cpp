@@ -11,6 +11,7 @@
 #include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
+#include "tools/calibrate/next_step.hpp"
 #include "tools/simulate/simulate_options.hpp"
 
 namespace cartvo {
@@ -28,7 +29,7 @@ struct Options {
 void write(const fs::path& output, const std::vector<calib::RigFile>& files) {
   for (const calib::RigFile& file : files) {
     const fs::path path = file.name.empty() ? output : output / file.name;
-    writeFileAtomically(path, file.text);
+    writeResultFile(path, file.text);
     std::printf("%s\n", path.c_str());
   }
 }
@@ -53,6 +54,7 @@ void run(const Options& options) {
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
   warnOfLostScaleUncertainty(rig, format);
+  if (format == calib::RigFormat::cartvo) printNextStep(rig, options.output);
 }
 
 }  // namespace

@@ -18,14 +18,17 @@
 #include "common/atomic_file.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/live_camera.hpp"
+#include "tools/calibrate/next_step.hpp"
 #include "tools/calibrate/report/calibration_report.hpp"
 #include "tools/calibrate/report/calibration_summary.hpp"
 #include "tools/calibrate/views/board_views.hpp"
+#include "tools/calibrate/views/kept_views.hpp"
 #include "tools/calibrate/views/live_page.hpp"
 #include "tools/calibrate/views/newest_frame.hpp"
 #include "tools/calibrate/views/stream_views.hpp"
 #include "tools/calibrate/views/view_guide.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/result_files.hpp"
 
 namespace cartvo {
 namespace {
@@ -139,8 +142,10 @@ FoundViews viewsOfStreams(capture::CameraSource& left, capture::CameraSource& ri
   return found;
 }
 
-FoundViews viewsOfLiveCameras(const Options& options, const calib::BoardSpec& board, LivePage* page) {
-  const daemon::Configuration configuration = daemon::readConfiguration(options.configuration);
+FoundViews viewsOfLiveCameras(const Options& options, const calib::BoardSpec& board, LivePage* page,
+                              KeptViews* kept) {
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(options.configuration, daemon::RigKey::optional);
   capture::StereoTimestamper clock(configuration.clock);
   daemon::LiveCamera left(configuration, capture::CameraSide::left, {}, clock);
   daemon::LiveCamera right(configuration, capture::CameraSide::right, {}, clock);
@@ -149,13 +154,14 @@ FoundViews viewsOfLiveCameras(const Options& options, const calib::BoardSpec& bo
       stderr,
       "cartvo: show the board to both cameras, and hold it still for a second at a time; Ctrl-C ends the "
       "collection and calibrates with the views so far\n");
-  return viewsOfStreams(newest_left, newest_right, board, {.max_seconds = 900.0, .stop_when_complete = true},
-                        page);
+  StreamViewSettings settings{.max_seconds = 900.0, .stop_when_complete = true};
+  if (kept != nullptr) settings.keep_view = [kept](const DetectedView& view) { kept->add(view); };
+  return viewsOfStreams(newest_left, newest_right, board, settings, page);
 }
 
-FoundViews viewsOf(const Options& options, const calib::BoardSpec& board, LivePage* page) {
+FoundViews viewsOf(const Options& options, const calib::BoardSpec& board, LivePage* page, KeptViews* kept) {
   if (!usesStreams(options)) return viewsOfPairs(options, board);
-  if (options.source == "live") return viewsOfLiveCameras(options, board, page);
+  if (options.source == "live") return viewsOfLiveCameras(options, board, page, kept);
   capture::RecordingSource left(options.source, capture::CameraSide::left),
       right(options.source, capture::CameraSide::right);
   return viewsOfStreams(left, right, board, {.max_seconds = 3600.0, .stop_when_complete = false}, page);
@@ -175,21 +181,20 @@ ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibra
   return {};
 }
 
-/// Calibrates, reports, and writes the rig file if the calibration passes. `summary`: receives the text
-/// report.
-void calibrate(const Options& options, const calib::BoardSpec& board, LivePage* page, std::string& summary) {
-  const std::optional<calib::Rig> before = rigBefore(options.output);
-  const FoundViews found = viewsOf(options, board, page);
+/// Calibrates, reports, and writes the rig file if the calibration passes. `before`: see rigBefore.
+/// `summary`: receives the text report.
+void calibrate(const Options& options, const calib::BoardSpec& board, const std::optional<calib::Rig>& before,
+               LivePage* page, KeptViews* kept, std::string& summary) {
+  const FoundViews found = viewsOf(options, board, page, kept);
   calib::Calibration calibration = calib::calibrateViews(found.views.views, board, found.views.image_size,
                                                          modelChoices().at(options.model));
   calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
                               found.views.rejected.end());
   const std::string json = calibrationJson(calibration).dump(2) + "\n";
   if (!options.report.empty()) {
-    std::filesystem::create_directories(options.report);
-    writeFileAtomically(options.report / "calibration.json", json);
-    writeFileAtomically(options.report / "report.html",
-                        calibrationReport(calibration, reportPair(found, calibration)));
+    writeResultFile(options.report / "calibration.json", json);
+    writeResultFile(options.report / "report.html",
+                    calibrationReport(calibration, reportPair(found, calibration)));
   }
   summary = calibrationText(calibration);
   std::fputs((options.json ? json : summary).c_str(), stdout);
@@ -197,8 +202,20 @@ void calibrate(const Options& options, const calib::BoardSpec& board, LivePage* 
     throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
                              " is not changed");
   }
-  calib::writeRig(options.output, rigToWrite(calibration, before, options));
+  const calib::Rig rig = rigToWrite(calibration, before, options);
+  calib::writeRig(options.output, rig);
   std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
+  if (!options.json) printNextStep(rig, options.output);
+}
+
+/// Says how to calibrate again with the views of a live calibration that failed.
+void printKeptViews(const KeptViews& kept, const Options& options) {
+  std::fprintf(
+      stderr,
+      "cartvo: %zu views are kept in %s; to calibrate with them again: cartvo calibrate %s --board %s "
+      "--output %s\n",
+      kept.count(), kept.folder().c_str(), kept.folder().c_str(), options.board.c_str(),
+      options.output.c_str());
 }
 
 std::unique_ptr<LivePage> servePage(const PageAddress& address, const calib::BoardSpec& board) {
@@ -211,12 +228,20 @@ std::unique_ptr<LivePage> servePage(const PageAddress& address, const calib::Boa
 
 void run(const Options& options) {
   const calib::BoardSpec board = calib::parseBoardSpec(options.board);
+  const std::optional<calib::Rig> before = rigBefore(options.output);
+  checkResultFiles({options.output});
+  std::optional<KeptViews> kept;
+  if (!options.report.empty()) {
+    checkResultFiles({options.report / "report.html"});
+    if (options.source == "live" && usesStreams(options)) kept.emplace(options.report);
+  }
   const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
   std::string summary;
   try {
-    calibrate(options, board, page.get(), summary);
+    calibrate(options, board, before, page.get(), kept ? &*kept : nullptr, summary);
   } catch (const std::exception& error) {
     if (page) page->showResult(false, summary + error.what());
+    if (kept && kept->count() > 0) printKeptViews(*kept, options);
     throw;
   }
   if (page) page->showResult(true, summary);

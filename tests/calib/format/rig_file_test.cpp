@@ -73,6 +73,20 @@ TEST(RigFile, DefaultsToAForwardLookingMount) {
   EXPECT_EQ(readRig(folder / "rig.yaml").T_body_camera.matrix(), forwardLookingMount().matrix());
 }
 
+TEST(RigFile, HasNoMountUntilOneIsMeasured) {
+  Rig rig = test::cartRig();
+  EXPECT_TRUE(hasMount(rig));
+  EXPECT_THAT(rigText(rig), HasSubstr("\nT_body_camera:\n"));
+  rig.T_body_camera = forwardLookingMount();
+  EXPECT_FALSE(hasMount(rig));
+  EXPECT_THAT(rigText(rig), ::testing::Not(HasSubstr("\nT_body_camera:")));
+  EXPECT_EQ(parseRig(rigText(rig), "rig.yaml").T_body_camera.matrix(), forwardLookingMount().matrix());
+  rig.T_body_camera.translation().x() = 1.55;
+  EXPECT_FALSE(hasMount(rig)) << "no height";
+  EXPECT_EQ(parseRig(rigText(rig), "rig.yaml").T_body_camera.translation().x(), 1.55)
+      << "is kept all the same";
+}
+
 TEST(RigFile, IsUnchangedIfTheRigIsInvalid) {
   const test::TemporaryFolder folder;
   writeRig(folder / "rig.yaml", test::cartRig());

@@ -228,6 +228,14 @@ TEST(HealthMessage, NamesMostImportantProblem) {
   EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
 }
 
+TEST(HealthMessage, SelfCheckGivesTheAdviceWhileThereIsNoFault) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot unmounted = snapshot(1);
+  EXPECT_EQ(monitor.summarise({}, unmounted).self_check, "");
+  unmounted.advice = calib::kNoMountText;
+  EXPECT_EQ(monitor.summarise({}, unmounted).self_check, calib::kNoMountText);
+}
+
 TEST(HealthMessage, HoldsClockStatus) {
   HealthMonitor monitor{{}};
   HealthSnapshot clocks = snapshot(1);

@@ -72,6 +72,30 @@ TEST_F(CameraPassword, IsReadFromSystemdCredential) {
   unsetenv("CREDENTIALS_DIRECTORY");
 }
 
+TEST_F(CameraPassword, IsReadFromCredentialsBesideTheConfigurationOutsideSystemd) {
+  CameraConfiguration credential;
+  credential.username = "admin";
+  credential.password_credential = "left-camera-password";
+  credential.credentials = folder_ / "credentials";
+  unsetenv("CREDENTIALS_DIRECTORY");
+  EXPECT_THAT(
+      errorOf(credential),
+      testing::AllOf(HasSubstr("'left-camera-password' is not to be found here"),
+                     HasSubstr("$CREDENTIALS_DIRECTORY is not set"),
+                     HasSubstr((folder_ / "credentials/left-camera-password").string() + " does not exist")));
+  fs::create_directory(credential.credentials);
+  std::ofstream(credential.credentials / "left-camera-password") << "beside\n";
+  fs::permissions(credential.credentials / "left-camera-password", kOwner);
+  EXPECT_EQ(readPassword(credential), "beside");
+  setenv("CREDENTIALS_DIRECTORY", (folder_ / "of systemd").c_str(), 1);
+  EXPECT_EQ(readPassword(credential), "beside") << "systemd's folder has no such file";
+  fs::create_directory(folder_ / "of systemd");
+  std::ofstream(folder_ / "of systemd/left-camera-password") << "from systemd\n";
+  fs::permissions(folder_ / "of systemd/left-camera-password", kOwner);
+  EXPECT_EQ(readPassword(credential), "from systemd");
+  unsetenv("CREDENTIALS_DIRECTORY");
+}
+
 TEST_F(CameraPassword, IsEmptyWithoutUserName) {
   EXPECT_EQ(readPassword(CameraConfiguration{}), "");
 }

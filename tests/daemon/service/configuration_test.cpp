@@ -143,6 +143,7 @@ TEST_F(ConfigurationFile, RejectsInconsistentCredentials) {
   EXPECT_THAT(errorOf(with("password_file: p")), HasSubstr("needs username"));
   EXPECT_THAT(errorOf(with("username: u, password_file: p, password_credential: c")), HasSubstr("not both"));
   EXPECT_THAT(errorOf(with("username: u, password_credential: ../c")), HasSubstr("without '/'"));
+  EXPECT_THAT(errorOf(with("username: u, password_credential: ..")), HasSubstr("without '/'"));
 }
 
 TEST_F(ConfigurationFile, RejectsUnsupportedUrlScheme) {

@@ -53,7 +53,8 @@ TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
                                                   output.string() + " --report " + report.string());
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output,
-              AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED"))));
+              AllOf(HasSubstr("chosen"), HasSubstr("the calibration passes"), Not(HasSubstr("FAILED")),
+                    HasSubstr("next: record a straight drive on level ground")));
   const calib::Rig rig = calib::readRig(output);
   EXPECT_GE(rig.scale_stddev, 1e-3);
   EXPECT_EQ(rig.rectification.free_scaling, 0.2);
@@ -70,6 +71,20 @@ TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
   EXPECT_THAT(textOf(report / "report.html"),
               AllOf(HasSubstr("<svg"), HasSubstr("data:image/png;base64,"), HasSubstr("Rejected views"),
                     Not(HasSubstr("http://127")), HasSubstr("</html>")));
+}
+
+TEST(CalibrateCommand, LooksAtItsResultPathsBeforeTheWork) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "file") << "text";
+  const std::string command = "calibrate " + (folder / "images").string() + " --board chessboard:9x6:0.025 ";
+  for (const std::string& paths :
+       {"--output " + (folder / "file/rig.yaml").string(), "--output " + folder.path().string(),
+        "--output rig.yaml --report " + (folder / "file").string(),
+        std::string("--output /proc/nope/rig.yaml")}) {
+    const test::CommandResult run = test::runCartvo(command + paths);
+    EXPECT_EQ(run.exit_code, 1) << paths;
+    EXPECT_THAT(run.output, Not(HasSubstr("images"))) << paths << ": the source is looked at later";
+  }
 }
 
 TEST(CalibrateCommand, IsDeterministicAndKeepsTheMount) {

@@ -53,6 +53,18 @@ TEST(CalibrateConvertCommand, WarnsThatOtherFormatsLoseTheScaleStddev) {
   EXPECT_EQ(calib::readRig(folder / "out.yaml").scale_stddev, 0.002);
 }
 
+TEST(CalibrateConvertCommand, NamesTheNextStepWhileTheMountIsNotKnown) {
+  const test::TemporaryFolder folder;
+  const auto said_of = [&](const calib::Rig& rig) {
+    calib::writeRig(folder / "rig.yaml", rig);
+    return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --output " +
+                           in(folder, "new.yaml"))
+        .output;
+  };
+  EXPECT_THAT(said_of(test::rectifiedRig()), HasSubstr("next: record a straight drive"));
+  EXPECT_THAT(said_of(test::cartRig()), Not(HasSubstr("next:")));
+}
+
 TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
   CARTVO_NEEDS_DATA(euroc, "euroc_still");
   CARTVO_NEEDS_DATA(kitti, "kitti_06");

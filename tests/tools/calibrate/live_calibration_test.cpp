@@ -93,8 +93,8 @@ class LiveCalibration : public ::testing::Test {
     std::filesystem::permissions(folder_ / "password", std::filesystem::perms::owner_read);
     std::ofstream(folder_ / "cartvod.yaml")
         << "cameras:\n  left: {url: '" << left_->url() << "', username: admin, password_file: password}\n"
-        << "  right: {url: '" << right_->url() << "', username: admin, password_file: password}\n"
-        << "rig: rig.yaml\n";
+        << "  right: {url: '" << right_->url()
+        << "', username: admin, password_file: password}\n";  // no rig: yet
   }
 
   /// Starts the content when each camera has this many clients.
@@ -131,7 +131,8 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   auto recorded_left = std::make_unique<RecordedCamera>(*left_, recorder.left());
   auto recorded_right = std::make_unique<RecordedCamera>(*right_, recorder.right());
   test::RunningCartvo cartvo("calibrate live --config " + (folder_ / "cartvod.yaml").string() + kBoard +
-                                 "--page 0 --output " + (folder_ / "live.yaml").string(),
+                                 "--page 0 --output " + (folder_ / "live.yaml").string() + " --report " +
+                                 (folder_ / "live").string(),
                              folder_ / "said");
   ASSERT_TRUE(comes([&] { return !pageOf(cartvo.output()).empty(); })) << cartvo.output();
   startContentFor(2);
@@ -160,6 +161,12 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   EXPECT_EQ(cartvo.wait(), 0) << cartvo.output();
   EXPECT_THAT(cartvo.output(), AllOf(HasSubstr("view 8 taken at"), HasSubstr("the calibration passes")));
   expectTruth(calib::readRig(folder_ / "live.yaml"));
+  EXPECT_EQ(cv::imread((folder_ / "live/views/image_1/008.png").string(), cv::IMREAD_GRAYSCALE).size(),
+            cv::Size(320, 240));
+  const test::CommandResult kept = test::runCartvo("calibrate " + (folder_ / "live/views").string() + kBoard +
+                                                   "--output " + (folder_ / "kept.yaml").string());
+  EXPECT_EQ(kept.exit_code, 0) << kept.output;
+  expectTruth(calib::readRig(folder_ / "kept.yaml"));
 
   recorded_left.reset();
   recorded_right.reset();

@@ -88,8 +88,9 @@ calib::TiltCoverage approximateTilts(const std::vector<calib::BoardView>& views,
 /// Collects views from two streams.
 class ViewCollector {
  public:
-  ViewCollector(const calib::BoardSpec& board, const std::function<void(const StreamProgress&)>& report)
-      : board_(board), still_board_(board), report_(report) {
+  ViewCollector(const calib::BoardSpec& board, const StreamViewSettings& settings,
+                const std::function<void(const StreamProgress&)>& report)
+      : board_(board), settings_(settings), still_board_(board), report_(report) {
     progress_.next_view_advice = "show the board to both cameras";
   }
 
@@ -126,6 +127,7 @@ class ViewCollector {
 
  private:
   void addView(DetectedView&& view) {
+    settings_.keep_view(view);
     constexpr std::size_t kViewsWithImages =
         10;  // to have the images of at least one usable view in the report
     if (streamed_.views.size() >= kViewsWithImages) view.left_image = view.right_image = cv::Mat();
@@ -145,6 +147,7 @@ class ViewCollector {
   }
 
   calib::BoardSpec board_;
+  const StreamViewSettings& settings_;
   StillBoardDetector still_board_;
   const std::function<void(const StreamProgress&)>& report_;
   StreamedViews streamed_;
@@ -158,7 +161,7 @@ StreamedViews viewsFromStreams(capture::CameraSource& left, capture::CameraSourc
                                const calib::BoardSpec& board, const StreamViewSettings& settings,
                                const std::function<void(const StreamProgress&)>& report) {
   PendingFrame left_frame(left, "left"), right_frame(right, "right");
-  ViewCollector views(board, report);
+  ViewCollector views(board, settings, report);
   while (!settings.is_stop_requested()) {
     left_frame.fetch();
     right_frame.fetch();

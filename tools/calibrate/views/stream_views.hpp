@@ -46,6 +46,8 @@ struct StreamViewSettings {
   bool stop_when_complete = true;  ///< stop when the views are sufficient; else read the streams to their end
   std::size_t max_views = 200;
   std::function<bool()> is_stop_requested = [] { return false; };
+  /// Called with each view that is taken, with its images.
+  std::function<void(const DetectedView&)> keep_view = [](const DetectedView&) {};
 };
 
 /// Collects the views in which the board is held still, see StillBoardDetector, and calls `report` after each

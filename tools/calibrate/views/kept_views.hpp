@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "tools/calibrate/views/board_views.hpp"
+
+namespace cartvo {
+
+/// Keeps the images of views that were taken from streams, so that a calibration that fails later loses
+/// none: a folder with image_0 (left) and image_1 (right), which `cartvo calibrate FOLDER` reads.
+class KeptViews {
+ public:
+  /// The folder is "views" in `report`, or "views-2", "views-3", ... if there are views already. Throws
+  /// std::runtime_error if it cannot be made.
+  explicit KeptViews(const std::filesystem::path& report);
+
+  /// Writes both images. A failure is printed once, and does not end the collection of views.
+  void add(const DetectedView& view);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::size_t count_ = 0;
+  bool has_failed_ = false;
+};
+
+}  // namespace cartvo

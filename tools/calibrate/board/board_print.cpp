@@ -165,7 +165,7 @@ std::string printedBoard(const BoardSheet& sheet, const std::string& extension, 
 }
 
 void printBoard(const BoardSheet& sheet, const std::filesystem::path& file, double dots_per_inch) {
-  writeFileAtomically(file, printedBoard(sheet, file.extension(), dots_per_inch));
+  writeResultFile(file, printedBoard(sheet, file.extension(), dots_per_inch));
 }
 
 }  // namespace cartvo::calibrate

@@ -57,7 +57,7 @@ void addCalibrateBoard(CLI::App& calibrate) {
       "Examples:\n"
       "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --page A3\n"
       "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "
-      "A1");
+      "A0");
   command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -84,13 +85,26 @@ void run(const Options& options, bool gives_forward, bool gives_left) {
     measurements = calibrate::collectMountMeasurements(
         options.source, rig, [&](std::size_t done, std::size_t expected) { progress.show(done, expected); });
   }
-  const Mount mount = calibrate::measureMount(measurements.ground, measurements.motions, rig.T_body_camera);
+  const double seconds = calibrate::durationOf(measurements.ground);
+  const Mount mount = calibrate::withRoadUncertainty(
+      calibrate::measureMount(measurements.ground, measurements.motions, rig.T_body_camera), seconds);
   rig.T_body_camera = mount.T_body_camera;
   calib::writeRig(options.output, rig);
   const std::string report =
       options.json ? jsonOf(mount, measurements).dump(2) + "\n" : textOf(mount, measurements);
   std::fputs(report.c_str(), stdout);
   if (!options.json) std::printf("written to %s\n", options.output.c_str());
+  constexpr double kEnough_s = 15.0;
+  if (seconds < kEnough_s) {
+    std::fprintf(stderr, "cartvo: the ground was seen for %.0f s only; drive for about twenty seconds\n",
+                 seconds);
+  }
+  for (const auto& [axis, option, place] : {std::tuple{0, "--forward", "ahead of the rear axle"},
+                                            std::tuple{1, "--left", "left of the cart's middle"}}) {
+    if (rig.T_body_camera.translation()[axis] != 0.0 || (axis == 0 ? gives_forward : gives_left)) continue;
+    std::fprintf(stderr, "cartvo: the left camera counts as 0 m %s: measure it and give %s METRES\n", place,
+                 option);
+  }
 }
 
 }  // namespace

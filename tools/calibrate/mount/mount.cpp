@@ -8,6 +8,7 @@
 
 #include "calib/model/rig.hpp"
 #include "common/statistics.hpp"
+#include "common/units.hpp"
 #include "tools/calibrate/check/robust_line.hpp"
 
 namespace cartvo::calibrate {
@@ -149,6 +150,31 @@ Mount measureMount(const std::vector<GroundObservation>& ground, const std::vect
                                   Eigen::Quaterniond(calib::forwardLookingMount().linear()))
                                      .toRotationMatrix();
   return mount;
+}
+
+double durationOf(const std::vector<GroundObservation>& ground) {
+  if (ground.empty()) return 0.0;
+  const auto [first, last] = std::minmax_element(
+      ground.begin(), ground.end(),
+      [](const GroundObservation& a, const GroundObservation& b) { return a.seconds < b.seconds; });
+  return last->seconds - first->seconds;
+}
+
+Mount withRoadUncertainty(const Mount& mount, double seconds) {
+  constexpr double kReferenceTime = 10.0, kMinTime = 1.0;  // s
+  constexpr double kHeight = 0.006;                        // m, in the reference time, as the next
+  constexpr double kPitch = 0.15 * kRadiansPerDegree, kYaw = 0.05 * kRadiansPerDegree;
+  constexpr double kRoll = 0.15 * kRadiansPerDegree;  // does not average
+  const double share = std::sqrt(kReferenceTime / std::max(seconds, kMinTime));
+  const auto add = [](Estimate& estimate, double stddev) {
+    estimate.stddev = std::hypot(estimate.stddev, stddev);
+  };
+  Mount wider = mount;
+  add(wider.height, share * kHeight);
+  add(wider.pitch, share * kPitch);
+  add(wider.roll, kRoll);
+  if (wider.yaw) add(*wider.yaw, share * kYaw);
+  return wider;
 }
 
 }  // namespace cartvo::calibrate

@@ -52,4 +52,12 @@ struct Mount {
 Mount measureMount(const std::vector<GroundObservation>& ground, const std::vector<CameraTwist>& motions,
                    const Eigen::Isometry3d& T_body_camera);
 
+/// Time from the first to the last ground observation, s.
+double durationOf(const std::vector<GroundObservation>& ground);
+
+/// Adds to the standard deviations what the scatter within the drive does not show: the road under the wheels
+/// tilts the cart by some tenths of a degree. Its slope along the drive averages over `seconds`, its slope to
+/// the side does not. The values are from rendered drives, see cartvo-calibrate-mount(1).
+Mount withRoadUncertainty(const Mount& mount, double seconds);
+
 }  // namespace cartvo::calibrate

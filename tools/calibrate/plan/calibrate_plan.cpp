@@ -81,7 +81,7 @@ void run(Options& options) {
   if (options.output.empty()) {
     std::fputs(report.c_str(), stdout);
   } else {
-    writeFileAtomically(options.output, report);
+    writeResultFile(options.output, report);
   }
 }
 

@@ -155,5 +155,19 @@ TEST(CalibrateMountCommand, EstimatesTheMountOfARenderedCart) {
   EXPECT_EQ(found.translation().x(), 1.55);
 }
 
+TEST(MountUncertainty, IncludesTheRoadWhichAveragesAlongTheDriveOnly) {
+  Mount mount;
+  mount.height.stddev = 0.001;
+  mount.yaw = Estimate{0.0, 0.0};
+  const Mount short_drive = withRoadUncertainty(mount, 9.0), long_drive = withRoadUncertainty(mount, 60.0);
+  EXPECT_NEAR(short_drive.height.stddev, 0.0064, 1e-4);
+  EXPECT_GT(short_drive.roll.stddev, 0.1 * kRadiansPerDegree);
+  EXPECT_EQ(long_drive.roll.stddev, short_drive.roll.stddev);
+  EXPECT_LT(long_drive.pitch.stddev, 0.5 * short_drive.pitch.stddev);
+  EXPECT_LT(long_drive.yaw->stddev, short_drive.yaw->stddev);
+  EXPECT_EQ(durationOf({{2.0}, {1.0}, {4.5}}), 3.5);
+  EXPECT_EQ(durationOf({}), 0.0);
+}
+
 }  // namespace
 }  // namespace cartvo::calibrate

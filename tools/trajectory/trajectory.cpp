@@ -200,7 +200,7 @@ void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, T
                   q.z(), q.w());
     text += row;
   }
-  writeFileAtomically(file, text);
+  writeResultFile(file, text);
 }
 
 void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
@@ -215,7 +215,7 @@ void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory,
     }
     text += '\n';
   }
-  writeFileAtomically(file, text);
+  writeResultFile(file, text);
 }
 
 }  // namespace cartvo

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "common/atomic_file.hpp"
 #include "common/host_clock.hpp"
+#include "common/terminal.hpp"
 #include "common/units.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
@@ -37,9 +37,10 @@ double secondsSince(Clock::time_point start) {
 class LiveLine {
  public:
   explicit LiveLine(const WatchSettings& settings)
-      : redraws_(!settings.plain && isatty(STDOUT_FILENO) != 0) {}
+      : stream_(settings.to_error_output ? stderr : stdout),
+        redraws_(!settings.plain && isatty(fileno(stream_)) != 0) {}
   ~LiveLine() {
-    if (redraws_ && drawn_) std::puts("");
+    if (redraws_ && drawn_) std::fputs("\n", stream_);
   }
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
@@ -48,21 +49,26 @@ class LiveLine {
     if (drawn_ && secondsSince(last_) < (redraws_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
-    const std::string line = liveLine(message, statistics.currentFrameRate(wallClockNow())) + clocks;
-    std::printf(redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
-    std::fflush(stdout);
+    constexpr std::size_t kUnlimited = 1000;
+    // A line that fills the last column would wrap.
+    const std::size_t columns =
+        redraws_ ? terminalColumns(fileno(stream_)).value_or(kUnlimited + 1) - 1 : kUnlimited;
+    const std::string line = liveLine(message, statistics.currentFrameRate(wallClockNow()), clocks, columns);
+    std::fprintf(stream_, redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+    std::fflush(stream_);
   }
 
   /// Prints `text` on a line of its own if it differs from the last one.
   void printAdvice(const std::string& text) {
     if (text == last_advice_) return;
     last_advice_ = text;
-    if (redraws_ && drawn_) std::puts("");
-    std::printf("%s\n", text.empty() ? "no problem any more" : text.c_str());
-    std::fflush(stdout);
+    if (redraws_ && drawn_) std::fputs("\n", stream_);
+    std::fprintf(stream_, "%s\n", text.empty() ? "no problem any more" : text.c_str());
+    std::fflush(stream_);
   }
 
  private:
+  std::FILE* stream_;
   std::string last_advice_;
   bool redraws_;
   bool drawn_ = false;
@@ -119,7 +125,7 @@ class OdometryReceiver {
     health_t message{};
     if (decode(*buffer, message)) {
       advice_ = adviceText(message);
-      clocks_ = "  " + clockText(message);
+      clocks_ = clockText(message);
     } else {
       foreign_health_ = true;
     }
@@ -132,6 +138,23 @@ class OdometryReceiver {
   bool received_ = false;
   bool foreign_odometry_ = false, foreign_health_ = false;
 };
+
+/// A field of the live line.
+struct LiveField {
+  int dispensable;  ///< fields with higher values are left out first
+  std::string text;
+};
+
+/// The fields below a value, in their order.
+template <typename Fields>
+std::string joined(const Fields& fields, int dispensable) {
+  std::string line;
+  for (const LiveField& field : fields) {
+    if (field.dispensable < dispensable && !field.text.empty())
+      line += (line.empty() ? "" : "  ") + field.text;
+  }
+  return line;
+}
 
 [[noreturn]] void failWithoutMessages(const WatchSettings& settings, bool has_foreign_messages) {
   if (has_foreign_messages) throw std::runtime_error(foreignDefinitionText(true, false));
@@ -191,7 +214,10 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
         secondsSince(last_pair) >= settings.until_silent)
       break;
   }
-  if (!has_message) failWithoutMessages(settings, receiver.hasForeignMessages());
+  if (!has_message) {
+    throw std::runtime_error(fmt::format("interrupted after {:.1f} s without a message on {}",
+                                         secondsSince(first), daemon::kOdometryChannel));
+  }
   return statistics;
 }
 
@@ -219,17 +245,26 @@ std::string clockText(const health_t& message) {
                      message.clock_deviation_ms);
 }
 
-std::string liveLine(const odometry_t& message, double frame_rate) {
-  if (message.status != odometry_t::VALID) {
-    return fmt::format("{:5.1f} fps  INVALID: {}", frame_rate, daemon::reasonNames(message.reasons));
-  }
+std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks,
+                     std::size_t columns) {
+  const std::string rate = fmt::format("{:5.1f} fps", frame_rate);
+  if (message.status != odometry_t::VALID)
+    return cutToColumns(rate + "  INVALID: " + daemon::reasonNames(message.reasons), columns);
   const std::optional<double> latency = latencyMs(message);
-  return fmt::format(
-      "{:5.1f} fps  {}  speed {:6.2f} m/s  yaw {:+6.1f} deg/s  features {:5d}  offset "
-      "{:+5.1f} ms  valid",
-      frame_rate, latency ? fmt::format("latency {:5.1f} ms", *latency) : "of a recording",
-      message.velocity_body[0], message.angular_velocity_body[2] * kDegreesPerRadian, message.features,
-      static_cast<double>(message.offset_us) * 1e-3);
+  const std::array<LiveField, 8> fields{{
+      {0, rate},
+      {4, latency ? fmt::format("latency {:5.1f} ms", *latency) : "of a recording"},
+      {1, fmt::format("speed {:6.2f} m/s", message.velocity_body[0])},
+      {3, fmt::format("yaw {:+6.1f} deg/s", message.angular_velocity_body[2] * kDegreesPerRadian)},
+      {7, fmt::format("features {:5d}", message.features)},
+      {5, fmt::format("offset {:+5.1f} ms", static_cast<double>(message.offset_us) * 1e-3)},
+      {2, "valid"},
+      {6, clocks},
+  }};
+  for (int dispensable = 8; dispensable > 2; --dispensable) {
+    if (const std::string line = joined(fields, dispensable); textColumns(line) <= columns) return line;
+  }
+  return cutToColumns(joined(fields, 3), columns);
 }
 
 std::string summaryText(const OdometrySummary& summary) {
@@ -251,12 +286,13 @@ std::string summaryText(const OdometrySummary& summary) {
          (summary.two_publishers ? std::string(kTwoPublishers) + "\n" : "");
 }
 
-void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary) {
+std::string summaryJson(const OdometrySummary& summary) {
   const nlohmann::ordered_json json = {
       {"messages", summary.messages},
       {"lost", summary.lost},
       {"no_pair", summary.no_pair},
       {"valid", summary.valid},
+      {"valid_percent", validPercent(summary)},
       {"restarts", summary.restarts},
       {"resets", summary.resets},
       {"two_publishers", summary.two_publishers},
@@ -270,7 +306,12 @@ void writeSummary(const std::filesystem::path& file, const OdometrySummary& summ
       {"age_ms", {{"p50", summary.age_p50_ms}, {"p99", summary.age_p99_ms}}},
       {"offset_median_ms", summary.offset_median_ms},
   };
-  writeFileAtomically(file, json.dump(2) + "\n");
+  return json.dump(2) + "\n";
+}
+
+double validPercent(const OdometrySummary& summary) {
+  const std::int64_t pairs = summary.messages - summary.no_pair;
+  return pairs == 0 ? 0.0 : 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs);
 }
 
 }  // namespace cartvo

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include <cartvo/health_t.hpp>
@@ -12,10 +11,11 @@ namespace cartvo {
 /// Settings of `cartvo watch`.
 struct WatchSettings {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
-  double seconds = 0.0;         ///< s, end this long after the first message; 0: at SIGINT or SIGTERM
-  double until_silent = 0.0;    ///< s, end after this time without a pair; 0: never
-  double first_message = 15.0;  ///< s, time limit for the first message
-  bool plain = false;           ///< print one line per second instead of redrawing one
+  double seconds = 0.0;          ///< s, end this long after the first message; 0: at SIGINT or SIGTERM
+  double until_silent = 0.0;     ///< s, end after this time without a pair; 0: never
+  double first_message = 15.0;   ///< s, time limit for the first message
+  bool plain = false;            ///< print one line per second instead of redrawing one
+  bool to_error_output = false;  ///< print lines to standard error
 };
 
 /// Receives CARTVO_ODOMETRY, prints a live line to standard output and returns the statistics. Throws
@@ -23,8 +23,10 @@ struct WatchSettings {
 OdometryStatistics watchOdometry(const WatchSettings& settings);
 
 /// Formats the live line: "18.0 fps  latency 7.9 ms  speed 3.21 m/s  yaw -2.1 deg/s  features 987  offset
-/// +0.4 ms valid".
-std::string liveLine(const odometry_t& message, double frame_rate);
+/// +0.4 ms  valid  by sender reports ±0.7 ms". `clocks`: clockText, or empty. To fit into `columns`,
+/// features, clocks, offset, latency and yaw are left out in this order.
+std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks = {},
+                     std::size_t columns = 1000);
 
 /// What to do if messages of these channels cannot be decoded; empty if all can.
 std::string foreignDefinitionText(bool odometry, bool health);
@@ -38,7 +40,10 @@ std::string clockText(const health_t& message);
 /// The summary as text of several lines.
 std::string summaryText(const OdometrySummary& summary);
 
-/// Writes the summary as JSON; NaN becomes null. Throws std::runtime_error that names the file.
-void writeSummary(const std::filesystem::path& file, const OdometrySummary& summary);
+/// The summary as JSON; NaN becomes null.
+std::string summaryJson(const OdometrySummary& summary);
+
+/// Share of the pairs whose message was valid, %; 0 without pairs.
+double validPercent(const OdometrySummary& summary);
 
 }  // namespace cartvo

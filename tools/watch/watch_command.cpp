@@ -1,9 +1,15 @@
 // Command line of `cartvo watch`.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
 
+#include "common/atomic_file.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"
+#include "tools/cartvo/time_option.hpp"
 #include "tools/watch/watch.hpp"
 
 namespace cartvo {
@@ -13,16 +19,25 @@ struct Options {
   WatchSettings watch;
   std::filesystem::path trajectory;
   std::filesystem::path summary;
+  bool json = false;
+  std::optional<double> required_percent;
 };
 
 void run(const Options& options) {
   checkResultFiles({options.trajectory, options.summary});
   const OdometryStatistics statistics = watchOdometry(options.watch);
   const OdometrySummary summary = statistics.summarise();
-  std::printf("%s", summaryText(summary).c_str());
+  const std::string json = summaryJson(summary);
+  std::fputs((options.json ? json : summaryText(summary)).c_str(), stdout);
   if (!options.trajectory.empty())
     writeTum(options.trajectory, statistics.trajectory(), TrajectoryFrame::body);
-  if (!options.summary.empty()) writeSummary(options.summary, summary);
+  if (!options.summary.empty()) writeResultFile(options.summary, json);
+  if (options.required_percent && validPercent(summary) < *options.required_percent) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%.1f %% of the pairs were valid, --require-valid asks for %.1f %%",
+                  validPercent(summary), *options.required_percent);
+    throw std::runtime_error(text);
+  }
 }
 
 }  // namespace
@@ -37,17 +52,27 @@ void addWatchCommand(CLI::App& cartvo) {
   command
       ->add_option("--seconds", watch.seconds,
                    "End this many seconds after the first message (default: at Ctrl-C)")
-      ->check(CLI::PositiveNumber);
+      ->transform(positiveTimeInSeconds());
   command
       ->add_option("--until-silent", watch.until_silent, "End after this many seconds without a stereo pair")
-      ->check(CLI::PositiveNumber);
+      ->transform(positiveTimeInSeconds());
   command->add_option("--wait", watch.first_message, "Seconds to wait for the first message")
-      ->check(CLI::PositiveNumber)
+      ->transform(positiveTimeInSeconds())
       ->capture_default_str();
   command->add_option("--trajectory", options->trajectory, "File for the valid body poses (TUM format)");
   command->add_option("--summary", options->summary, "File for the summary (JSON)");
   command->add_flag("--plain", watch.plain, "Print one line per second instead of redrawing one");
-  command->callback([options] { run(*options); });
+  command->add_flag("--json", options->json,
+                    "Print the summary as JSON; the live line goes to standard error then");
+  command
+      ->add_option("--require-valid", options->required_percent,
+                   "Fail (exit code 1) if less than this share of the pairs was valid, %")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("PERCENT");
+  command->callback([options] {
+    options->watch.to_error_output = options->json;
+    run(*options);
+  });
 }
 
 }  // namespace cartvo

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/terminal.hpp"
+#include "tools/cartvo/progress_bar.hpp"
 #include "tools/watch/odometry_statistics.hpp"
 #include "tools/watch/watch.hpp"
 
@@ -149,6 +151,39 @@ TEST(WatchText, NamesTheChannelsOfAnotherDefinition) {
   EXPECT_NE(foreignDefinitionText(true, false).find("CARTVO_ODOMETRY, but of another definition"),
             std::string::npos);
   EXPECT_NE(foreignDefinitionText(true, true).find("CARTVO_ODOMETRY and CARTVO_HEALTH"), std::string::npos);
+}
+
+TEST(WatchText, LiveLineFitsTheTerminal) {
+  odometry_t valid = message(1, 0.0);
+  valid.velocity_body[0] = 2.94;
+  valid.features = 978;
+  const std::string clocks = "by sender reports ±0.7 ms";
+  const std::string full = liveLine(valid, 18.0, clocks);
+  EXPECT_NE(full.find("features   978"), std::string::npos);
+  EXPECT_NE(full.find(clocks), std::string::npos);
+  for (const std::size_t columns : {129u, 99u, 79u, 59u, 39u, 20u, 3u}) {
+    const std::string line = liveLine(valid, 18.0, clocks, columns);
+    EXPECT_LE(textColumns(line), columns) << line;
+    if (columns >= 39) {
+      EXPECT_NE(line.find("speed   2.94 m/s"), std::string::npos) << line;
+      EXPECT_NE(line.find("valid"), std::string::npos) << line;
+    }
+  }
+  EXPECT_EQ(liveLine(valid, 18.0, clocks, 79).find("features"), std::string::npos);
+  valid.status = odometry_t::INVALID;
+  valid.reasons = (1 << 16) - 1;
+  EXPECT_LE(textColumns(liveLine(valid, 18.0, clocks, 79)), 79u);
+}
+
+TEST(ProgressLine, FitsTheTerminal) {
+  EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 199),
+            "[#######.......................] 10/40 pairs, 2.0/s, 0:15 left");
+  EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 40), "[##......] 10/40 pairs, 2.0/s, 0:15 left");
+  EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 30), "[#....] 10/40 pairs, 0:15 left");
+  EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 29), "10/40 pairs, 0:15 left");
+  EXPECT_EQ(progressLine(10, 0, "pairs", 5.0, 79), "10 pairs, 2.0/s");
+  for (std::size_t columns = 0; columns < 100; ++columns)
+    EXPECT_LE(textColumns(progressLine(7, 40, "pictures searched for the offset", 5.0, columns)), columns);
 }
 
 }  // namespace

@@ -24,6 +24,11 @@ void prepareFolder(const std::filesystem::path& folder) {
   if (isRecording(folder)) {
     throw std::runtime_error(folder.string() + " already contains a recording; choose another folder");
   }
+  if (!std::filesystem::is_empty(folder, error) || error) {
+    throw std::runtime_error(
+        folder.string() +
+        " is not empty; name a new folder, so that other files do not mix with the recording");
+  }
 }
 
 int openDescriptionFile(const std::filesystem::path& folder) {

@@ -21,8 +21,9 @@ constexpr std::array<const char*, 5> kInstantSources = {"file", "sender_report",
 
 constexpr double kMaxLoss_s = 1e-3 * static_cast<double>(capture::kMaxPowerCutLoss.count());
 
-const char* codecName(const std::optional<capture::VideoCodec>& codec) {
-  if (!codec) return "unreadable";
+const char* codecName(const capture::RecordedCamera& camera) {
+  const std::optional<capture::VideoCodec>& codec = camera.codec;
+  if (!codec) return camera.pictures == 0 ? kNoValue : "unreadable";
   return *codec == capture::VideoCodec::h264 ? "H.264" : "H.265";
 }
 
@@ -62,7 +63,7 @@ Json cameraJson(const capture::RecordedCamera& camera) {
   for (std::size_t i = 0; i < kInstantSources.size(); ++i) {
     if (camera.by_instant_source[i] > 0) sources[kInstantSources[i]] = camera.by_instant_source[i];
   }
-  return {{"codec", codecName(camera.codec)},
+  return {{"codec", camera.pictures == 0 ? Json(nullptr) : Json(codecName(camera))},
           {"picture_size", {camera.picture_size.width, camera.picture_size.height}},
           {"pictures", camera.pictures},
           {"key_pictures", camera.key_pictures},
@@ -142,6 +143,8 @@ std::string informationText(const capture::RecordingSummary& summary) {
           (summary.info.configuration.empty() ? "out" : "") + " configuration\n\n";
 
   text += unfinalisedText(summary);
+  if (summary.cameras[0].pictures + summary.cameras[1].pictures == 0)
+    text += "NO PICTURE was recorded; the log of cartvod says why the cameras sent none\n\n";
   Table table({"", "left", "right"});
   const auto row = [&](const char* name, const auto& value) {
     table.add({name, value(summary.cameras[0]), value(summary.cameras[1])});
@@ -149,8 +152,10 @@ std::string informationText(const capture::RecordingSummary& summary) {
   const auto count = [&](const char* name, std::uint64_t capture::RecordedCamera::*member) {
     row(name, [member](const capture::RecordedCamera& camera) { return std::to_string(camera.*member); });
   };
-  row("codec", [](const capture::RecordedCamera& camera) { return std::string(codecName(camera.codec)); });
-  row("picture size", [](const capture::RecordedCamera& camera) { return sizeText(camera.picture_size); });
+  row("codec", [](const capture::RecordedCamera& camera) { return std::string(codecName(camera)); });
+  row("picture size", [](const capture::RecordedCamera& camera) {
+    return camera.picture_size.empty() ? std::string(kNoValue) : sizeText(camera.picture_size);
+  });
   row("frames/s", [](const capture::RecordedCamera& camera) { return fixed(frameRate(camera), 2); });
   row("Mbit/s", [](const capture::RecordedCamera& camera) { return fixed(megabits(camera), 2); });
   count("pictures", &capture::RecordedCamera::pictures);

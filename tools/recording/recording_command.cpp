@@ -6,6 +6,7 @@
 
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/time_option.hpp"
 #include "tools/recording/information.hpp"
 #include "tools/recording/trimming.hpp"
 #include "tools/recording/verification.hpp"
@@ -43,9 +44,11 @@ void verify(const Options& options) {
 
 void trim(const Options& options) {
   if (options.part.to <= options.part.from) throw CLI::ValidationError("--to", "must be after --from");
-  const auto [left, right] = trimRecording(options.folder, options.part, options.output);
-  std::printf("%llu left and %llu right pictures written to %s\n", static_cast<unsigned long long>(left),
-              static_cast<unsigned long long>(right), options.output.c_str());
+  const TrimmedRecording trimmed = trimRecording(options.folder, options.part, options.output);
+  std::printf("%llu left and %llu right pictures, %.1f to %.1f s, written to %s\n",
+              static_cast<unsigned long long>(trimmed.pictures[0]),
+              static_cast<unsigned long long>(trimmed.pictures[1]), trimmed.from, trimmed.to,
+              options.output.c_str());
 }
 
 CLI::App* addAction(CLI::App& command, const std::string& name, const std::string& description,
@@ -76,23 +79,26 @@ void addRecordingCommand(CLI::App& cartvo) {
 
   CLI::App* part =
       addAction(*command, "trim", "Copy a part of a recording to a new recording", options, trim);
-  part->add_option("--from", options->part.from, "Start of the part, s since the first picture")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  part->add_option("--to", options->part.to, "End of the part, s since the first picture")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
+  part->add_option("--from", options->part.from,
+                   "Start of the part since the first picture: seconds, or M:SS, or H:MM:SS")
+      ->transform(timeInSeconds())
+      ->type_name("TIME");
+  part->add_option("--to", options->part.to, "End of the part since the first picture, as --from")
+      ->transform(timeInSeconds())
+      ->type_name("TIME");
   part->add_option("--output", options->output, "Folder for the new recording; created if missing")
       ->required()
       ->type_name("DIR");
   part->footer(
-      "Each camera starts with its last key picture at or before --from. Pictures are not encoded again.");
+      "Each camera starts with its last key picture at or before --from, so the part may begin earlier; the "
+      "result\n"
+      "says when. Pictures are not encoded again.");
 
   command->footer(
       "Examples:\n"
       "  cartvo recording info drive\n"
       "  cartvo recording verify drive --json\n"
-      "  cartvo recording trim drive --from 61.5 --to 80 --output fault\n"
+      "  cartvo recording trim drive --from 1:01.5 --to 1:20 --output fault\n"
       "See cartvo-recording(1) for the files in a recording.");
 }
 

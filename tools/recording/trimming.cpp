@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "capture/recording/recording_index_reader.hpp"
 #include "capture/recording/recording_reader.hpp"
@@ -70,10 +72,40 @@ TrimmedCamera& earlierOf(TrimmedCamera& left, TrimmedCamera& right) {
   return left.unit().unit.order < right.unit().unit.order ? left : right;
 }
 
+void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingWriter& writer,
+                  std::int64_t first_ns, TrimmedRecording& trimmed) {
+  std::array<std::uint64_t, 2> connections{};
+  trimmed.from = std::numeric_limits<double>::infinity();
+  while (!left.isFinished() || !right.isFinished()) {
+    TrimmedCamera& next = earlierOf(left, right);
+    const auto index = static_cast<std::size_t>(next.side());
+    if (next.unit().connection != connections[index]) writer.beginConnection(next.side(), next.unit().format);
+    connections[index] = next.unit().connection;
+    if (writer.write(next.side(), next.unit().unit)) {
+      ++trimmed.pictures[index];
+      const double seconds = 1e-9 * static_cast<double>(next.unit().unit.arrival_ns - first_ns);
+      trimmed.from = std::min(trimmed.from, seconds);
+      trimmed.to = std::max(trimmed.to, seconds);
+    }
+    next.advance();
+  }
+}
+
+/// Removes what a failed copy wrote into a folder that was empty or missing before.
+void removeContents(const std::filesystem::path& folder, bool existed) {
+  std::error_code ignored;
+  if (!existed) {
+    std::filesystem::remove_all(folder, ignored);
+    return;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    std::filesystem::remove_all(entry.path(), ignored);
+}
+
 }  // namespace
 
-std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
-                                           const std::filesystem::path& output) {
+TrimmedRecording trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
+                               const std::filesystem::path& output) {
   const capture::RecordingInfo info = capture::readRecordingInfo(recording);
   const std::int64_t first_ns = firstArrival(recording);
   const auto after_first = [first_ns](double seconds) {
@@ -87,20 +119,19 @@ std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recordin
         capture::sideName(left.isFinished() ? capture::CameraSide::left : capture::CameraSide::right) +
         " camera between --from and --to");
   }
-
-  capture::RecordingWriter writer(output, info, kSegmentLength);
-  std::array<std::uint64_t, 2> copied{};
-  std::array<std::uint64_t, 2> connections{};
-  while (!left.isFinished() || !right.isFinished()) {
-    TrimmedCamera& next = earlierOf(left, right);
-    const auto index = static_cast<std::size_t>(next.side());
-    if (next.unit().connection != connections[index]) writer.beginConnection(next.side(), next.unit().format);
-    connections[index] = next.unit().connection;
-    if (writer.write(next.side(), next.unit().unit)) ++copied[index];
-    next.advance();
+  const bool existed = std::filesystem::exists(output);
+  const bool was_empty =
+      !existed || (std::filesystem::is_directory(output) && std::filesystem::is_empty(output));
+  TrimmedRecording trimmed;
+  try {
+    capture::RecordingWriter writer(output, info, kSegmentLength);
+    copyPictures(left, right, writer, first_ns, trimmed);
+    writer.sync();
+  } catch (...) {
+    if (was_empty) removeContents(output, existed);
+    throw;
   }
-  writer.sync();
-  return copied;
+  return trimmed;
 }
 
 }  // namespace cartvo

@@ -13,11 +13,17 @@ struct TrimmedPart {
   double to = std::numeric_limits<double>::infinity();
 };
 
+/// What was copied.
+struct TrimmedRecording {
+  std::array<std::uint64_t, 2> pictures{};  ///< left, right
+  double from = 0.0, to = 0.0;              ///< of the copied pictures, as in TrimmedPart
+};
+
 /// Copies a part of a recording, as received and with its description, to a new recording. Each camera starts
-/// at its last key picture at or before `from`. Returns the number of left and right pictures. Throws
+/// at its last key picture at or before `from`. Removes what it wrote if it fails. Throws
 /// std::runtime_error if the recording cannot be read, the part contains no picture of a camera, or `output`
 /// cannot be written or already contains a recording.
-std::array<std::uint64_t, 2> trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
-                                           const std::filesystem::path& output);
+TrimmedRecording trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
+                               const std::filesystem::path& output);
 
 }  // namespace cartvo

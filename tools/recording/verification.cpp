@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "capture/recording/recording_folder.hpp"
+#include "capture/recording/recording_index_reader.hpp"
 #include "capture/recording/recording_source.hpp"
 
 namespace cartvo {
@@ -40,9 +41,26 @@ bool Verification::isWhole() const {
   return std::all_of(cameras.begin(), cameras.end(), isUndamaged);
 }
 
+namespace {
+
+/// Whether the index has no picture of either camera, so that nothing can be damaged.
+bool hasNoPicture(const std::filesystem::path& folder) {
+  try {
+    return std::all_of(kSides.begin(), kSides.end(), [&](capture::CameraSide side) {
+      capture::RecordingIndexReader rows(folder, side);
+      return rows.next() == nullptr;
+    });
+  } catch (const std::runtime_error&) {
+    return false;  // the verification reports the damage
+  }
+}
+
+}  // namespace
+
 Verification verifyRecording(const std::filesystem::path& folder, const VerificationProgress& progress) {
   capture::readRecordingInfo(folder);
   Verification verification;
+  verification.is_empty = hasNoPicture(folder);
   std::size_t pictures_read = 0;
   for (const capture::CameraSide side : kSides)
     verification.cameras[static_cast<std::size_t>(side)] = verify(folder, side, pictures_read, progress);
@@ -52,6 +70,7 @@ Verification verifyRecording(const std::filesystem::path& folder, const Verifica
 nlohmann::ordered_json verificationJson(const Verification& verification) {
   nlohmann::ordered_json json;
   json["whole"] = verification.isWhole();
+  json["empty"] = verification.is_empty;
   for (const capture::CameraSide side : kSides) {
     const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];
     json[capture::sideName(side)] = {{"pictures", camera.pictures},
@@ -65,6 +84,9 @@ nlohmann::ordered_json verificationJson(const Verification& verification) {
 }
 
 std::string verificationText(const Verification& verification) {
+  if (verification.is_empty) {
+    return "EMPTY: no picture was recorded; the log of cartvod says why the cameras sent none\n";
+  }
   std::string text;
   for (const capture::CameraSide side : kSides) {
     const VerifiedCamera& camera = verification.cameras[static_cast<std::size_t>(side)];

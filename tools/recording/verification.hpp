@@ -22,6 +22,7 @@ struct VerifiedCamera {
 
 /// Result of verifyRecording().
 struct Verification {
+  bool is_empty = false;                  ///< no picture of either camera was recorded
   std::array<VerifiedCamera, 2> cameras;  ///< left, right
 
   /// Whether the files of both cameras are as they were recorded.

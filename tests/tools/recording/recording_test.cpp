@@ -176,6 +176,36 @@ TEST_F(RecordingCommand, TrimCopiesPartUnchanged) {
   EXPECT_THAT(run("trim", "--output " + output).output, HasSubstr("already contains a recording"));
 }
 
+TEST_F(RecordingCommand, TrimTakesMinutesAndStatesWhatItCopied) {
+  const test::CommandResult trimmed =
+      run("trim", "--from 0:01.2 --to 0:00:01.6 --output " + (folder_ / "part").string());
+  EXPECT_EQ(trimmed.exit_code, 0) << trimmed.output;
+  EXPECT_THAT(trimmed.output,
+              ::testing::ContainsRegex("right pictures, [01]\\.[0-9] to 1\\.6 s, written to"));
+  for (const char* time : {"1:60", "-1", "nan", "1:2:3:4", "1:-2", ":", "1e400"}) {
+    const test::CommandResult wrong = run("trim", std::string("--from=") + time + " --output x");
+    EXPECT_EQ(wrong.exit_code, 2) << time;
+    EXPECT_THAT(wrong.output, HasSubstr("is no time, such as 90, 1.5 or 1:30")) << time;
+  }
+}
+
+TEST_F(RecordingCommand, FailedTrimLeavesNothingBehind) {
+  const std::filesystem::path output = folder_ / "part";
+  const test::CommandResult failed =
+      test::runCommand("trap '' XFSZ; ulimit -f 4; " + test::cartvoProgram().string() + " recording trim " +
+                       (folder_ / "drive").string() + " --output " + output.string() + " 2>&1");
+  EXPECT_EQ(failed.exit_code, 1) << failed.output;
+  EXPECT_FALSE(std::filesystem::exists(output));
+  EXPECT_EQ(run("trim", "--output " + output.string()).exit_code, 0);
+}
+
+TEST_F(RecordingCommand, TrimRefusesAFolderWithOtherFiles) {
+  std::filesystem::create_directory(folder_ / "photos");
+  std::ofstream(folder_ / "photos/cat.jpg") << "cat";
+  EXPECT_THAT(run("trim", "--output " + (folder_ / "photos").string()).output, HasSubstr("is not empty"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "photos/cat.jpg"));
+}
+
 TEST_F(RecordingCommand, RejectsInvalidArguments) {
   EXPECT_EQ(test::runCartvo("recording").exit_code, 2);
   EXPECT_EQ(test::runCartvo("recording trim x").exit_code, 2);

@@ -110,7 +110,7 @@ void writeReport(const BenchmarkOptions& options, const char* benchmark,
   if (options.output.empty()) {
     std::fputs(report.c_str(), stdout);
   } else {
-    writeFileAtomically(options.output, report);
+    writeResultFile(options.output, report);
   }
 }
 

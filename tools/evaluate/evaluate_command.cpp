@@ -35,7 +35,7 @@ void run(const Options& options, bool wants_json) {
     if (json_alone) {
       std::fputs(text.c_str(), stdout);
     } else {
-      writeFileAtomically(options.json, text);
+      writeResultFile(options.json, text);
     }
   }
   if (!json_alone) std::fputs(evaluationTable(evaluation).c_str(), stdout);

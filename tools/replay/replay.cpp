@@ -10,6 +10,7 @@
 #include "calib/rectification/rectifier.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "daemon/diagnostics/self_check.hpp"
+#include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/configuration.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -75,6 +76,7 @@ ReplayedPair toReplayedPair(const daemon::PairResult& result, const Rectificatio
   pair.motion_covariance = left.transform(estimate.motion_covariance);
   pair.times = result.times;
   pair.rig = estimate.rig;
+  pair.message = daemon::odometryMessage(result);
   return pair;
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <cartvo/odometry_t.hpp>
+
 #include "capture/stereo_source.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "tools/replay/source_rig.hpp"
@@ -66,6 +68,7 @@ struct ReplayedPair {
   vo::Matrix6d motion_covariance = vo::Matrix6d::Zero();
   daemon::StageTimes times;
   std::optional<vo::RigCalibrationError> rig;
+  odometry_t message{};  ///< as cartvod publishes it; without sequence and publication
 };
 
 /// Result of a replay. After a loss of tracking the new epoch continues from the last known pose, and a pair

@@ -5,18 +5,17 @@
 #include <optional>
 #include <string>
 
-#include <lcm/lcm-cpp.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "common/atomic_file.hpp"
-#include "daemon/publish/lcm_connection.hpp"
-#include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/replay/live_publisher.hpp"
 #include "tools/replay/motion_csv.hpp"
+#include "tools/replay/odometry_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/setting_names.hpp"
@@ -37,7 +36,9 @@ struct Options {
   std::filesystem::path output;
   std::filesystem::path truth;
   int threads = 2;
-  bool publish = false;
+  bool publish = false, loop = false;
+  std::string url = daemon::Configuration{}.lcm_url;
+  double speed = 1.0;
 };
 
 /// Associates the estimate with the truth where that is known, both for the body.
@@ -65,26 +66,29 @@ Replay replayBySource(const Options& options, const ReplayObserver& observer) {
       observer);
 }
 
-Replay replayWithProgress(const Options& options) {
-  const daemon::Configuration defaults;
-  std::unique_ptr<lcm::LCM> lcm;
-  std::optional<daemon::OdometryPublisher> publisher;
-  if (options.publish) {
-    lcm = daemon::connectLcm(defaults.lcm_url);
-    publisher.emplace(*lcm, defaults.time_to_live);
-  }
+Replay replayWithProgress(const Options& options, LivePublisher* publisher) {
   ProgressBar progress("pairs");
   return replayBySource(options, [&](const daemon::PairResult& result, std::size_t expected) {
-    if (publisher) publisher->publish(result);
+    if (publisher != nullptr) publisher->publish(result);
     progress.show(result.sequence + 1, expected);
   });
+}
+
+/// Publishes the replay again and again, until a signal ends the program.
+[[noreturn]] void repeatForEver(LivePublisher& publisher) {
+  std::fputs("publishing again and again; Ctrl-C ends it\n", stdout);
+  std::fflush(stdout);
+  for (;;)
+    publisher.repeat();
 }
 
 void run(const Options& options) {
   const OutputFolder output(options.output);
   if (!options.truth.empty()) readTrajectory(options.truth);  // reports a bad file before the replay
   cv::setNumThreads(options.threads);
-  const Replay replay = replayWithProgress(options);
+  std::optional<LivePublisher> publisher;
+  if (options.publish) publisher.emplace(options.url, options.speed);
+  const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr);
   std::optional<Truth> truth;
   if (!options.truth.empty()) truth = readTruth(options.truth, replay);
 
@@ -96,9 +100,10 @@ void run(const Options& options) {
   }
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay), TrajectoryFrame::left_camera);
   writeTum(output / "trajectory.tum", bodyTrajectory(replay), TrajectoryFrame::body);
-  writeFileAtomically(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
-  writeFileAtomically(output / "timing.csv", timingCsv(replay));
-  writeFileAtomically(output / "summary.json", summary.dump(2) + "\n");
+  writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
+  writeResultFile(output / "odometry.csv", odometryCsv(replay));
+  writeResultFile(output / "timing.csv", timingCsv(replay));
+  writeResultFile(output / "summary.json", summary.dump(2) + "\n");
 
   for (const std::string& problem : replay.problems)
     std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());
@@ -113,6 +118,7 @@ void run(const Options& options) {
                 1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str());
   }
   if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
+  if (options.loop) repeatForEver(*publisher);
 }
 
 void addSourceOptions(CLI::App& command, Options& options) {
@@ -174,7 +180,25 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       .add_option("--truth", options.truth,
                   "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
       ->type_name("FILE");
-  command.add_flag("--publish", options.publish, "Publish each pair over LCM too, as cartvod does");
+}
+
+void addPublishOptions(CLI::App& command, Options& options) {
+  CLI::Option* publish = command.add_flag(
+      "--publish", options.publish,
+      "Publish each pair over LCM too, as cartvod does: at the recorded pace, with instants of now");
+  command.add_option("--speed", options.speed, "With --publish: factor on the recorded pace")
+      ->needs(publish)
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command
+      .add_flag(
+          "--loop", options.loop,
+          "With --publish: publish the replay again and again, until Ctrl-C; results are written before")
+      ->needs(publish);
+  command.add_option("--url", options.url, "With --publish: LCM URL")
+      ->needs(publish)
+      ->type_name("URL")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -185,11 +209,12 @@ void addReplayCommand(CLI::App& cartvo) {
   const auto options = std::make_shared<Options>();
   addSourceOptions(*command, *options);
   addEstimationOptions(*command, *options);
+  addPublishOptions(*command, *options);
   command->footer(
       "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml or KITTI's calib.txt "
       "in the\n"
       "folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), Motionestimation.csv, "
-      "timing.csv and\n"
+      "odometry.csv, timing.csv and\n"
       "summary.json, described in cartvo-replay(1). The same source gives a byte for byte equal poses.txt.\n"
       "Examples:\n"
       "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"

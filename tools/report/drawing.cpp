@@ -167,11 +167,11 @@ void checkDrawingName(const std::filesystem::path& file) {
 
 void writeDrawing(const std::filesystem::path& file, const Drawing& drawing) {
   checkDrawingName(file);
-  if (file.extension() == ".svg") return writeFileAtomically(file, drawing.svg());
+  if (file.extension() == ".svg") return writeResultFile(file, drawing.svg());
   std::vector<unsigned char> png;
   if (!cv::imencode(".png", drawing.picture(), png))
     throw std::runtime_error(file.string() + ": the plot cannot be encoded");
-  writeFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+  writeResultFile(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 }  // namespace cartvo

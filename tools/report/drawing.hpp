@@ -68,7 +68,7 @@ class Drawing {
 /// Throws std::invalid_argument unless the file is named .svg or .png. For use before long work.
 void checkDrawingName(const std::filesystem::path& file);
 
-/// Writes a drawing as .svg or .png, by the file's name, see writeFileAtomically. Throws as checkDrawingName
+/// Writes a drawing as .svg or .png, by the file's name, see writeResultFile. Throws as checkDrawingName
 /// does.
 void writeDrawing(const std::filesystem::path& file, const Drawing& drawing);
 

@@ -46,8 +46,8 @@ void writeDescription(const fs::path& folder, const Content& content) {
     left_times += decimalSeconds(content.leftInstant(index)) + "\n";
     right_times += decimalSeconds(content.rightInstant(index)) + "\n";
   }
-  writeFileAtomically(folder / "times_0.txt", left_times);
-  writeFileAtomically(folder / "times_1.txt", right_times);
+  writeResultFile(folder / "times_0.txt", left_times);
+  writeResultFile(folder / "times_1.txt", right_times);
   const Trajectory truth = content.truth();
   if (!truth.empty())
     writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig), TrajectoryFrame::left_camera);
@@ -80,7 +80,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   writeDescription(partial, content);
   writeTruth(partial, content, 0);
   if (calib::isKittiRig(content.rig()))
-    writeFileAtomically(partial / "calib.txt", calib::kittiText(content.rig()));
+    writeResultFile(partial / "calib.txt", calib::kittiText(content.rig()));
   fs::rename(partial, folder);
 }
 

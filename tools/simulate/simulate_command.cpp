@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -58,6 +59,11 @@ void printLine(const std::string& line) {
   std::fflush(stdout);
 }
 
+void warnOfCache(const std::string& problem) {
+  std::fprintf(stderr, "cartvo: the streams are not cached and will be made again the next time: %s\n",
+               problem.c_str());
+}
+
 std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const SimulateOptions& options) {
   const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
   const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
@@ -67,13 +73,23 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
       return std::make_shared<const EncodedPair>(*std::move(cached));
     }
   }
+  const std::string problem = options.no_cache ? "" : cache.problem();
+  if (!problem.empty() && options.prepare_only)
+    throw std::runtime_error(problem + "; name another --cache-dir");
+  if (!problem.empty()) warnOfCache(problem);
   printLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
   ProgressBar bar("pairs");
   auto streams = std::make_shared<const EncodedPair>(
       encodeContent(content, options.encoder, [&bar](int done, int total) {
         bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
       }));
-  if (!options.no_cache) cache.store(key, *streams);
+  if (options.no_cache || !problem.empty()) return streams;
+  try {
+    cache.store(key, *streams);
+  } catch (const std::exception& error) {
+    if (options.prepare_only) throw;
+    warnOfCache(error.what());
+  }
   return streams;
 }
 
@@ -99,7 +115,7 @@ void writeCameras(const SimulateOptions& options, const Content& content,
   } else {
     cameras["epoch_ns"] = nullptr;
   }
-  writeFileAtomically(options.output / "cameras.json", cameras.dump(2) + "\n");
+  writeResultFile(options.output / "cameras.json", cameras.dump(2) + "\n");
 }
 
 CameraPairSettings pairSettings(const SimulateOptions& options) {
@@ -183,7 +199,7 @@ void addSimulateCommand(CLI::App& cartvo) {
       "cached.\n"
       "Exits with code 0 after the content, or on SIGTERM.\n"
       "Examples:\n"
-      "  cartvo simulate                                      a campus drive of one minute\n"
+      "  cartvo simulate                                      a campus drive of six seconds\n"
       "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
       "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");

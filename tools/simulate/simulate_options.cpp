@@ -42,7 +42,8 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
   sequence->excludes(world);
   group
       ->add_option("--seconds", options.seconds,
-                   "Length in seconds (default: 60 if rendered, or the whole sequence)")
+                   "Length in seconds (default: 6 if rendered, or the whole sequence); a second\n"
+                   "takes some ten seconds to render, once")
       ->check(CLI::Range(0.05, 36000.0));
   group->add_option("--seed", options.drive.seed, "Seed of the rendered world and its noise")
       ->capture_default_str();

@@ -2,6 +2,7 @@
 
 #include "tools/replay/replay.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -23,6 +24,7 @@
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/replay/motion_csv.hpp"
+#include "tools/replay/odometry_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
@@ -102,6 +104,30 @@ class ReplayOfKitti : public ::testing::Test {
 
   const test::TemporaryFolder folder_;
 };
+
+TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
+  const Replay& replay = replayOfAll();
+  const std::vector<std::string> lines = linesOf(odometryCsv(replay));
+  ASSERT_EQ(lines.size(), kPairs + 1U);
+  const std::vector<std::string> names = fieldsOf(lines.front());
+  EXPECT_EQ(names.size(), 19U + 21U + 21U + 3U);
+  for (std::size_t row = 1; row < lines.size(); ++row) {
+    const std::vector<std::string> fields = fieldsOf(lines[row]);
+    ASSERT_EQ(fields.size(), names.size());
+    const auto at = [&](const char* name) {
+      return fields.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+    };
+    const odometry_t& message = replay.pairs[row - 1].message;
+    EXPECT_EQ(at("valid"), replay.pairs[row - 1].valid ? "1" : "0");
+    if (!replay.pairs[row - 1].valid) {
+      EXPECT_EQ(at("vx_m_s"), "");
+      continue;
+    }
+    EXPECT_NEAR(std::stod(at("vx_m_s")), message.velocity_body[0], 1e-6);
+    EXPECT_NEAR(std::stod(at("twist_covariance_vx_vx")), message.twist_covariance_body[0], 1e-9);
+    EXPECT_NEAR(std::stod(at("pose_covariance_y_rz")), message.pose_covariance_body[11], 1e-9);
+  }
+}
 
 TEST_F(ReplayOfKitti, MatchesTruthPairByPair) {
   const Replay& replay = replayOfAll();

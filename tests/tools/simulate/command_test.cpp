@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
@@ -26,6 +27,24 @@ TEST(SimulateCommand, RejectsInvalidArguments) {
     EXPECT_EQ(run.exit_code, 2) << arguments;
     EXPECT_THAT(run.output, HasSubstr(message));
   }
+}
+
+TEST(SimulateCommand, LooksAtItsCacheBeforeRendering) {
+  const test::CommandResult run = test::runCartvo("simulate --prepare-only --cache-dir /proc/nope");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.output, ::testing::AllOf(HasSubstr("/proc/nope"), HasSubstr("name another --cache-dir"),
+                                           ::testing::Not(HasSubstr("rendering"))));
+}
+
+TEST(SimulateCommand, CacheThatCannotBeWrittenIsAWarning) {
+  const test::TemporaryFolder folder;
+  const test::CommandResult run = test::runCartvo(
+      "simulate --cache-dir /proc/nope --size 64x48 --seconds 0.1 --lead-in 0.1 --left 127.0.0.1:0 --right "
+      "127.0.0.1:0 --output-dir " +
+      folder.path().string());
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output,
+              ::testing::AllOf(HasSubstr("the streams are not cached"), HasSubstr("ready: rtsp://")));
 }
 
 }  // namespace

@@ -71,7 +71,19 @@ void StreamCache::store(const std::string& key, const EncodedPair& pair) const {
     return;
   }
   makeRoomFor(contents.size());
+  // The folder may be in the temporary directory, where others can make links; a link of a name that the user
+  // did not give is not followed.
+  if (fs::is_symlink(fs::symlink_status(fileFor(key)))) fs::remove(fileFor(key));
   writeFileAtomically(fileFor(key), contents);
+}
+
+std::string StreamCache::problem() const {
+  try {
+    checkFileCanBeWritten(folder_ / "probe");
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
 }
 
 void StreamCache::makeRoomFor(std::uint64_t bytes) const {

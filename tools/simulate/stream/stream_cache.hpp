@@ -26,6 +26,9 @@ class StreamCache {
   /// cannot be written.
   void store(const std::string& key, const EncodedPair& pair) const;
 
+  /// Why nothing can be cached; empty if it can. For use before the work.
+  std::string problem() const;
+
   /// Path of the file for `key`, which need not exist.
   std::filesystem::path fileFor(const std::string& key) const;
 

@@ -1,0 +1,73 @@
+// Writes the published messages of a replay as CSV, with covariances.
+#include "tools/replay/odometry_csv.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace cartvo {
+namespace {
+
+constexpr std::size_t kSide = 6;
+constexpr std::array<const char*, kSide> kPoseAxes{"x", "y", "z", "rx", "ry", "rz"};
+constexpr std::array<const char*, kSide> kTwistAxes{"vx", "vy", "vz", "wx", "wy", "wz"};
+
+void addNames(std::string& row, const char* matrix, const std::array<const char*, kSide>& axes) {
+  for (std::size_t i = 0; i < kSide; ++i) {
+    for (std::size_t j = i; j < kSide; ++j)
+      row.append(",").append(matrix).append("_").append(axes[i]).append("_").append(axes[j]);
+  }
+}
+
+void add(std::string& row, double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), ",%.9g", value + 0.0);  // no "-0"
+  row += std::isfinite(value) ? text.data() : ",";
+}
+
+template <std::size_t count>
+void add(std::string& row, const double (&values)[count]) {
+  for (const double value : values)
+    add(row, value);
+}
+
+void addTriangle(std::string& row, const double (&matrix)[kSide * kSide]) {
+  for (std::size_t i = 0; i < kSide; ++i) {
+    for (std::size_t j = i; j < kSide; ++j)
+      add(row, matrix[kSide * i + j]);
+  }
+}
+
+std::string header() {
+  std::string row =
+      "pair,utime_us,valid,reasons,reset_counter,offset_us,x_m,y_m,z_m,qw,qx,qy,qz,vx_m_s,vy_m_s,vz_m_s,wx_"
+      "rad_s,"
+      "wy_rad_s,wz_rad_s";
+  addNames(row, "pose_covariance", kPoseAxes);
+  addNames(row, "twist_covariance", kTwistAxes);
+  return row + ",features,tracked,inliers\n";
+}
+
+}  // namespace
+
+std::string odometryCsv(const Replay& replay) {
+  std::string csv = header();
+  for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
+    const odometry_t& message = replay.pairs[index].message;
+    std::string row = std::to_string(index) + "," + std::to_string(message.utime) + "," +
+                      std::to_string(message.status) + "," + std::to_string(message.reasons) + "," +
+                      std::to_string(message.reset_counter) + "," + std::to_string(message.offset_us);
+    add(row, message.position_world_body);
+    add(row, message.orientation_world_body);
+    add(row, message.velocity_body);
+    add(row, message.angular_velocity_body);
+    addTriangle(row, message.pose_covariance_body);
+    addTriangle(row, message.twist_covariance_body);
+    for (const std::int32_t count : {message.features, message.tracked, message.inliers})
+      row += "," + std::to_string(count);
+    csv += row + "\n";
+  }
+  return csv;
+}
+
+}  // namespace cartvo

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 
 namespace cartvo {
@@ -62,6 +63,31 @@ std::string_view utf8Prefix(std::string_view text, std::size_t max_bytes) {
   while (end > 0 && isContinuationByte(text[end]))
     --end;
   return text.substr(0, end);
+}
+
+std::string printableExcerpt(std::string_view text, std::size_t max_bytes) {
+  std::string_view rest = text.substr(0, max_bytes);
+  // Text that is not UTF-8 throughout is cut anywhere.
+  if (const std::string_view whole = utf8Prefix(text, max_bytes); isPrintable(whole)) rest = whole;
+  const bool is_cut = rest.size() < text.size();
+  std::string excerpt;
+  while (!rest.empty()) {
+    std::string_view after = rest;
+    const auto character = decodeCharacter(after);
+    const std::size_t length = character ? rest.size() - after.size() : 1;
+    const std::string_view bytes = rest.substr(0, length);
+    if (character && !isControl(*character)) {
+      excerpt += bytes;
+    } else {
+      for (const char byte : bytes) {
+        std::array<char, 8> escaped{};
+        std::snprintf(escaped.data(), escaped.size(), "\\x%02x", static_cast<unsigned>(byte) & 0xFFU);
+        excerpt += escaped.data();
+      }
+    }
+    rest.remove_prefix(length);
+  }
+  return is_cut ? excerpt + "..." : excerpt;
 }
 
 }  // namespace cartvo

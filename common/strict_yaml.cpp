@@ -5,39 +5,18 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "common/input_file.hpp"
 #include "common/printable_text.hpp"
 
 namespace cartvo {
 namespace {
 
 constexpr std::uintmax_t kMaxFileSize = 1 << 20;  // bytes
-
-std::string readText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw std::runtime_error(file.string() + ": cannot be read; does the file exist?");
-  }
-  if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) > kMaxFileSize) {
-    throw std::runtime_error(file.string() +
-                             ": is larger than 1 MiB, too large for a file of keys and values");
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// A value for an error message: without control characters, which would act on a terminal or a log, and cut
-/// to 60 bytes.
-std::string shortened(const std::string& text) {
-  constexpr std::size_t kMaxBytes = 60;
-  if (!isPrintable(text)) return "(not printable)";
-  if (text.size() <= kMaxBytes) return text;
-  return std::string(utf8Prefix(text, kMaxBytes)) + "...";
-}
 
 /// The sequence's length, and its items if they are few.
 std::string describeSequence(const YAML::Node& node) {
@@ -50,14 +29,14 @@ std::string describeSequence(const YAML::Node& node) {
   }
   std::string items;
   for (const YAML::Node& item : node)
-    items += (items.empty() ? "" : ", ") + shortened(item.Scalar());
+    items += (items.empty() ? "" : ", ") + printableExcerpt(item.Scalar());
   return description + " [" + items + "]";
 }
 
 std::string describe(const YAML::Node& node) {
   switch (node.Type()) {
     case YAML::NodeType::Scalar:
-      return "'" + shortened(node.Scalar()) + "'";
+      return "'" + printableExcerpt(node.Scalar()) + "'";
     case YAML::NodeType::Sequence:
       return describeSequence(node);
     case YAML::NodeType::Map:
@@ -103,7 +82,7 @@ StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::
     : file_(std::move(file)), key_(std::move(key)), node_(node) {}
 
 StrictYaml StrictYaml::readFile(const std::filesystem::path& file) {
-  return parse(readText(file), file);
+  return parse(readInputText(file, kMaxFileSize), file);
 }
 
 StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name) {
@@ -128,7 +107,7 @@ void StrictYaml::allowOnly(std::initializer_list<const char*> keys) const {
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : std::string();
-    const StrictYaml at_key(file_, (key_.empty() ? "" : key_ + ".") + shortened(key), entry.first);
+    const StrictYaml at_key(file_, (key_.empty() ? "" : key_ + ".") + printableExcerpt(key), entry.first);
     const bool is_known =
         std::any_of(keys.begin(), keys.end(), [&](const char* name) { return key == name; });
     if (!is_known) at_key.failExpecting("one of the keys " + known);
@@ -142,7 +121,8 @@ bool StrictYaml::has(const std::string& key) const {
 
 StrictYaml StrictYaml::operator[](const std::string& key) const {
   const std::string full_key = key_.empty() ? key : key_ + "." + key;
-  if (!has(key)) StrictYaml(file_, full_key, node_).failExpecting("this key, which is missing");
+  if (!node_.IsMap()) failExpecting("a map with the key " + key);
+  if (!has(key)) throw std::runtime_error(place() + full_key + " is missing");
   return {file_, full_key, node_[key]};
 }
 
@@ -188,11 +168,16 @@ void StrictYaml::failExpecting(const std::string& expected) const {
 }
 
 void StrictYaml::fail(const std::string& problem) const {
+  std::string message = place();
+  if (!key_.empty()) message += key_ + ": ";
+  throw std::runtime_error(message + problem);
+}
+
+std::string StrictYaml::place() const {
   const int line = node_.Mark().line + 1;
-  std::string message = file_.string();
-  if (line > 0) message += ":" + std::to_string(line);
-  if (!key_.empty()) message += ": " + key_;
-  throw std::runtime_error(message + ": " + problem);
+  std::string place = file_.string();
+  if (line > 0) place += ":" + std::to_string(line);
+  return place + ": ";
 }
 
 }  // namespace cartvo

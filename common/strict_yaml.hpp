@@ -14,7 +14,8 @@ namespace cartvo {
 /// found ...". All errors are std::runtime_error.
 class StrictYaml {
  public:
-  /// Reads a whole file (at most 1 MiB) as a map. Accepts the directive "%YAML:1.0" that OpenCV writes.
+  /// Reads a whole regular file (at most 1 MiB) as a map, see readInputText. Accepts the directive
+  /// "%YAML:1.0" that OpenCV writes.
   static StrictYaml readFile(const std::filesystem::path& file);
 
   /// As `readFile`, from text; `name` stands for the file in errors.
@@ -26,7 +27,7 @@ class StrictYaml {
   /// Whether the key exists and has a value.
   bool has(const std::string& key) const;
 
-  /// The value of a key. Throws if it is missing.
+  /// The value of a key. Throws "FILE:LINE: KEY is missing" if the map does not have it.
   StrictYaml operator[](const std::string& key) const;
 
   /// Text of printable UTF-8 characters, see isPrintable.
@@ -47,6 +48,9 @@ class StrictYaml {
 
  private:
   StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node);
+
+  /// "FILE:LINE: ", without the line where it is unknown.
+  std::string place() const;
 
   std::filesystem::path file_;
   std::string key_;

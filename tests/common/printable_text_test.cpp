@@ -53,5 +53,14 @@ TEST(PrintableText, TruncatesInvalidUtf8ToNothing) {
   EXPECT_EQ(utf8Prefix("\x80\x80\x80\x80", 2), "");
 }
 
+TEST(PrintableText, ExcerptEscapesAndTruncates) {
+  EXPECT_EQ(printableExcerpt("a\u00FC b"), "a\u00FC b");
+  EXPECT_EQ(printableExcerpt("\x1B[31m\n\xFF"), "\\x1b[31m\\x0a\\xff");
+  EXPECT_EQ(printableExcerpt("\u202E"), "\\xe2\\x80\\xae");
+  EXPECT_EQ(printableExcerpt("abcdef", 4), "abcd...");
+  EXPECT_EQ(printableExcerpt("ab\u20AC", 4), "ab...");
+  EXPECT_EQ(printableExcerpt(std::string(100, '\x01')).size(), 4U * 60 + 3);
+}
+
 }  // namespace
 }  // namespace cartvo

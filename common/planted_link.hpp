@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+// Refusal of symbolic links that would take what a program writes to another place.
+
+namespace cartvo {
+
+/// Throws std::runtime_error naming the path if it is a symbolic link. For files inside a folder that the
+/// program fills by itself.
+void refuseLink(const std::filesystem::path& path);
+
+/// As refuseLink, for links of users other than the program's and root. For a folder that a person names, who
+/// may have made the link.
+void refuseLinkOfOthers(const std::filesystem::path& path);
+
+}  // namespace cartvo

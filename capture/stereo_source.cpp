@@ -24,16 +24,24 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
   return source;
 }
 
-StereoSource openImageFolder(const std::filesystem::path& path, double offset_stddev_ns) {
-  ImageFolder folder = readImageFolder(path);
-  folder.left.stddev_ns = folder.right.stddev_ns = std::llround(offset_stddev_ns / std::sqrt(2.0));
+SourceKind kindOf(FolderLayout layout) {
+  if (layout == FolderLayout::euroc) return SourceKind::euroc;
+  return layout == FolderLayout::kitti_raw ? SourceKind::kitti_raw : SourceKind::kitti;
+}
+
+StereoSource openImageFolder(const std::filesystem::path& path, const SourceSettings& settings) {
+  ImageFolder folder = readImageFolder(path, {settings.frame_rate});
+  folder.left.stddev_ns = folder.right.stddev_ns =
+      std::llround(settings.folder_offset_stddev_ns / std::sqrt(2.0));
   StereoSource source;
-  source.kind = folder.layout == FolderLayout::kitti ? SourceKind::kitti : SourceKind::euroc;
+  source.kind = kindOf(folder.layout);
   source.period_ns = std::min(nominalPeriodNs(folder.left), nominalPeriodNs(folder.right));
   source.pairs = std::min(folder.left.images.size(), folder.right.images.size());
+  source.first_image = folder.left.images.front();
   source.left = std::make_unique<ImageSequenceSource>(std::move(folder.left));
   source.right = std::make_unique<ImageSequenceSource>(std::move(folder.right));
-  source.rectified = folder.rectified;
+  source.warnings = std::move(folder.warnings);
+  source.cameras = folder.cameras;
   source.calib_file = std::move(folder.calib_file);
   source.rig_file = std::move(folder.rig_file);
   source.sensor_files = std::move(folder.sensor_files);
@@ -52,13 +60,20 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
   if (!std::filesystem::is_directory(path))
     throw std::runtime_error(path.string() +
                              " is not a folder; expected a folder with a recording or images, or two videos");
+  if (isRecording(path) && settings.frame_rate > 0.0) {
+    throw std::runtime_error(
+        path.string() +
+        ": a recording has its own instants; --frame-rate is for videos and for folders of "
+        "images without instants");
+  }
   if (isRecording(path)) return openRecording(path, settings);
-  if (detectImageFolder(path)) return openImageFolder(path, settings.folder_offset_stddev_ns);
+  if (detectImageFolder(path)) return openImageFolder(path, settings);
   throw std::runtime_error(
       path.string() +
       " cannot be replayed. Looked for: a recording (recording.json and "
-      "000000/left.mkv), KITTI's layout (image_0, image_1, times.txt), EuRoC's layout (cam0 and cam1, "
-      "in it or in mav0)");
+      "000000/left.mkv), KITTI's layout (image_0, image_1, times.txt; or image_2 and image_3, image_left and "
+      "image_right, left and right), KITTI's raw recordings (image_00/data, image_01/data, timestamps.txt), "
+      "EuRoC's layout (cam0 and cam1, in it or in mav0)");
 }
 
 }  // namespace cartvo::capture

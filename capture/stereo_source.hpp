@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/camera_source.hpp"
 #include "capture/dataset/image_folder.hpp"
@@ -17,19 +18,21 @@
 namespace cartvo::capture {
 
 /// Kind of a stereo source on disk.
-enum class SourceKind : std::uint8_t { recording, kitti, euroc, videos };
+enum class SourceKind : std::uint8_t { recording, kitti, kitti_raw, euroc, videos };
 
 /// Two cameras on disk, with the files that describe their rig. Fields that do not apply are empty.
 struct StereoSource {
   SourceKind kind = SourceKind::kitti;
   std::unique_ptr<CameraSource> left;
   std::unique_ptr<CameraSource> right;
-  std::int64_t period_ns = 0;                ///< nominal frame period; 0: unknown, to be estimated
-  std::size_t pairs = 0;                     ///< number of images of the shorter sequence; 0: unknown
-  std::optional<RectifiedStereo> rectified;  ///< set if the images are rectified (KITTI's calib.txt)
-  std::filesystem::path calib_file;          ///< KITTI's calib.txt
-  std::filesystem::path rig_file;            ///< rig.yaml in the folder
-  std::array<std::filesystem::path, 2> sensor_files;  ///< EuRoC's sensor.yaml, left and right
+  std::int64_t period_ns = 0;         ///< nominal frame period; 0: unknown, to be estimated
+  std::size_t pairs = 0;              ///< number of images of the shorter sequence; 0: unknown
+  std::filesystem::path first_image;  ///< the left camera's; empty for other sources than image folders
+  std::vector<std::string> warnings;  ///< see ImageFolder::warnings
+  std::filesystem::path calib_file;   ///< as in ImageFolder, as are the following
+  std::array<int, 2> cameras{0, 1};
+  std::filesystem::path rig_file;
+  std::array<std::filesystem::path, 2> sensor_files;
   std::shared_ptr<RecordingTimestamper> clock;  ///< recomputes a recording's time stamps; null: recorded ones
   std::string rig_text;                         ///< text of the rig file stored in a recording
 };
@@ -42,6 +45,9 @@ StereoSource openSource(const std::filesystem::path& path);
 struct SourceSettings {
   /// Standard deviation of the time offsets of an image folder's pairs, ns. Recordings contain their own.
   double folder_offset_stddev_ns = 0.0;
+
+  /// See ImageFolderSettings::frame_rate. 0 is required for recordings.
+  double frame_rate = 0.0;
 
   /// Clock choice by which a recording's time stamps are recomputed from its RTP times, sender reports and
   /// arrivals; nothing: the recorded instants are used.

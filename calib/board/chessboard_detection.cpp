@@ -88,9 +88,34 @@ bool isSeenFromTheFront(const Grid& grid) {
   return along.cross(down) > 0.0F;
 }
 
-float slopeToTheRight(const Grid& grid) {
+/// The direction of the first row, of length 1.
+cv::Point2f rowDirection(const Grid& grid) {
   const cv::Point2f along = grid.at(grid.columns - 1, 0) - grid.at(0, 0);
-  return along.x / std::max(std::hypot(along.x, along.y), 1e-6F);
+  return along / std::max(std::hypot(along.x, along.y), 1e-6F);
+}
+
+/// Whether the board looks the same after a half turn: the colours of its squares do not tell which side is
+/// up.
+bool isAmbiguous(int columns, int rows) {
+  return (columns + rows) % 2 == 0;
+}
+
+/// The grid in the order whose first row points most in a direction, among those that look the same.
+Grid turnedTowards(Grid grid, const cv::Point2f& direction) {
+  Grid best = grid;
+  const int turns = grid.columns == grid.rows ? 4 : 2;
+  for (int turn = 1; turn < turns; ++turn) {
+    grid = grid.columns == grid.rows ? turnedByAQuarter(grid) : turnedUpsideDown(std::move(grid));
+    if (rowDirection(grid).dot(direction) > rowDirection(best).dot(direction)) best = grid;
+  }
+  return best;
+}
+
+Grid gridOf(const Chessboard& board, const std::vector<SeenCorner>& seen) {
+  Grid grid{board.columns, board.rows, {}};
+  for (const SeenCorner& corner : seen)
+    grid.corners.emplace_back(static_cast<float>(corner.pixel.x()), static_cast<float>(corner.pixel.y()));
+  return grid;
 }
 
 /// The mean grey value around the centre of the square whose top left corner has these indices.
@@ -115,16 +140,11 @@ double whiteOverBlack(const cv::Mat& grey, const Grid& grid) {
 /// The grid in the numbering of detectChessboard.
 Grid orientGrid(const cv::Mat& grey, Grid grid) {
   if (!isSeenFromTheFront(grid)) grid = mirrored(std::move(grid));
-  if ((grid.columns + grid.rows) % 2 != 0) {
+  if (!isAmbiguous(grid.columns, grid.rows))
     return whiteOverBlack(grey, grid) > 0.0 ? grid : turnedUpsideDown(std::move(grid));
-  }
-  Grid best = grid;
-  const int quarters = grid.columns == grid.rows ? 4 : 2;
-  for (int quarter = 1; quarter < quarters; ++quarter) {
-    grid = grid.columns == grid.rows ? turnedByAQuarter(grid) : turnedUpsideDown(std::move(grid));
-    if (slopeToTheRight(grid) > slopeToTheRight(best)) best = grid;
-  }
-  return best;
+  // Boards are held level or upright: at neither angle do two orders fit equally well.
+  const cv::Point2f right_and_down(0.92F, 0.38F);
+  return turnedTowards(std::move(grid), right_and_down);
 }
 
 }  // namespace
@@ -148,15 +168,36 @@ std::vector<SeenCorner> detectChessboard(const cv::Mat& grey, const Chessboard& 
   return seen;
 }
 
-std::string describeChessboard(const cv::Mat& grey) {
+void matchNumbering(const Chessboard& board, const std::vector<SeenCorner>& left,
+                    std::vector<SeenCorner>& right) {
+  const std::size_t count = static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
+  if (!isAmbiguous(board.columns, board.rows) || left.size() != count || right.size() != count) return;
+  // The corners' places in the right image, in the order of each numbering.
+  Grid numbers{board.columns, board.rows, {}};
+  for (std::size_t i = 0; i < count; ++i)
+    numbers.corners.emplace_back(static_cast<float>(i), 0.0F);
+  const cv::Point2f direction = rowDirection(gridOf(board, left));
+  Grid grid = gridOf(board, right);
+  const Grid wanted = turnedTowards(grid, direction);
+  const bool is_square = board.columns == board.rows;
+  while (grid.corners != wanted.corners) {
+    grid = is_square ? turnedByAQuarter(grid) : turnedUpsideDown(std::move(grid));
+    numbers = is_square ? turnedByAQuarter(numbers) : turnedUpsideDown(std::move(numbers));
+  }
+  const std::vector<SeenCorner> before = right;
+  for (std::size_t i = 0; i < count; ++i)
+    right[i].pixel = before[static_cast<std::size_t>(numbers.corners[i].x)].pixel;
+}
+
+std::optional<cv::Size> chessboardSize(const cv::Mat& grey) {
   cv::Mat meta;
   Corners corners;
   constexpr int kMinCorners = 3;  // per side
   const bool found =
       cv::findChessboardCornersSB(SearchImage(grey, kCoarseSide).image, {kMinCorners, kMinCorners}, corners,
                                   cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, meta);
-  if (!found || meta.empty()) return {};
-  return "a chessboard of " + std::to_string(meta.cols) + "x" + std::to_string(meta.rows) + " inner corners";
+  if (!found || meta.empty()) return std::nullopt;
+  return meta.size();
 }
 
 }  // namespace cartvo::calib

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <opencv2/aruco.hpp>
 
 #include "calib/board/board_spec.hpp"
@@ -15,5 +17,9 @@ struct MarkerDictionary {
 /// The smallest dictionary that contains a board's markers, since a smaller one corrects more bit errors.
 /// Throws std::invalid_argument for a chessboard, which has no markers.
 MarkerDictionary markerDictionary(const BoardSpec& board);
+
+/// Name of this dictionary in OpenCV and in other programs that print boards, such as "DICT_4X4_50"; empty
+/// for a chessboard.
+std::string dictionaryName(const BoardSpec& board);
 
 }  // namespace cartvo::calib

@@ -1,6 +1,7 @@
 // Reader and writer for Kalibr's camchain.yaml.
 #include "calib/format/kalibr_rig.hpp"
 
+#include <optional>
 #include <vector>
 
 #include "calib/format/rig_parts.hpp"
@@ -45,6 +46,45 @@ std::string transformText(const Eigen::Isometry3d& transform) {
   return text;
 }
 
+Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
+  return transformFrom(yaml.numbers(16), yaml);
+}
+
+/// T_cam_imu of a camera: Kalibr's own key, or OpenVINS' T_imu_cam; nothing if it has neither.
+std::optional<Eigen::Isometry3d> cameraFromImu(const StrictYaml& camera) {
+  if (camera.has("T_cam_imu")) return readTransform(camera["T_cam_imu"]);
+  if (camera.has("T_imu_cam")) return readTransform(camera["T_imu_cam"]).inverse();
+  return std::nullopt;
+}
+
+/// Throws std::runtime_error unless both transforms are equal within the rounding of files.
+void requireEqual(const Eigen::Isometry3d& chained, const Eigen::Isometry3d& by_imu, const StrictYaml& yaml) {
+  constexpr double kMaxDistance = 1e-3, kMaxAngle = 2e-3;  // m, rad
+  const Eigen::Isometry3d difference = chained.inverse() * by_imu;
+  if (difference.translation().norm() <= kMaxDistance &&
+      Eigen::AngleAxisd(difference.linear()).angle() <= kMaxAngle)
+    return;
+  yaml.fail("differs from the transform that both cameras' transforms against the IMU give, by " +
+            exactText(difference.translation().norm()) + " m and " +
+            exactText(Eigen::AngleAxisd(difference.linear()).angle()) +
+            " rad; remove the wrong one of the two");
+}
+
+Eigen::Isometry3d readRightFromLeft(const StrictYaml& left, const StrictYaml& right) {
+  const std::optional<Eigen::Isometry3d> left_imu = cameraFromImu(left), right_imu = cameraFromImu(right);
+  std::optional<Eigen::Isometry3d> by_imu;
+  if (left_imu && right_imu) by_imu = *right_imu * left_imu->inverse();
+  if (!right.has("T_cn_cnm1")) {
+    if (by_imu) return *by_imu;
+    right.fail(
+        "has no T_cn_cnm1 (against cam0), nor have both cameras T_cam_imu or T_imu_cam (against the IMU)");
+  }
+  const StrictYaml yaml = right["T_cn_cnm1"];
+  const Eigen::Isometry3d chained = readTransform(yaml);
+  if (by_imu) requireEqual(chained, *by_imu, yaml);
+  return chained;
+}
+
 }  // namespace
 
 Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
@@ -52,7 +92,7 @@ Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
   rig.name = name.stem().string();
   rig.left = readCamera(yaml["cam0"]);
   rig.right = readCamera(yaml["cam1"]);
-  rig.T_right_left = transformFrom(yaml["cam1"]["T_cn_cnm1"].numbers(16), yaml["cam1"]["T_cn_cnm1"]);
+  rig.T_right_left = readRightFromLeft(yaml["cam0"], yaml["cam1"]);
   return importedRig(rig, name);
 }
 

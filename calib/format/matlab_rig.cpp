@@ -39,12 +39,11 @@ CameraModel readCamera(const StrictYaml& yaml) {
   camera.size = {rows_and_columns.height, rows_and_columns.width};
   const StrictYaml matrix = yaml["IntrinsicMatrix"];
   const std::vector<double> K = matrix.numbers(9);
-  if (K[1] != 0.0 || K[2] != 0.0 || K[3] != 0.0 || K[5] != 0.0 || K[8] != 1.0)
-    matrix.failExpecting("[fx 0 0; 0 fy 0; cx cy 1], as MATLAB writes it, without skew");
-  camera.fx = K[0];
-  camera.fy = K[4];
-  camera.cx = K[6] - kFirstPixel;
-  camera.cy = K[7] - kFirstPixel;
+  if (K[6] == 0.0 && K[7] == 0.0 && (K[2] != 0.0 || K[5] != 0.0))
+    matrix.failExpecting("[fx 0 0; skew fy 0; cx cy 1], as MATLAB writes it: exchange rows and columns");
+  setCameraMatrix({K[0], K[3], K[6], K[1], K[4], K[7], K[2], K[5], K[8]}, matrix, camera);
+  camera.cx -= kFirstPixel;
+  camera.cy -= kFirstPixel;
   setDistortion(distortionOf(yaml), yaml["RadialDistortion"], camera);
   return camera;
 }

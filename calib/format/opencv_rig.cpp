@@ -1,26 +1,88 @@
 // Reader and writer for stereo calibrations in OpenCV's FileStorage format.
 #include "calib/format/opencv_rig.hpp"
 
-#include <vector>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
 
 #include "calib/format/rig_parts.hpp"
+#include "calib/model/rig_validation.hpp"
 #include "common/exact_text.hpp"
+#include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
 
 namespace cartvo::calib {
 namespace {
 
-CameraModel readCamera(const StrictYaml& yaml, const std::string& number, cv::Size size, LensModel lens) {
-  const std::vector<double> K = readMatrix(yaml["K" + number], 9);
+// Names of the same matrix in files of different programs, without the number of the camera.
+constexpr std::array kCameraMatrixKeys{"K", "M", "cameraMatrix"};
+constexpr std::array kDistortionKeys{"D", "distCoeffs"};
+
+/// The values of several files as of one.
+class OpenCvFiles {
+ public:
+  explicit OpenCvFiles(const std::vector<StrictYaml>& files) : files_(files) {}
+
+  /// The value of a key in the first file that has it; nothing if none has.
+  std::optional<StrictYaml> find(const std::string& key) const {
+    for (const StrictYaml& file : files_) {
+      if (file.has(key)) return file[key];
+    }
+    return std::nullopt;
+  }
+
+  /// The value of the first of `names` with `number` behind it that exists. Throws if none does.
+  template <typename Names>
+  StrictYaml require(const Names& names, const std::string& number) const {
+    for (const char* const name : names) {
+      if (auto value = find(name + number)) return *value;
+    }
+    return files_.back()[names.front() + number];  // throws
+  }
+
+ private:
+  const std::vector<StrictYaml>& files_;
+};
+
+CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::Size size, LensModel lens) {
   CameraModel camera;
   camera.size = size;
   camera.lens = lens;
-  camera.fx = K[0];
-  camera.fy = K[4];
-  camera.cx = K[2];
-  camera.cy = K[5];
-  setDistortion(readMatrix(yaml["D" + number]), yaml["D" + number], camera);
+  const StrictYaml matrix = files.require(kCameraMatrixKeys, number);
+  setCameraMatrix(readMatrix(matrix, 9), matrix, camera);
+  const StrictYaml distortion = files.require(kDistortionKeys, number);
+  setDistortion(readMatrix(distortion), distortion, camera);
   return camera;
+}
+
+/// The images' size in the files, else the given one. Throws if both exist and differ, or none exists.
+cv::Size readSize(const OpenCvFiles& files, std::optional<cv::Size> given) {
+  std::optional<cv::Size> size;
+  std::optional<StrictYaml> yaml = files.find("image_size");
+  if (!yaml) yaml = files.find("imageSize");
+  if (yaml) size = readImageSize(*yaml);
+  const std::optional<StrictYaml> width = files.find("image_width"), height = files.find("image_height");
+  if (!size && width && height) {
+    size = cv::Size(static_cast<int>(width->integer(kMinImageSide, kMaxImageSide)),
+                    static_cast<int>(height->integer(kMinImageSide, kMaxImageSide)));
+    yaml = width;
+  }
+  if (size && given && *size != *given)
+    yaml->fail("the file is for images of " + sizeText(*size) + ", not of " + sizeText(*given));
+  return size ? *size : given.value_or(cv::Size());
+}
+
+/// Throws unless the baseline in P2 (-P2[0][3] / P2[0][0], cv::stereoRectify) is the length of T.
+void checkProjection(const OpenCvFiles& files, double baseline) {
+  constexpr double kTolerance = 0.01;  // relative
+  const std::optional<StrictYaml> yaml = files.find("P2");
+  if (!yaml) return;
+  const std::vector<double> P = readMatrix(*yaml, 12);
+  const double projected = P[0] != 0.0 ? std::abs(P[3] / P[0]) : 0.0;
+  if (std::abs(projected - baseline) <= kTolerance * baseline) return;
+  yaml->fail("gives a baseline of " + exactText(projected) + " m, and T one of " + exactText(baseline) +
+             " m: they are not of one calibration");
 }
 
 std::string matrixText(const std::string& name, std::size_t columns, const std::vector<double>& values) {
@@ -37,17 +99,40 @@ std::string cameraText(const std::string& number, const CameraModel& camera) {
 
 }  // namespace
 
-Rig parseOpenCvRig(const StrictYaml& yaml, const std::filesystem::path& name) {
-  const cv::Size size = readImageSize(yaml["image_size"]);
-  const bool is_wide = yaml.has("fisheye_model") && yaml["fisheye_model"].integer(0, 1) == 1;
-  const LensModel lens = is_wide ? LensModel::wide : LensModel::brown;
+bool isOpenCvRig(const StrictYaml& yaml) {
+  const auto has_any = [&yaml](const auto& names) {
+    return std::any_of(names.begin(), names.end(),
+                       [&yaml](const char* name) { return yaml.has(std::string(name) + "1"); });
+  };
+  return has_any(kCameraMatrixKeys) || (yaml.has("R") && yaml.has("T"));
+}
+
+Rig parseOpenCvRig(const std::vector<StrictYaml>& yaml_files, const std::filesystem::path& name,
+                   std::optional<cv::Size> image_size) {
+  const OpenCvFiles files(yaml_files);
+  const cv::Size size = readSize(files, image_size);
+  const std::optional<StrictYaml> fisheye = files.find("fisheye_model");
+  const LensModel lens = fisheye && fisheye->integer(0, 1) == 1 ? LensModel::wide : LensModel::brown;
   Rig rig;
   rig.name = name.stem().string();
-  rig.left = readCamera(yaml, "1", size, lens);
-  rig.right = readCamera(yaml, "2", size, lens);
-  rig.T_right_left.linear() = rotationFrom(readMatrix(yaml["R"], 9), yaml["R"]);
-  const std::vector<double> T = readMatrix(yaml["T"], 3);
-  rig.T_right_left.translation() = Eigen::Vector3d(T[0], T[1], T[2]);
+  rig.left = readCamera(files, "1", size, lens);
+  rig.right = readCamera(files, "2", size, lens);
+  const auto required = [&](const char* key) {
+    const std::optional<StrictYaml> value = files.find(key);
+    if (value) return *value;
+    throw std::runtime_error(name.string() + ": " + key +
+                             " is missing; if it is in another file (OpenCV's sample stereo_calib writes "
+                             "intrinsics.yml and extrinsics.yml), give both to 'cartvo calibrate convert'");
+  };
+  const StrictYaml R = required("R"), T = required("T");
+  rig.T_right_left.linear() = rotationFrom(readMatrix(R, 9), R);
+  const std::vector<double> t = readMatrix(T, 3);
+  rig.T_right_left.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
+  checkProjection(files, rig.baseline());
+  if (size.empty()) {
+    throw std::runtime_error(
+        name.string() + ": image_size is missing; give --size WIDTHxHEIGHT to 'cartvo calibrate convert'");
+  }
   return importedRig(rig, name);
 }
 

@@ -2,6 +2,7 @@
 #include "calib/format/rig_file.hpp"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,6 +25,12 @@ LensModel readLens(const StrictYaml& yaml) {
   if (name == "wide") return LensModel::wide;
   if (name != "brown") yaml.failExpecting("brown or wide");
   return LensModel::brown;
+}
+
+bool readFlag(const StrictYaml& yaml) {
+  const std::string flag = yaml.text();
+  if (flag != "true" && flag != "false") yaml.failExpecting("true or false");
+  return flag == "true";
 }
 
 CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
@@ -54,43 +61,24 @@ Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
   return transform;
 }
 
-Rig parseCartvoRig(const StrictYaml& yaml) {
-  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
-                  "free_scaling", "scale_deviation"});
-  yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
-  const std::vector<double> size = yaml["image_size"].numbers(2);
-  for (const double side : size) {
-    if (side < kMinImageSide || side > kMaxImageSide || side != std::floor(side)) {
-      yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
-    }
-  }
-  const cv::Size image_size(static_cast<int>(size[0]), static_cast<int>(size[1]));
-  Rig rig;
-  rig.name = yaml["name"].text();
-  rig.left = readCamera(yaml["left"], image_size);
-  rig.right = readCamera(yaml["right"], image_size);
-  rig.T_right_left = readTransform(yaml["T_right_left"]);
-  if (rig.baseline() < kMinBaseline || rig.baseline() > kMaxBaseline) {
-    yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
-  }
-  rig.T_body_camera =
-      yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
-  if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
-  if (yaml.has("scale_deviation")) rig.scale_stddev = yaml["scale_deviation"].number(0.0, kMaxScaleStddev);
-  return rig;
+/// Throws std::runtime_error for a rig whose geometry is unusual and not confirmed.
+Rig requireUsual(Rig rig, const std::filesystem::path& name, const char* advice) {
+  const std::string finding = rig.unusual_geometry ? "" : unusualGeometry(rig);
+  if (finding.empty()) return rig;
+  throw std::runtime_error(name.string() + ": " + finding + ". If the rig is really so, " + advice);
 }
 
 Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name) {
-  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
-  if (yaml.has("K1")) return parseOpenCvRig(yaml, name);
-  if (yaml.has("cam0")) return parseKalibrRig(yaml, name);
-  if (yaml.has("CameraParameters1")) return parseMatlabRig(yaml, name);
+  if (yaml.has("cartvo_rig"))
+    return requireUsual(parseCartvoRig(yaml), name, "add the line 'unusual_geometry: true' to the file");
+  if (const std::optional<Rig> rig = parseForeignRig(yaml, name, {}))
+    return requireUsual(*rig, name,
+                        "'cartvo calibrate convert --unusual-geometry' makes a rig.yaml that says so");
   throw std::runtime_error(
       name.string() +
       ": is neither a cartvo rig file (key cartvo_rig) nor an OpenCV FileStorage with K1 D1 K2 D2 R T "
       "image_size, a Kalibr camchain (cam0) or MATLAB's stereoParameters as JSON (CameraParameters1); files "
-      "of "
-      "other tools are read by 'cartvo calibrate convert'");
+      "of other tools are read by 'cartvo calibrate convert'");
 }
 
 std::string quoted(const std::string& text) {
@@ -149,6 +137,41 @@ std::string mountText(const Rig& rig) {
 
 }  // namespace
 
+Rig parseCartvoRig(const StrictYaml& yaml) {
+  yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
+                  "free_scaling", "scale_deviation", "unusual_geometry"});
+  yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
+  const std::vector<double> size = yaml["image_size"].numbers(2);
+  for (const double side : size) {
+    if (side < kMinImageSide || side > kMaxImageSide || side != std::floor(side)) {
+      yaml["image_size"].failExpecting("[width, height], two integers from 16 to 8192");
+    }
+  }
+  const cv::Size image_size(static_cast<int>(size[0]), static_cast<int>(size[1]));
+  Rig rig;
+  rig.name = yaml["name"].text();
+  rig.left = readCamera(yaml["left"], image_size);
+  rig.right = readCamera(yaml["right"], image_size);
+  rig.T_right_left = readTransform(yaml["T_right_left"]);
+  if (rig.baseline() < kMinBaseline || rig.baseline() > kMaxBaseline) {
+    yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
+  }
+  rig.T_body_camera =
+      yaml.has("T_body_camera") ? readTransform(yaml["T_body_camera"]) : forwardLookingMount();
+  if (yaml.has("free_scaling")) rig.rectification.free_scaling = yaml["free_scaling"].number(0.0, 1.0);
+  if (yaml.has("scale_deviation")) rig.scale_stddev = yaml["scale_deviation"].number(0.0, kMaxScaleStddev);
+  if (yaml.has("unusual_geometry")) rig.unusual_geometry = readFlag(yaml["unusual_geometry"]);
+  return rig;
+}
+
+std::optional<Rig> parseForeignRig(const StrictYaml& yaml, const std::filesystem::path& name,
+                                   std::optional<cv::Size> image_size) {
+  if (isOpenCvRig(yaml)) return parseOpenCvRig({yaml}, name, image_size);
+  if (yaml.has("cam0")) return parseKalibrRig(yaml, name);
+  if (yaml.has("CameraParameters1")) return parseMatlabRig(yaml, name);
+  return std::nullopt;
+}
+
 Rig readRig(const std::filesystem::path& file) {
   return parseAnyRig(StrictYaml::readFile(file), file);
 }
@@ -188,7 +211,11 @@ std::string rigText(const Rig& rig) {
          "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
          "together, as "
          "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
-         exactText(rig.scale_stddev) + "\n";
+         exactText(rig.scale_stddev) + "\n" +
+         (rig.unusual_geometry
+              ? "# Confirms numbers above that are unusual for a stereo pair on a vehicle, and "
+                "are refused without this line.\nunusual_geometry: true\n"
+              : "");
 }
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {

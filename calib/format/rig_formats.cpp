@@ -12,6 +12,7 @@
 #include "calib/format/rig_file.hpp"
 #include "calib/format/ros_rig.hpp"
 #include "calib/model/rig_validation.hpp"
+#include "common/input_file.hpp"
 #include "common/strict_yaml.hpp"
 
 namespace cartvo::calib {
@@ -19,30 +20,61 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Rig readOneFile(const fs::path& file, std::optional<cv::Size> image_size) {
-  const StrictYaml yaml = StrictYaml::readFile(file);
-  if (yaml.has("P0")) {
-    if (!image_size) {
-      throw std::runtime_error(file.string() +
-                               ": KITTI's calib.txt does not contain the image size: give their size");
-    }
-    return readKittiRig(file, *image_size);
+constexpr const char* kKnownFormats =
+    "cartvo's rig.yaml (key cartvo_rig), an OpenCV FileStorage (K1 or M1, D1, K2, D2, R, T; also in two "
+    "files), a "
+    "Kalibr or OpenVINS camchain (cam0), MATLAB's stereoParameters as JSON (CameraParameters1), KITTI's "
+    "calib.txt "
+    "(P0) or calib_cam_to_cam.txt (P_rect_00), two ROS camera_info files (camera_matrix), two EuRoC "
+    "sensor.yaml "
+    "(T_BS)";
+
+/// Throws std::runtime_error for files that are no text, with the way to make one.
+void requireText(const fs::path& file) {
+  constexpr std::uintmax_t kMaxBytes = 64U << 20U;
+  const std::string bytes = readInputFile(file, kMaxBytes);
+  if (bytes.starts_with("MATLAB 5.0 MAT-file") || file.extension() == ".mat") {
+    throw std::runtime_error(
+        file.string() +
+        ": is MATLAB's binary format. Write the parameters as JSON in MATLAB, with the lines in "
+        "cartvo-calibrate-convert(1): s = struct(stereoParams) ... jsonencode(s)");
   }
+  if (withoutByteOrderMark(bytes).find('\0') == std::string::npos) return;
+  throw std::runtime_error(file.string() + ": is a binary file; expected " + kKnownFormats);
+}
+
+Rig readOneFile(const fs::path& file, const RigReading& reading) {
+  requireText(file);
+  const StrictYaml yaml = StrictYaml::readFile(file);
+  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
+  if (isKittiRig(yaml) && !isOpenCvRig(yaml))
+    return parseKittiRig(yaml, file, reading.image_size, reading.cameras);
+  if (const std::optional<Rig> rig = parseForeignRig(yaml, file, reading.image_size)) return *rig;
   if (yaml.has("T_BS") || yaml.has("camera_matrix")) {
     throw std::runtime_error(file.string() +
                              ": holds one camera only: give the left and the right camera's file");
   }
-  return readRig(file);
+  throw std::runtime_error(file.string() + ": is in none of the known formats: " + kKnownFormats);
 }
 
-Rig readTwoFiles(const fs::path& left, const fs::path& right) {
-  const StrictYaml yaml = StrictYaml::readFile(left);
-  if (yaml.has("T_BS")) return readEurocRig(left, right);
-  if (yaml.has("camera_matrix")) return readRosRig(left, right);
-  throw std::runtime_error(
-      left.string() +
-      ": is neither a EuRoC sensor.yaml (key T_BS) nor a ROS camera_info (camera_matrix); "
-      "other formats are one file");
+Rig readTwoFiles(const fs::path& first, const fs::path& second, const RigReading& reading) {
+  requireText(first);
+  requireText(second);
+  const StrictYaml yaml = StrictYaml::readFile(first), other = StrictYaml::readFile(second);
+  if (yaml.has("T_BS")) return readEurocRig(first, second);
+  if (isOpenCvRig(yaml) && isOpenCvRig(other))
+    return parseOpenCvRig({yaml, other}, first, reading.image_size);
+  if (yaml.has("camera_matrix")) return readRosRig(first, second);
+  throw std::runtime_error(first.string() + " and " + second.string() +
+                           ": two files are OpenCV's intrinsics (K1 or M1) and extrinsics (R, T), or the "
+                           "left and the right camera's: "
+                           "EuRoC's sensor.yaml (T_BS) or ROS' camera_info (camera_matrix)");
+}
+
+Rig readAnyFiles(const std::vector<fs::path>& files, const RigReading& reading) {
+  if (files.size() == 1) return readOneFile(files[0], reading);
+  if (files.size() == 2) return readTwoFiles(files[0], files[1], reading);
+  throw std::runtime_error("a rig is one file, or the left and the right camera's");
 }
 
 }  // namespace
@@ -60,10 +92,16 @@ RigFormat parseRigFormat(const std::string& name) {
   return static_cast<RigFormat>(found - names.begin());
 }
 
-Rig readRigFiles(const std::vector<fs::path>& files, std::optional<cv::Size> image_size) {
-  if (files.size() == 1) return readOneFile(files[0], image_size);
-  if (files.size() == 2) return readTwoFiles(files[0], files[1]);
-  throw std::runtime_error("a rig is one file, or the left and the right camera's");
+Rig readRigFiles(const std::vector<fs::path>& files, const RigReading& reading) {
+  Rig rig = readAnyFiles(files, reading);
+  const std::string finding = unusualGeometry(rig);
+  if (finding.empty() || rig.unusual_geometry) return rig;
+  if (!reading.unusual_geometry) {
+    throw std::runtime_error(files.back().string() + ": " + finding +
+                             ". If the rig is really so, convert it with --unusual-geometry");
+  }
+  rig.unusual_geometry = true;
+  return rig;
 }
 
 std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format) {

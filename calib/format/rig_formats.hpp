@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -18,7 +19,7 @@ enum class RigFormat : std::uint8_t {
   opencv,  ///< opencv_rig.hpp
   kalibr,  ///< kalibr_rig.hpp
   matlab,  ///< matlab_rig.hpp
-  kitti,   ///< kitti_rig.hpp; without the image size
+  kitti,   ///< kitti_rig.hpp; calib.txt, without the image size
   ros,     ///< ros_rig.hpp; one file per camera
   euroc,   ///< euroc_rig.hpp; one file per camera
 };
@@ -29,10 +30,17 @@ const std::vector<std::string>& rigFormatNames();
 /// The format with this name. Throws std::invalid_argument for an unknown one.
 RigFormat parseRigFormat(const std::string& name);
 
-/// Reads a rig of any format, which is recognised by its contents: one file, or the left and the right
-/// camera's. `image_size` is for KITTI's calib.txt only. Throws std::runtime_error naming file, line, key and
-/// what was expected.
-Rig readRigFiles(const std::vector<std::filesystem::path>& files, std::optional<cv::Size> image_size);
+/// How rig files are read.
+struct RigReading {
+  std::optional<cv::Size> image_size;  ///< of files that do not contain it, or several
+  std::array<int, 2> cameras{0, 1};    ///< left and right, of KITTI's files
+  bool unusual_geometry = false;       ///< confirms what unusualGeometry() reports
+};
+
+/// Reads a rig of any format, which is recognised by its contents: one file, the left and the right camera's,
+/// or OpenCV's intrinsics and extrinsics. Throws std::runtime_error naming file, line, key and what was
+/// expected, also for a rig of unusualGeometry() that is not confirmed.
+Rig readRigFiles(const std::vector<std::filesystem::path>& files, const RigReading& reading = {});
 
 /// A file that contains a rig or one of its cameras.
 struct RigFile {

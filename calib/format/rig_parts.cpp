@@ -2,11 +2,13 @@
 #include "calib/format/rig_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "calib/format/rig_file.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
+#include "common/exact_text.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -64,6 +66,39 @@ Eigen::Isometry3d transformFrom(const std::vector<double>& rows, const StrictYam
   transform.linear() = rotationFrom(rowsOf(Eigen::Matrix3d(T.topLeftCorner<3, 3>())), yaml);
   transform.translation() = T.topRightCorner<3, 1>();
   return transform;
+}
+
+void setCameraMatrix(const std::vector<double>& K, const StrictYaml& yaml, CameraModel& camera) {
+  constexpr double kNoSkew = 1e-9;  // relative to fx: rounding
+  if (K[2] == 0.0 && K[5] == 0.0 && (K[6] != 0.0 || K[7] != 0.0)) {
+    yaml.fail("is transposed: the principal point (" + exactText(K[6]) + ", " + exactText(K[7]) +
+              ") is in the last row, and belongs into the last column; exchange rows and columns");
+  }
+  if (std::abs(K[1]) > kNoSkew * std::abs(K[0])) {
+    yaml.fail("has a skew of " + exactText(K[1]) +
+              " px, which this camera model does not have: calibrate with the skew fixed at 0 "
+              "(cv::fisheye::CALIB_FIX_SKEW; in MATLAB EstimateSkew false)");
+  }
+  if (K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0)
+    yaml.fail("expected [fx 0 cx; 0 fy cy; 0 0 1], found " + exactText(K));
+  camera.fx = K[0];
+  camera.fy = K[4];
+  camera.cx = K[2];
+  camera.cy = K[5];
+}
+
+Eigen::Vector3d setProjectionMatrix(const std::vector<double>& P, const StrictYaml& yaml,
+                                    CameraModel& camera) {
+  constexpr double kTolerance = 1e-9;  // relative
+  const bool is_rectified = P[0] > 0.0 && std::abs(P[0] - P[5]) <= kTolerance * P[0] && P[1] == 0.0 &&
+                            P[4] == 0.0 && P[8] == 0.0 && P[9] == 0.0 && P[10] == 1.0;
+  if (!is_rectified)
+    yaml.fail("expected the rows of [f 0 cx -f*b; 0 f cy 0; 0 0 1 0], found " + exactText(P));
+  camera.fx = P[0];
+  camera.fy = P[5];
+  camera.cx = P[2];
+  camera.cy = P[6];
+  return {(P[3] - P[2] * P[11]) / P[0], (P[7] - P[6] * P[11]) / P[5], P[11]};
 }
 
 void readIntrinsics(const StrictYaml& yaml, CameraModel& camera) {

@@ -16,8 +16,8 @@ namespace cartvo::calib {
 // key and what was expected.
 
 /// Completes and validates a rig read from another tool's `file`: the mount becomes forwardLookingMount(),
-/// since these formats do not contain it. Throws std::runtime_error with the file's name if the rig is
-/// invalid.
+/// since these formats do not contain it. Does not check unusualGeometry(). Throws std::runtime_error with
+/// the file's name if the rig is invalid.
 Rig importedRig(Rig rig, const std::filesystem::path& file);
 
 /// An image size as [width, height]. MATLAB's is [height, width]: the caller swaps.
@@ -33,6 +33,16 @@ Eigen::Matrix3d rotationFrom(const std::vector<double>& rows, const StrictYaml& 
 
 /// The transform with these sixteen elements of its 4x4 matrix, row by row. `yaml`: as above.
 Eigen::Isometry3d transformFrom(const std::vector<double>& rows, const StrictYaml& yaml);
+
+/// Stores a camera matrix [fx 0 cx; 0 fy cy; 0 0 1], row by row. Throws std::runtime_error naming the number
+/// for a matrix with skew, which cartvo's camera model does not have, and for one that is transposed.
+void setCameraMatrix(const std::vector<double>& K, const StrictYaml& yaml, CameraModel& camera);
+
+/// Stores the left 3x3 part of a rectified camera's projection matrix [f 0 cx tx; 0 f cy ty; 0 0 1 tz],
+/// twelve numbers row by row, and returns the camera's translation against the rectified axes of camera 0, m:
+/// the last column is K times it. Throws std::runtime_error for other matrices.
+Eigen::Vector3d setProjectionMatrix(const std::vector<double>& P, const StrictYaml& yaml,
+                                    CameraModel& camera);
 
 /// Reads [fx, fy, cx, cy], as Kalibr and EuRoC write it, into `camera`.
 void readIntrinsics(const StrictYaml& yaml, CameraModel& camera);

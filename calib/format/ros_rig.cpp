@@ -2,6 +2,8 @@
 #include "calib/format/ros_rig.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "calib/format/rig_parts.hpp"
@@ -18,6 +20,7 @@ constexpr std::size_t kPlumbBob = 5;  // k1 k2 p1 p2 k3
 /// One camera and its rectification.
 struct RosCamera {
   CameraModel model;
+  CameraModel rectified;  ///< focal length and principal point after rectification
   Eigen::Matrix3d R_rectified_camera;
   double centre = 0.0;  ///< position of the camera along the rectified x axis, m
 };
@@ -35,22 +38,37 @@ RosCamera readCamera(const std::filesystem::path& file) {
   RosCamera camera;
   camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinImageSide, kMaxImageSide)),
                        static_cast<int>(yaml["image_height"].integer(kMinImageSide, kMaxImageSide))};
-  const std::vector<double> K = readMatrix(yaml["camera_matrix"], 9);
-  camera.model.fx = K[0];
-  camera.model.fy = K[4];
-  camera.model.cx = K[2];
-  camera.model.cy = K[5];
+  setCameraMatrix(readMatrix(yaml["camera_matrix"], 9), yaml["camera_matrix"], camera.model);
   camera.model.lens = readLens(yaml["distortion_model"]);
   const StrictYaml distortion = yaml["distortion_coefficients"];
-  setDistortion(readMatrix(distortion), distortion, camera.model);
+  const std::vector<double> coefficients = readMatrix(distortion);
+  const bool has_more = yaml["distortion_model"].text() == "plumb_bob" && coefficients.size() > kPlumbBob &&
+                        std::any_of(coefficients.begin() + kPlumbBob, coefficients.end(),
+                                    [](double coefficient) { return coefficient != 0.0; });
+  if (has_more) distortion.failExpecting("the five coefficients of plumb_bob, or rational_polynomial");
+  setDistortion(coefficients, distortion, camera.model);
   const StrictYaml rotation = yaml["rectification_matrix"];
   camera.R_rectified_camera = rotationFrom(readMatrix(rotation, 9), rotation);
   const StrictYaml projection = yaml["projection_matrix"];
-  const std::vector<double> P = readMatrix(projection, 12);
-  if (!(P[0] > 0.0) || P[7] != 0.0 || P[11] != 0.0)
-    projection["data"].failExpecting("the rows of [f 0 cx -f*b; 0 f cy 0; 0 0 1 0]");
-  camera.centre = -P[3] / P[0];
+  const Eigen::Vector3d translation =
+      setProjectionMatrix(readMatrix(projection, 12), projection, camera.rectified);
+  if (translation.y() != 0.0 || translation.z() != 0.0)
+    projection.fail("expected a camera beside the other, and 0 in the last column's second and third row");
+  camera.centre = -translation.x();
   return camera;
+}
+
+/// Throws std::runtime_error unless the projection matrices are those of one rectified pair.
+void requireOnePair(const RosCamera& left, const RosCamera& right, const std::filesystem::path& right_file) {
+  constexpr double kTolerance = 1e-6;  // relative
+  const double f = left.rectified.fx;
+  const bool is_pair = std::abs(right.rectified.fx - f) <= kTolerance * f &&
+                       std::abs(right.rectified.cy - left.rectified.cy) <= kTolerance * f;
+  if (is_pair) return;
+  throw std::runtime_error(
+      right_file.string() + ": projection_matrix: its focal length (" + exactText(right.rectified.fx) +
+      ") and cy (" + exactText(right.rectified.cy) + ") differ from the left camera's (" + exactText(f) +
+      ", " + exactText(left.rectified.cy) + "): the two files are not of one stereo calibration");
 }
 
 std::string matrixText(const std::string& name, std::size_t rows, const std::vector<double>& values) {
@@ -90,6 +108,7 @@ std::string cameraText(const char* name, const CameraModel& camera, const Eigen:
 Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::path& right_file) {
   const RosCamera left = readCamera(left_file);
   const RosCamera right = readCamera(right_file);
+  requireOnePair(left, right, right_file);
   Rig rig;
   rig.name = "ROS";
   rig.left = left.model;

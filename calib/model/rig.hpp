@@ -50,6 +50,8 @@ struct Rig {
   /// Relative standard deviation of the baseline, which scales all lengths that the rig measures. 0: unknown,
   /// counts as exact.
   double scale_stddev = 0.0;
+  /// A person has confirmed what unusualGeometry() reports.
+  bool unusual_geometry = false;
 
   /// Distance between the cameras, m.
   double baseline() const { return T_right_left.translation().norm(); }

@@ -1,10 +1,14 @@
 // Checks that the values of a rig describe two cameras of one rig.
 #include "calib/model/rig_validation.hpp"
 
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
 #include "calib/model/rotation.hpp"
+#include "common/units.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -32,7 +36,69 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
   }
 }
 
+/// Collects what is unusual, separated by "; ".
+class Findings {
+ public:
+  /// Adds "SUBJECT is VALUE, expected MIN to MAXUNIT: ADVICE" if the value lies outside.
+  void check(const std::string& subject, double value, double min, double max, const char* unit,
+             const std::string& advice) {
+    if (value >= min && value <= max) return;
+    text_ += (text_.empty() ? "" : "; ") + subject + " is " + rounded(value) + unit + ", expected " +
+             rounded(min) + " to " + rounded(max) + unit + ": " + advice;
+  }
+  const std::string& text() const { return text_; }
+
+  static std::string rounded(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", value);
+    return text.data();
+  }
+
+ private:
+  std::string text_;
+};
+
+constexpr double kMaxFocalRatio = 1.25;
+
+void checkCamera(const CameraModel& camera, const std::string& side, Findings& findings) {
+  constexpr double kMinCentre = 0.1, kMaxCentre = 0.9;  // relative to the image
+  constexpr double kMinFocal = 0.15, kMaxFocal = 10.0;  // relative to the image's width
+  constexpr double kMaxTangential = 0.05;
+  const std::string prefix = "the " + side + " camera's ";
+  const auto width = static_cast<double>(camera.size.width), height = static_cast<double>(camera.size.height);
+  const char* const centre = "is the image's size right, are the numbers in order, is the matrix transposed?";
+  findings.check(prefix + "cx", camera.cx, kMinCentre * width, kMaxCentre * width, " px", centre);
+  findings.check(prefix + "cy", camera.cy, kMinCentre * height, kMaxCentre * height, " px", centre);
+  findings.check(prefix + "fx", camera.fx, kMinFocal * width, kMaxFocal * width, " px",
+                 "is it in millimetres, or for another image size?");
+  findings.check(prefix + "fx/fy", camera.fx / camera.fy, 1.0 / kMaxFocalRatio, kMaxFocalRatio, "",
+                 "pixels are square in almost all cameras; are the numbers in order?");
+  if (camera.lens != LensModel::brown) return;
+  for (const std::size_t index : {2, 3}) {
+    findings.check(
+        prefix + (index == 2 ? "p1" : "p2"), camera.distortion[index], -kMaxTangential, kMaxTangential, "",
+        "a lens is not tilted so much; are the coefficients in the order k1 k2 p1 p2 k3, and is the "
+        "lens model right (for cv::fisheye: fisheye_model: 1)?");
+  }
+}
+
 }  // namespace
+
+std::string unusualGeometry(const Rig& rig) {
+  constexpr double kMinUsualBaseline = 0.02, kMaxUsualBaseline = 2.5;  // m
+  constexpr double kMaxTurn = 15.0;                                    // degrees
+  Findings findings;
+  checkCamera(rig.left, "left", findings);
+  checkCamera(rig.right, "right", findings);
+  findings.check("the ratio of the left and the right fx", rig.left.fx / rig.right.fx, 1.0 / kMaxFocalRatio,
+                 kMaxFocalRatio, "", "both cameras of a pair have like lenses; are the files of one rig?");
+  findings.check("the baseline", rig.baseline(), kMinUsualBaseline, kMaxUsualBaseline, " m",
+                 "is the translation in metres?");
+  findings.check("the angle between the two cameras",
+                 kDegreesPerRadian * Eigen::AngleAxisd(rig.T_right_left.linear()).angle(), 0.0, kMaxTurn,
+                 " degrees", "is the rotation that of these two cameras, and in the right order?");
+  return findings.text();
+}
 
 void validateRig(const Rig& rig) {
   validateCamera(rig.left, "left");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "calib/model/rig.hpp"
 
 namespace cartvo::calib {
@@ -22,5 +24,11 @@ constexpr double maxCentre(int length) {
 /// distortion, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m (a larger
 /// one is a calibration in millimetres).
 void validateRig(const Rig& rig);
+
+/// What of a valid rig cannot be the geometry of a stereo pair on a vehicle unless the rig is an unusual one,
+/// with the numbers and what they may mean instead; empty if nothing. For example a principal point near the
+/// image's rim, focal lengths that differ by more than a quarter, a baseline above 2.5 m, cameras turned
+/// against each other by more than 15 degrees.
+std::string unusualGeometry(const Rig& rig);
 
 }  // namespace cartvo::calib

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 
@@ -207,11 +208,18 @@ Rig calibratedFromEveryOther(const Calibration& calibration, const BoardCorners&
   return calibrateStereoFrom(start, views, board_corners, calibration.result().model).estimate.rig;
 }
 
+constexpr double kMinViewsForHalves = 16;
+constexpr double kMaxHalvesDifference = 1.0;  // px
+
+/// Factor of limits in px: errors of lens model and print grow with the resolution.
+double limitScale(cv::Size image_size) {
+  return std::max(1.0, image_size.width / 1000.0);
+}
+
 std::vector<ValidationCheck> checksOf(const Calibration& calibration) {
-  constexpr double kRms = 0.5, kRows = 0.25, kRowsP95 = 0.5, kHalves = 1.0;  // px
-  constexpr double kMinViewsUsed = 8, kMinViewsForHalves = 16;
-  // The limits grow with the resolution, since errors of lens model and print grow in pixels.
-  const double scale = std::max(1.0, calibration.image_size.width / 1000.0);
+  constexpr double kRms = 0.5, kRows = 0.25, kRowsP95 = 0.5;  // px
+  constexpr double kMinViewsUsed = 8;
+  const double scale = limitScale(calibration.image_size);
   const CrossValidation& held_out = calibration.validation();
   const auto at_most = [](std::string name, double value, double limit) {
     return ValidationCheck{std::move(name), value, limit, "px", value <= limit};
@@ -225,7 +233,7 @@ std::vector<ValidationCheck> checksOf(const Calibration& calibration) {
   // With fewer views a half is too small for a calibration; then the difference is reported but not checked.
   if (views >= kMinViewsForHalves) {
     checks.push_back(at_most("difference of two halves, 95 of 100 pixels", calibration.halves.projection_p95,
-                             kHalves * scale));
+                             kMaxHalvesDifference * scale));
   }
   checks.push_back({"views used", views, kMinViewsUsed, "at least", views >= kMinViewsUsed});
   checks.push_back({"views of a board that moved between the two exposures",
@@ -238,6 +246,49 @@ std::vector<ValidationCheck> checksOf(const Calibration& calibration) {
 
 bool Calibration::passed() const {
   return std::all_of(checks.begin(), checks.end(), [](const ValidationCheck& check) { return check.passed; });
+}
+
+std::vector<std::string> reservationsOf(const Calibration& calibration) {
+  constexpr double kMinCoverage = 0.6;
+  constexpr double kDistance = 10.0;       // m
+  constexpr double kMaxDepthError = 0.05;  // relative, median over the image
+  std::vector<std::string> reservations;
+  const auto views = static_cast<double>(calibration.views.size());
+  if (views < kMinViewsForHalves) {
+    reservations.push_back("only " + std::to_string(calibration.views.size()) +
+                           " views are used: take at least " +
+                           std::to_string(std::lround(kMinViewsForHalves - views)) +
+                           " more; with fewer than 16 the comparison of two halves is no check");
+  }
+  for (const auto& [side, coverage] :
+       {std::pair("left", &calibration.left_coverage), std::pair("right", &calibration.right_coverage)}) {
+    if (coverage->share() >= kMinCoverage) continue;
+    reservations.push_back("corners cover only " + std::to_string(std::lround(100.0 * coverage->share())) +
+                           " % of the " + side +
+                           " image: the lens is not known in the rest; hold the board there");
+  }
+  if (views < kMinViewsForHalves &&
+      !(calibration.halves.projection_p95 <= kMaxHalvesDifference * limitScale(calibration.image_size))) {
+    reservations.push_back("two calibrations, each from every other view, put the same point up to " +
+                           pixelText(calibration.halves.projection_p95) + " apart");
+  }
+  for (const DepthDifference& depth : calibration.halves.depth) {
+    if (depth.distance != kDistance || !(depth.median > kMaxDepthError * kDistance)) continue;
+    reservations.push_back(std::isfinite(depth.median)
+                               ? "depth at 10 m is known to " +
+                                     std::to_string(std::lround(100.0 * depth.median / kDistance)) +
+                                     " % only: take more views, near and far, in all parts of both images"
+                               : "depth at 10 m could not be compared: no point at that distance lies where "
+                                 "both images had corners");
+  }
+  return reservations;
+}
+
+std::string pixelText(double pixels) {
+  if (!std::isfinite(pixels)) return "not seen";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f px", pixels);
+  return text;
 }
 
 double scaleStddev(const Calibration& calibration) {

@@ -55,6 +55,14 @@ struct Calibration {
   bool passed() const;
 };
 
+/// A distance in an image as text, "0.25 px"; infinite ones (nothing to compare) become "not seen".
+std::string pixelText(double pixels);
+
+/// What a calibration that passes leaves uncertain, one sentence each, with what to add: too few views, parts
+/// of the images without corners, and two halves of the views that disagree about pixels or depths. Empty if
+/// nothing.
+std::vector<std::string> reservationsOf(const Calibration& calibration);
+
 /// Distances at which depth errors are reported, m.
 inline const std::vector<double> kDepthDistances{5.0, 10.0, 20.0, 40.0};
 

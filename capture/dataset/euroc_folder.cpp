@@ -2,7 +2,9 @@
 
 #include <stdexcept>
 
+#include "capture/dataset/frame_interval.hpp"
 #include "capture/dataset/image_folder_layouts.hpp"
+#include "common/printable_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -15,14 +17,15 @@ ImageSequence readCamera(const fs::path& folder) {
   for (const TextLine& line : readLines(file)) {
     const std::size_t comma = line.text.find(',');
     const auto instant_ns = parseNumber<std::int64_t>(line.text.substr(0, comma));
-    const std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);
+    std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);
+    name.erase(0, name.find_first_not_of(" \t"));
     const bool is_instant = instant_ns && *instant_ns >= -kMaxTimestampNs && *instant_ns <= kMaxTimestampNs;
     if (!is_instant || name.empty()) {
       throw std::runtime_error(fileAndLine(file, line) + "expected 'instant in ns,file name' instead of '" +
-                               line.text + "'");
+                               printableExcerpt(line.text) + "'");
     }
     if (fs::path(name).filename() != name) {
-      throw std::runtime_error(fileAndLine(file, line) + "'" + name +
+      throw std::runtime_error(fileAndLine(file, line) + "'" + printableExcerpt(name) +
                                "' must be the name of a file in data/");
     }
     requireIncreasing(sequence.instants_ns, *instant_ns, file, line);
@@ -33,11 +36,8 @@ ImageSequence readCamera(const fs::path& folder) {
     sequence.images.push_back(image);
   }
   if (sequence.images.empty()) throw std::runtime_error(file.string() + " lists no image");
+  requirePlausibleInterval(sequence.instants_ns, file, TimeUnit::nanoseconds);
   return sequence;
-}
-
-fs::path pathIfExists(const fs::path& file) {
-  return fs::exists(file) ? file : fs::path();
 }
 
 }  // namespace

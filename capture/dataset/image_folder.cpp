@@ -2,41 +2,90 @@
 
 #include "capture/dataset/image_folder.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "capture/dataset/image_folder_layouts.hpp"
+#include "common/input_file.hpp"
+#include "common/printable_text.hpp"
 #include "common/statistics.hpp"
 
 namespace cartvo::capture {
 
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxTextBytes = 256U << 20U;
+
+/// ", the first one missing is 000007.png" if the images are numbered and a number is missing; else "".
+std::string firstGapText(const std::vector<fs::path>& images) {
+  std::uint64_t next = 0;
+  for (const fs::path& image : images) {
+    const std::string stem = image.stem().string();
+    const std::optional<std::uint64_t> number = parseNumber<std::uint64_t>(stem);
+    if (!number) return "";
+    if (*number != next) {
+      std::string missing = std::to_string(next);
+      missing.insert(0, stem.size() - std::min(stem.size(), missing.size()), '0');
+      return ", the first one missing is " + missing + image.extension().string();
+    }
+    ++next;
+  }
+  return "";
+}
+
+/// Measures the grey levels over both cameras, so that one brightness stays one brightness.
+void applyGreyLevels(ImageFolder& folder) {
+  constexpr int kDark = 40;  // of 255
+  std::vector<fs::path> files = folder.left.images;
+  files.insert(files.end(), folder.right.images.begin(), folder.right.images.end());
+  const GreyLevels levels = measureGreyLevels(files);
+  folder.left.used_bits = folder.right.used_bits = levels.used_bits;
+  const std::string place = folder.left.images.front().parent_path().string() + ": ";
+  if (levels.used_bits < 16) {
+    folder.warnings.push_back(place + "the 16-bit images use " + std::to_string(levels.used_bits) +
+                              " bits; their values are divided by " +
+                              std::to_string(1U << (static_cast<unsigned>(levels.used_bits) - 8U)));
+  }
+  if (levels.largest < kDark) {
+    folder.warnings.push_back(place + "the images are dark: the largest value in a sample of them is " +
+                              std::to_string(levels.largest) + " of 255");
+  }
+}
+
+ImageFolder readLists(const std::filesystem::path& folder, const ImageFolderSettings& settings) {
+  if (isKittiFolder(folder)) return readKittiFolder(folder, settings);
+  if (settings.frame_rate > 0.0 && detectImageFolder(folder)) {
+    throw std::runtime_error(
+        folder.string() +
+        ": has the instants of its images; --frame-rate is for videos and for folders with "
+        "image_0 and image_1");
+  }
+  if (isKittiRawFolder(folder)) return readKittiRawFolder(folder);
+  if (const auto euroc = findEurocFolder(folder)) return readEurocFolder(*euroc);
+  throw std::runtime_error(
+      folder.string() +
+      " is not an image folder: it contains neither image_0 and image_1 (KITTI's layout), image_00/data and "
+      "image_01/data (KITTI's raw recordings) nor mav0/cam0 and mav0/cam1 (EuRoC's)");
+}
+
+}  // namespace
+
 std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folder) {
   if (isKittiFolder(folder)) return FolderLayout::kitti;
+  if (isKittiRawFolder(folder)) return FolderLayout::kitti_raw;
   if (findEurocFolder(folder)) return FolderLayout::euroc;
   return std::nullopt;
 }
 
-ImageFolder readImageFolder(const std::filesystem::path& folder) {
-  if (isKittiFolder(folder)) return readKittiFolder(folder);
-  if (const auto euroc = findEurocFolder(folder)) return readEurocFolder(*euroc);
-  throw std::runtime_error(
-      folder.string() +
-      " is not an image folder: it contains neither image_0 and image_1 (KITTI's layout) nor "
-      "mav0/cam0 and mav0/cam1 (EuRoC's)");
-}
-
-cv::Mat readGreyImage(const std::filesystem::path& file) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) {
-    throw std::runtime_error(
-        file.string() +
-        ": cannot be decoded as an image; expected a complete PNG or JPEG file; copy it again");
-  }
-  return image;
+ImageFolder readImageFolder(const std::filesystem::path& folder, const ImageFolderSettings& settings) {
+  ImageFolder read = readLists(folder, settings);
+  applyGreyLevels(read);
+  return read;
 }
 
 std::int64_t nominalPeriodNs(const ImageSequence& sequence) {
@@ -49,8 +98,7 @@ std::int64_t nominalPeriodNs(const ImageSequence& sequence) {
 }
 
 std::vector<TextLine> readLines(const std::filesystem::path& file) {
-  std::ifstream input(file);
-  if (!input) throw std::runtime_error("cannot read " + file.string());
+  std::istringstream input(readInputText(file, kMaxTextBytes));
   std::vector<TextLine> lines;
   std::string text;
   for (int number = 1; std::getline(input, text); ++number) {
@@ -65,10 +113,27 @@ std::string fileAndLine(const std::filesystem::path& file, const TextLine& line)
   return file.string() + ", line " + std::to_string(line.number) + ": ";
 }
 
+std::filesystem::path pathIfExists(const std::filesystem::path& file) {
+  return std::filesystem::exists(file) ? file : std::filesystem::path();
+}
+
 void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
                        const std::filesystem::path& file, const TextLine& line) {
   if (previous.empty() || instant_ns > previous.back()) return;
-  throw std::runtime_error(fileAndLine(file, line) + "the instant is not later than the previous one");
+  throw std::runtime_error(fileAndLine(file, line) +
+                           (instant_ns == previous.back()
+                                ? "the instant is that of the previous line again"
+                                : "the instant is earlier than that of the previous line") +
+                           "; expected instants that increase; found '" + printableExcerpt(line.text) + "'");
+}
+
+void requireInstantForEachImage(const ImageSequence& sequence, const std::filesystem::path& folder,
+                                const std::filesystem::path& times) {
+  const std::size_t images = sequence.images.size(), instants = sequence.instants_ns.size();
+  if (images == instants) return;
+  throw std::runtime_error(folder.string() + " contains " + std::to_string(images) + " images, but " +
+                           times.string() + " has " + std::to_string(instants) + " instants" +
+                           (images < instants ? firstGapText(sequence.images) : ""));
 }
 
 ImageSequenceSource::ImageSequenceSource(ImageSequence sequence) : sequence_(std::move(sequence)) {
@@ -82,7 +147,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   if (interrupted_ || index >= sequence_.images.size()) return ReadOutcome::ended;
   const std::filesystem::path& file = sequence_.images[index];
   Frame read;
-  read.image = readGreyImage(file);
+  read.image = readGreyImage(file, sequence_.used_bits);
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +

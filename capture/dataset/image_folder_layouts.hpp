@@ -14,12 +14,21 @@
 
 namespace cartvo::capture {
 
+/// KITTI's odometry layout, and folders of numbered images of other names, see findImageSubfolders.
 bool isKittiFolder(const std::filesystem::path& folder);
-ImageFolder readKittiFolder(const std::filesystem::path& folder);
+ImageFolder readKittiFolder(const std::filesystem::path& folder, const ImageFolderSettings& settings);
+
+/// KITTI's raw recordings: image_00/data and image_01/data, or image_02 and image_03, each with
+/// timestamps.txt.
+bool isKittiRawFolder(const std::filesystem::path& folder);
+ImageFolder readKittiRawFolder(const std::filesystem::path& folder);
 
 /// The folder that contains cam0 and cam1: `folder` itself or its subfolder mav0; nothing if neither does.
 std::optional<std::filesystem::path> findEurocFolder(const std::filesystem::path& folder);
 ImageFolder readEurocFolder(const std::filesystem::path& folder);
+
+/// `file` if it exists, else the empty path.
+std::filesystem::path pathIfExists(const std::filesystem::path& file);
 
 /// Largest magnitude of an instant, ns: differences of two instants do not overflow.
 inline constexpr std::int64_t kMaxTimestampNs = 4'000'000'000'000'000'000;
@@ -49,5 +58,9 @@ std::optional<Number> parseNumber(std::string_view text) {
 /// Throws std::runtime_error naming file and line unless the instant is later than the last of `previous`.
 void requireIncreasing(const std::vector<std::int64_t>& previous, std::int64_t instant_ns,
                        const std::filesystem::path& file, const TextLine& line);
+
+/// Throws std::runtime_error naming both unless there is an instant for each image.
+void requireInstantForEachImage(const ImageSequence& sequence, const std::filesystem::path& folder,
+                                const std::filesystem::path& times);
 
 }  // namespace cartvo::capture

@@ -1,35 +1,21 @@
-// KITTI's odometry layout: image_0 and image_1 with numbered images, calib.txt, times.txt.
+// KITTI's layouts: the odometry sequences (numbered images, calib.txt, times.txt) and the raw recordings.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <sstream>
+#include <ctime>
 #include <stdexcept>
 
+#include "capture/dataset/frame_interval.hpp"
 #include "capture/dataset/image_folder_layouts.hpp"
+#include "common/printable_text.hpp"
 
 namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool isImage(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
-
-std::vector<fs::path> listImages(const fs::path& folder) {
-  std::vector<fs::path> images;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (isImage(entry.path())) images.push_back(entry.path());
-  }
-  if (images.empty()) throw std::runtime_error(folder.string() + " contains no PNG or JPEG image");
-  std::sort(images.begin(), images.end());
-  return images;
-}
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 /// Reads times.txt, seconds, as ns.
 std::vector<std::int64_t> readTimes(const fs::path& file) {
@@ -38,120 +24,184 @@ std::vector<std::int64_t> readTimes(const fs::path& file) {
     const std::optional<long double> seconds = parseNumber<long double>(line.text);
     if (!seconds || !std::isfinite(*seconds) || std::abs(*seconds) > 1e-9L * kMaxTimestampNs) {
       throw std::runtime_error(fileAndLine(file, line) + "expected one number (seconds) instead of '" +
-                               line.text + "'");
+                               printableExcerpt(line.text) + "'");
     }
     const auto instant_ns = static_cast<std::int64_t>(std::llround(*seconds * 1e9L));
     requireIncreasing(instants, instant_ns, file, line);
     instants.push_back(instant_ns);
   }
+  requirePlausibleInterval(instants, file, TimeUnit::seconds);
   return instants;
 }
 
-/// ", the first one missing is 000007.png" if the images are numbered and a number is missing; else "".
-std::string firstGapText(const std::vector<fs::path>& images) {
-  std::uint64_t next = 0;
-  for (const fs::path& image : images) {
-    const std::string stem = image.stem().string();
-    const std::optional<std::uint64_t> number = parseNumber<std::uint64_t>(stem);
-    if (!number) return "";
-    if (*number != next) {
-      std::string missing = std::to_string(next);
-      missing.insert(0, stem.size() - std::min(stem.size(), missing.size()), '0');
-      return ", the first one missing is " + missing + image.extension().string();
-    }
-    ++next;
-  }
-  return "";
+/// "FILE has no partner among the right images (3 in all)" for the images of one side without a partner.
+std::string unpairedText(const std::vector<fs::path>& images, const char* other_side) {
+  const std::string count =
+      images.size() == 1 ? "" : " (nor have " + std::to_string(images.size() - 1) + " more)";
+  return images.front().string() + " has no partner among the " + other_side + " images" + count;
 }
 
-ImageSequence readSequence(const fs::path& folder, const fs::path& times) {
-  ImageSequence sequence{listImages(folder), readTimes(times)};
-  if (sequence.images.size() != sequence.instants_ns.size()) {
+/// Orders the right images as their left partners. Throws std::runtime_error naming images of one side that
+/// the other side does not have.
+void matchByName(ImageFolder& folder) {
+  const NamedPairs named = pairByName(folder.left.images, folder.right.images);
+  std::string message;
+  if (!named.left_only.empty()) message = unpairedText(named.left_only, "right");
+  if (!named.right_only.empty())
+    message += (message.empty() ? "" : ", and ") + unpairedText(named.right_only, "left");
+  if (!message.empty()) {
     throw std::runtime_error(
-        folder.string() + " contains " + std::to_string(sequence.images.size()) + " images, but " +
-        times.string() + " has " + std::to_string(sequence.instants_ns.size()) + " instants" +
-        (sequence.images.size() < sequence.instants_ns.size() ? firstGapText(sequence.images) : ""));
+        message +
+        ". Left and right images belong together by their names: copy what is missing, or "
+        "give each camera's instants in times_0.txt and times_1.txt");
   }
+  std::transform(named.pairs.begin(), named.pairs.end(), folder.right.images.begin(),
+                 [](const NamedPairs::Pair& pair) { return pair.right; });
+}
+
+/// The number in the name of an image; nothing if the name is not a number.
+std::optional<std::int64_t> numberOf(const fs::path& image) {
+  const std::string name = image.stem().string();
+  const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+  const auto number = parseNumber<std::int64_t>(std::string_view(name).substr(digits));
+  constexpr std::int64_t kMaxNumber = 1'000'000'000;
+  return number && *number <= kMaxNumber ? number : std::nullopt;
+}
+
+/// Instants of images at a frame rate (Hz), by the numbers in their names, or by their places if these
+/// numbers do not increase.
+std::vector<std::int64_t> instantsAtRate(const std::vector<fs::path>& images, double frame_rate) {
+  std::vector<std::int64_t> numbers;
+  for (const fs::path& image : images) {
+    const std::optional<std::int64_t> number = numberOf(image);
+    if (number && (numbers.empty() || *number > numbers.back())) numbers.push_back(*number);
+  }
+  const bool are_numbered = numbers.size() == images.size();
+  std::vector<std::int64_t> instants;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const auto frame = are_numbered ? numbers[i] - numbers.front() : static_cast<std::int64_t>(i);
+    instants.push_back(std::llround(1e9 * static_cast<double>(frame) / frame_rate));
+  }
+  return instants;
+}
+
+struct TimesFiles {
+  fs::path left, right;
+  bool areShared() const { return left == right; }
+};
+
+TimesFiles findTimes(const fs::path& folder) {
+  const TimesFiles own{folder / "times_0.txt", folder / "times_1.txt"};
+  if (fs::exists(own.left) && fs::exists(own.right)) return own;
+  if (fs::exists(folder / "times.txt")) return {folder / "times.txt", folder / "times.txt"};
+  throw std::runtime_error(
+      folder.string() +
+      " contains neither times.txt nor both times_0.txt and times_1.txt, with the instant "
+      "of each image in seconds; at a fixed rate give --frame-rate HZ instead");
+}
+
+void readInstants(ImageFolder& folder, const ImageSubfolders& images, const ImageFolderSettings& settings) {
+  if (settings.frame_rate > 0.0) {
+    matchByName(folder);
+    folder.left.instants_ns = folder.right.instants_ns =
+        instantsAtRate(folder.left.images, settings.frame_rate);
+    return;
+  }
+  const TimesFiles times = findTimes(folder.folder);
+  folder.left.instants_ns = readTimes(times.left);
+  folder.right.instants_ns = times.areShared() ? folder.left.instants_ns : readTimes(times.right);
+  requireInstantForEachImage(folder.left, images.left, times.left);
+  requireInstantForEachImage(folder.right, images.right, times.right);
+  if (times.areShared()) matchByName(folder);
+  if (const std::string warning = frameNumberWarning(folder.left.instants_ns, times.left); !warning.empty())
+    folder.warnings.push_back(warning);
+}
+
+/// Parses "2011-09-26 13:02:25.594360375" (UTC) as ns since 1970.
+std::optional<std::int64_t> parseDateAndTime(const std::string& text) {
+  std::tm calendar{};
+  const char* const end = strptime(text.c_str(), "%Y-%m-%d %H:%M:%S", &calendar);
+  if (end == nullptr) return std::nullopt;
+  const std::int64_t seconds = timegm(&calendar);
+  constexpr std::int64_t kMaxSeconds = kMaxTimestampNs / kNanosecondsPerSecond;
+  if (seconds < -kMaxSeconds || seconds >= kMaxSeconds) return std::nullopt;
+  std::string decimals(end);
+  if (!decimals.empty() && decimals.front() != '.') return std::nullopt;
+  decimals = decimals.empty() ? "0" : decimals.substr(1, 9);
+  decimals.resize(9, '0');
+  const auto fraction = parseNumber<std::int64_t>(decimals);
+  return fraction && *fraction >= 0 ? std::optional(seconds * kNanosecondsPerSecond + *fraction)
+                                    : std::nullopt;
+}
+
+ImageSequence readRawCamera(const fs::path& folder) {
+  const fs::path file = folder / "timestamps.txt";
+  ImageSequence sequence;
+  sequence.images = listImages(folder / "data");
+  for (const TextLine& line : readLines(file)) {
+    const std::optional<std::int64_t> instant_ns = parseDateAndTime(line.text);
+    if (!instant_ns) {
+      throw std::runtime_error(
+          fileAndLine(file, line) +
+          "expected a date and a time such as 2011-09-26 13:02:25.594360375 instead of '" +
+          printableExcerpt(line.text) + "'");
+    }
+    requireIncreasing(sequence.instants_ns, *instant_ns, file, line);
+    sequence.instants_ns.push_back(*instant_ns);
+  }
+  requirePlausibleInterval(sequence.instants_ns, file, TimeUnit::seconds);
+  requireInstantForEachImage(sequence, folder / "data", file);
   return sequence;
 }
 
-/// Projection matrix, 3x4, row-major.
-using Projection = std::array<double, 12>;
-
-Projection parseProjection(const fs::path& file, const TextLine& line) {
-  std::istringstream words(line.text.substr(line.text.find(':') + 1));
-  Projection projection{};
-  std::string word;
-  std::size_t count = 0;
-  for (; words >> word; ++count) {
-    const std::optional<double> number = parseNumber<double>(word);
-    if (!number || !std::isfinite(*number)) {
-      throw std::runtime_error(fileAndLine(file, line) + "'" + word + "' is not a number");
-    }
-    if (count < projection.size()) projection[count] = *number;
+/// The cameras of a raw recording: the grey ones, else the coloured ones; nothing if it has neither pair.
+std::optional<std::array<int, 2>> rawCameras(const fs::path& folder) {
+  for (const std::array<int, 2> cameras : {std::array{0, 1}, std::array{2, 3}}) {
+    const auto has = [&](int camera) {
+      return fs::is_directory(folder / ("image_0" + std::to_string(camera)) / "data");
+    };
+    if (has(cameras[0]) && has(cameras[1])) return cameras;
   }
-  if (count != projection.size()) {
-    throw std::runtime_error(fileAndLine(file, line) + "expected 12 numbers (3 rows of 4), found " +
-                             std::to_string(count));
-  }
-  return projection;
-}
-
-RectifiedStereo readCalibration(const fs::path& file) {
-  std::map<std::string, Projection> projections;
-  for (const TextLine& line : readLines(file)) {
-    const std::string name = line.text.substr(0, line.text.find(':'));
-    if (name == "P0" || name == "P1") projections[name] = parseProjection(file, line);
-  }
-  if (projections.size() != 2)
-    throw std::runtime_error(
-        file.string() +
-        " must contain the matrices P0: and P1:, each a line of 12 numbers; if they are not "
-        "available, remove the file and put a rig.yaml beside it");
-  const Projection& left = projections["P0"];
-  const Projection& right = projections["P1"];
-  constexpr double kTolerance = 1e-6;  // relative
-  const double f = left[0];
-  if (f <= 0.0 || std::abs(left[5] - f) > kTolerance * f || std::abs(right[0] - f) > kTolerance * f ||
-      std::abs(right[5] - f) > kTolerance * f || std::abs(right[6] - left[6]) > kTolerance * f) {
-    throw std::runtime_error(
-        file.string() +
-        ": P0 and P1 are not those of rectified cameras; expected equal focal lengths and equal cy");
-  }
-  const double baseline = (left[3] - right[3]) / f;  // P1[0,3] = -f b
-  if (!std::isfinite(baseline)) {
-    throw std::runtime_error(file.string() + ": the baseline from P0 and P1 is not finite");
-  }
-  if (baseline <= 0.0) {
-    throw std::runtime_error(
-        file.string() +
-        ": P1 places the right camera to the left of the left one; its fourth number must be -f*b");
-  }
-  return {f, left[2], left[6], right[2], baseline};
+  return std::nullopt;
 }
 
 }  // namespace
 
 bool isKittiFolder(const fs::path& folder) {
-  return fs::is_directory(folder / "image_0") && fs::is_directory(folder / "image_1");
+  return !findImageSubfolders(folder).left.empty();
 }
 
-ImageFolder readKittiFolder(const fs::path& folder) {
-  const bool own_times = fs::exists(folder / "times_0.txt") && fs::exists(folder / "times_1.txt");
-  if (!own_times && !fs::exists(folder / "times.txt")) {
-    throw std::runtime_error(folder.string() +
-                             " contains neither times.txt nor both times_0.txt and times_1.txt");
-  }
+ImageFolder readKittiFolder(const fs::path& folder, const ImageFolderSettings& settings) {
+  const ImageSubfolders images = findImageSubfolders(folder);
   ImageFolder result;
   result.layout = FolderLayout::kitti;
   result.folder = folder;
-  result.left = readSequence(folder / "image_0", folder / (own_times ? "times_0.txt" : "times.txt"));
-  result.right = readSequence(folder / "image_1", folder / (own_times ? "times_1.txt" : "times.txt"));
-  if (fs::exists(folder / "calib.txt")) {
-    result.calib_file = folder / "calib.txt";
-    result.rectified = readCalibration(result.calib_file);
+  if (images.is_colour) result.cameras = {2, 3};
+  result.left.images = listImages(images.left);
+  result.right.images = listImages(images.right);
+  readInstants(result, images, settings);
+  result.calib_file = pathIfExists(folder / "calib.txt");
+  result.rig_file = pathIfExists(folder / "rig.yaml");
+  return result;
+}
+
+bool isKittiRawFolder(const fs::path& folder) {
+  return rawCameras(folder).has_value();
+}
+
+ImageFolder readKittiRawFolder(const fs::path& folder) {
+  ImageFolder result;
+  result.layout = FolderLayout::kitti_raw;
+  result.folder = folder;
+  result.cameras = *rawCameras(folder);
+  const auto camera_folder = [&](int camera) { return folder / ("image_0" + std::to_string(camera)); };
+  result.left = readRawCamera(camera_folder(result.cameras[0]));
+  result.right = readRawCamera(camera_folder(result.cameras[1]));
+  // The calibration of a day lies beside its drives.
+  for (const fs::path& place : {folder, fs::absolute(folder).lexically_normal().parent_path()}) {
+    if (result.calib_file.empty()) result.calib_file = pathIfExists(place / "calib_cam_to_cam.txt");
   }
-  if (fs::exists(folder / "rig.yaml")) result.rig_file = folder / "rig.yaml";
+  result.rig_file = pathIfExists(folder / "rig.yaml");
   return result;
 }
 

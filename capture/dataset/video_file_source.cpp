@@ -2,18 +2,27 @@
 
 #include "capture/dataset/video_file_source.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "capture/codec/ffmpeg.hpp"
 #include "capture/codec/ffmpeg_log.hpp"
 #include "capture/codec/luma_plane.hpp"
+#include "capture/dataset/frame_interval.hpp"
+#include "capture/dataset/video_file_problem.hpp"
+#include "common/input_file.hpp"
+#include "common/statistics.hpp"
 
 extern "C" {
+#include <libavutil/opt.h>
 #include <libavutil/parseutils.h>
 }
 
@@ -21,6 +30,35 @@ namespace cartvo::capture {
 namespace {
 
 constexpr int kMaxSide = 16384;  // px
+
+cv::Mat partOf(const cv::Mat& picture, PicturePart part) {
+  const int width = picture.cols / 2, height = picture.rows / 2;
+  switch (part) {
+    case PicturePart::left_half:
+      return picture.colRange(0, width);
+    case PicturePart::right_half:
+      return picture.colRange(width, 2 * width);
+    case PicturePart::upper_half:
+      return picture.rowRange(0, height);
+    case PicturePart::lower_half:
+      return picture.rowRange(height, 2 * height);
+    default:
+      return picture;
+  }
+}
+
+/// Whether FFmpeg makes up the time stamps of such files: its readers of raw streams have a frame rate as an
+/// option, 25 Hz by default.
+bool hasInventedTimes(const AVFormatContext& context) {
+  return context.iformat->priv_class != nullptr &&
+         av_opt_find(context.priv_data, "framerate", nullptr, 0, 0) != nullptr;
+}
+
+std::string rateText(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g", value);
+  return text.data();
+}
 
 std::shared_ptr<AVFrame> makeFrame() {
   std::shared_ptr<AVFrame> frame(av_frame_alloc(), [](AVFrame* f) { av_frame_free(&f); });
@@ -37,7 +75,11 @@ struct VideoFileSource::Implementation {
   ffmpeg::CodecContext decoder;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   int stream = -1;
-  double frame_rate = 0.0;  ///< by the file's header; used if there are no time stamps
+  PicturePart part = PicturePart::whole;
+  double header_rate = 0.0;  ///< Hz, by the file's header; 0: unknown
+  double frame_rate = 0.0;   ///< Hz; above 0 it replaces the time stamps
+  std::string time_note;
+  std::shared_ptr<AVFrame> first;  ///< first picture, decoded at the opening
   bool draining = false;
   bool damaged = false;  ///< since the last key picture
   double file_time = 0.0;
@@ -49,31 +91,37 @@ struct VideoFileSource::Implementation {
   CameraHealth health;
 
   void open();
+  ffmpeg::Input openInput() const;
   void openDecoder();
+  void chooseTimes();
+  void requireUsableTimes() const;
   void sendPacket();
   std::shared_ptr<AVFrame> decodePicture();
   double timeOf(const AVFrame& picture) const;
   void requireSuccess(int result) const;
 };
 
-VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time)
+VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time,
+                                 PicturePart part)
     : implementation_(std::make_unique<Implementation>()) {
   keepFfmpegQuiet();
   implementation_->file = file;
   implementation_->time = time;
+  implementation_->part = part;
   implementation_->open();
 }
 
 VideoFileSource::~VideoFileSource() = default;
 
 void VideoFileSource::Implementation::requireSuccess(int result) const {
-  if (result < 0)
-    throw std::runtime_error("cannot read the video " + file.string() + ": " + ffmpeg::errorText(result));
+  if (result >= 0) return;
+  throw std::runtime_error(
+      "cannot read the video " + file.string() + ": " +
+      (result == AVERROR_INVALIDDATA ? videoFileProblem(file) : ffmpeg::errorText(result)));
 }
 
-void VideoFileSource::Implementation::open() {
-  if (!std::filesystem::is_regular_file(file))
-    throw std::runtime_error(file.string() + " is not a file; expected a video");
+ffmpeg::Input VideoFileSource::Implementation::openInput() const {
+  requireInputFile(file);
   // Playlists may refer to other files and addresses; allow only this file.
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
@@ -82,12 +130,67 @@ void VideoFileSource::Implementation::open() {
   const int opened = avformat_open_input(&context, url.c_str(), nullptr, &options);
   av_dict_free(&options);
   requireSuccess(opened);
-  input.reset(context);
-  requireSuccess(avformat_find_stream_info(context, nullptr));
-  stream = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  return ffmpeg::Input(context);
+}
+
+void VideoFileSource::Implementation::open() {
+  input = openInput();
+  requireSuccess(avformat_find_stream_info(input.get(), nullptr));
+  stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  // FFmpeg opens a file whose index is cut off as one without streams.
+  if (stream < 0 && isUnfinishedMp4(file)) requireSuccess(AVERROR_INVALIDDATA);
   if (stream < 0) throw std::runtime_error(file.string() + " contains no video");
-  frame_rate = av_q2d(av_guess_frame_rate(context, context->streams[stream], nullptr));
+  header_rate = av_q2d(av_guess_frame_rate(input.get(), input->streams[stream], nullptr));
   openDecoder();
+  first = decodePicture();
+  chooseTimes();
+}
+
+/// Chooses time stamps or a frame rate. Throws std::runtime_error if the file has neither.
+void VideoFileSource::Implementation::chooseTimes() {
+  frame_rate = time.frame_rate;
+  if (frame_rate > 0.0) return;
+  if (!hasInventedTimes(*input)) return requireUsableTimes();
+  // The decoder knows the rate that the stream itself declares.
+  if (decoder->framerate.num > 0 && decoder->framerate.den > 0) frame_rate = av_q2d(decoder->framerate);
+  if (!isPlausibleInterval(frame_rate > 0.0 ? 1.0 / frame_rate : 0.0)) {
+    throw std::runtime_error(file.string() +
+                             " is a raw stream: nothing in it says how many pictures a second " +
+                             "it has. Give the cameras' frame rate by --frame-rate HZ");
+  }
+  time_note = file.string() + " is a raw stream without time stamps; the " + rateText(frame_rate) +
+              " Hz that it declares are used. If the camera had another rate, give --frame-rate HZ";
+}
+
+/// Reads the time stamps of the first pictures, and throws std::runtime_error if they stand still or their
+/// intervals are not those of a camera.
+void VideoFileSource::Implementation::requireUsableTimes() const {
+  constexpr std::size_t kSample = 300;
+  const ffmpeg::Input scanned = openInput();
+  const ffmpeg::Packet scanned_packet = ffmpeg::makePacket();
+  std::vector<std::int64_t> stamps;
+  std::size_t pictures = 0;
+  while (pictures < kSample && av_read_frame(scanned.get(), scanned_packet.get()) >= 0) {
+    const std::int64_t stamp =
+        scanned_packet->pts != AV_NOPTS_VALUE ? scanned_packet->pts : scanned_packet->dts;
+    if (scanned_packet->stream_index == stream) {
+      ++pictures;
+      if (stamp != AV_NOPTS_VALUE) stamps.push_back(stamp);
+    }
+    av_packet_unref(scanned_packet.get());
+  }
+  if (pictures < 3) return;
+  std::sort(stamps.begin(), stamps.end());
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+    intervals.push_back(static_cast<double>(stamps[i] - stamps[i - 1]) *
+                        av_q2d(input->streams[stream]->time_base));
+  const double interval = 2 * stamps.size() > pictures && !intervals.empty() ? medianOf(intervals) : 0.0;
+  if (isPlausibleInterval(interval)) return;
+  throw std::runtime_error(file.string() + " has no usable time stamps: " +
+                           (interval > 0.0 ? "their median interval is " + rateText(interval) + " s"
+                                           : "most pictures have none, or the same") +
+                           ". Give the cameras' frame rate by --frame-rate HZ");
 }
 
 void VideoFileSource::Implementation::openDecoder() {
@@ -105,6 +208,7 @@ void VideoFileSource::Implementation::openDecoder() {
   decoder->pkt_timebase = input->streams[stream]->time_base;
   decoder->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
   decoder->thread_count = 1;
+  decoder->framerate = {0, 1};  // the decoder sets it from the stream
   requireSuccess(avcodec_open2(decoder.get(), codec, nullptr));
 }
 
@@ -126,6 +230,7 @@ void VideoFileSource::Implementation::sendPacket() {
 
 /// Decodes the next picture; null at the end.
 std::shared_ptr<AVFrame> VideoFileSource::Implementation::decodePicture() {
+  if (first) return std::exchange(first, nullptr);
   std::shared_ptr<AVFrame> picture = makeFrame();
   while (!interrupted) {
     const int result = avcodec_receive_frame(decoder.get(), picture.get());
@@ -140,15 +245,14 @@ std::shared_ptr<AVFrame> VideoFileSource::Implementation::decodePicture() {
   return nullptr;
 }
 
-/// File time of a picture, s. Throws std::runtime_error if the file has neither time stamps nor a frame rate.
+/// File time of a picture, s.
 double VideoFileSource::Implementation::timeOf(const AVFrame& picture) const {
+  if (frame_rate > 0.0) return static_cast<double>(sequence) / frame_rate;
   if (picture.best_effort_timestamp != AV_NOPTS_VALUE)
     return static_cast<double>(picture.best_effort_timestamp) * av_q2d(input->streams[stream]->time_base);
-  if (frame_rate > 0.0) return static_cast<double>(sequence) / frame_rate;
-  throw std::runtime_error(
-      file.string() +
-      " has neither time stamps nor a frame rate; put it into a container that has them, for "
-      "example by 'ffmpeg -framerate 25 -i FILE -c copy FILE.mkv'");
+  throw std::runtime_error(file.string() +
+                           " has a picture without a time stamp; give the cameras' frame rate " +
+                           "by --frame-rate HZ");
 }
 
 ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*timeout*/) {
@@ -163,6 +267,7 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
     if (self.file_time < self.time.from) continue;
     frame = {};
     frame.image = lumaPlane(*picture);
+    if (!frame.image.empty()) frame.image = partOf(frame.image, self.part);
     if (frame.image.empty()) {
       throw std::runtime_error(
           self.file.string() +
@@ -207,12 +312,21 @@ double VideoFileSource::fileTime() const {
   return implementation_->file_time;
 }
 
+cv::Size VideoFileSource::pictureSize() const {
+  const AVCodecParameters& parameters = *implementation_->input->streams[implementation_->stream]->codecpar;
+  return {parameters.width, parameters.height};
+}
+
+std::string VideoFileSource::timeNote() const {
+  return implementation_->time_note;
+}
+
 std::size_t VideoFileSource::expectedPictures() const {
   const Implementation& self = *implementation_;
   const AVStream& stream = *self.input->streams[self.stream];
   if (stream.nb_frames > 0) return static_cast<std::size_t>(stream.nb_frames);
-  if (self.input->duration <= 0 || self.frame_rate <= 0.0) return 0;
-  return static_cast<std::size_t>(1e-6 * static_cast<double>(self.input->duration) * self.frame_rate);
+  if (self.input->duration <= 0 || self.header_rate <= 0.0) return 0;
+  return static_cast<std::size_t>(1e-6 * static_cast<double>(self.input->duration) * self.header_rate);
 }
 
 std::int64_t VideoFileSource::creationNs() const {

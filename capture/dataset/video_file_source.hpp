@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "capture/camera_source.hpp"
 
@@ -13,6 +14,8 @@ namespace cartvo::capture {
 
 /// Clock model of a video file: exposure = origin + offset + (1 + skew) * file time.
 struct VideoFileTime {
+  /// Frame rate, Hz, that replaces the file's time stamps. 0: the file's own.
+  double frame_rate = 0.0;
   std::int64_t origin_ns = 0;
   double offset = 0.0;  ///< s
   double skew = 0.0;    ///< of the file's clock, relative
@@ -23,14 +26,19 @@ struct VideoFileTime {
   double to = std::numeric_limits<double>::infinity();
 };
 
+/// Part of a video's pictures: all, or one of the two cameras' whose pictures lie side by side or one above
+/// the other.
+enum class PicturePart : std::uint8_t { whole, left_half, right_half, upper_half, lower_half };
+
 /// Frame source for a video file of another recorder, in any container and codec that FFmpeg reads: luma of
 /// its first video stream. Pictures with decoding errors are marked as damaged up to the next key picture.
 /// Opens no other file or address. Never waits.
 class VideoFileSource : public CameraSource {
  public:
-  /// Throws std::runtime_error naming the file if it cannot be opened or contains no video that can be
-  /// decoded.
-  VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time);
+  /// Throws std::runtime_error naming the file if it cannot be opened, contains no video that can be decoded,
+  /// or has no usable time stamps and no frame rate: FFmpeg takes 25 Hz for streams that declare none.
+  VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time,
+                  PicturePart part = PicturePart::whole);
   ~VideoFileSource() override;
   VideoFileSource(const VideoFileSource&) = delete;
   VideoFileSource& operator=(const VideoFileSource&) = delete;
@@ -41,6 +49,12 @@ class VideoFileSource : public CameraSource {
 
   /// Time stamp of the last frame read, s, in the file's time.
   double fileTime() const;
+
+  /// Size of the whole pictures by the file's header, px.
+  cv::Size pictureSize() const;
+
+  /// Note on the origin of the file times if they are not time stamps; else empty.
+  std::string timeNote() const;
 
   /// Number of pictures by the file's header, or from its duration and frame rate; 0: unknown.
   std::size_t expectedPictures() const;

@@ -15,7 +15,11 @@ std::optional<calib::Rig> read(const std::vector<std::string>& texts) {
   std::vector<std::filesystem::path> files;
   for (const std::string& text : texts)
     files.push_back(fuzz::writeScratch("rig" + std::to_string(files.size()) + ".yaml", text));
-  return fuzz::parseOrReject([&] { return calib::readRigFiles(files, cv::Size(1241, 376)); }, "rig");
+  return fuzz::parseOrReject(
+      [&] {
+        return calib::readRigFiles(files, {.image_size = cv::Size(1241, 376), .unusual_geometry = true});
+      },
+      "rig");
 }
 
 /// The rig in another format, if that can represent it.

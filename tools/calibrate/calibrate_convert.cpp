@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +22,7 @@ struct Options {
   std::vector<fs::path> files;
   std::string format = "cartvo";
   std::string image_size;
+  bool unusual_geometry = false;
   fs::path output;
 };
 
@@ -44,9 +44,10 @@ void warnOfLostScaleUncertainty(const calib::Rig& rig, calib::RigFormat format) 
 }
 
 void run(const Options& options) {
-  std::optional<cv::Size> image_size;
-  if (!options.image_size.empty()) image_size = parseSize(options.image_size);
-  const calib::Rig rig = calib::readRigFiles(options.files, image_size);
+  calib::RigReading reading;
+  if (!options.image_size.empty()) reading.image_size = parseSize(options.image_size);
+  reading.unusual_geometry = options.unusual_geometry;
+  const calib::Rig rig = calib::readRigFiles(options.files, reading);
   // Rejects a rig that cannot be rectified now, not at the daemon's start.
   const calib::Rectification rectified = calib::computeRectification(rig, rig.rectification);
   const calib::RigFormat format = calib::parseRigFormat(options.format);
@@ -65,7 +66,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
   command
       ->add_option("FILE", options->files,
                    "A rig file in any format; for EuRoC's sensor.yaml and ROS' camera_info the left and the "
-                   "right file")
+                   "right file, for OpenCV's sample intrinsics.yml and extrinsics.yml")
       ->required()
       ->expected(1, 2);
   command->add_option("--to", options->format, "Format to write")
@@ -76,9 +77,15 @@ void addCalibrateConvert(CLI::App& calibrate) {
       ->required()
       ->type_name("PATH");
   command
-      ->add_option("--size", options->image_size,
-                   "Size of the images, px; needed for KITTI's calib.txt, which does not contain it")
+      ->add_option(
+          "--size", options->image_size,
+          "Size of the images, px; needed for files that do not contain it (KITTI's calib.txt, OpenCV's "
+          "intrinsics.yml) or contain several (KITTI's calib_cam_to_cam.txt)")
       ->type_name("WIDTHxHEIGHT");
+  command->add_flag(
+      "--unusual-geometry", options->unusual_geometry,
+      "Accept numbers that are unusual for a stereo pair on a vehicle, such as a principal point "
+      "near the rim, and confirm them in the rig file");
   command->footer(
       "The format of FILE is detected from its contents. Other formats contain neither the cameras' mounting "
       "on\n"

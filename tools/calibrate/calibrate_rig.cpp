@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "calib/format/rig_file.hpp"
+#include "calib/model/rig_validation.hpp"
 #include "calib/solver/calibration.hpp"
+#include "capture/dataset/image_files.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_source.hpp"
 #include "common/atomic_file.hpp"
@@ -43,6 +45,7 @@ struct Options {
   std::string model = "auto";
   double free_scaling = 0.0;
   bool json = false;
+  bool unusual_geometry = false;
   std::optional<PageAddress> page;
 };
 
@@ -86,7 +89,8 @@ std::optional<calib::Rig> rigBefore(const std::filesystem::path& output) {
   }
 }
 
-/// The calibrated rig, with the name and the mounting of the rig file that it replaces.
+/// The calibrated rig, with the name and the mounting of the rig file that it replaces. Throws
+/// std::runtime_error if its geometry is unusual and --unusual-geometry was not given.
 calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional<calib::Rig>& before,
                       const Options& options) {
   calib::Rig rig = calibration.rig();
@@ -94,6 +98,14 @@ calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional
   rig.T_body_camera = before ? before->T_body_camera : calib::forwardLookingMount();
   rig.rectification.free_scaling = options.free_scaling;
   rig.scale_stddev = calib::scaleStddev(calibration);
+  const std::string finding = calib::unusualGeometry(rig);
+  rig.unusual_geometry = !finding.empty();
+  if (rig.unusual_geometry && !options.unusual_geometry) {
+    throw std::runtime_error("the calibrated rig is unusual: " + finding +
+                             ". If it is really so, add "
+                             "--unusual-geometry; " +
+                             options.output.string() + " is not changed");
+  }
   return rig;
 }
 
@@ -138,6 +150,11 @@ FoundViews viewsOfStreams(capture::CameraSource& left, capture::CameraSource& ri
   }
   FoundViews found;
   found.views = selectViews(streamed.views, board, streamed.image_size);
+  std::vector<LargerBoardSample> samples;
+  for (const DetectedView& view : streamed.views) {
+    if (!view.left_image.empty()) samples.push_back({view.view.name, view.left_image});
+  }
+  refuseLargerBoard(samples, board);
   found.streamed = std::move(streamed.views);
   return found;
 }
@@ -171,7 +188,9 @@ FoundViews viewsOf(const Options& options, const calib::BoardSpec& board, LivePa
 ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibration) {
   for (const calib::BoardView& used : calibration.views) {
     for (const ImagePair& pair : found.pairs.pairs) {
-      if (pair.name == used.name) return {pair.name, readGrey(pair.left), readGrey(pair.right)};
+      if (pair.name != used.name) continue;
+      return {pair.name, capture::readGreyImage(pair.left, found.pairs.used_bits),
+              capture::readGreyImage(pair.right, found.pairs.used_bits)};
     }
     for (const DetectedView& view : found.streamed) {
       if (view.view.name == used.name && !view.left_image.empty())
@@ -204,7 +223,9 @@ void calibrate(const Options& options, const calib::BoardSpec& board, const std:
   }
   const calib::Rig rig = rigToWrite(calibration, before, options);
   calib::writeRig(options.output, rig);
-  std::fprintf(stderr, "cartvo: the calibration passes; written to %s\n", options.output.c_str());
+  std::fprintf(stderr, "cartvo: the calibration passes%s; written to %s\n",
+               calib::reservationsOf(calibration).empty() ? "" : ", with reservations",
+               options.output.c_str());
   if (!options.json) printNextStep(rig, options.output);
 }
 
@@ -297,6 +318,9 @@ void addResultOptions(CLI::App& calibrate, Options& options) {
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("SHARE")
       ->capture_default_str();
+  calibrate.add_flag("--unusual-geometry", options.unusual_geometry,
+                     "Accept a result that is unusual for a stereo pair on a vehicle, see "
+                     "cartvo-calibrate-convert(1)");
   calibrate.add_flag("--json", options.json, "Print all numbers as JSON instead of the summary");
 }
 

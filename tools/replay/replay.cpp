@@ -101,6 +101,7 @@ capture::ClockChoice toClockChoice(ReplayClock clock) {
 capture::SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
   capture::SourceSettings opened;
   opened.folder_offset_stddev_ns = 1e9 * settings.folder_offset_stddev;
+  opened.frame_rate = settings.frame_rate;
   if (!capture::isRecording(settings.source)) return opened;
   const std::string text = capture::readRecordingInfo(settings.source).configuration;
   std::optional<daemon::Configuration> configuration;
@@ -140,6 +141,7 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
   replay.counts = pipeline.counts();
   replay.self_check = self_check.message();
   if (source.clock) replay.clock = source.clock->status();
+  replay.problems = source.warnings;
   for (const capture::CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
       replay.problems.push_back(error);
@@ -162,10 +164,13 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
 
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer) {
-  const VideoPair videos{settings.source, settings.right_video};
   const FoundRig rig = findRig({}, settings.source, settings.rig);
+  const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);
   VideoTiming timing;
-  if (settings.video_offset) {
+  if (videos.isOneFile()) {
+    timing.stddev = settings.folder_offset_stddev;
+    timing.found_by = "one video with both pictures";
+  } else if (settings.video_offset) {
     timing.offset = *settings.video_offset;
     timing.stddev = settings.folder_offset_stddev;
   } else {

@@ -32,6 +32,7 @@ enum class ReplayClock : std::uint8_t {
 struct ReplaySettings {
   std::filesystem::path source;
   std::filesystem::path right_video;  ///< video of the right camera; `source` is then the left camera's
+  double frame_rate = 0.0;            ///< Hz; above 0 it replaces the time stamps of videos and times.txt
   std::optional<double>
       video_offset;           ///< s, added to the right video's times; empty: estimated from the images
   std::filesystem::path rig;  ///< empty: searched in the source's folder
@@ -82,7 +83,7 @@ struct Replay {
   std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
   std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
   vo::ImageRegions still_regions;             ///< OdometryEstimate::still_regions at the end
-  std::vector<std::string> problems;          ///< errors of the sources (for example a truncated recording)
+  std::vector<std::string> problems;          ///< warnings and errors of the sources
 };
 
 /// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
@@ -96,7 +97,8 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
 /// be paired.
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer);
 
-/// Processes two videos, `settings.source` and `settings.right_video`.
+/// Processes two videos, `settings.source` and `settings.right_video`, or one that contains both cameras'
+/// pictures.
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer);
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include <opencv2/core/utility.hpp>
@@ -59,7 +60,9 @@ AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& tru
 }
 
 Replay replayBySource(const Options& options, const ReplayObserver& observer) {
-  if (options.replay.right_video.empty()) return replaySource(options.replay, observer);
+  const bool are_videos =
+      !options.replay.right_video.empty() || std::filesystem::is_regular_file(options.replay.source);
+  if (!are_videos) return replaySource(options.replay, observer);
   ProgressBar progress("pictures searched for the offset");
   return replayVideos(
       options.replay, [&](std::size_t pictures, std::size_t expected) { progress.show(pictures, expected); },
@@ -114,18 +117,23 @@ void run(const Options& options) {
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
               summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
   if (replay.timing) {
-    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)\n",
-                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str());
+    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)%s\n",
+                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str(),
+                replay.timing->agreement && !replay.timing->skew
+                    ? "; the videos are too short to measure how the two clocks drift apart"
+                    : "");
   }
   if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
+  if (const std::string reason = nothingValidText(replay); !reason.empty())
+    throw std::runtime_error(options.replay.source.string() + ": " + reason);
   if (options.loop) repeatForEver(*publisher);
 }
 
 void addSourceOptions(CLI::App& command, Options& options) {
   command
       .add_option("SOURCE", options.replay.source,
-                  "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left "
-                  "camera's video")
+                  "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, the left camera's "
+                  "video, or a video with both cameras' pictures side by side")
       ->required();
   CLI::Option* right =
       command.add_option("RIGHT", options.replay.right_video, "The right camera's video, if SOURCE is one");
@@ -135,13 +143,21 @@ void addSourceOptions(CLI::App& command, Options& options) {
           "Offset added to the right video's times; without it the offset is estimated from the images")
       ->needs(right)
       ->type_name("MS");
+  command
+      .add_option("--frame-rate", options.replay.frame_rate,
+                  "Frame rate of the cameras: replaces the time stamps of videos and the times.txt of a "
+                  "folder; needed for raw streams (.h264)")
+      ->check(CLI::Range(0.5, 1000.0))
+      ->type_name("HZ");
   command.add_option("--output-dir", options.output, "Folder for the results; created if it is missing")
       ->required()
       ->type_name("DIR");
 }
 
 void addEstimationOptions(CLI::App& command, Options& options) {
-  command.add_option("--rig", options.replay.rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
+  command
+      .add_option("--rig", options.replay.rig,
+                  "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
       ->type_name("FILE");
   command.add_option("--estimator", options.estimator, "Motion estimator")
       ->check(CLI::IsMember(estimatorNames()))

@@ -61,6 +61,34 @@ constexpr std::array<std::pair<vo::StereoFault, const char*>, 4> kNamedFaults{{
     {vo::StereoFault::period_offset, "period_offset"},
 }};
 
+/// What to look at if pairs are invalid for a reason.
+const char* reasonAdvice(vo::OdometryReason reason) {
+  switch (reason) {
+    case vo::OdometryReason::too_few_features:
+      return "the images show too little texture, or are nearly black or white";
+    case vo::OdometryReason::too_few_matches:
+    case vo::OdometryReason::wrong_stereo_geometry:
+      return "left and right do not fit to each other by this rig: is it the rig of these images, are left "
+             "and "
+             "right exchanged?";
+    case vo::OdometryReason::time_step:
+      return "the instants of the pairs are too far apart for odometry, or do not increase";
+    case vo::OdometryReason::offset_uncertain:
+      return "the time offset of the cameras is not known well enough";
+    case vo::OdometryReason::offset_too_large:
+      return "the exposures of left and right are too far apart";
+    case vo::OdometryReason::repeated_picture:
+      return "the same images are repeated";
+    case vo::OdometryReason::too_few_inliers:
+    case vo::OdometryReason::high_residual:
+    case vo::OdometryReason::implausible_motion:
+    case vo::OdometryReason::degenerate_geometry:
+      return "no motion explains the images: are the images in order, and is it their rig?";
+    default:
+      return "there is no motion to measure in a single pair";
+  }
+}
+
 /// Gross faults of the rig that were named, each with its first pair and the number of its pairs.
 Json stereoFaultsJson(const Replay& replay) {
   Json faults = Json::object();
@@ -80,6 +108,8 @@ const char* kindName(capture::SourceKind kind) {
       return "recording";
     case capture::SourceKind::kitti:
       return "kitti";
+    case capture::SourceKind::kitti_raw:
+      return "kitti_raw";
     case capture::SourceKind::euroc:
       return "euroc";
     case capture::SourceKind::videos:
@@ -190,12 +220,31 @@ Json timingJson(const Replay& replay) {
   const VideoTiming& timing = *replay.timing;
   return {{"offset_ms", 1e3 * timing.offset},
           {"deviation_ms", 1e3 * timing.stddev},
-          {"skew_ppm", 1e6 * timing.skew},
+          {"skew_ppm", timing.skew ? Json(1e6 * *timing.skew) : Json(nullptr)},
           {"found_by", timing.found_by},
           {"agreement", timing.agreement ? Json(*timing.agreement) : Json(nullptr)}};
 }
 
 }  // namespace
+
+std::string nothingValidText(const Replay& replay) {
+  std::array<std::size_t, vo::kOdometryReasonCount> counts{};
+  for (const ReplayedPair& pair : replay.pairs) {
+    if (pair.valid) return {};
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      counts[i] += pair.reasons.has(static_cast<vo::OdometryReason>(i)) ? 1U : 0U;
+  }
+  // The first pair of each epoch is invalid for whatever reason made the epoch begin.
+  std::size_t most = static_cast<std::size_t>(vo::OdometryReason::first_pair);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (i != static_cast<std::size_t>(vo::OdometryReason::first_pair) && counts[i] > 0 &&
+        (most == static_cast<std::size_t>(vo::OdometryReason::first_pair) || counts[i] > counts[most]))
+      most = i;
+  }
+  const auto reason = static_cast<vo::OdometryReason>(most);
+  return "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; " + reasonName(reason) +
+         " in " + std::to_string(counts[most]) + ": " + reasonAdvice(reason);
+}
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   const calib::Rig& rig = replay.rig.rig;

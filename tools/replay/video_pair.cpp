@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 
-#include "capture/dataset/video_file_source.hpp"
+#include "common/image_size.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/videos/picture_offset.hpp"
 
@@ -78,38 +79,79 @@ void refine(const VideoPair& videos, const VideoPart& part, const calib::Rig& ri
   const double combined = std::sqrt(std::max(chi_square, 1.0) / (motion_weight + odometry_weight));
   timing.offset += difference * odometry_weight / (motion_weight + odometry_weight);
   // The odometry improves the offset during `part` only; elsewhere the uncertainty of the skew remains.
-  timing.stddev = timing.skew != 0.0 ? std::max(combined, timing.stddev) : combined;
+  timing.stddev = timing.skew ? std::max(combined, timing.stddev) : combined;
   timing.found_by = "image motion and odometry";
 }
 
 }  // namespace
 
+VideoPair findVideos(const std::filesystem::path& left, const std::filesystem::path& right, double frame_rate,
+                     const calib::Rig& rig) {
+  using capture::PicturePart;
+  VideoPair videos{left, right.empty() ? left : right, frame_rate};
+  const cv::Size expected = rig.left.size;
+  const auto size_of = [&](const std::filesystem::path& file) {
+    return capture::VideoFileSource(file, {.frame_rate = frame_rate}).pictureSize();
+  };
+  const auto fail = [&](const std::filesystem::path& file, cv::Size size, const std::string& what) {
+    throw std::runtime_error(file.string() + " has pictures of " + sizeText(size) + ", and the rig is for " +
+                             sizeText(expected) + what);
+  };
+  if (!right.empty()) {
+    for (const std::filesystem::path& file : {left, right}) {
+      if (const cv::Size size = size_of(file); size != expected)
+        fail(file, size, ": give the rig of these videos, or calibrate at this size");
+    }
+    return videos;
+  }
+  const cv::Size size = size_of(left);
+  if (size == cv::Size(2 * expected.width, expected.height)) {
+    videos.left_part = PicturePart::left_half;
+    videos.right_part = PicturePart::right_half;
+  } else if (size == cv::Size(expected.width, 2 * expected.height)) {
+    videos.left_part = PicturePart::upper_half;
+    videos.right_part = PicturePart::lower_half;
+  } else if (size == expected) {
+    fail(left, size, ": this is one camera's video; give the right camera's too: cartvo replay LEFT RIGHT");
+  } else {
+    fail(left, size,
+         ": a video with both cameras' pictures side by side is twice as wide, or twice as high with one "
+         "above "
+         "the other");
+  }
+  return videos;
+}
+
 capture::StereoSource openVideos(const VideoPair& videos, const VideoTiming& timing, const VideoPart& part) {
   const double each = timing.stddev / std::sqrt(2.0);
   capture::VideoFileTime left_time;
+  left_time.frame_rate = videos.frame_rate;
   left_time.stddev = each;
   left_time.from = part.from;
   left_time.to = part.to;
-  left_time.origin_ns = capture::VideoFileSource(videos.left, {}).creationNs();
+  left_time.origin_ns = capture::VideoFileSource(videos.left, {.frame_rate = videos.frame_rate}).creationNs();
   capture::VideoFileTime right_time = left_time;
   right_time.offset = timing.offset;
-  right_time.skew = timing.skew;
-  right_time.from = (part.from - timing.offset) / (1.0 + timing.skew);
-  right_time.to = (part.to - timing.offset) / (1.0 + timing.skew);
+  right_time.skew = timing.skew.value_or(0.0);
+  right_time.from = (part.from - timing.offset) / (1.0 + right_time.skew);
+  right_time.to = (part.to - timing.offset) / (1.0 + right_time.skew);
 
   capture::StereoSource source;
   source.kind = capture::SourceKind::videos;
-  auto left = std::make_unique<capture::VideoFileSource>(videos.left, left_time);
-  auto right = std::make_unique<capture::VideoFileSource>(videos.right, right_time);
+  auto left = std::make_unique<capture::VideoFileSource>(videos.left, left_time, videos.left_part);
+  auto right = std::make_unique<capture::VideoFileSource>(videos.right, right_time, videos.right_part);
   source.pairs = std::min(left->expectedPictures(), right->expectedPictures());
+  for (const std::string& note : {left->timeNote(), videos.isOneFile() ? "" : right->timeNote()}) {
+    if (!note.empty()) source.warnings.push_back(note);
+  }
   source.left = std::move(left);
   source.right = std::move(right);
   return source;
 }
 
 VideoTiming findVideoTiming(const VideoPair& videos, const calib::Rig& rig, const VideoProgress& progress) {
-  capture::VideoFileSource left(videos.left, {});
-  capture::VideoFileSource right(videos.right, {});
+  capture::VideoFileSource left(videos.left, {.frame_rate = videos.frame_rate});
+  capture::VideoFileSource right(videos.right, {.frame_rate = videos.frame_rate});
   const std::size_t expected = left.expectedPictures() + right.expectedPictures();
   std::size_t pictures = 0;
   const auto count = [&] { progress(++pictures, expected); };

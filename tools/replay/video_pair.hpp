@@ -9,21 +9,33 @@
 #include <string>
 
 #include "calib/model/rig.hpp"
+#include "capture/dataset/video_file_source.hpp"
 #include "capture/stereo_source.hpp"
 
 namespace cartvo {
 
-/// Two video files, one for each camera, from any recorder.
+/// Two video files, one for each camera, or one file with the pictures of both, from any recorder.
 struct VideoPair {
   std::filesystem::path left;
-  std::filesystem::path right;
+  std::filesystem::path right;  ///< equal to `left` if both cameras are in one file
+  double frame_rate = 0.0;      ///< Hz, see VideoFileTime
+  capture::PicturePart left_part = capture::PicturePart::whole;
+  capture::PicturePart right_part = capture::PicturePart::whole;
+
+  bool isOneFile() const { return left_part != capture::PicturePart::whole; }
 };
+
+/// The videos of a rig. An empty `right` means that `left` contains both pictures, side by side (left camera
+/// on the left) or one above the other (left camera above). Throws std::runtime_error naming the sizes if the
+/// pictures are not the rig's, and what VideoFileSource throws.
+VideoPair findVideos(const std::filesystem::path& left, const std::filesystem::path& right, double frame_rate,
+                     const calib::Rig& rig);
 
 /// Relation between the two videos' timestamps: left time = offset + (1 + skew) * right time.
 struct VideoTiming {
-  double offset = 0.0;  ///< s
-  double skew = 0.0;    ///< of the right video's clock
-  double stddev = 0.0;  ///< of the left time computed from a right time, s
+  double offset = 0.0;         ///< s
+  std::optional<double> skew;  ///< of the right video's clock; empty: not known, counts as 0
+  double stddev = 0.0;         ///< of the left time computed from a right time, s
   std::string found_by = "given";
   std::optional<double> agreement;  ///< of the two image motions, if the offset was estimated from the images
 };

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "calib/format/euroc_rig.hpp"
-#include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "common/image_size.hpp"
 #include "tools/simulate/truth.hpp"
 
@@ -61,7 +61,7 @@ void SequenceContent::readRigFor(cv::Size image_size) {
   if (!folder_.rig_file.empty()) {
     rig_ = calib::readRig(folder_.rig_file);
   } else if (!folder_.calib_file.empty()) {
-    rig_ = calib::readKittiRig(folder_.calib_file, image_size);
+    rig_ = calib::readRigFiles({folder_.calib_file}, {.image_size = image_size, .cameras = folder_.cameras});
   } else if (!folder_.sensor_files[0].empty() && !folder_.sensor_files[1].empty()) {
     rig_ = calib::readEurocRig(folder_.sensor_files[0], folder_.sensor_files[1]);
   } else {
@@ -100,7 +100,7 @@ std::int64_t SequenceContent::rightInstant(int index) const {
 
 void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
   const auto read = [&](const fs::path& file, cv::Size even) {
-    const cv::Mat image = capture::readGreyImage(file);
+    const cv::Mat image = capture::readGreyImage(file, folder_.left.used_bits);
     if (evenSize(image.size()) != even) {
       throw std::runtime_error(file.string() + ": its size differs from that of the first image");
     }

@@ -362,12 +362,13 @@ PictureOffset findPictureOffset(const ImageMotion& left, const ImageMotion& righ
   PictureOffset found;
   const bool estimates_skew = segments.size() > 3 && end - begin >= kMinSkewSpan;
   if (estimates_skew) found.skew = std::clamp(product / spread, -kMaxSkew, kMaxSkew);
-  found.offset = mean - found.skew * centre;
+  const double skew = found.skew.value_or(0.0);
+  found.offset = mean - skew * centre;
   found.agreement = coarse.agreement;
 
   double chi_square = 0.0;
   for (const SegmentOffset& segment : segments) {
-    const double residual = segment.offset - mean - found.skew * (segment.time - centre);
+    const double residual = segment.offset - mean - skew * (segment.time - centre);
     chi_square += weightOf(segment) * residual * residual;
   }
   const double freedom = static_cast<double>(segments.size()) - (estimates_skew ? 2.0 : 1.0);

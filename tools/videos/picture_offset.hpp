@@ -1,13 +1,16 @@
 #pragma once
 
+#include <optional>
+
 #include "tools/videos/image_motion.hpp"
 
 namespace cartvo {
 
 /// Relation of the file times of two videos: left time = offset + (1 + skew) * right time.
 struct PictureOffset {
-  double offset = 0.0;     ///< s
-  double skew = 0.0;       ///< of the right file's clock; 0 if the videos are too short to estimate it
+  double offset = 0.0;  ///< s
+  std::optional<double>
+      skew;                ///< of the right file's clock; empty if the videos are too short to estimate it
   double stddev = 0.0;     ///< s, of the left time, over the common duration
   double agreement = 0.0;  ///< correlation of the two image motions; 1: equal
 };

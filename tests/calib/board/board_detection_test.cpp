@@ -104,6 +104,34 @@ TEST(BoardDetection, FindsNothingInAnEmptyImageAndNamesAnotherBoard) {
   EXPECT_THAT(describeOtherBoard(image, miscounted), HasSubstr("9x6 inner corners"));
 }
 
+TEST(BoardDetection, NamesALargerChessboardOfWhichTheGivenOneIsAPart) {
+  const BoardSpec board = Chessboard{9, 6, 0.024};
+  const cv::Mat image = test::renderBoard(test::cartRig().left, tilted(board, 0.4, 0.02), board, 0.024);
+  EXPECT_THAT(describeLargerBoard(image, Chessboard{8, 6, 0.024}), HasSubstr("9x6 inner corners"));
+  EXPECT_THAT(describeLargerBoard(image, board), IsEmpty());
+}
+
+/// Boards that look the same upside down, held upright: left and right may be numbered from opposite corners.
+TEST(BoardDetection, NumbersBothImagesAlikeForBoardsThatAreTheirOwnTurn) {
+  for (const Chessboard& board : {Chessboard{8, 6, 0.02}, Chessboard{7, 5, 0.02}, Chessboard{6, 6, 0.02}}) {
+    BoardView view{"upright", {}, {}};
+    for (int row = 0; row < board.rows; ++row) {
+      for (int column = 0; column < board.columns; ++column) {
+        const int id = row * board.columns + column;
+        view.left.push_back({id, {100.0 - 10.0 * row, 100.0 + 10.0 * column}});
+        view.right.push_back({id, {80.0 - 10.0 * row - 0.2 * column, 100.0 + 10.0 * column}});
+      }
+    }
+    const std::vector<SeenCorner> expected = view.right;
+    matchNumbering(board, view);
+    EXPECT_EQ(view.right, expected) << "already alike";
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      view.right[i].pixel = expected[expected.size() - 1 - i].pixel;
+    matchNumbering(board, view);
+    EXPECT_EQ(view.right, expected) << board.columns << "x" << board.rows;
+  }
+}
+
 TEST(ViewQuality, DetectsBlurDarknessAndOverexposure) {
   const BoardSpec board = Chessboard{9, 6, 0.024};
   const CameraModel camera = test::cartRig().left;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "calib/format/matlab_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "common/atomic_file.hpp"
 #include "common/strict_yaml.hpp"
@@ -70,7 +71,7 @@ class RigRoundTrip : public ::testing::TestWithParam<RoundTrip> {};
 TEST_P(RigRoundTrip, ReturnsTheSameRig) {
   const auto& [name, format, rig] = GetParam();
   const test::TemporaryFolder folder;
-  const Rig read = readRigFiles(writeFiles(folder, rig, format), rig.left.size);
+  const Rig read = readRigFiles(writeFiles(folder, rig, format), {.image_size = rig.left.size});
   expectSameCamera(read.left, rig.left);
   expectSameCamera(read.right, rig.right);
   EXPECT_TRUE(read.T_right_left.matrix().isApprox(rig.T_right_left.matrix(), kTolerance))
@@ -125,9 +126,9 @@ TEST(RigFormats, RefuseMissingFilesAndAMissingSize) {
   EXPECT_THAT(test::messageOf([&] {
                 readRigFiles({own[0], own[0]}, {});
               }),
-              HasSubstr("neither a EuRoC sensor.yaml"));
+              HasSubstr("two files are OpenCV's intrinsics (K1 or M1) and extrinsics (R, T)"));
   const std::vector<fs::path> kitti = writeFiles(folder, test::rectifiedRig(), RigFormat::kitti);
-  EXPECT_THAT(test::messageOf([&] { readRigFiles(kitti, {}); }), HasSubstr("give their size"));
+  EXPECT_THAT(test::messageOf([&] { readRigFiles(kitti, {}); }), HasSubstr("give it by --size"));
 }
 
 TEST(OpenCvText, IsReadByOpenCv) {
@@ -211,6 +212,29 @@ TEST(KalibrRig, IsReadFromACamchain) {
   EXPECT_EQ(rig.T_right_left.translation(), Eigen::Vector3d(-0.11, 0.001, 0.002));
 }
 
+TEST(KalibrRig, IsReadByTheTransformsAgainstTheImu) {
+  const std::string left =
+      "cam0:\n  T_cam_imu: [[0, -1, 0, 0], [0, 0, -1, 0.01], [1, 0, 0, -0.02], [0, 0, 0, 1]]";
+  const std::string right =
+      "  T_cam_imu: [[0, -1, 0, -0.11], [0, 0, -1, 0.011], [1, 0, 0, -0.018], [0, 0, 0, 1]]\n";
+  std::string text = kCamchain;
+  text.replace(0, 5, left);
+  const std::size_t chain = text.find("  T_cn_cnm1:");
+  const std::string both = text.substr(0, chain) + right + text.substr(chain);
+  EXPECT_EQ(parseRig(both, "c.yaml").T_right_left.translation(), Eigen::Vector3d(-0.11, 0.001, 0.002));
+  const std::string by_imu = text.substr(0, chain) + right + text.substr(text.find("  cam_overlaps: [0]"));
+  EXPECT_TRUE(
+      parseRig(by_imu, "c.yaml").T_right_left.translation().isApprox(Eigen::Vector3d(-0.11, 0.001, 0.002)));
+  std::string other = both;
+  other.replace(other.find("0, -0.11]"), 9, "0, -0.12]");
+  EXPECT_THAT(
+      test::messageOf([&] { parseRig(other, "c.yaml"); }),
+      HasSubstr("cam1.T_cn_cnm1: differs from the transform that both cameras' transforms against the IMU"));
+  const std::string without = text.substr(0, chain) + text.substr(text.find("  cam_overlaps: [0]"));
+  EXPECT_THAT(test::messageOf([&] { parseRig(without, "c.yaml"); }),
+              HasSubstr("cam1: has no T_cn_cnm1 (against cam0), nor have both cameras T_cam_imu"));
+}
+
 TEST(KalibrRig, RefusesFaultyFilesNamingLineAndKey) {
   const auto problem = [](const std::string& text) {
     return test::messageOf([&] { parseRig(text, "chain.yaml"); });
@@ -235,7 +259,7 @@ TEST(MatlabRig, IsReadTransposedWithPixelsFromOneAndMillimetres) {
   const std::string text = "{\"CameraParameters1\": " + camera + ", \"CameraParameters2\": " + camera +
                            R"(, "RotationOfCamera2": [[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]],
     "TranslationOfCamera2": [-115, 2, 1]})";
-  const Rig rig = parseRig(text, "stereo.json");
+  const Rig rig = parseMatlabRig(StrictYaml::parse(text, "stereo.json"), "stereo.json");
   EXPECT_EQ(rig.left.size, cv::Size(640, 480));
   EXPECT_EQ(rig.left.fy, 501.0);
   EXPECT_EQ(rig.left.cx, 320.0);
@@ -258,8 +282,28 @@ TEST(MatlabRig, RefusesMatricesThatAreNotTransposed) {
   text.replace(begin, text.find("]]", begin) + 2 - begin, "[[500, 0, 320], [0, 500, 240], [0, 0, 1]]");
   EXPECT_THAT(
       test::messageOf([&] { parseRig(text, "stereo.json"); }),
-      HasSubstr("stereo.json:3: CameraParameters1.IntrinsicMatrix: expected [fx 0 0; 0 fy 0; cx cy 1], as "
-                "MATLAB writes it, without skew"));
+      HasSubstr("stereo.json:3: CameraParameters1.IntrinsicMatrix: expected [fx 0 0; skew fy 0; cx cy 1], as "
+                "MATLAB writes it: exchange rows and columns"));
+}
+
+TEST(RosRig, RefusesNumbersThatAreNotUsed) {
+  const test::TemporaryFolder folder;
+  const auto with = [&](const std::string& key, std::size_t index, const std::string& value) {
+    const std::vector<fs::path> files = writeFiles(folder, test::cartRig(), RigFormat::ros);
+    std::string text = rigFilesOf(test::cartRig(), RigFormat::ros)[1].text;
+    std::size_t begin = text.find('[', text.find(key)) + 1;
+    for (; index > 0; --index)
+      begin = text.find(' ', begin) + 1;
+    writeFileAtomically(files[1], text.replace(begin, text.find_first_of(",]", begin) - begin, value));
+    return test::messageOf([&] { readRigFiles(files); });
+  };
+  EXPECT_THAT(with("camera_matrix", 1, "2.5"), HasSubstr("camera_matrix: has a skew of 2.5 px"));
+  EXPECT_THAT(with("projection_matrix", 1, "2.5"),
+              HasSubstr("projection_matrix: expected the rows of [f 0 cx"));
+  EXPECT_THAT(with("projection_matrix", 7, "2.5"),
+              HasSubstr("projection_matrix: expected a camera beside the other"));
+  EXPECT_THAT(with("projection_matrix", 6, "2.5"),
+              HasSubstr("the two files are not of one stereo calibration"));
 }
 
 TEST(RosRig, RefusesFaultyFilesNamingFileLineAndKey) {

@@ -4,9 +4,9 @@
 #include <opencv2/core.hpp>
 
 #include "calib/format/euroc_rig.hpp"
-#include "calib/format/kitti_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
 #include "support/calib/rigs.hpp"
@@ -63,9 +63,13 @@ TEST(OpenCvRig, RefusesMillimetres) {
 
 TEST(OpenCvRig, RefusesAFileWithoutImageSize) {
   const test::TemporaryFolder folder;
-  writeFileAtomically(folder / "stereo.yml", "%YAML:1.0\n---\nK1: 1\n");
+  std::string text = openCvText(test::cartRig());
+  const std::size_t size = text.find("image_size");
+  text.erase(size, text.find('\n', size) + 1 - size);
+  writeFileAtomically(folder / "stereo.yml", text);
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "stereo.yml"); }),
-              HasSubstr("stereo.yml:3: image_size: expected this key, which is missing"));
+              HasSubstr("stereo.yml: image_size is missing; give --size WIDTHxHEIGHT"));
+  EXPECT_EQ(readRigFiles({folder / "stereo.yml"}, {.image_size = cv::Size(680, 420)}).left.fx, 480.25);
 }
 
 TEST(OpenCvRig, RefusesThinPrismCoefficients) {
@@ -102,24 +106,134 @@ TEST(EurocRig, RefusesAnotherCameraModel) {
 
 TEST(KittiRig, IsReadFromCalibTxt) {
   CARTVO_NEEDS_DATA(folder, "kitti_06");
-  const Rig rig = readKittiRig(folder / "calib.txt", {1226, 370});
+  const Rig rig = readRigFiles({folder / "calib.txt"}, {.image_size = cv::Size(1226, 370)});
   EXPECT_EQ(rig.left.fx, 707.0912);
   EXPECT_NEAR(rig.baseline(), 379.8145 / 707.0912, 1e-12);
   EXPECT_TRUE(computeRectification(rig, {}).is_identity);
 }
 
+TEST(KittiRig, UsesEveryNumberOfTheMatrices) {
+  const test::TemporaryFolder folder;
+  // KITTI's colour cameras: the last column is K times the translation.
+  writeFileAtomically(folder / "calib.txt",
+                      "P0: 707 0 601 0 0 707 183 0 0 0 1 0\n"
+                      "P2: 707 0 601 46.89 0 707 183 0.1178 0 0 1 0.006203\n"
+                      "P3: 707 0 601 -333.46 0 707 183 1.93 0 0 1 0.003201\n");
+  const Rig rig =
+      readRigFiles({folder / "calib.txt"}, {.image_size = cv::Size(1226, 370), .cameras = {2, 3}});
+  EXPECT_NEAR(rig.T_right_left.translation().x(), (-333.46 - 46.89 - 601 * (0.003201 - 0.006203)) / 707,
+              1e-12);
+  EXPECT_NEAR(rig.T_right_left.translation().y(), (1.93 - 0.1178 - 183 * (0.003201 - 0.006203)) / 707, 1e-12);
+  EXPECT_NEAR(rig.T_right_left.translation().z(), 0.003201 - 0.006203, 1e-12);
+  writeFileAtomically(folder / "calib.txt",
+                      "P0: 707 1 601 0 0 707 183 0 0 0 1 0\nP1: 707 0 601 -80 0 707 183 0 0 0 1 0\n");
+  EXPECT_THAT(
+      test::messageOf([&] { readRigFiles({folder / "calib.txt"}, {.image_size = cv::Size(1226, 370)}); }),
+      HasSubstr("calib.txt:1: P0: expected the rows of [f 0 cx -f*b;"));
+}
+
+/// calib_cam_to_cam.txt with the right camera turned by 0.6 (sine) about the vertical axis.
+constexpr const char* kRawCalibration =
+    "calib_time: 09-Jan-2012 13:57:47\ncorner_dist: 9.95e-02\n"
+    "S_00: 1392 512\nK_00: 984 0 690 0 981 233 0 0 1\nD_00: -0.37 0.2 0.0022 0.0014 -0.07\n"
+    "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nS_rect_00: 1242 375\nP_rect_00: 721 0 609 0 0 721 172 0 0 0 1 0\n"
+    "S_01: 1392 512\nK_01: 989 0 702 0 985 245 0 0 1\nD_01: -0.36 0.19 0.0017 -0.0003 -0.06\n"
+    "R_01: 0.8 0 -0.6 0 1 0 0.6 0 0.8\nT_01: -0.537 0.005 -0.01\nS_rect_01: 1242 375\n"
+    "P_rect_01: 721 0 609 -387.6 0 721 172 0 0 0 1 0\n";
+
+TEST(KittiRig, IsReadFromRawRecordingsByTheSize) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "calib_cam_to_cam.txt";
+  writeFileAtomically(file, kRawCalibration);
+  EXPECT_THAT(
+      test::messageOf([&] { readRigFiles({file}); }),
+      HasSubstr("describes the raw images (1392x512) and the rectified ones (1242x375): give the size of "
+                "yours by --size"));
+  EXPECT_THAT(test::messageOf([&] { readRigFiles({file}, {.image_size = cv::Size(640, 480)}); }),
+              HasSubstr("yours are 640x480, which is neither"));
+  const Rig rectified = readRigFiles({file}, {.image_size = cv::Size(1242, 375)});
+  EXPECT_EQ(rectified.left.fx, 721.0);
+  EXPECT_NEAR(rectified.T_right_left.translation().x(), -387.6 / 721.0, 1e-12);
+  const Rig raw = readRigFiles({file}, {.image_size = cv::Size(1392, 512), .unusual_geometry = true});
+  EXPECT_TRUE(raw.unusual_geometry);
+  EXPECT_EQ(raw.right.cx, 702.0);
+  EXPECT_EQ(raw.right.distortion[4], -0.06);
+  EXPECT_NEAR(raw.T_right_left.linear()(0, 2), -0.6, 1e-12);
+  EXPECT_NEAR(raw.T_right_left.translation().z(), -0.01, 1e-12);
+}
+
+TEST(OpenCvRig, IsReadFromTheTwoFilesOfTheSample) {
+  const test::TemporaryFolder folder;
+  const std::string text = openCvText(test::cartRig());
+  const std::size_t cameras = text.find("K1:"), pose = text.find("R: ");
+  std::string intrinsics = "%YAML:1.0\n---\n" + text.substr(cameras, pose - cameras);
+  for (char number : {'1', '2'})
+    intrinsics.replace(intrinsics.find(std::string("K") + number), 1, "M");
+  writeFileAtomically(folder / "intrinsics.yml", intrinsics);
+  writeFileAtomically(folder / "extrinsics.yml", "%YAML:1.0\n---\n" + text.substr(pose));
+  const std::vector<std::filesystem::path> files{folder / "intrinsics.yml", folder / "extrinsics.yml"};
+  const Rig rig = readRigFiles(files, {.image_size = cv::Size(680, 420)});
+  EXPECT_EQ(rig.right.cx, 336.5);
+  EXPECT_TRUE(rig.T_right_left.isApprox(test::cartRig().T_right_left, 1e-12));
+  EXPECT_THAT(test::messageOf([&] { readRigFiles({files[0]}); }),
+              HasSubstr("intrinsics.yml: R is missing; if it is in another file"));
+  EXPECT_THAT(test::messageOf([&] { readRigFiles(files); }), HasSubstr("image_size is missing"));
+  writeFileAtomically(
+      files[1], "%YAML:1.0\n---\n" + text.substr(pose) +
+                    "P2: {rows: 3, cols: 4, data: [480, 0, 340, -110.4, 0, 480, 210, 0, 0, 0, 1, 0]}\n");
+  EXPECT_THAT(test::messageOf([&] { readRigFiles(files, {.image_size = cv::Size(680, 420)}); }),
+              HasSubstr("P2: gives a baseline of 0.23 m, and T one of 0.115"));
+}
+
+TEST(OpenCvRig, TakesWidthAndHeightAsTwoKeys) {
+  const test::TemporaryFolder folder;
+  std::string text = openCvText(test::cartRig());
+  const std::size_t size = text.find("image_size");
+  text.replace(size, text.find('\n', size) - size, "image_width: 680\nimage_height: 420");
+  writeFileAtomically(folder / "stereo.yml", text);
+  EXPECT_EQ(readRig(folder / "stereo.yml").left.size, cv::Size(680, 420));
+  EXPECT_THAT(
+      test::messageOf([&] { readRigFiles({folder / "stereo.yml"}, {.image_size = cv::Size(640, 480)}); }),
+      HasSubstr("the file is for images of 680x420, not of 640x480"));
+}
+
+TEST(OpenCvRig, RefusesSkewAndTransposedMatrices) {
+  const test::TemporaryFolder folder;
+  const auto with = [&](const std::string& numbers) {
+    std::string text = openCvText(test::cartRig());
+    const std::size_t begin = text.find("data: [") + 7;
+    writeFileAtomically(folder / "stereo.yml", text.replace(begin, text.find(']', begin) - begin, numbers));
+    return test::messageOf([&] { readRig(folder / "stereo.yml"); });
+  };
+  EXPECT_THAT(with("480, 3.7, 340, 0, 481, 210, 0, 0, 1"), HasSubstr("K1: has a skew of 3.7 px"));
+  EXPECT_THAT(with("480, 0, 0, 0, 481, 0, 340, 210, 1"),
+              HasSubstr("K1: is transposed: the principal point (340, 210) is in the last row"));
+  EXPECT_THAT(with("480, 0, 340, 0, 481, 210, 0, 0, 2"), HasSubstr("K1: expected [fx 0 cx; 0 fy cy; 0 0 1]"));
+}
+
+TEST(RigFiles, NameMatlabsBinaryAndUnknownFormats) {
+  const test::TemporaryFolder folder;
+  writeFileAtomically(folder / "stereo.mat", "MATLAB 5.0 MAT-file, Platform: GLNXA64");
+  EXPECT_THAT(test::messageOf([&] { readRigFiles({folder / "stereo.mat"}); }),
+              HasSubstr("stereo.mat: is MATLAB's binary format. Write the parameters as JSON"));
+  writeFileAtomically(folder / "rig.npz", std::string("PK\3\4\0\0", 6));
+  EXPECT_THAT(test::messageOf([&] { readRigFiles({folder / "rig.npz"}); }), HasSubstr("is a binary file"));
+  writeFileAtomically(folder / "other.yaml", "cameras: 2\n");
+  const std::string message = test::messageOf([&] { readRigFiles({folder / "other.yaml"}); });
+  EXPECT_THAT(message, HasSubstr("is in none of the known formats: cartvo's rig.yaml"));
+  EXPECT_THAT(message, testing::Not(HasSubstr("calibrate convert")));
+}
+
 TEST(KittiRig, RefusesAShortRowAndAMissingRow) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "calib.txt", "P0: 707 0 601 0 0 707 183 0 0 0 1 0\nP1: 707 0 601\n");
-  EXPECT_THAT(test::messageOf([&] {
-                readKittiRig(folder / "calib.txt", {1226, 370});
-              }),
-              HasSubstr("calib.txt:2: P1: expected 12 numbers"));
+  EXPECT_THAT(
+      test::messageOf([&] { readRigFiles({folder / "calib.txt"}, {.image_size = cv::Size(1226, 370)}); }),
+      HasSubstr("calib.txt:2: P1: expected 12 numbers"));
   writeFileAtomically(folder / "calib.txt", "P0: 707 0 601 0 0 707 183 0 0 0 1 0\n");
-  EXPECT_THAT(test::messageOf([&] {
-                readKittiRig(folder / "calib.txt", {1226, 370});
-              }),
-              HasSubstr("expected the lines 'P0: ...' and 'P1: ...'"));
+  EXPECT_THAT(
+      test::messageOf([&] { readRigFiles({folder / "calib.txt"}, {.image_size = cv::Size(1226, 370)}); }),
+      HasSubstr("calib.txt:1: P1 is missing"));
 }
 
 }  // namespace

@@ -49,6 +49,8 @@ TEST(VideoFileSource, ReadsVideosOfOtherRecorders) {
            {"stream.ts", "-c:v libx264 -pix_fmt yuv420p"},
            {"raw.h264", "-c:v libx264 -pix_fmt yuv420p -bf 0"}}) {
     VideoFileSource source(video(folder, name, encoding), {.origin_ns = 1000});
+    EXPECT_EQ(source.timeNote().empty(), name != "raw.h264") << name;
+    EXPECT_EQ(source.pictureSize(), cv::Size(160, 96));
     const std::vector<Frame> frames = framesOf(source);
     ASSERT_EQ(frames.size(), 50U) << name;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -104,10 +106,64 @@ TEST(VideoFileSource, MarksPicturesWithDecodingErrors) {
   EXPECT_EQ(frames.back().status, FrameStatus::good) << "after the next key picture";
 }
 
+TEST(VideoFileSource, NeedsAFrameRateForStreamsWithoutTimes) {
+  const test::TemporaryFolder folder;
+  const fs::path jpegs = video(folder, "raw.mjpeg", "-c:v mjpeg -pix_fmt yuvj420p");
+  EXPECT_THAT(
+      test::messageOf([&] { VideoFileSource(jpegs, {}); }),
+      HasSubstr("raw.mjpeg is a raw stream: nothing in it says how many pictures a second it has. Give "
+                "the cameras' frame rate by --frame-rate HZ"));
+  VideoFileSource source(jpegs, {.frame_rate = 18.0});
+  const std::vector<Frame> frames = framesOf(source);
+  ASSERT_EQ(frames.size(), 50U);
+  EXPECT_NEAR(static_cast<double>(frames[49].exposure_ns), 49e9 / 18.0, 1.0);
+}
+
+TEST(VideoFileSource, RefusesTimeStampsThatAreNoCameras) {
+  const test::TemporaryFolder folder;
+  const fs::path fast = video(folder, "fast.mp4",
+                              "-c:v mjpeg -pix_fmt yuvj420p -vf settb=1/90000,setpts=N -vsync passthrough "
+                              "-enc_time_base 1/90000 -video_track_timescale 90000");
+  EXPECT_THAT(test::messageOf([&] { VideoFileSource(fast, {}); }),
+              HasSubstr("fast.mp4 has no usable time stamps: their median interval is 1.111e-05 s"));
+  VideoFileSource source(fast, {.frame_rate = 25.0});
+  const std::vector<Frame> frames = framesOf(source);
+  ASSERT_EQ(frames.size(), 50U);
+  EXPECT_NEAR(static_cast<double>(frames[25].exposure_ns), 1e9, 1.0);
+}
+
+TEST(VideoFileSource, DeliversAPartOfThePictures) {
+  const test::TemporaryFolder folder;
+  const fs::path file = video(folder, "a.mp4", "-c:v libx264 -qp 0 -pix_fmt yuv420p");
+  VideoFileSource whole(file, {}), right(file, {}, PicturePart::right_half),
+      upper(file, {}, PicturePart::upper_half);
+  Frame all, part;
+  whole.read(all, kAtOnce);
+  right.read(part, kAtOnce);
+  EXPECT_EQ(cv::norm(part.image, all.image.colRange(80, 160), cv::NORM_INF), 0.0);
+  upper.read(part, kAtOnce);
+  EXPECT_EQ(cv::norm(part.image, all.image.rowRange(0, 48), cv::NORM_INF), 0.0);
+}
+
+TEST(VideoFileSource, SaysThatAnMp4WasNeverFinished) {
+  const test::TemporaryFolder folder;
+  const fs::path file = video(folder, "a.mp4", "-c:v libx264 -pix_fmt yuv420p");
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::size_t index = bytes.find("moov") - 4;
+  for (const std::size_t end : {index, index + 100}) {
+    std::ofstream(folder / "cut.mp4", std::ios::binary) << bytes.substr(0, end);
+    EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "cut.mp4", {}); }),
+                HasSubstr("whose index (moov) is missing: the recorder never finished the file"));
+  }
+  std::ofstream(folder / "empty.mp4").flush();
+  EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "empty.mp4", {}); }), HasSubstr("it is empty"));
+}
+
 TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "no.mp4", {}); }),
-              HasSubstr("is not a file; expected a video"));
+              HasSubstr("cannot be read: No such file or directory"));
   std::ofstream(folder / "text.mp4") << "not a video";
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "text.mp4", {}); }),
               HasSubstr("cannot read the video"));

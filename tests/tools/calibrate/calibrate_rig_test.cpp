@@ -68,8 +68,13 @@ TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
     // cv::stereoCalibrate as OpenCV's stereo_calib.cpp calls it: docs/calibration.md.
     EXPECT_LE(model["held_out_vertical_disparity_rms_px"].get<double>(), 0.2);
   }
+  EXPECT_FALSE(json["reservations"].empty());
+  EXPECT_THAT(run.output, AllOf(HasSubstr("passes its validation, with reservations:"),
+                                HasSubstr("only 13 views are used: take at least 3 more"),
+                                HasSubstr("depth at 10 m is known to"), Not(HasSubstr("inf"))));
   EXPECT_THAT(textOf(report / "report.html"),
-              AllOf(HasSubstr("<svg"), HasSubstr("data:image/png;base64,"), HasSubstr("Rejected views"),
+              AllOf(HasSubstr("class=\"reserved\""), HasSubstr("To improve it,"), HasSubstr("<svg"),
+                    HasSubstr("data:image/png;base64,"), HasSubstr("Rejected views"),
                     Not(HasSubstr("http://127")), HasSubstr("</html>")));
 }
 
@@ -182,20 +187,23 @@ TEST(CalibrateCommand, RefusesFaultyInputWithTheReasonAndKeepsTheOutput) {
   layOut(data, folder / "other", "left", "right");
   expect((folder / "other").string() + " --board chessboard:10x7:0.025", "9x6 inner corners");
 
+  expect((folder / "other").string() + " --board chessboard:8x6:0.025 --model brown2",
+         "shows a chessboard of 9x6 inner corners, more than --board chessboard:8x6:0.025 has");
+
   layOut(data, folder / "mixed", "left", "right");
   cv::imwrite((folder / "mixed/image_1/05.jpg").string(), cv::Mat(240, 320, CV_8UC1, cv::Scalar(9)));
   expect((folder / "mixed").string() + board, "05.jpg: is 320x240 but the first image is 640x480");
 
   layOut(data, folder / "damaged", "left", "right");
   std::ofstream(folder / "damaged/image_0/07.jpg") << "no image";
-  expect((folder / "damaged").string() + board, "07.jpg: cannot be read as an image");
+  expect((folder / "damaged").string() + board, "07.jpg: cannot be decoded as an image");
 
   layOut(data, folder / "few", "left", "right");
   for (const char* const name : {"01.jpg", "02.jpg", "03.jpg", "04.jpg", "05.jpg"})
     fs::remove(folder / "few/image_1" / name);
   expect((folder / "few").string() + board, "only 4 views show the board to both cameras");
 
-  expect((folder / "nothing").string() + board, "is not a folder; expected image_0");
+  expect((folder / "nothing").string() + board, "contains no subfolders image_0 (left) and image_1 (right)");
 
   std::ofstream(folder / "notes.txt") << "was here";
   const test::CommandResult notes = test::runCartvo("calibrate " + (folder / "other").string() + board +

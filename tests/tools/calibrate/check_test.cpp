@@ -72,6 +72,20 @@ TEST_F(CalibrateCheckPair, FailsWithARotatedRightCamera) {
   EXPECT_LT(report["vertical_disparity_px"]["unexplained_rms"], 0.2);
 }
 
+TEST_F(CalibrateCheckPair, PassesWithARemarkIfTheRightCameraIsSlightlyTurned) {
+  constexpr double kPitch = 0.001;  // rad
+  calib::Rig turned = rig_;
+  turned.T_right_left.prerotate(Eigen::AngleAxisd(-kPitch, Eigen::Vector3d::UnitX()));
+  const test::CommandResult run = check(turned, "left.png", "right.png", "--json");
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const auto report = nlohmann::json::parse(run.output);
+  EXPECT_TRUE(report["slightly_turned"]);
+  EXPECT_NEAR(report["turn_deg"]["pitch"].get<double>(), kPitch * 57.3, 0.01)
+      << "from the file to the images";
+  EXPECT_THAT(check(turned, "left.png", "right.png", "").output,
+              HasSubstr("PASS, with a remark: rows differ by 0."));
+}
+
 TEST_F(CalibrateCheckPair, DetectsExchangedImages) {
   const test::CommandResult run = check(rig_, "right.png", "left.png", "");
   EXPECT_EQ(run.exit_code, 1);
@@ -97,6 +111,29 @@ TEST(CalibrateCheckCommand, ChecksAFolderOfPairs) {
       test::pipeCartvo("calibrate check " + rig + " " + folder.string() + " --pairs 3 --json");
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_EQ(nlohmann::json::parse(run.output)["pairs"], 3);
+}
+
+TEST(CalibrateCheckCommand, ReadsKittisCalibrationAndTriesTheExchange) {
+  CARTVO_NEEDS_DATA(kitti, "kitti_06");
+  CARTVO_NEEDS_DATA(euroc, "euroc_still");
+  const test::CommandResult run = test::runCartvo("calibrate check " + (kitti / "calib.txt").string() + " " +
+                                                  kitti.string() + " --pairs 3");
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("PASS, with a remark"));
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "mav0");
+  std::filesystem::create_symlink(std::filesystem::canonical(euroc / "mav0/cam0"), folder / "mav0/cam1");
+  std::filesystem::create_symlink(std::filesystem::canonical(euroc / "mav0/cam1"), folder / "mav0/cam0");
+  const std::string rig = (folder / "rig.yaml").string(), mav = (euroc / "mav0").string();
+  ASSERT_EQ(test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
+                            "/cam1/sensor.yaml --output " + rig)
+                .exit_code,
+            0);
+  const test::CommandResult exchanged =
+      test::runCartvo("calibrate check " + rig + " " + folder.path().string() + " --pairs 3");
+  EXPECT_EQ(exchanged.exit_code, 1);
+  EXPECT_THAT(exchanged.output, HasSubstr("LEFT and RIGHT are exchanged, or the cameras of the rig file are; "
+                                          "exchanged, rows differ by 0."));
 }
 
 /// Synthetic matches with a row error, and mismatches among them.

@@ -77,7 +77,7 @@ TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
   EXPECT_EQ(calib::readRig(folder / "camchain.yaml").left.fx, 458.654);
   const std::string convert =
       "calibrate convert " + (kitti / "calib.txt").string() + " --output " + in(folder, "kitti.yaml");
-  EXPECT_THAT(test::runCartvo(convert).output, HasSubstr("give their size"));
+  EXPECT_THAT(test::runCartvo(convert).output, HasSubstr("give it by --size"));
   EXPECT_EQ(test::runCartvo(convert + " --size 1226x370").exit_code, 0);
 }
 

@@ -14,8 +14,8 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "common/atomic_file.hpp"
 #include "support/error_message.hpp"
@@ -230,7 +230,7 @@ TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
   };
   EXPECT_EQ(found({}).rig.name, "KITTI");
   EXPECT_EQ(found({}).rig.left.size, cv::Size(1226, 370));
-  calib::Rig rig = calib::readKittiRig(folder_ / "calib.txt", {1226, 370});
+  calib::Rig rig = calib::readRigFiles({folder_ / "calib.txt"}, {.image_size = cv::Size(1226, 370)});
   rig.name = "beside the images";
   calib::writeRig(folder_ / "rig.yaml", rig);
   EXPECT_EQ(found({}).rig.name, "beside the images");
@@ -241,7 +241,8 @@ TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
 }
 
 TEST_F(ReplayOfKitti, RejectsRigOfWrongImageSize) {
-  calib::writeRig(folder_ / "rig.yaml", calib::readKittiRig(folder_ / "calib.txt", {1241, 376}));
+  calib::writeRig(folder_ / "rig.yaml",
+                  calib::readRigFiles({folder_ / "calib.txt"}, {.image_size = cv::Size(1241, 376)}));
   EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }), HasSubstr("1226x370"));
 }
 
@@ -261,7 +262,7 @@ TEST_F(ReplayOfKitti, RejectsTruthWithWrongNumberOfPoses) {
 /// Records pairs of a KITTI sequence as encoded streams of two cameras.
 void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs,
             double key_frame_interval) {
-  const calib::Rig rig = calib::readKittiRig(sequence / "calib.txt", {1226, 370});
+  const calib::Rig rig = calib::readRigFiles({sequence / "calib.txt"}, {.image_size = cv::Size(1226, 370)});
   capture::RecordingSettings settings;
   settings.folder = folder;
   settings.rig = calib::rigText(rig);

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -104,7 +104,8 @@ TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   for (const auto& [camera, video] : {std::pair("image_0", "left.mp4"), std::pair("image_1", "right.mkv")}) {
     encode("-framerate 10 -i " + (sequence / camera).string() + "/%06d.png -frames:v 6", folder / video);
   }
-  calib::writeRig(folder / "rig.yaml", calib::readKittiRig(sequence / "calib.txt", {1226, 370}));
+  calib::writeRig(folder / "rig.yaml",
+                  calib::readRigFiles({sequence / "calib.txt"}, {.image_size = cv::Size(1226, 370)}));
   ReplaySettings settings;
   settings.source = folder / "left.mp4";
   settings.right_video = folder / "right.mkv";

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "calib/board/board_spec.hpp"
+#include "calib/board/marker_dictionary.hpp"
 #include "tools/calibrate/board/board_print.hpp"
 #include "tools/calibrate/board/board_sheet.hpp"
 
@@ -24,10 +25,12 @@ void run(const Options& options) {
   const calibrate::BoardSheet sheet =
       calibrate::layOutBoard(calib::parseBoardSpec(options.board), options.page);
   calibrate::printBoard(sheet, options.output, options.dots_per_inch);
+  const std::string dictionary = calib::dictionaryName(sheet.board);
   std::printf(
-      "%s: %s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
+      "%s: %s%s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
       "and give the measured lengths to 'cartvo calibrate --board'.\n",
-      options.output.c_str(), calib::boardSpecText(sheet.board).c_str(), sheet.pattern.width,
+      options.output.c_str(), calib::boardSpecText(sheet.board).c_str(),
+      dictionary.empty() ? "" : (" (markers " + dictionary + ")").c_str(), sheet.pattern.width,
       sheet.pattern.height, sheet.page.name.c_str());
 }
 
@@ -54,6 +57,10 @@ void addCalibrateBoard(CLI::App& calibrate) {
       ->check(CLI::Range(20.0, 1200.0))
       ->capture_default_str();
   command->footer(
+      "The markers of a ChArUco board are those of OpenCV's smallest dictionary with enough of them: "
+      "DICT_4X4_50 "
+      "for up to\n"
+      "50 markers, then _100, _250, _1000 (DICT_5X5_50 with 5x5 bits, and so on).\n"
       "Examples:\n"
       "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --page A3\n"
       "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "

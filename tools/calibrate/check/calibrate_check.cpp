@@ -6,13 +6,15 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "calib/format/rig_file.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
-#include "capture/dataset/image_folder.hpp"
+#include "capture/dataset/image_files.hpp"
 #include "tools/calibrate/check/row_check.hpp"
 #include "tools/calibrate/source_pairs.hpp"
 #include "tools/cartvo/progress_bar.hpp"
@@ -34,7 +36,8 @@ using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
 /// Calls `use` for pairs spread evenly over the source.
 void forSelectedPairs(const Options& options, const UsePair& use) {
   if (!options.right.empty()) {
-    use(capture::readGreyImage(options.source), capture::readGreyImage(options.right));
+    const int bits = capture::measureGreyLevels({options.source, options.right}).used_bits;
+    use(capture::readGreyImage(options.source, bits), capture::readGreyImage(options.right, bits));
     return;
   }
   capture::StereoSource source = capture::openSource(options.source);
@@ -49,26 +52,61 @@ void forSelectedPairs(const Options& options, const UsePair& use) {
   });
 }
 
-void run(const Options& options) {
-  const calib::Rig rig = calib::readRig(options.rig);
-  const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
-  std::vector<calibrate::RectifiedMatch> matches;
+/// The rig; the size of the images is for files that do not contain it, such as KITTI's calib.txt.
+calib::Rig readRigOf(const Options& options) {
+  calib::RigReading reading;
+  if (!options.right.empty()) {
+    reading.image_size = capture::readGreyImage(options.source).size();
+  } else {
+    const capture::StereoSource source = capture::openSource(options.source);
+    reading.cameras = source.cameras;
+    if (!source.first_image.empty()) reading.image_size = capture::readGreyImage(source.first_image).size();
+  }
+  return calib::readRigFiles({options.rig}, reading);
+}
+
+/// Matches of the pairs in rectified images, with left and right exchanged or not.
+struct Matches {
+  std::vector<calibrate::RectifiedMatch> points;
   int pairs = 0;
+};
+
+Matches matchPairs(const Options& options, const calib::Rectifier& rectifier, bool exchanged) {
+  Matches matches;
   forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
     cv::Mat rectified_left, rectified_right;
-    rectifier.rectifyLeft(left, rectified_left);
-    rectifier.rectifyRight(right, rectified_right);
+    rectifier.rectifyLeft(exchanged ? right : left, rectified_left);
+    rectifier.rectifyRight(exchanged ? left : right, rectified_right);
     for (const calibrate::RectifiedMatch& match : calibrate::matchRectified(rectified_left, rectified_right))
-      matches.push_back(match);
-    ++pairs;
+      matches.points.push_back(match);
+    ++matches.pairs;
   });
+  return matches;
+}
+
+/// The check with exchanged images; nothing if they show too few common points.
+std::optional<calibrate::RowCheck> checkExchanged(const Options& options, const calib::Rectifier& rectifier) {
+  const Matches matches = matchPairs(options, rectifier, true);
+  try {
+    return calibrate::checkRows(matches.points, matches.pairs, rectifier.rectification());
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+void run(const Options& options) {
+  const calib::Rig rig = readRigOf(options);
+  const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   const calib::Rectification& rectification = rectifier.rectification();
-  const calibrate::RowCheck check = calibrate::checkRows(matches, pairs, rectification);
+  const Matches matches = matchPairs(options, rectifier, false);
+  calibrate::RowChecks checks{calibrate::checkRows(matches.points, matches.pairs, rectification), {}};
+  const bool passes = calibrate::passes(checks.check, options.largest_rms);
+  if (!passes) checks.exchanged = checkExchanged(options, rectifier);
   const std::string report =
-      options.json ? calibrate::rowCheckJson(check, rectification, options.largest_rms).dump(2) + "\n"
-                   : calibrate::rowCheckText(check, rectification, options.largest_rms);
+      options.json ? calibrate::rowCheckJson(checks, rectification, options.largest_rms).dump(2) + "\n"
+                   : calibrate::rowCheckText(checks, rectification, options.largest_rms);
   std::fputs(report.c_str(), stdout);
-  if (!calibrate::passes(check, options.largest_rms)) throw CLI::RuntimeError(EXIT_FAILURE);
+  if (!passes) throw CLI::RuntimeError(EXIT_FAILURE);
 }
 
 }  // namespace
@@ -76,7 +114,7 @@ void run(const Options& options) {
 void addCalibrateCheck(CLI::App& calibrate) {
   CLI::App* command = calibrate.add_subcommand("check", "Test a rig file on pictures");
   const auto options = std::make_shared<Options>();
-  command->add_option("RIG", options->rig, "Rig file: cartvo's own, OpenCV's, Kalibr's or MATLAB's")
+  command->add_option("RIG", options->rig, "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
       ->required();
   command
       ->add_option("SOURCE", options->source,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +21,9 @@ struct RowCheck {
   // Vertical disparities of the inliers, px.
   double rms = 0.0, p95 = 0.0;  ///< RMS and 95th percentile of their magnitude
   double median = 0.0;
-  double slope = 0.0;     ///< change over the image width, caused by a roll of the right camera
-  double scatter = 0.0;   ///< RMS after a rotation of the right camera is fitted: mostly matching noise
+  double slope = 0.0;    ///< change over the image width, caused by a roll of the right camera
+  double scatter = 0.0;  ///< RMS after a rotation of the right camera is fitted: mostly matching noise
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< that rotation: about x (pitch), y (yaw), z (roll), rad
   double in_front = 0.0;  ///< share of the inliers without clearly negative disparity
 };
 
@@ -31,15 +34,29 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
 /// Whether most disparities are negative, as with exchanged images.
 bool seemsSwapped(const RowCheck& check);
 
-/// Whether the rig passes: images not exchanged, and an RMS of at most `max_rms` px.
+/// Whether a small rotation of the right camera, which the odometry corrects while driving, explains rows
+/// that differ by more than `max_rms` px: at most 0.1 degrees of pitch and roll and 0.3 of yaw, and an RMS of
+/// at most `max_rms` after it.
+bool isSlightlyTurned(const RowCheck& check, double max_rms);
+
+/// Whether the rig passes: images not exchanged, and an RMS of at most `max_rms` px, or isSlightlyTurned.
 bool passes(const RowCheck& check, double max_rms);
 
-/// The statistics as text, with the depth error that a disparity error of the same size causes, and the
-/// verdict.
-std::string rowCheckText(const RowCheck& check, const calib::Rectification& rectification, double max_rms);
+/// A check and the one of the same images with left and right exchanged, if the first fails and the second
+/// could be made.
+struct RowChecks {
+  RowCheck check;
+  std::optional<RowCheck> exchanged;
+
+  /// Whether the images are exchanged: most disparities are negative, or only the exchanged images pass.
+  bool areExchanged(double max_rms) const;
+};
+
+/// The statistics as text, with the depth error if the rows' error were along the row, and the verdict.
+std::string rowCheckText(const RowChecks& checks, const calib::Rectification& rectification, double max_rms);
 
 /// The same as JSON.
-nlohmann::ordered_json rowCheckJson(const RowCheck& check, const calib::Rectification& rectification,
+nlohmann::ordered_json rowCheckJson(const RowChecks& checks, const calib::Rectification& rectification,
                                     double max_rms);
 
 }  // namespace cartvo::calibrate

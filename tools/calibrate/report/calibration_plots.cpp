@@ -120,7 +120,7 @@ std::string depthPlot(const calib::Calibration& calibration) {
     content += text(x(at.distance) - 14.0, kBase + 14.0, fmt::format("{:.0f} m", at.distance));
   content +=
       text(kLeft, kBase + 27.0,
-           "blue: disparity error equal to the row error; green, orange: halves differ, median and 95 %");
+           "blue: if the rows' error were along the row; green, orange: every other view, median and 95 %");
   return svg(kWidth + 60.0, kHeight, content);
 }
 

@@ -14,7 +14,8 @@ constexpr const char* kStyle =
     "body{font-family:sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:.5em 0}th,td{border:1px solid #ccc;padding:.2em "
     ".6em;text-align:left}"
-    "img{max-width:100%}.passed{color:#183}.failed{color:#c22}figure{display:inline-block;margin:.5em 1em "
+    "img{max-width:100%}.passed{color:#183}.reserved{color:#a60}.failed{color:#c22}figure{display:inline-"
+    "block;margin:.5em 1em "
     ".5em 0}";
 
 std::string section(const std::string& title, const std::string& content) {
@@ -28,12 +29,18 @@ std::string figure(const std::string& plot, const std::string& caption) {
 std::string verdict(const calib::Calibration& calibration) {
   std::vector<std::vector<std::string>> rows;
   for (const calib::ValidationCheck& check : calibration.checks) {
-    rows.push_back({check.passed ? "passed" : "FAILED", check.name, fmt::format("{:.3g}", check.value),
+    rows.push_back({check.passed ? "passed" : "FAILED", check.name, checkValueText(check),
                     fmt::format("{:.3g} {}", check.limit, check.unit)});
   }
-  return fmt::format("<p class=\"{}\"><strong>{}</strong></p>\n", calibration.passed() ? "passed" : "failed",
-                     calibration.passed() ? "The calibration passes its validation."
-                                          : "The calibration does not pass its validation.") +
+  const bool has_reservations = !calib::reservationsOf(calibration).empty();
+  const char* const style = !calibration.passed() ? "failed" : has_reservations ? "reserved" : "passed";
+  std::string text = escaped(verdictText(calibration));
+  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n'))
+    text.replace(at, 1, "<br>");
+  const std::string next =
+      calib::nextViewAdvice(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
+  return fmt::format("<p class=\"{}\"><strong>{}</strong></p>\n{}", style, text,
+                     next.empty() ? "" : "<p>To improve it, " + escaped(next) + ".</p>\n") +
          tableElement({"", "check", "value", "limit"}, rows);
 }
 
@@ -78,9 +85,9 @@ std::string depthTable(const calib::Calibration& calibration) {
                     fmt::format("{:.3f} m", depthErrorOf(calibration, at.distance)), metresText(at.median),
                     metresText(at.p95)});
   }
-  return tableElement(
-      {"distance", "disparity error equal to the row error", "halves differ, median", "halves differ, 95 %"},
-      rows);
+  return tableElement({"distance", "depth error if the rows' error were along the row",
+                       "two calibrations, each from every other view, differ by (median)", "(95 %)"},
+                      rows);
 }
 
 }  // namespace

@@ -75,6 +75,20 @@ double depthErrorOf(const calib::Calibration& calibration, double distance) {
                            rig.baseline());
 }
 
+std::string checkValueText(const calib::ValidationCheck& check) {
+  return std::isfinite(check.value) ? fmt::format("{:.3g}", check.value) : "not seen";
+}
+
+std::string verdictText(const calib::Calibration& calibration) {
+  if (!calibration.passed()) return "The calibration does not pass its validation.";
+  const std::vector<std::string> reservations = calib::reservationsOf(calibration);
+  if (reservations.empty()) return "The calibration passes its validation.";
+  std::string text = "The calibration passes its validation, with reservations:";
+  for (const std::string& reservation : reservations)
+    text += "\n- " + reservation;
+  return text;
+}
+
 std::string metresText(double metres) {
   return std::isfinite(metres) ? fmt::format("{:.3f} m", metres) : "not seen";
 }
@@ -83,6 +97,7 @@ Json calibrationJson(const calib::Calibration& calibration) {
   Json json{{"board", calib::boardSpecText(calibration.board)},
             {"image_size", {calibration.image_size.width, calibration.image_size.height}},
             {"passed", calibration.passed()},
+            {"reservations", calib::reservationsOf(calibration)},
             {"model", calib::modelName(calibration.result().model)},
             {"baseline_m", calibration.rig().baseline()},
             {"scale_deviation", calib::scaleStddev(calibration)}};
@@ -132,9 +147,11 @@ std::string calibrationText(const calib::Calibration& calibration) {
       "  baseline {:.2f} mm, turned by {:.3f} degrees; relative stddev of the scale {:.2f} %\n",
       1000.0 * rig.baseline(), Eigen::AngleAxisd(rig.T_right_left.linear()).angle() * 180.0 / M_PI,
       100.0 * calib::scaleStddev(calibration));
-  text += "depth   disparity error equal to the row error   halves differ by (median, 95 %)\n";
+  text +=
+      "depth   depth error if the rows' error were     two calibrations, each from every\n"
+      "        along the row                           other view, differ by (median, 95 %)\n";
   for (const calib::DepthDifference& depth : calibration.halves.depth) {
-    text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>41} {:>11}\n", depth.distance,
+    text += fmt::format("  {:>3.0f} m {:>10.3f} m {:>38} {:>11}\n", depth.distance,
                         depthErrorOf(calibration, depth.distance), metresText(depth.median),
                         metresText(depth.p95));
   }
@@ -147,8 +164,8 @@ std::string calibrationText(const calib::Calibration& calibration) {
   }
   text += "validation\n";
   for (const calib::ValidationCheck& check : calibration.checks) {
-    text += fmt::format("  {:<6} {}: {:.3g} (limit: {:.3g} {})\n", check.passed ? "passed" : "FAILED",
-                        check.name, check.value, check.limit, check.unit);
+    text += fmt::format("  {:<6} {}: {} (limit: {:.3g} {})\n", check.passed ? "passed" : "FAILED", check.name,
+                        checkValueText(check), check.limit, check.unit);
   }
   if (calibration.sync.is_fault) {
     text += fmt::format(
@@ -162,7 +179,7 @@ std::string calibrationText(const calib::Calibration& calibration) {
   const std::string next =
       calib::nextViewAdvice(calibration.left_coverage, calibration.right_coverage, calibration.tilts);
   if (!next.empty()) text += "to improve it, " + next + "\n";
-  return text;
+  return text + verdictText(calibration) + "\n";
 }
 
 }  // namespace cartvo

@@ -9,6 +9,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "calib/board/board_detection.hpp"
+#include "capture/dataset/image_files.hpp"
 #include "common/image_size.hpp"
 
 namespace cartvo {
@@ -20,8 +21,9 @@ void requireSize(const cv::Mat& image, cv::Size size, const std::filesystem::pat
                            sizeText(size) + ": a calibration holds for one size only");
 }
 
-DetectedView detectPair(const ImagePair& pair, const calib::BoardSpec& board, cv::Size size) {
-  const cv::Mat left = readGrey(pair.left), right = readGrey(pair.right);
+DetectedView detectPair(const ImagePair& pair, int used_bits, const calib::BoardSpec& board, cv::Size size) {
+  const cv::Mat left = capture::readGreyImage(pair.left, used_bits),
+                right = capture::readGreyImage(pair.right, used_bits);
   requireSize(left, size, pair.left);
   requireSize(right, size, pair.right);
   return detectView(pair.name, left, right, board);
@@ -78,6 +80,7 @@ DetectedView detectView(const std::string& name, const cv::Mat& left, const cv::
                         const calib::BoardSpec& board) {
   DetectedView detected;
   detected.view = {name, calib::detectBoard(left, board), calib::detectBoard(right, board)};
+  calib::matchNumbering(board, detected.view);
   const std::vector<Eigen::Vector2d> board_corners = calib::boardCorners(board);
   if (!detected.view.left.empty())
     detected.left = calib::viewQuality(left, detected.view.left, board_corners);
@@ -101,6 +104,22 @@ BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size ima
   return result;
 }
 
+void refuseLargerBoard(const std::vector<LargerBoardSample>& samples, const calib::BoardSpec& board) {
+  constexpr std::size_t kMaxImages = 3;
+  std::string larger, view;
+  for (std::size_t i = 0; i < std::min(samples.size(), kMaxImages); ++i) {
+    const std::string seen = calib::describeLargerBoard(samples[i].image, board);
+    if (seen.empty() || (!larger.empty() && seen != larger)) return;
+    larger = seen;
+    view = samples[i].name;
+  }
+  if (larger.empty()) return;
+  throw std::runtime_error(
+      "view '" + view + "' shows " + larger + ", more than --board " + calib::boardSpecText(board) +
+      " has: corners of different views would be mixed up. Is the board's size wrong? (a "
+      "chessboard's inner corners are counted, not its squares)");
+}
+
 BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::BoardSpec& board,
                        cv::Size image_size) {
   BoardViews result = classifyViews(detected, image_size);
@@ -110,7 +129,7 @@ BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::B
 
 BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
                      const DetectionProgress& progress) {
-  const cv::Size size = readGrey(pairs.pairs.front().left).size();
+  const cv::Size size = capture::readGreyImage(pairs.pairs.front().left).size();
   std::vector<DetectedView> detected(pairs.pairs.size());
   std::vector<std::exception_ptr> problems(pairs.pairs.size());
   std::mutex mutex;
@@ -120,7 +139,7 @@ BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
       [&](const cv::Range& range) {
         for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
           try {
-            detected[i] = detectPair(pairs.pairs[i], board, size);
+            detected[i] = detectPair(pairs.pairs[i], pairs.used_bits, board, size);
           } catch (...) {
             problems[i] = std::current_exception();
           }
@@ -134,9 +153,17 @@ BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
   }
   if (std::none_of(detected.begin(), detected.end(),
                    [](const DetectedView& view) { return !view.view.left.empty(); })) {
-    detected.front().other_board = calib::describeOtherBoard(readGrey(pairs.pairs.front().left), board);
+    detected.front().other_board =
+        calib::describeOtherBoard(capture::readGreyImage(pairs.pairs.front().left, pairs.used_bits), board);
   }
   BoardViews views = selectViews(detected, board, size);
+  std::vector<LargerBoardSample> samples;
+  for (std::size_t i = 0; i < detected.size() && samples.size() < 3; ++i) {
+    if (!detected[i].view.left.empty())
+      samples.push_back(
+          {detected[i].view.name, capture::readGreyImage(pairs.pairs[i].left, pairs.used_bits)});
+  }
+  refuseLargerBoard(samples, board);
   views.rejected.insert(views.rejected.end(), pairs.unpaired.begin(), pairs.unpaired.end());
   return views;
 }

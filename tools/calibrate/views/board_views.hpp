@@ -44,6 +44,16 @@ BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size ima
 BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::BoardSpec& board,
                        cv::Size image_size);
 
+/// A left image in which the board was found.
+struct LargerBoardSample {
+  std::string name;
+  cv::Mat image;
+};
+
+/// Throws std::runtime_error if the first three samples show a chessboard with more corners than `board`, of
+/// which the detected corners are a part.
+void refuseLargerBoard(const std::vector<LargerBoardSample>& samples, const calib::BoardSpec& board);
+
 /// Called after each pair with the number of pairs processed. Calls may come from other threads, one at a
 /// time.
 using DetectionProgress = std::function<void(std::size_t done)>;

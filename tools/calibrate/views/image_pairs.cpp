@@ -1,75 +1,19 @@
 // Pairing of left and right image files by name.
 #include "tools/calibrate/views/image_pairs.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
-#include <opencv2/imgcodecs.hpp>
+#include "capture/dataset/image_files.hpp"
+#include "common/natural_order.hpp"
 
 namespace cartvo {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Orders names with numbers by value: "view2" before "view10".
-struct NumbersByValue {
-  bool operator()(const std::string& a, const std::string& b) const {
-    const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-    std::size_t i = 0, k = 0;
-    while (i < a.size() && k < b.size()) {
-      if (!is_digit(a[i]) || !is_digit(b[k])) {
-        if (a[i] != b[k]) return a[i] < b[k];
-        ++i;
-        ++k;
-        continue;
-      }
-      const auto end_a =
-          static_cast<std::size_t>(std::find_if_not(a.begin() + i, a.end(), is_digit) - a.begin());
-      const auto end_b =
-          static_cast<std::size_t>(std::find_if_not(b.begin() + k, b.end(), is_digit) - b.begin());
-      const std::string number_a = withoutZeros(a.substr(i, end_a - i)),
-                        number_b = withoutZeros(b.substr(k, end_b - k));
-      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
-      if (number_a != number_b) return number_a < number_b;
-      i = end_a;
-      k = end_b;
-    }
-    return a.size() - i != b.size() - k ? a.size() - i < b.size() - k : a < b;
-  }
-
- private:
-  static std::string withoutZeros(const std::string& digits) {
-    const std::size_t first = digits.find_first_not_of('0');
-    return first == std::string::npos ? "0" : digits.substr(first);
-  }
-};
-
-using NamedFiles = std::map<std::string, fs::path, NumbersByValue>;
-
-bool isImage(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".pgm" ||
-         extension == ".bmp" || extension == ".tif" || extension == ".tiff";
-}
-
-NamedFiles imagesIn(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
-    throw std::runtime_error(
-        folder.string() +
-        ": is not a folder; expected image_0 (left) and image_1 (right) in it, or give --left "
-        "and --right with patterns such as 'L*.jpg' and 'R*.jpg'");
-  }
-  NamedFiles files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && isImage(entry.path()))
-      files.emplace(entry.path().stem().string(), entry.path());
-  }
-  return files;
-}
+using NamedFiles = std::map<std::string, fs::path, NaturalOrder>;
 
 NamedFiles matching(const fs::path& pattern) {
   const std::string name = pattern.filename().string();
@@ -85,8 +29,8 @@ NamedFiles matching(const fs::path& pattern) {
   NamedFiles files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
-    if (entry.is_regular_file() && file.size() > before.size() + after.size() && file.starts_with(before) &&
-        file.ends_with(after)) {
+    if (entry.is_regular_file() && !file.starts_with('.') && file.size() > before.size() + after.size() &&
+        file.starts_with(before) && file.ends_with(after)) {
       files.emplace(file.substr(before.size(), file.size() - before.size() - after.size()), entry.path());
     }
   }
@@ -110,13 +54,39 @@ ImagePairs paired(const NamedFiles& left, const NamedFiles& right) {
   return result;
 }
 
+/// Measures the bits in use over both cameras.
+ImagePairs withUsedBits(ImagePairs pairs) {
+  std::vector<fs::path> files;
+  for (const ImagePair& pair : pairs.pairs)
+    files.insert(files.end(), {pair.left, pair.right});
+  pairs.used_bits = capture::measureGreyLevels(files).used_bits;
+  return pairs;
+}
+
 }  // namespace
 
 ImagePairs pairsInFolder(const fs::path& folder) {
-  ImagePairs result = paired(imagesIn(folder / "image_0"), imagesIn(folder / "image_1"));
-  if (result.pairs.empty())
-    throw std::runtime_error(folder.string() + ": no image in image_0 has the same name as one in image_1");
-  return result;
+  const capture::ImageSubfolders images = capture::findImageSubfolders(folder);
+  if (images.left.empty()) {
+    throw std::runtime_error(folder.string() +
+                             ": contains no subfolders image_0 (left) and image_1 (right); or give --left "
+                             "and --right with patterns "
+                             "such as 'L*.jpg' and 'R*.jpg'");
+  }
+  capture::NamedPairs named =
+      capture::pairByName(capture::listImages(images.left), capture::listImages(images.right));
+  if (named.pairs.empty()) {
+    throw std::runtime_error(folder.string() + ": no image in " + images.left.filename().string() +
+                             " has the same name as one in " + images.right.filename().string());
+  }
+  ImagePairs result;
+  for (capture::NamedPairs::Pair& pair : named.pairs)
+    result.pairs.push_back({std::move(pair.name), std::move(pair.left), std::move(pair.right)});
+  for (const fs::path& file : named.left_only)
+    result.unpaired.push_back({file.stem().string(), "there is no right image for " + file.string()});
+  for (const fs::path& file : named.right_only)
+    result.unpaired.push_back({file.stem().string(), "there is no left image for " + file.string()});
+  return withUsedBits(std::move(result));
 }
 
 ImagePairs pairsByPattern(const fs::path& left, const fs::path& right) {
@@ -125,16 +95,7 @@ ImagePairs pairsByPattern(const fs::path& left, const fs::path& right) {
     throw std::runtime_error("no two files form a pair: the text that '*' matches in " + left.string() +
                              " and in " + right.string() + " is never the same");
   }
-  return result;
-}
-
-cv::Mat readGrey(const fs::path& file) {
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) {
-    throw std::runtime_error(file.string() +
-                             ": cannot be read as an image; remove the pair or copy it again");
-  }
-  return image;
+  return withUsedBits(std::move(result));
 }
 
 }  // namespace cartvo

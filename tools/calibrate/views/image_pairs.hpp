@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "calib/solver/stereo_calibration.hpp"
 
 namespace cartvo {
@@ -18,20 +16,18 @@ struct ImagePair {
 
 /// Paired image files.
 struct ImagePairs {
-  std::vector<ImagePair> pairs;               ///< sorted by name, with numbers compared by value
+  std::vector<ImagePair> pairs;               ///< in NaturalOrder of their names
   std::vector<calib::RejectedView> unpaired;  ///< images without a partner
+  int used_bits = 16;                         ///< of 16-bit images, see capture::GreyLevels
 };
 
-/// Pairs the images of equal name in `folder`/image_0 and `folder`/image_1. Throws std::runtime_error if a
-/// folder is missing or there is no pair.
+/// Pairs the images of a folder by name, see capture::findImageSubfolders and capture::pairByName. Throws
+/// std::runtime_error if it has no subfolders of left and right images, or there is no pair.
 ImagePairs pairsInFolder(const std::filesystem::path& folder);
 
 /// Pairs the files that match two patterns such as "L*.jpg" and "R*.jpg", each with one '*' in the file's
-/// name, by the text that the '*' matches. Throws std::invalid_argument for other patterns,
-/// std::runtime_error if there is no pair.
+/// name, by the text that the '*' matches. Hidden files are left out. Throws std::invalid_argument for other
+/// patterns, std::runtime_error if there is no pair.
 ImagePairs pairsByPattern(const std::filesystem::path& left, const std::filesystem::path& right);
-
-/// Reads an image as grey (CV_8UC1). Throws std::runtime_error naming the file if it is not an image.
-cv::Mat readGrey(const std::filesystem::path& file);
 
 }  // namespace cartvo

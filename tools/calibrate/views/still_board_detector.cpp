@@ -98,6 +98,7 @@ DetectedView StillBoardDetector::takeView() {
   const double seconds = 1e-9 * static_cast<double>(left_.back().time_ns - first_ns_);
   DetectedView taken;
   taken.view = {fmt::format("{} at {:.1f} s", ++taken_, seconds), means(left_), means(right_)};
+  calib::matchNumbering(board_, taken.view);
   const std::vector<Eigen::Vector2d> board_corners = calib::boardCorners(board_);
   taken.left = calib::viewQuality(left_.back().image, taken.view.left, board_corners);
   taken.right = calib::viewQuality(right_.back().image, taken.view.right, board_corners);

@@ -1,0 +1,216 @@
+// Formats, lists, names and reading of image files.
+#include "capture/dataset/image_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/input_file.hpp"
+#include "common/natural_order.hpp"
+
+namespace cartvo::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 10> kExtensions{".png", ".jpg", ".jpeg", ".pgm",  ".ppm",
+                                                  ".pnm", ".bmp", ".tif",  ".tiff", ".webp"};
+constexpr std::uintmax_t kMaxFileBytes = 1U << 30U;
+
+bool isDigit(char character) {
+  return std::isdigit(static_cast<unsigned char>(character)) != 0;
+}
+
+/// Decodes an image as grey with the bits that it has; empty if it cannot be decoded.
+cv::Mat decodeGrey(const fs::path& file) {
+  const std::string bytes = readInputFile(file, kMaxFileBytes);
+  if (bytes.empty()) return {};
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  try {
+    return cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+cv::Mat decodeOrEmpty(const fs::path& file) {
+  try {
+    return decodeGrey(file);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+}
+
+/// What a folder without images contains, for an error message.
+std::string otherContents(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with('.')) return "; it contains '" + name + "'";
+  }
+  return "; it is empty";
+}
+
+/// The names without extension and without leading zeros.
+std::vector<std::string> canonicalNames(const std::vector<fs::path>& files) {
+  std::vector<std::string> names;
+  for (const fs::path& file : files)
+    names.push_back(withoutLeadingZeros(file.stem().string()));
+  return names;
+}
+
+/// Length of the longest text that all names begin with (`from_end` false) or end with, without the part of a
+/// number that it may end in.
+std::size_t commonLength(const std::vector<std::string>& names, bool from_end) {
+  const auto at = [from_end](const std::string& name, std::size_t index) {
+    return from_end ? name[name.size() - 1 - index] : name[index];
+  };
+  std::size_t length = names.front().size();
+  for (const std::string& name : names) {
+    length = std::min(length, name.size());
+    std::size_t same = 0;
+    while (same < length && at(name, same) == at(names.front(), same))
+      ++same;
+    length = same;
+  }
+  while (length > 0 && isDigit(at(names.front(), length - 1)))
+    --length;
+  return length;
+}
+
+/// Removes what all names of one camera begin with and end with.
+std::vector<std::string> distinguishingParts(std::vector<std::string> names) {
+  for (const bool from_end : {false, true}) {
+    const std::size_t length = commonLength(names, from_end);
+    for (std::string& name : names)
+      name = from_end ? name.substr(0, name.size() - length) : name.substr(length);
+  }
+  return names;
+}
+
+NamedPairs pairKeys(const std::vector<fs::path>& left, const std::vector<std::string>& left_keys,
+                    const std::vector<fs::path>& right, const std::vector<std::string>& right_keys) {
+  std::map<std::string, std::size_t> partners;
+  for (std::size_t i = 0; i < right.size(); ++i)
+    partners.emplace(right_keys[i], i);
+  NamedPairs result;
+  std::vector<bool> has_partner(right.size(), false);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const auto partner = partners.find(left_keys[i]);
+    if (partner == partners.end() || has_partner[partner->second]) {
+      result.left_only.push_back(left[i]);
+    } else {
+      result.pairs.push_back({left[i].stem().string(), left[i], right[partner->second]});
+      has_partner[partner->second] = true;
+    }
+  }
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    if (!has_partner[i]) result.right_only.push_back(right[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+bool isImageFile(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return !file.filename().string().starts_with('.') &&
+         std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
+std::vector<fs::path> listImages(const fs::path& folder) {
+  std::vector<fs::path> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && isImageFile(entry.path())) images.push_back(entry.path());
+  }
+  if (images.empty()) {
+    throw std::runtime_error(folder.string() + " contains no image (" + kImageFormats + ")" +
+                             otherContents(folder));
+  }
+  std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
+    return NaturalOrder()(a.stem().string(), b.stem().string());
+  });
+  std::map<std::string, const fs::path*> by_name;
+  for (const fs::path& image : images) {
+    const auto [first, is_new] = by_name.emplace(withoutLeadingZeros(image.stem().string()), &image);
+    if (is_new) continue;
+    throw std::runtime_error(folder.string() +
+                             " contains two images of one name: " + first->second->filename().string() +
+                             " and " + image.filename().string() + "; remove one of them");
+  }
+  return images;
+}
+
+NamedPairs pairByName(const std::vector<fs::path>& left, const std::vector<fs::path>& right) {
+  const std::vector<std::string> left_names = canonicalNames(left), right_names = canonicalNames(right);
+  NamedPairs result = pairKeys(left, left_names, right, right_names);
+  if (!result.pairs.empty() || left.empty() || right.empty()) return result;
+  return pairKeys(left, distinguishingParts(left_names), right, distinguishingParts(right_names));
+}
+
+ImageSubfolders findImageSubfolders(const fs::path& folder) {
+  static constexpr std::array<std::pair<const char*, const char*>, 4> kNames{
+      {{"image_0", "image_1"}, {"image_2", "image_3"}, {"image_left", "image_right"}, {"left", "right"}}};
+  for (const auto& [left, right] : kNames) {
+    if (fs::is_directory(folder / left) && fs::is_directory(folder / right))
+      return {folder / left, folder / right, left == std::string("image_2")};
+  }
+  return {};
+}
+
+GreyLevels measureGreyLevels(const std::vector<fs::path>& files) {
+  constexpr std::size_t kSample = 20;
+  constexpr double kBright = 128.0;
+  const std::size_t stride = std::max<std::size_t>(1, files.size() / kSample);
+  double largest_of_8 = -1.0, largest_of_16 = -1.0;
+  for (std::size_t i = 0; i < files.size() && largest_of_8 < kBright; i += stride) {
+    const cv::Mat image = decodeOrEmpty(files[i]);
+    double largest = 0.0;
+    if (!image.empty()) cv::minMaxLoc(image, nullptr, &largest);
+    if (image.empty()) continue;
+    double& largest_so_far = image.depth() == CV_16U ? largest_of_16 : largest_of_8;
+    largest_so_far = std::max(largest_so_far, largest);
+  }
+  GreyLevels levels;
+  if (largest_of_8 >= 0.0) levels.largest = static_cast<int>(largest_of_8);
+  if (largest_of_8 >= 0.0 || largest_of_16 < 0.0) return levels;
+  for (const int bits : {14, 12, 10, 8}) {
+    if (largest_of_16 > 0.0 && largest_of_16 < std::exp2(bits)) levels.used_bits = bits;
+  }
+  levels.largest = static_cast<int>(largest_of_16 / std::exp2(levels.used_bits - 8));
+  return levels;
+}
+
+cv::Mat readGreyImage(const fs::path& file, int used_bits) {
+  cv::Mat image = decodeGrey(file);
+  if (image.empty()) {
+    throw std::runtime_error(file.string() + ": cannot be decoded as an image; expected a complete file in " +
+                             "one of the formats " + kImageFormats + "; copy it again");
+  }
+  if (image.depth() == CV_8U) return image;
+  if (image.depth() != CV_16U) {
+    throw std::runtime_error(file.string() +
+                             ": has values other than integers of 8 or 16 bits; convert it to 8 bits");
+  }
+  cv::Mat grey;
+  const unsigned shift = static_cast<unsigned>(used_bits) - 8U;
+  // Truncation instead of rounding: 16 bits become the 8 upper ones.
+  for (int row = 0; row < image.rows; ++row) {
+    auto* const values = image.ptr<std::uint16_t>(row);
+    std::transform(values, values + image.cols, values,
+                   [shift](std::uint16_t value) { return static_cast<std::uint16_t>(value >> shift); });
+  }
+  image.convertTo(grey, CV_8U);
+  return grey;
+}
+
+}  // namespace cartvo::capture

@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
+
+#include "common/input_file.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -44,6 +47,11 @@ std::optional<std::uint64_t> readSize(std::istream& input) {
 }  // namespace
 
 bool isMatroskaFinalised(const std::filesystem::path& matroska_file) {
+  try {
+    requireInputFile(matroska_file);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
   std::ifstream input(matroska_file, std::ios::binary);
   if (readIdentifier(input) != kEbmlHeader) return false;
   const std::optional<std::uint64_t> header = readSize(input);

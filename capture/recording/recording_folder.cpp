@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -17,6 +16,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/durable_file.hpp"
+#include "common/input_file.hpp"
+#include "common/planted_link.hpp"
+#include "common/printable_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -52,13 +54,7 @@ bool isRecording(const std::filesystem::path& folder) {
 
 RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kDescriptionFile;
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  std::ifstream input(file);
-  if (error || !input) throw std::runtime_error("cannot read " + file.string());
-  if (size > kMaxDescriptionBytes)
-    throw std::runtime_error(file.string() + " is too large; expected at most 4 MiB");
-  return parseRecordingInfo({std::istreambuf_iterator<char>(input), {}}, file);
+  return parseRecordingInfo(readInputText(file, kMaxDescriptionBytes), file);
 }
 
 RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem::path& file) {
@@ -72,8 +68,11 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
       info.started_ns = requireInteger(description["started_ns"], "started_ns", file);
     info.configuration = description.at("configuration").get<std::string>();
     info.rig = description.at("rig").get<std::string>();
+  } catch (const nlohmann::json::parse_error& error) {
+    throw std::runtime_error(file.string() + " is damaged: it is not JSON from byte " +
+                             std::to_string(error.byte) + " on");
   } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(file.string() + " is damaged: " + error.what());
+    throw std::runtime_error(file.string() + " is damaged: " + printableExcerpt(error.what(), 200));
   }
   if (info.format_version != kRecordingFormatVersion) {
     throw std::runtime_error(file.string() + " has format " + std::to_string(info.format_version) +
@@ -91,6 +90,7 @@ void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo
   description["configuration"] = info.configuration;
   description["rig"] = info.rig;
   const std::filesystem::path file = folder / kDescriptionFile;
+  refuseLink(file);
   errno = 0;
   std::ofstream output(file);
   output << description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n' << std::flush;

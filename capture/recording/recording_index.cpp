@@ -5,12 +5,12 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 
 #include "capture/codec/picture_checksum.hpp"
+#include "common/input_file.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -128,14 +128,7 @@ std::optional<IndexRow> parseIndexRow(const std::string& line) {
 }
 
 RecordingIndex readRecordingIndex(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  std::ifstream input(file, std::ios::binary);
-  if (error || !input) throw std::runtime_error("cannot read the recording's index " + file.string());
-  if (size > kMaxFileBytes) {
-    throw std::runtime_error(file.string() + " has " + std::to_string(size) +
-                             " bytes, too many for a recording's index");
-  }
+  std::istringstream input(readInputFile(file, kMaxFileBytes));
   return readRecordingIndex(input, file);
 }
 

@@ -12,6 +12,7 @@
 #include "capture/codec/picture_checksum.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_index.hpp"
+#include "common/input_file.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -24,6 +25,7 @@ void requireSuccess(int result, const std::filesystem::path& file) {
 class SegmentVideo {
  public:
   explicit SegmentVideo(const std::filesystem::path& file) {
+    requireInputFile(file);
     AVFormatContext* context = nullptr;
     requireSuccess(avformat_open_input(&context, file.c_str(), av_find_input_format("matroska"), nullptr),
                    file);

@@ -13,11 +13,13 @@
 
 #include "capture/recording/stream_writer.hpp"
 #include "common/durable_file.hpp"
+#include "common/planted_link.hpp"
 
 namespace cartvo::capture {
 namespace {
 
 void prepareFolder(const std::filesystem::path& folder) {
+  refuseLinkOfOthers(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error("cannot create the folder " + folder.string() + ": " + error.message());
@@ -88,6 +90,7 @@ void RecordingWriter::openSegmentFor(CameraSide which, const EncodedUnit& unit) 
     side.writer.reset();
   }
   const RecordingSegment segment = recordingSegment(folder_, segment_);
+  refuseLink(segment.folder);
   std::error_code error;
   std::filesystem::create_directory(segment.folder, error);
   if (error) {

@@ -13,6 +13,7 @@
 #include "capture/codec/picture_checksum.hpp"
 #include "capture/recording/recording_index.hpp"
 #include "common/durable_file.hpp"
+#include "common/planted_link.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -37,6 +38,8 @@ StreamWriter::StreamWriter(const RecordingSegment& segment, CameraSide side, con
       epoch_ns_(epoch_ns),
       output_(nullptr, closeOutput) {
   keepFfmpegQuiet();
+  refuseLink(index_file_);
+  refuseLink(video_file_);
   errno = 0;
   index_.open(index_file_);
   index_ << indexHeader() << '\n' << std::flush;

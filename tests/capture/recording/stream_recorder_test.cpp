@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -78,18 +79,42 @@ TEST(StreamRecorder, LosesAtMostOneSecondWhenKilled) {
   EXPECT_FALSE(isBeingWritten(folder / "drive")) << "the kernel releases the lock with the process";
 }
 
-TEST(StreamRecorder, StopsWithOneMessageOnFullDisk) {
+TEST(StreamRecorder, StopsWithOneMessageIfAFileCannotGrow) {
   const test::TemporaryFolder folder;
-  fs::create_directories(folder / "drive/000000");
-  fs::create_symlink("/dev/full", folder / "drive/000000/left.mkv");
-  StreamRecorder recorder(settingsFor(folder / "drive"));
-  recorder.left().onStream({VideoCodec::h264, {}});
-  for (int i = 0; i < 450; ++i)
-    recorder.left().onUnit(unitAt(i));
-  recorder.finish();
-  const std::string error = recorder.health().error;
-  EXPECT_THAT(error, HasSubstr("recording stopped: cannot write"));
-  EXPECT_THAT(error, HasSubstr("left.mkv: No space left on device"));
+  const int exit_code = runInChildProcess([&] {
+    constexpr rlim_t kLimit = 20'000;  // bytes
+    const rlimit limit{kLimit, kLimit};
+    signal(SIGXFSZ, SIG_IGN);
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return 1;
+    StreamRecorder recorder(settingsFor(folder / "drive"));
+    recorder.left().onStream({VideoCodec::h264, {}});
+    for (int i = 0; i < 450; ++i)
+      recorder.left().onUnit(unitAt(i));
+    recorder.finish();
+    const std::string error = recorder.health().error;
+    EXPECT_THAT(error, HasSubstr("recording stopped: cannot write"));
+    EXPECT_THAT(error, HasSubstr("File too large"));
+    return testing::Test::HasFailure() ? 1 : 0;
+  });
+  EXPECT_EQ(exit_code, 0);
+}
+
+TEST(StreamRecorder, WritesThroughNoLink) {
+  for (const std::string planted : {"recording.json", "000000", "000000/left.csv", "000000/left.mkv"}) {
+    const test::TemporaryFolder folder;
+    fs::create_directories((folder / ("drive/" + planted)).parent_path());
+    fs::create_symlink(folder / "victim", folder / ("drive/" + planted));
+    std::string error = test::messageOf([&] {
+      StreamRecorder recorder(settingsFor(folder / "drive"));
+      recorder.left().onStream({VideoCodec::h264, {}});
+      recorder.left().onUnit(unitAt(0));
+      recorder.finish();
+      throw std::runtime_error(recorder.health().error);
+    });
+    EXPECT_THAT(error,
+                HasSubstr(planted + ": is a symbolic link, through which another file would be written"));
+    EXPECT_FALSE(fs::exists(folder / "victim")) << planted;
+  }
 }
 
 constexpr int kNotPermitted = 77;

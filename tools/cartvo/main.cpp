@@ -5,14 +5,26 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "common/printable_text.hpp"
 #include "common/standard_output.hpp"
 #include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/commands.hpp"
 
 namespace {
+
+/// Prints an error, line by line. It may quote files and their names: what is not printable is escaped.
+void printError(const std::string& message) {
+  constexpr std::size_t kMaxLineBytes = 4000;
+  std::istringstream lines(message);
+  std::string prefix = "cartvo: ";
+  for (std::string line; std::getline(lines, line); prefix.clear())
+    std::fprintf(stderr, "%s%s
+", prefix.c_str(), cartvo::printableExcerpt(line, kMaxLineBytes).c_str());
+}
 
 constexpr int kWrongCommandLine = 2;
 
@@ -40,7 +52,7 @@ int run(CLI::App& cartvo, std::vector<std::string> arguments) {
   } catch (const CLI::ParseError& error) {
     return cartvo.exit(error) == 0 ? EXIT_SUCCESS : kWrongCommandLine;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "cartvo: %s\n", error.what());
+    printError(error.what());
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;

@@ -51,10 +51,11 @@ void run(const Options& options, bool wants_json) {
 void addEvaluateCommand(CLI::App& cartvo) {
   CLI::App* command = cartvo.add_subcommand("evaluate", "Compare a trajectory with the truth");
   const auto options = std::make_shared<Options>();
-  command->add_option("ESTIMATE", options->estimate, "The trajectory, TUM or KITTI text")->required();
+  command->add_option("ESTIMATE", options->estimate, "The trajectory: TUM or KITTI text, or EuRoC's data.csv")
+      ->required();
   command
       ->add_option("TRUTH", options->truth,
-                   "The true trajectory, TUM or KITTI text, of the same frame (camera or body)")
+                   "The true trajectory of the same frame (camera or body), in one of these formats")
       ->required();
   CLI::Option* json = command
                           ->add_option("--json", options->json,
@@ -64,7 +65,8 @@ void addEvaluateCommand(CLI::App& cartvo) {
                           ->expected(0, 1);
   addPlotOption(*command, options->plot, "both paths and the error");
   command->footer(
-      "Two TUM files are compared by time: the truth is interpolated at the estimate's times. A KITTI file "
+      "Files of TUM or EuRoC are compared by time: the truth is interpolated at the estimate's times. A "
+      "KITTI file "
       "has no\n"
       "times: it is compared row by row, and both files must have the same number of rows.\n"
       "Examples:\n"

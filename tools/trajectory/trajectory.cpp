@@ -2,22 +2,30 @@
 
 #include "tools/trajectory/trajectory.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/atomic_file.hpp"
+#include "common/input_file.hpp"
+#include "common/printable_text.hpp"
 
 namespace cartvo {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::size_t kTumNumbers = 8, kKittiNumbers = 12;
+constexpr std::size_t kEurocNumbers = 17;  // pose, velocity, biases; 8 without the last nine
+constexpr std::uintmax_t kMaxFileBytes = 1U << 30U;
+
+enum class Format : std::uint8_t { tum, kitti, euroc };
 
 /// One line of a trajectory file: its place and its words.
 struct Row {
@@ -34,7 +42,8 @@ double number(const Row& row, std::size_t index) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) {
-    fail(row, "expected a number in column " + std::to_string(index + 1) + ", found '" + word + "'");
+    fail(row, "expected a number in column " + std::to_string(index + 1) + ", found '" +
+                  printableExcerpt(word) + "'");
   }
   return value;
 }
@@ -54,7 +63,12 @@ std::int64_t nanoseconds(const Row& row) {
   const std::string& word = row.words.front();
   const double seconds = number(row, 0);
   constexpr double kMaxSeconds = 9e9;  // limit of ns in an int64
-  if (std::abs(seconds) > kMaxSeconds) fail(row, "expected an instant in seconds, found '" + word + "'");
+  if (std::abs(seconds) > kMaxSeconds) {
+    fail(row,
+         "expected an instant in seconds, found '" + printableExcerpt(word) +
+             "': in milliseconds, microseconds or nanoseconds? (nanoseconds are read in EuRoC's files, which "
+             "separate columns by commas)");
+  }
   const std::size_t point = word.find('.');
   const std::string_view whole = std::string_view(word).substr(0, point);
   std::int64_t value = 0;
@@ -67,18 +81,29 @@ std::int64_t nanoseconds(const Row& row) {
   return value * kNanosecondsPerSecond + std::stoll(decimals);
 }
 
-StampedPose readTumRow(const Row& row) {
-  StampedPose stamped;
-  stamped.time_ns = nanoseconds(row);
+/// Position and rotation in the columns from the second on.
+Eigen::Isometry3d readPose(const Row& row, bool is_w_first) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (int axis = 0; axis < 3; ++axis)
-    stamped.pose.translation()[axis] = coordinate(row, 1 + axis);
-  const Eigen::Quaterniond rotation(number(row, 7), number(row, 4), number(row, 5), number(row, 6));
+    pose.translation()[axis] = coordinate(row, 1 + axis);
+  const std::size_t w = is_w_first ? 4 : 7, x = is_w_first ? 5 : 4;
+  const Eigen::Quaterniond rotation(number(row, w), number(row, x), number(row, x + 1), number(row, x + 2));
   constexpr double kTolerance = 1e-2;
   if (std::abs(rotation.norm() - 1.0) > kTolerance) {
-    fail(row, "expected a unit quaternion (qx qy qz qw) in columns 5 to 8");
+    fail(row, std::string("expected a unit quaternion (") + (is_w_first ? "qw qx qy qz" : "qx qy qz qw") +
+                  ") in columns 5 to 8");
   }
-  stamped.pose.linear() = rotation.normalized().toRotationMatrix();
-  return stamped;
+  pose.linear() = rotation.normalized().toRotationMatrix();
+  return pose;
+}
+
+StampedPose readEurocRow(const Row& row) {
+  std::int64_t time_ns = 0;
+  const std::string& word = row.words.front();
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), time_ns);
+  if (error != std::errc{} || end != word.data() + word.size())
+    fail(row, "expected an instant in nanoseconds, found '" + printableExcerpt(word) + "'");
+  return {time_ns, readPose(row, true)};
 }
 
 StampedPose readKittiRow(const Row& row, std::size_t index) {
@@ -98,38 +123,78 @@ StampedPose readKittiRow(const Row& row, std::size_t index) {
   return stamped;
 }
 
-/// Reads all rows that are not empty, without comments.
-std::vector<Row> readRows(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw std::runtime_error(file.string() +
-                             ": cannot be read; expected a trajectory in TUM or KITTI format");
-  }
+/// The rows of a file, and what its comments say about them.
+struct Rows {
   std::vector<Row> rows;
+  Format format = Format::tum;
+  bool is_w_first = false;  ///< of quaternions in TUM's format
+};
+
+/// Whether a comment names a quaternion's columns with w before x, such as "# t px py pz qw qx qy qz".
+bool namesWFirst(std::string comment) {
+  std::transform(comment.begin(), comment.end(), comment.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const auto& [w, x] : {std::pair("qw", "qx"), std::pair("q_w", "q_x"), std::pair("q_rs_w", "q_rs_x")}) {
+    const std::size_t at_w = comment.find(w), at_x = comment.find(x);
+    if (at_w != std::string::npos && at_x != std::string::npos) return at_w < at_x;
+  }
+  return false;
+}
+
+/// EuRoC's rows are separated by commas and begin with an integer, ns since 1970.
+bool isEurocRow(const Row& row, bool has_commas) {
+  constexpr std::int64_t kMinNanoseconds = 100'000'000'000'000;
+  std::int64_t value = 0;
+  const std::string& word = row.words.front();
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_integer = error == std::errc{} && end == word.data() + word.size();
+  return row.words.size() == kEurocNumbers ||
+         (row.words.size() == kTumNumbers && has_commas && is_integer && value >= kMinNanoseconds);
+}
+
+Format formatOf(const Row& row, bool has_commas) {
+  if (isEurocRow(row, has_commas)) return Format::euroc;
+  if (row.words.size() == kKittiNumbers) return Format::kitti;
+  if (row.words.size() == kTumNumbers) return Format::tum;
+  fail(row,
+       "expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix), or 8 or 17 after "
+       "commas "
+       "(EuRoC: ns x y z qw qx qy qz ...), found " +
+           std::to_string(row.words.size()));
+}
+
+/// Reads all rows that are not empty, without comments. Blanks or commas separate the columns.
+Rows readRows(const std::filesystem::path& file) {
+  std::istringstream stream(readInputText(file, kMaxFileBytes));
+  Rows read;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
+    const std::size_t comment = line.find('#');
+    if (comment != std::string::npos) read.is_w_first = read.is_w_first || namesWFirst(line.substr(comment));
+    line.resize(std::min(comment, line.size()));
+    const bool has_commas = line.find(',') != std::string::npos;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
     Row row{file.string() + ":" + std::to_string(number) + ": ", {}};
     for (std::string word; words >> word;)
       row.words.push_back(word);
     if (row.words.empty()) continue;
     const std::size_t count = row.words.size();
-    if (count != kTumNumbers && count != kKittiNumbers) {
-      fail(row, "expected 8 numbers (TUM: seconds x y z qx qy qz qw) or 12 (KITTI: a 3x4 matrix), found " +
-                    std::to_string(count));
-    }
-    if (!rows.empty() && count != rows.front().words.size()) {
-      fail(row, "expected " + std::to_string(rows.front().words.size()) +
+    if (read.rows.empty()) read.format = formatOf(row, has_commas);
+    if (!read.rows.empty() && count != read.rows.front().words.size()) {
+      fail(row, "expected " + std::to_string(read.rows.front().words.size()) +
                     " numbers as in the rows before, found " + std::to_string(count));
     }
-    rows.push_back(std::move(row));
+    read.rows.push_back(std::move(row));
   }
-  if (rows.empty()) throw std::runtime_error(file.string() + ": contains no poses");
-  return rows;
+  if (read.rows.empty()) throw std::runtime_error(file.string() + ": contains no poses");
+  return read;
 }
 
-bool isKitti(const std::vector<Row>& rows) {
-  return rows.front().words.size() == kKittiNumbers;
+StampedPose readRow(const Rows& read, const Row& row, std::size_t index) {
+  if (read.format == Format::kitti) return readKittiRow(row, index);
+  if (read.format == Format::euroc) return readEurocRow(row);
+  return {nanoseconds(row), readPose(row, read.is_w_first)};
 }
 
 /// The start of the first line of a file that states its frame.
@@ -169,11 +234,11 @@ TrajectoryFrame frameOf(const std::filesystem::path& file) {
 }
 
 Trajectory readTrajectory(const std::filesystem::path& file) {
-  const std::vector<Row> rows = readRows(file);
+  const Rows read = readRows(file);
   Trajectory trajectory;
-  trajectory.reserve(rows.size());
-  for (const Row& row : rows) {
-    const StampedPose stamped = isKitti(rows) ? readKittiRow(row, trajectory.size()) : readTumRow(row);
+  trajectory.reserve(read.rows.size());
+  for (const Row& row : read.rows) {
+    const StampedPose stamped = readRow(read, row, trajectory.size());
     if (!trajectory.empty() && stamped.time_ns <= trajectory.back().time_ns) {
       fail(row, "expected instants that increase from row to row");
     }
@@ -183,7 +248,7 @@ Trajectory readTrajectory(const std::filesystem::path& file) {
 }
 
 bool isKittiTrajectory(const std::filesystem::path& file) {
-  return isKitti(readRows(file));
+  return readRows(file).format == Format::kitti;
 }
 
 void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {

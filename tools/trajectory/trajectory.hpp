@@ -29,8 +29,13 @@ const char* frameName(TrajectoryFrame frame);
 /// The frame that the file's first line states, if cartvo wrote it.
 TrajectoryFrame frameOf(const std::filesystem::path& file);
 
-/// Reads a trajectory in either format: 8 numbers per row are TUM (seconds x y z qx qy qz qw), 12 are KITTI
-/// (a 3x4 matrix, row-major; `time_ns` is then the row's index). '#' begins a comment. Throws
+/// Reads a trajectory; blanks or commas separate the numbers of a row, and '#' begins a comment:
+/// - TUM: 8 numbers, seconds x y z qx qy qz qw, or with qw first if a comment names the columns so
+/// - KITTI: 12 numbers, a 3x4 matrix, row-major; `time_ns` is then the row's index
+/// - EuRoC's ground truth: 17 numbers or 8 with commas, ns x y z qw qx qy qz, then velocity and biases, which
+/// are
+///   not used
+/// Throws
 /// std::runtime_error naming file, line and what was expected.
 Trajectory readTrajectory(const std::filesystem::path& file);
 

@@ -93,6 +93,37 @@ TEST(Trajectory, ReadsBackNegativeTimes) {
   EXPECT_EQ(read.front().time_ns, -1'250'000'001);
 }
 
+TEST(Trajectory, ReadsEurocsGroundTruth) {
+  const test::TemporaryFolder folder;
+  const Eigen::Quaterniond q(0.8, 0.0, 0.6, 0.0);
+  for (const std::string rest : {"", ",1,2,3,4,5,6,7,8,9"}) {
+    write(folder / "a.csv",
+          "#timestamp, p_RS_R_x [m], ..., q_RS_w [], q_RS_x []\n1403636579763555584,1,2,3,0.8,0,0.6,0" +
+              rest + "\r\n");
+    const Trajectory read = readTrajectory(folder / "a.csv");
+    ASSERT_EQ(read.size(), 1U);
+    EXPECT_EQ(read[0].time_ns, 1403636579763555584);
+    EXPECT_EQ(read[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+    EXPECT_TRUE(read[0].pose.linear().isApprox(q.toRotationMatrix(), 1e-12));
+    EXPECT_FALSE(isKittiTrajectory(folder / "a.csv"));
+  }
+}
+
+TEST(Trajectory, ReadsCommasByteOrderMarksAndColumnNames) {
+  const test::TemporaryFolder folder;
+  const Eigen::Quaterniond q(0.8, 0.0, 0.6, 0.0);
+  for (const std::string text : {"1.5,1,2,3,0,0.6,0,0.8\n", "1.5, 1, 2, 3, 0, 0.6, 0, 0.8\n",
+                                 "\xEF\xBB\xBF"
+                                 "1.5 1 2 3 0 0.6 0 0.8\n",
+                                 "# time px py pz qw qx qy qz\n1.5 1 2 3 0.8 0 0.6 0\n"}) {
+    write(folder / "a.tum", text);
+    const Trajectory read = readTrajectory(folder / "a.tum");
+    ASSERT_EQ(read.size(), 1U) << text;
+    EXPECT_EQ(read[0].time_ns, 1'500'000'000);
+    EXPECT_TRUE(read[0].pose.linear().isApprox(q.toRotationMatrix(), 1e-12)) << text;
+  }
+}
+
 struct BadTrajectory {
   std::string name, text, message;
 };
@@ -113,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
     , BadTrajectoryFile,
     ::testing::Values(
         BadTrajectory{"WrongCount", "0 1 2\n",
-                      ":1: expected 8 numbers (TUM: seconds x y z qx qy qz qw) or 12"},
+                      ":1: expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix)"},
         BadTrajectory{"MixedFormats", "0 0 0 0 0 0 0 1\n1 0 0 0 0 1 0 0 0 0 1 0\n",
                       ":2: expected 8 numbers as in the rows before, found 12"},
         BadTrajectory{"NoNumber", "# x\n0 0 zero 0 0 0 0 1\n",
@@ -125,6 +156,12 @@ INSTANTIATE_TEST_SUITE_P(
                       ":2: expected instants that increase"},
         BadTrajectory{"InstantTooLarge", "1e300 0 0 0 0 0 0 1\n", ":1: expected an instant in seconds"},
         BadTrajectory{"TooFar", "0 0 -7e150 0 0 0 0 1\n", ":1: expected metres in column 3, at most 1e9"},
+        BadTrajectory{"EscapeCharacters", "0 \x1B[31m 0 0 0 0 0 1\n",
+                      ":1: expected a number in column 2, found '\\x1b[31m'"},
+        BadTrajectory{"Nanoseconds", "1403636579763555584 0 0 0 0 0 0 1\n",
+                      ":1: expected an instant in seconds, found '1403636579763555584': in milliseconds"},
+        BadTrajectory{"EurocInstant", "#timestamp\n1.5,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n",
+                      ":2: expected an instant in nanoseconds, found '1.5'"},
         BadTrajectory{"Empty", "# nothing\n", ": contains no poses"}),
     [](const auto& test_case) { return test_case.param.name; });
 

@@ -2,6 +2,7 @@
 #include "calib/board/board_detection.hpp"
 
 #include <optional>
+#include <utility>
 
 #include "calib/board/chessboard_detection.hpp"
 #include "calib/board/marker_detection.hpp"
@@ -31,8 +32,11 @@ void matchNumbering(const BoardSpec& board, BoardView& view) {
 std::string describeLargerBoard(const cv::Mat& grey, const BoardSpec& board) {
   const auto* const chessboard = std::get_if<Chessboard>(&board);
   if (chessboard == nullptr) return {};
-  const std::optional<cv::Size> seen = chessboardSize(grey);
+  std::optional<cv::Size> seen = chessboardSize(grey);
   if (!seen || seen->area() <= chessboard->columns * chessboard->rows) return {};
+  // The detector may name the columns rows.
+  if ((seen->width > seen->height) != (chessboard->columns > chessboard->rows))
+    std::swap(seen->width, seen->height);
   return chessboardText(*seen);
 }
 

@@ -45,6 +45,21 @@ class OpenCvFiles {
   const std::vector<StrictYaml>& files_;
 };
 
+/// Throws std::runtime_error for four coefficients that may be those of cv::fisheye (k1 k2 k3 k4) as well as
+/// Brown's (k1 k2 p1 p2): p1 or p2 would be large, or a wide-angle lens would have no distortion.
+void refuseAmbiguousLens(const std::vector<double>& D, const StrictYaml& yaml, const CameraModel& camera) {
+  constexpr double kMaxTangential = 0.01, kMinWideDistortion = 0.1;
+  constexpr double kWide = 0.5;  // focal length relative to the width: a field of view of 90 degrees
+  if (D.size() != 4) return;
+  const bool is_tilted = std::abs(D[2]) > kMaxTangential || std::abs(D[3]) > kMaxTangential;
+  const bool is_too_straight =
+      camera.fx < kWide * camera.size.width && std::abs(D[0]) < kMinWideDistortion && D[0] != 0.0;
+  if (!is_tilted && !is_too_straight) return;
+  yaml.fail("has four coefficients " + exactText(D) +
+            ", which may be k1 k2 p1 p2 of Brown's model or k1 k2 k3 k4 of cv::fisheye: add the line "
+            "'fisheye_model: 0' or 'fisheye_model: 1' to the file");
+}
+
 CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::Size size, LensModel lens) {
   CameraModel camera;
   camera.size = size;
@@ -52,7 +67,9 @@ CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::
   const StrictYaml matrix = files.require(kCameraMatrixKeys, number);
   setCameraMatrix(readMatrix(matrix, 9), matrix, camera);
   const StrictYaml distortion = files.require(kDistortionKeys, number);
-  setDistortion(readMatrix(distortion), distortion, camera);
+  const std::vector<double> D = readMatrix(distortion);
+  if (!files.find("fisheye_model")) refuseAmbiguousLens(D, distortion, camera);
+  setDistortion(D, distortion, camera);
   return camera;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
@@ -33,8 +34,24 @@ LensModel readLens(const StrictYaml& yaml) {
   return LensModel::brown;
 }
 
+/// Throws std::runtime_error for images that are a part of the calibrated ones (sensor_msgs/CameraInfo:
+/// binning and region of interest), for which the other numbers would have to be converted.
+void refusePartOfImage(const StrictYaml& yaml) {
+  constexpr std::int64_t kMax = 1'000'000;
+  for (const char* const key : {"binning_x", "binning_y"}) {
+    if (yaml.has(key) && yaml[key].integer(0, kMax) > 1)
+      yaml[key].fail("images with binning are not read; calibrate at the size that is used");
+  }
+  if (!yaml.has("roi")) return;
+  for (const char* const key : {"x_offset", "y_offset", "width", "height"}) {
+    if (yaml["roi"].has(key) && yaml["roi"][key].integer(0, kMax) != 0)
+      yaml["roi"][key].fail("a region of interest is not read; calibrate at the size that is used");
+  }
+}
+
 RosCamera readCamera(const std::filesystem::path& file) {
   const StrictYaml yaml = StrictYaml::readFile(file);
+  refusePartOfImage(yaml);
   RosCamera camera;
   camera.model.size = {static_cast<int>(yaml["image_width"].integer(kMinImageSide, kMaxImageSide)),
                        static_cast<int>(yaml["image_height"].integer(kMinImageSide, kMaxImageSide))};

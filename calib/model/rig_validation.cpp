@@ -85,7 +85,7 @@ void checkCamera(const CameraModel& camera, const std::string& side, Findings& f
 }  // namespace
 
 std::string unusualGeometry(const Rig& rig) {
-  constexpr double kMinUsualBaseline = 0.02, kMaxUsualBaseline = 2.5;  // m
+  constexpr double kMinUsualBaseline = 0.02, kMaxUsualBaseline = 1.5;  // m
   constexpr double kMaxTurn = 15.0;                                    // degrees
   Findings findings;
   checkCamera(rig.left, "left", findings);
@@ -117,8 +117,10 @@ void validateRig(const Rig& rig) {
     throw std::invalid_argument("rig: scale_deviation must lie in 0 to 0.1");
   }
   if (!(rig.baseline() >= kMinBaseline && rig.baseline() <= kMaxBaseline)) {
-    throw std::invalid_argument("rig: the baseline is " + std::to_string(rig.baseline()) +
-                                " m, expected 0.005 m to 10 m; was the board's square given in millimetres?");
+    throw std::invalid_argument(
+        "rig: the baseline is " + std::to_string(rig.baseline()) + " m, expected 0.005 m to 10 m; " +
+        (rig.baseline() < kMinBaseline ? "do the files describe the same camera twice?"
+                                       : "was the board's square given in millimetres?"));
   }
 }
 

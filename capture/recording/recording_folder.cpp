@@ -77,7 +77,8 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
   if (info.format_version != kRecordingFormatVersion) {
     throw std::runtime_error(file.string() + " has format " + std::to_string(info.format_version) +
                              ", but this program reads format " + std::to_string(kRecordingFormatVersion) +
-                             "; use the version that made it (" + info.software_version + ")");
+                             "; use the version that made it (" + printableExcerpt(info.software_version) +
+                             ")");
   }
   return info;
 }

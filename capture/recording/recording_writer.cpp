@@ -34,7 +34,7 @@ void prepareFolder(const std::filesystem::path& folder) {
 }
 
 int openDescriptionFile(const std::filesystem::path& folder) {
-  return ::open((folder / "recording.json").c_str(), O_RDONLY | O_CLOEXEC);
+  return ::open((folder / "recording.json").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 }
 
 }  // namespace

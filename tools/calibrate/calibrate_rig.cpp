@@ -152,7 +152,8 @@ FoundViews viewsOfStreams(capture::CameraSource& left, capture::CameraSource& ri
   found.views = selectViews(streamed.views, board, streamed.image_size);
   std::vector<LargerBoardSample> samples;
   for (const DetectedView& view : streamed.views) {
-    if (!view.left_image.empty()) samples.push_back({view.view.name, view.left_image});
+    if (!view.left_image.empty() && samples.size() < kLargerBoardSamples)
+      samples.push_back({view.view.name, view.left_image});
   }
   refuseLargerBoard(samples, board);
   found.streamed = std::move(streamed.views);

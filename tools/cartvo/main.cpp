@@ -22,8 +22,7 @@ void printError(const std::string& message) {
   std::istringstream lines(message);
   std::string prefix = "cartvo: ";
   for (std::string line; std::getline(lines, line); prefix.clear())
-    std::fprintf(stderr, "%s%s
-", prefix.c_str(), cartvo::printableExcerpt(line, kMaxLineBytes).c_str());
+    std::fprintf(stderr, "%s%s\n", prefix.c_str(), cartvo::printableExcerpt(line, kMaxLineBytes).c_str());
 }
 
 constexpr int kWrongCommandLine = 2;

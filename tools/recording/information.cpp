@@ -9,6 +9,7 @@
 
 #include "capture/recording/stream_recorder.hpp"
 #include "common/image_size.hpp"
+#include "common/printable_text.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo {
@@ -135,9 +136,10 @@ Json informationJson(const capture::RecordingSummary& summary) {
 
 std::string informationText(const capture::RecordingSummary& summary) {
   std::string text = "format " + std::to_string(summary.info.format_version) + ", by cartvo " +
-                     summary.info.software_version + ", started " + utc(summary.info.started_ns) + "\n" +
-                     fixed(duration(summary), 1) + " s in " + std::to_string(summary.segments) +
-                     " segments, " + fixed(1e-6 * static_cast<double>(summary.bytes), 1) + " MB";
+                     printableExcerpt(summary.info.software_version) + ", started " +
+                     utc(summary.info.started_ns) + "\n" + fixed(duration(summary), 1) + " s in " +
+                     std::to_string(summary.segments) + " segments, " +
+                     fixed(1e-6 * static_cast<double>(summary.bytes), 1) + " MB";
   if (summary.being_written) text += ", being written";
   text += std::string("; with") + (summary.info.rig.empty() ? "out" : "") + " rig, with" +
           (summary.info.configuration.empty() ? "out" : "") + " configuration\n\n";

@@ -9,6 +9,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "common/atomic_file.hpp"
+#include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
@@ -108,8 +109,9 @@ void run(const Options& options) {
   writeResultFile(output / "timing.csv", timingCsv(replay));
   writeResultFile(output / "summary.json", summary.dump(2) + "\n");
 
+  constexpr std::size_t kMaxWarningBytes = 4000;
   for (const std::string& problem : replay.problems)
-    std::fprintf(stderr, "cartvo: warning: %s\n", problem.c_str());
+    std::fprintf(stderr, "cartvo: warning: %s\n", printableExcerpt(problem, kMaxWarningBytes).c_str());
   if (!replay.self_check.empty())
     std::fprintf(stderr, "cartvo: warning: self-check: %s\n", replay.self_check.c_str());
   std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",

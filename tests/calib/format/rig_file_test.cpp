@@ -106,7 +106,7 @@ TEST(RigFile, RefusesUnusualGeometryThatIsNotConfirmed) {
               HasSubstr("the ratio of the left and the right fx is 0.6003"));
   EXPECT_THAT(finding([](Rig& rig) { rig.left.fy = 240.0; }), HasSubstr("fx/fy is 2.0"));
   EXPECT_THAT(finding([](Rig& rig) { rig.T_right_left.translation() *= 50.0; }),
-              HasSubstr("the baseline is 5.751 m, expected 0.02 to 2.5 m"));
+              HasSubstr("the baseline is 5.751 m, expected 0.02 to 1.5 m"));
   EXPECT_THAT(finding([](Rig& rig) { rig.left.distortion[3] = 0.1; }), HasSubstr("p2 is 0.1"));
   EXPECT_THAT(finding([](Rig& rig) {
                 rig.T_right_left.linear() =

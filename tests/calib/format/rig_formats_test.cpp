@@ -306,6 +306,19 @@ TEST(RosRig, RefusesNumbersThatAreNotUsed) {
               HasSubstr("the two files are not of one stereo calibration"));
 }
 
+TEST(RosRig, RefusesAPartOfTheImage) {
+  const test::TemporaryFolder folder;
+  const std::vector<fs::path> files = writeFiles(folder, test::cartRig(), RigFormat::ros);
+  const std::string text = rigFilesOf(test::cartRig(), RigFormat::ros)[1].text;
+  const auto with = [&](const std::string& more) {
+    writeFileAtomically(files[1], text + more);
+    return test::messageOf([&] { readRigFiles(files); });
+  };
+  EXPECT_EQ(with("binning_x: 0\nroi: {x_offset: 0, width: 0}\n"), "");
+  EXPECT_THAT(with("binning_y: 2\n"), HasSubstr("binning_y: images with binning are not read"));
+  EXPECT_THAT(with("roi: {x_offset: 16}\n"), HasSubstr("roi.x_offset: a region of interest is not read"));
+}
+
 TEST(RosRig, RefusesFaultyFilesNamingFileLineAndKey) {
   const test::TemporaryFolder folder;
   const std::vector<fs::path> files = writeFiles(folder, test::cartRig(), RigFormat::ros);

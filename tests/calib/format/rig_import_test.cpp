@@ -211,6 +211,26 @@ TEST(OpenCvRig, RefusesSkewAndTransposedMatrices) {
   EXPECT_THAT(with("480, 0, 340, 0, 481, 210, 0, 0, 2"), HasSubstr("K1: expected [fx 0 cx; 0 fy cy; 0 0 1]"));
 }
 
+TEST(OpenCvRig, AsksForTheLensModelOfFourCoefficients) {
+  const test::TemporaryFolder folder;
+  const auto with = [&](const std::string& numbers) {
+    std::string text = openCvText(test::cartRig());
+    for (const char* const key : {"D1:", "D2:"}) {
+      std::size_t begin = text.find("rows: ", text.find(key)) + 6;
+      text.replace(begin, 1, "4");
+      begin = text.find("data: [", begin) + 7;
+      text.replace(begin, text.find(']', begin) - begin, numbers);
+    }
+    const std::size_t flag = text.find("fisheye_model");
+    text.erase(flag, text.find('\n', flag) + 1 - flag);
+    writeFileAtomically(folder / "stereo.yml", text);
+    return test::messageOf([&] { readRig(folder / "stereo.yml"); });
+  };
+  EXPECT_EQ(with("-0.3, 0.1, 0.0004, -0.0003"), "");
+  EXPECT_THAT(with("-0.03, 0.01, -0.02, 0.004"),
+              HasSubstr("D1: has four coefficients [-0.03, 0.01, -0.02, 0.004], which may be k1 k2 p1 p2"));
+}
+
 TEST(RigFiles, NameMatlabsBinaryAndUnknownFormats) {
   const test::TemporaryFolder folder;
   writeFileAtomically(folder / "stereo.mat", "MATLAB 5.0 MAT-file, Platform: GLNXA64");

@@ -35,8 +35,8 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
 bool seemsSwapped(const RowCheck& check);
 
 /// Whether a small rotation of the right camera, which the odometry corrects while driving, explains rows
-/// that differ by more than `max_rms` px: at most 0.1 degrees of pitch and roll and 0.3 of yaw, and an RMS of
-/// at most `max_rms` after it.
+/// that differ by more than `max_rms` px: at most 0.1 degrees of pitch and roll and 0.9 of yaw (with
+/// tangential distortion, which looks alike), and an RMS of at most `max_rms` after it.
 bool isSlightlyTurned(const RowCheck& check, double max_rms);
 
 /// Whether the rig passes: images not exchanged, and an RMS of at most `max_rms` px, or isSlightlyTurned.

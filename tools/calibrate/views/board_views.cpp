@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -105,19 +106,20 @@ BoardViews classifyViews(const std::vector<DetectedView>& detected, cv::Size ima
 }
 
 void refuseLargerBoard(const std::vector<LargerBoardSample>& samples, const calib::BoardSpec& board) {
-  constexpr std::size_t kMaxImages = 3;
-  std::string larger, view;
-  for (std::size_t i = 0; i < std::min(samples.size(), kMaxImages); ++i) {
-    const std::string seen = calib::describeLargerBoard(samples[i].image, board);
-    if (seen.empty() || (!larger.empty() && seen != larger)) return;
-    larger = seen;
-    view = samples[i].name;
+  constexpr std::size_t kMinAgreeing = 2;
+  std::map<std::string, std::vector<std::string>> views;  // by the larger board that they show
+  for (const LargerBoardSample& sample : samples) {
+    if (const std::string seen = calib::describeLargerBoard(sample.image, board); !seen.empty())
+      views[seen].push_back(sample.name);
   }
-  if (larger.empty()) return;
-  throw std::runtime_error(
-      "view '" + view + "' shows " + larger + ", more than --board " + calib::boardSpecText(board) +
-      " has: corners of different views would be mixed up. Is the board's size wrong? (a "
-      "chessboard's inner corners are counted, not its squares)");
+  for (const auto& [larger, names] : views) {
+    if (names.size() < std::min(kMinAgreeing, samples.size())) continue;
+    throw std::runtime_error(
+        "view '" + names.front() + "' shows " + larger + ", more than --board " +
+        calib::boardSpecText(board) +
+        " has: corners of different views would be mixed up. Is the board's size wrong? (a "
+        "chessboard's inner corners are counted, not its squares)");
+  }
 }
 
 BoardViews selectViews(const std::vector<DetectedView>& detected, const calib::BoardSpec& board,
@@ -158,7 +160,7 @@ BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
   }
   BoardViews views = selectViews(detected, board, size);
   std::vector<LargerBoardSample> samples;
-  for (std::size_t i = 0; i < detected.size() && samples.size() < 3; ++i) {
+  for (std::size_t i = 0; i < detected.size() && samples.size() < kLargerBoardSamples; ++i) {
     if (!detected[i].view.left.empty())
       samples.push_back(
           {detected[i].view.name, capture::readGreyImage(pairs.pairs[i].left, pairs.used_bits)});

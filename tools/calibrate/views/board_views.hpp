@@ -50,8 +50,11 @@ struct LargerBoardSample {
   cv::Mat image;
 };
 
-/// Throws std::runtime_error if the first three samples show a chessboard with more corners than `board`, of
-/// which the detected corners are a part.
+/// Number of samples that are enough for refuseLargerBoard.
+inline constexpr std::size_t kLargerBoardSamples = 5;
+
+/// Throws std::runtime_error if two samples (the only one) show the same chessboard with more corners than
+/// `board`, of which the detected corners are a part.
 void refuseLargerBoard(const std::vector<LargerBoardSample>& samples, const calib::BoardSpec& board);
 
 /// Called after each pair with the number of pairs processed. Calls may come from other threads, one at a

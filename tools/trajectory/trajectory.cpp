@@ -224,11 +224,9 @@ const char* frameName(TrajectoryFrame frame) {
 }
 
 TrajectoryFrame frameOf(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
+  const std::string text = readInputText(file, kMaxFileBytes);
   for (const TrajectoryFrame frame : {TrajectoryFrame::left_camera, TrajectoryFrame::body}) {
-    if (line.starts_with(frameText(frame))) return frame;
+    if (text.starts_with(frameText(frame))) return frame;
   }
   return TrajectoryFrame::unknown;
 }

@@ -31,6 +31,55 @@ TEST(VideoDecoder, ReturnsEachPictureWithAttributesOfItsUnit) {
   }
 }
 
+TEST(VideoDecoder, PutsBFramesInOrderFromTheNextKeyPictureOn) {
+  for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
+    VideoDecoder decoder({codec, {}}, 1);
+    std::vector<std::int64_t> exposures;
+    const auto receive = [&] {
+      while (const std::optional<Frame> frame = decoder.receive()) {
+        if (frame->sequence < 12) continue;
+        exposures.push_back(frame->exposure_ns);
+        EXPECT_EQ(frame->status, FrameStatus::good);
+      }
+    };
+    const auto units = test::encodeSequence(codec, kSize, 48, 12, "b-adapt=0:open-gop=0", 2);
+    for (const EncodedUnit& unit : units) {
+      decoder.send(unit);
+      receive();
+    }
+    decoder.finish();
+    receive();
+    EXPECT_TRUE(decoder.reorders());
+    EXPECT_EQ(exposures.size(), 36U);
+    for (std::size_t i = 1; i < exposures.size(); ++i)
+      EXPECT_EQ(exposures[i] - exposures[i - 1], 50'000'000) << i;
+  }
+}
+
+TEST(VideoDecoder, RefusesLargePicturesAndTellsTheirSize) {
+  VideoDecoder decoder({VideoCodec::h264, {}}, 1, kSize.area() - 1);
+  for (const EncodedUnit& unit : test::encodeSequence(VideoCodec::h264, kSize, 3, 3, "")) {
+    decoder.send(unit);
+    EXPECT_FALSE(decoder.receive());
+  }
+  EXPECT_EQ(decoder.refusedSize(), kSize);
+}
+
+TEST(VideoDecoder, BeginsAtRecoveryPoint) {
+  VideoDecoder decoder({VideoCodec::h264, {}}, 1);
+  std::size_t good = 0;
+  std::size_t sent = 0;
+  for (EncodedUnit unit : test::encodeSequence(VideoCodec::h264, kSize, 60, 10, "intra-refresh=1")) {
+    if (unit.sequence < 5) continue;
+    unit.status = unit.sequence < 25 ? FrameStatus::damaged : FrameStatus::good;  // as LossDetector has it
+    decoder.send(unit);
+    while (const std::optional<Frame> frame = decoder.receive())
+      good += frame->status == FrameStatus::good ? 1U : 0U;
+    sent += unit.status == FrameStatus::good ? 1U : 0U;
+  }
+  EXPECT_EQ(good, sent);
+}
+
 TEST(VideoDecoder, MarksKeyFrames) {
   for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
     VideoDecoder decoder({codec, {}}, 1);

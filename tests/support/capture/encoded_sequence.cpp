@@ -38,7 +38,8 @@ cv::Mat movingPicture(cv::Size size, int index) {
 }
 
 std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::Size size, int count,
-                                                 int key_interval, const std::string& encoder_options) {
+                                                 int key_interval, const std::string& encoder_options,
+                                                 int b_frames) {
   const bool h264 = codec == capture::VideoCodec::h264;
   capture::keepFfmpegQuiet();
   const AVCodec* encoder = avcodec_find_encoder_by_name(h264 ? "libx264" : "libx265");
@@ -49,10 +50,10 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
   context->pix_fmt = AV_PIX_FMT_YUV420P;
   context->time_base = {1, 20};
   context->gop_size = key_interval;
-  context->max_b_frames = 0;
+  context->max_b_frames = b_frames;
   context->thread_count = 1;
   av_opt_set(context->priv_data, "preset", "ultrafast", 0);
-  av_opt_set(context->priv_data, "tune", "zerolatency", 0);
+  if (b_frames == 0) av_opt_set(context->priv_data, "tune", "zerolatency", 0);
   const std::string common =
       h264 ? "sliced-threads=0:scenecut=0" : "log-level=none:scenecut=0:repeat-headers=1";
   av_opt_set(context->priv_data, h264 ? "x264-params" : "x265-params",
@@ -66,6 +67,20 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
   av_frame_get_buffer(frame, 0);
   const capture::ffmpeg::Packet packet = capture::ffmpeg::makePacket();
   std::vector<capture::EncodedUnit> units;
+  const auto receive = [&] {
+    while (avcodec_receive_packet(context.get(), packet.get()) == 0) {
+      capture::EncodedUnit unit;
+      unit.data.assign(packet->data, packet->data + packet->size);
+      unit.key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
+      unit.sequence = units.size();
+      unit.pts = packet->pts * 4500;
+      unit.exposure_ns = kStart_ns + packet->pts * kPeriod_ns;
+      unit.arrival_ns = unit.exposure_ns + 12'345'678;
+      unit.instant_source = capture::InstantSource::sender_report;
+      units.push_back(std::move(unit));
+      av_packet_unref(packet.get());
+    }
+  };
   for (int i = 0; i < count; ++i) {
     av_frame_make_writable(frame);
     movingPicture(size, i).copyTo(
@@ -77,19 +92,10 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
     }
     frame->pts = i;
     require(avcodec_send_frame(context.get(), frame) == 0, "cannot encode");
-    while (avcodec_receive_packet(context.get(), packet.get()) == 0) {
-      capture::EncodedUnit unit;
-      unit.data.assign(packet->data, packet->data + packet->size);
-      unit.key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
-      unit.sequence = units.size();
-      unit.pts = static_cast<std::int64_t>(units.size()) * 4500;
-      unit.exposure_ns = kStart_ns + static_cast<std::int64_t>(units.size()) * kPeriod_ns;
-      unit.arrival_ns = unit.exposure_ns + 12'345'678;
-      unit.instant_source = capture::InstantSource::sender_report;
-      units.push_back(std::move(unit));
-      av_packet_unref(packet.get());
-    }
+    receive();
   }
+  avcodec_send_frame(context.get(), nullptr);
+  receive();
   av_frame_free(&frame);
   require(units.size() == static_cast<std::size_t>(count), "the encoder held pictures back");
   return units;

@@ -165,6 +165,10 @@ bool ScriptedCamera::answer(Client& client) {
   const std::string request = client.request.substr(0, end + 2);
   client.request.erase(0, end + 4);
 
+  if (const std::string other = script_.respond(request); !other.empty()) {
+    send(client.socket, other.data(), other.size(), MSG_NOSIGNAL);
+    return true;
+  }
   std::string headers = "RTSP/1.0 200 OK\r\nCSeq: " + valueAfter(request, "CSeq: ") + "\r\nSession: 1\r\n";
   std::string body;
   if (request.rfind("DESCRIBE", 0) == 0) {

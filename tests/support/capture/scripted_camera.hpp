@@ -23,14 +23,17 @@ struct CameraScript {
   capture::VideoCodec codec = capture::VideoCodec::h264;
   std::vector<capture::EncodedUnit> pictures;  ///< repeated without end; the first is a key picture
   double frame_rate = 25.0;                    ///< Hz
-  std::uint32_t first_rtp = 1'000'000'000;     ///< if it is 0, FFmpeg merges the first pictures
-  double report_interval = 0.25;               ///< s
+  std::uint32_t first_rtp = 1'000'000'000;
+  double report_interval = 0.25;  ///< s
   /// Error of the camera's wall clock, s, by the time since the first picture, s.
   std::function<double(double)> clock_error = [](double) { return 0.0; };
   /// Network link: forwards, drops, changes or duplicates each RTP packet.
   std::function<void(const Packet&, const Send&)> link = [](const Packet& packet, const Send& send) {
     send(packet);
   };
+  /// Answer to a request instead of the usual one; the usual one if it is empty. Called in the camera's
+  /// thread.
+  std::function<std::string(const std::string& request)> respond = [](const std::string&) { return ""; };
   std::string description;      ///< replaces the session description if not empty
   int pictures_per_client = 0;  ///< the connection is closed after as many; 0: never
 };

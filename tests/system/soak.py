@@ -1,0 +1,374 @@
+"""Soak test of cartvod: two simulated cameras, faults between them and the daemon, and the truth. Run by soak.sh."""
+
+import argparse
+import bisect
+import os
+import random
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+BUILD = os.environ["CARTVO_BUILD"]
+FRAME_RATE = 18.0
+CONTENT_S = 60.0
+# A VALID velocity is wrong if it differs from the truth by more than this and by more than six standard deviations.
+TOLERANCE = 0.10  # m/s: the truth's differences, and 20 ms of utime at 3 m/s^2
+DEVIATIONS = 6.0
+LOOP_MARGIN_S = 1.5  # around the jump from the content's end to its beginning, where there is no motion to measure
+
+
+class Faults:
+    """What happens to one camera's connection; set by the schedule, read by the proxy's threads."""
+
+    def __init__(self):
+        self.hold_until = 0.0    # nothing is passed on until then; then all of it
+        self.drop = 0            # RTP packets to leave out
+        self.corrupt = 0         # RTP packets whose bytes are changed
+        self.repeat = 0          # RTP packets to send twice
+        self.exchange = 0        # pairs of RTP packets to exchange
+        self.shift = 0           # ticks added to RTP time, until the connection ends
+        self.stray = 0           # pictures with an RTP time of their own
+        self.rate = None         # (bytes per second, until when)
+        self.backlog = 0.0       # s that the next connection's beginning is held back, to come at once
+        self.report_error = 0.0  # s by which sender reports are wrong
+        self.answer = None       # what the next connection gets instead of the camera
+        self.swapped_until = 0.0
+
+
+class Proxy:
+    """A TCP proxy of one RTSP camera, which understands interleaved packets."""
+
+    HOSTILE = {
+        "garbage": os.urandom(4000),
+        "http": b"HTTP/1.1 400 Bad Request\r\nContent-Length: 3\r\n\r\nno\n",
+        "redirect": b"RTSP/1.0 302 Moved\r\nCSeq: 1\r\nLocation: rtsp://192.0.2.1/other\r\n\r\n",
+        "basic": b'RTSP/1.0 401 Unauthorized\r\nCSeq: 1\r\nWWW-Authenticate: Basic realm="x"\r\n\r\n',
+        "huge": b"RTSP/1.0 200 OK\r\nCSeq: 1\r\nContent-Length: 1000000000\r\n\r\n" + b"v=0\r\n" * 20000,
+        "headers": b"RTSP/1.0 200 OK\r\n" + b"A: b\r\n" * 20000,
+        "silence": b"",
+        "error": b"RTSP/1.0 503 Service Unavailable\r\nCSeq: 1\r\n\r\n",
+    }
+
+    def __init__(self, ports, seed):
+        self.ports, self.faults, self.random = ports, Faults(), random.Random(seed)
+        self.server = socket.create_server(("127.0.0.1", 0))
+        self.port = self.server.getsockname()[1]
+        self.client = None
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def accept(self):
+        while True:
+            client, _ = self.server.accept()
+            threading.Thread(target=self.serve, args=(client,), daemon=True).start()
+
+    def serve(self, client):
+        faults = self.faults
+        answer, faults.answer = faults.answer, None
+        if answer:
+            try:
+                client.sendall(self.HOSTILE[answer])
+                time.sleep(6.0 if answer == "silence" else 0.5)
+            except OSError:
+                pass
+            client.close()
+            return
+        try:
+            port = self.ports[1] if time.time() < faults.swapped_until else self.ports[0]
+            camera = socket.create_connection(("127.0.0.1", port))
+        except OSError:
+            client.close()
+            return
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.client, faults.shift = client, 0
+        if faults.backlog:
+            faults.hold_until, faults.backlog = time.time() + faults.backlog, 0.0
+        threading.Thread(target=self.pump, args=(client, camera), daemon=True).start()
+        try:
+            self.forward(camera, client)
+        except OSError:
+            pass
+        client.close()
+        camera.close()
+
+    @staticmethod
+    def pump(source, target):
+        try:
+            while data := source.recv(65536):
+                target.sendall(data)
+            target.shutdown(socket.SHUT_WR)
+        except OSError:
+            pass
+
+    def forward(self, camera, client):
+        data, waiting = b"", None
+        while chunk := camera.recv(65536):
+            data += chunk
+            out = []
+            while data:
+                if data[:1] != b"$":
+                    end = data.find(b"$")  # messages are passed on as they are
+                    end = len(data) if end < 0 else end
+                    out.append(data[:end])
+                    data = data[end:]
+                    continue
+                if len(data) < 4 or len(data) < 4 + struct.unpack(">H", data[2:4])[0]:
+                    break
+                size = 4 + struct.unpack(">H", data[2:4])[0]
+                packet, data = bytearray(data[:size]), data[size:]
+                packets = self.changed(packet)
+                if self.faults.exchange > 0 and packets and packet[1] == 0:
+                    if waiting is None:
+                        waiting = packets
+                        continue
+                    packets, waiting = packets + waiting, None
+                    self.faults.exchange -= 1
+                out += packets
+            self.hold()
+            self.send(client, b"".join(out))
+
+    def changed(self, packet):
+        """The interleaved packet as it is passed on: none, one or two of them."""
+        faults = self.faults
+        if packet[1] == 1 and len(packet) >= 32 and packet[5] == 200 and faults.report_error:
+            seconds = struct.unpack(">I", packet[12:16])[0] + int(faults.report_error)
+            packet[12:16] = struct.pack(">I", seconds & 0xFFFFFFFF)
+        if packet[1] != 0 or len(packet) < 17:
+            return [bytes(packet)]
+        ticks = faults.shift
+        if faults.stray > 0:
+            ticks += 3600 * 90000 * (-1) ** faults.stray
+            if packet[5] & 0x80:
+                faults.stray -= 1
+        if ticks:
+            packet[8:12] = struct.pack(">I", (struct.unpack(">I", packet[8:12])[0] + ticks) & 0xFFFFFFFF)
+        if faults.drop > 0:
+            faults.drop -= 1
+            return []
+        if faults.corrupt > 0:
+            faults.corrupt -= 1
+            for _ in range(8):
+                packet[self.random.randrange(17, len(packet))] ^= 1 << self.random.randrange(8)
+        if faults.repeat > 0:
+            faults.repeat -= 1
+            return [bytes(packet)] * 2
+        return [bytes(packet)]
+
+    def hold(self):
+        while time.time() < self.faults.hold_until:
+            time.sleep(0.01)
+
+    def send(self, client, data):
+        rate = self.faults.rate
+        if rate and time.time() < rate[1]:
+            for at in range(0, len(data), 1400):
+                client.sendall(data[at:at + 1400])
+                time.sleep(1400 / rate[0])
+        elif data:
+            client.sendall(data)
+
+    def close(self):
+        if self.client:
+            try:
+                self.client.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+
+
+class Listener:
+    """Reads CARTVO_ODOMETRY off the wire (daemon/messages/odometry_t.lcm) on a thread."""
+
+    def __init__(self):
+        self.messages = []
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
+        self.socket.bind(("", 7667))
+        group = socket.inet_aton("239.255.76.67") + socket.inet_aton("127.0.0.1")
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        while True:
+            data = self.socket.recv(65536)
+            if data[:4] != b"LC02":
+                continue
+            channel, body = data[8:].split(b"\0", 1)
+            if channel != b"CARTVO_ODOMETRY":
+                continue
+            values = struct.unpack_from(">8xqqqqqqbii3d4d36d3d3d36d", body)
+            self.messages.append({
+                "received": time.time(), "utime": values[0], "sequence": values[4], "valid": values[6] == 1,
+                "reasons": values[7], "velocity": values[52:55], "rates": values[55:58],
+                "deviation": max(values[58], values[65], values[72], 0.0) ** 0.5})
+
+
+class Truth:
+    """Velocity of the body, in its axes, at an instant; the content repeats."""
+
+    def __init__(self, file):
+        rows = [list(map(float, line.split())) for line in open(file) if not line.startswith("#")]
+        self.begin, self.period = rows[0][0], CONTENT_S
+        self.times, self.velocities = [], []
+        for before, now, after in zip(rows, rows[1:], rows[2:]):
+            x, y, z, w = now[4:8]
+            d = [(b - a) / (after[0] - before[0]) for a, b in zip(before[1:4], after[1:4])]
+            # d in body axes: the rotation's inverse.
+            tx, ty, tz = (2 * (-y * d[2] + z * d[1]), 2 * (-z * d[0] + x * d[2]), 2 * (-x * d[1] + y * d[0]))
+            self.velocities.append((d[0] + w * tx - y * tz + z * ty, d[1] + w * ty - z * tx + x * tz,
+                                    d[2] + w * tz - x * ty + y * tx))
+            self.times.append(now[0] - self.begin)
+
+    def at(self, instant):
+        """The velocity, or None where there is none."""
+        phase = instant - self.begin
+        if phase > self.period:
+            phase %= self.period
+        if not LOOP_MARGIN_S < phase < self.period - LOOP_MARGIN_S:
+            return None
+        i = bisect.bisect(self.times, phase)
+        if i == 0 or i >= len(self.times):
+            return None
+        share = (phase - self.times[i - 1]) / (self.times[i] - self.times[i - 1])
+        return [a + share * (b - a) for a, b in zip(self.velocities[i - 1], self.velocities[i])]
+
+
+def faults(rng):
+    """A fault for one camera: its name and what sets it."""
+    def set_(**values):
+        return lambda proxy: [setattr(proxy.faults, k, v() if callable(v) else v) for k, v in values.items()]
+
+    def closed(**values):
+        def apply(proxy):
+            set_(**values)(proxy)
+            proxy.close()
+        return apply
+
+    seconds, packets = rng.uniform(0.05, 2.5), rng.randrange(1, 60)
+    hostile = rng.choice(list(Proxy.HOSTILE))
+    return rng.choice([
+        ("stall of %.2f s, then all at once" % seconds, set_(hold_until=lambda: time.time() + seconds)),
+        ("connection closed", closed()),
+        ("%d packets lost" % packets, set_(drop=packets)),
+        ("%d packets corrupt" % packets, set_(corrupt=packets)),
+        ("%d packets twice" % packets, set_(repeat=packets)),
+        ("%d packets exchanged" % packets, set_(exchange=packets)),
+        ("RTP time jumps by %+d s" % (packets * 40 - 1200), set_(shift=(packets * 40 - 1200) * 90000)),
+        ("a picture with an RTP time of its own", set_(stray=1)),
+        ("a new connection with a backlog of %.2f s" % seconds, closed(backlog=seconds)),
+        ("30 kB/s for %.1f s" % (2 * seconds), set_(rate=lambda: (30e3, time.time() + 2 * seconds))),
+        ("sender reports wrong by an hour", set_(report_error=3600.0)),
+        ("sender reports right again", set_(report_error=0.0)),
+        ("a new connection meets a server with %s" % hostile, closed(answer=hostile)),
+        ("a new connection to the other camera for 3 s", closed(swapped_until=lambda: time.time() + 3.0)),
+    ])
+
+
+def start_cameras(folder):
+    simulate = subprocess.Popen(
+        [BUILD + "/tools/cartvo/cartvo", "simulate", "--world", "campus", "--seconds", str(CONTENT_S), "--size", "340x210",
+         "--bitrate-kbps", "1500", "--offset-ms", "-13.9", "--loop", "--output-dir", folder + "/sim", "--left", "127.0.0.1:8554",
+         "--right", "127.0.0.1:8555"], stdout=subprocess.PIPE, text=True)
+    for line in simulate.stdout:
+        if line.startswith("ready"):
+            return simulate
+    sys.exit("soak: the simulated cameras did not start")
+
+
+def start_daemon(folder, proxies):
+    password = open(folder + "/sim/password").read()
+    with open(os.open(folder + "/password", os.O_CREAT | os.O_WRONLY, 0o600), "w") as file:
+        file.write(password)
+    camera = "    url: rtsp://127.0.0.1:%d/Streaming/Channels/101\n    username: admin\n    password_file: password\n"
+    with open(folder + "/cartvod.yaml", "w") as file:
+        file.write("cameras:\n  left:\n" + camera % proxies[0].port + "  right:\n" + camera % proxies[1].port +
+                   "rig: sim/rig.yaml\n")
+    return subprocess.Popen([BUILD + "/daemon/cartvod", "--config", folder + "/cartvod.yaml"],
+                            stdout=open(folder + "/log", "w"), stderr=subprocess.STDOUT)
+
+
+def resident_mb(pid):
+    with open("/proc/%d/status" % pid) as file:
+        return next(int(line.split()[1]) / 1024 for line in file if line.startswith("VmRSS"))
+
+
+def wrong_velocities(messages, truth):
+    """VALID messages whose velocity is not the truth's, and the number of those that were compared."""
+    wrong, compared = [], 0
+    for message in messages:
+        true = truth.at(message["utime"] * 1e-6) if message["valid"] else None
+        if true is None:
+            continue
+        compared += 1
+        error = sum((a - b) ** 2 for a, b in zip(message["velocity"], true)) ** 0.5
+        late = message["utime"] * 1e-6 > message["received"]
+        if late or not error <= max(TOLERANCE, DEVIATIONS * message["deviation"]):
+            wrong.append((message, true, error))
+    return wrong, compared
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tests/system/soak.sh", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=3600.0, help="duration (default: an hour)")
+    parser.add_argument("--seed", type=int, default=1, help="of the faults (default: 1)")
+    parser.add_argument("--keep", metavar="DIR", help="folder to keep logs and messages in")
+    options = parser.parse_args()
+    folder = options.keep or tempfile.mkdtemp(prefix="cartvo-soak-")
+    os.makedirs(folder, exist_ok=True)
+    rng = random.Random(options.seed)
+    cameras = start_cameras(folder)
+    proxies = [Proxy((8554, 8555), options.seed), Proxy((8555, 8554), options.seed + 1)]
+    listener = Listener()
+    daemon = start_daemon(folder, proxies)
+    begin = time.time()
+    time.sleep(8.0)
+    memory, count, stops = resident_mb(daemon.pid), 0, 0
+    truth = Truth(folder + "/sim/truth.tum")
+    while time.time() < begin + options.seconds and daemon.poll() is None:
+        time.sleep(rng.uniform(1.0, 12.0))
+        count += 1
+        before = len(wrong_velocities(list(listener.messages), truth)[0])
+        if rng.random() < 0.05:
+            pause = rng.uniform(0.2, 2.0)
+            daemon.send_signal(signal.SIGSTOP)
+            time.sleep(pause)
+            daemon.send_signal(signal.SIGCONT)
+            stops += pause
+            text = "the daemon is stopped for %.2f s" % pause
+        else:
+            side = rng.randrange(2)
+            name, apply = faults(rng)
+            apply(proxies[side])
+            text = "%s camera: %s" % (("left", "right")[side], name)
+        print("%7.1f s  %s  (%d wrong before)" % (time.time() - begin, text, before), flush=True)
+    time.sleep(5.0)
+    ended = daemon.poll()
+    grown = resident_mb(daemon.pid) - memory if ended is None else 0.0
+    for process in (daemon, cameras):
+        process.terminate()
+    daemon.wait(15)
+
+    messages = listener.messages
+    wrong, compared = wrong_velocities(messages, truth)
+    gaps = sum(b["sequence"] != a["sequence"] + 1 for a, b in zip(messages, messages[1:]))
+    silence = max([b["received"] - a["received"] for a, b in zip(messages, messages[1:])] or [float("inf")])
+    valid = sum(m["valid"] for m in messages)
+    for message, true, error in wrong[:20]:
+        print("WRONG: utime %.3f s after the beginning: %s m/s instead of %s, off by %.2f (+- %.3f), published %.3f s later" % (
+            message["utime"] * 1e-6 - begin, ["%.2f" % v for v in message["velocity"]], ["%.2f" % v for v in true], error,
+            message["deviation"], message["received"] - message["utime"] * 1e-6))
+    print("%d faults in %.0f s: %d messages, %d VALID (%.0f %%), %d of them compared, %d WRONG; %d gaps in the sequence; longest "
+          "silence %.2f s; memory %+.1f MB; log: %s/log" % (
+              count, time.time() - begin, len(messages), valid, 100 * valid / max(len(messages), 1), compared, len(wrong), gaps,
+              silence, grown, folder))
+    failed = wrong or gaps or ended is not None or compared == 0 or grown > 50 or silence > 1.0 + (2.0 if stops else 0.0)
+    print("FAILED" if failed else "passed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -65,7 +65,7 @@ NalPlace nalPlace(VideoCodec codec, std::span<const std::uint8_t> nal) {
     const int type = nal[0] & 0x1f;
     if (type == 1 || type == 2 || type == 5) return is_first ? NalPlace::first_slice : NalPlace::slice;
     if (type == 3 || type == 4) return NalPlace::slice;
-    return (type >= 6 && type <= 9) || (type >= 14 && type <= 18) ? NalPlace::before_slices : NalPlace::other;
+    return (type >= 6 && type <= 9) || (type >= 15 && type <= 18) ? NalPlace::before_slices : NalPlace::other;
   }
   const int type = (nal[0] >> 1) & 0x3f;
   if (type < 32) return is_first ? NalPlace::first_slice : NalPlace::slice;

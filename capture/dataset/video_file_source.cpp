@@ -54,6 +54,18 @@ bool hasInventedTimes(const AVFormatContext& context) {
          av_opt_find(context.priv_data, "framerate", nullptr, 0, 0) != nullptr;
 }
 
+/// Indices of the streams that are video, without pictures of the cover.
+std::vector<int> videoTracks(const AVFormatContext& context) {
+  std::vector<int> tracks;
+  for (unsigned i = 0; i < context.nb_streams; ++i) {
+    const AVStream& stream = *context.streams[i];
+    if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+        (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0)
+      tracks.push_back(static_cast<int>(i));
+  }
+  return tracks;
+}
+
 std::string rateText(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g", value);
@@ -75,7 +87,7 @@ struct VideoFileSource::Implementation {
   ffmpeg::CodecContext decoder;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   int stream = -1;
-  PicturePart part = PicturePart::whole;
+  VideoView view;
   double header_rate = 0.0;  ///< Hz, by the file's header; 0: unknown
   double frame_rate = 0.0;   ///< Hz; above 0 it replaces the time stamps
   std::string time_note;
@@ -102,12 +114,12 @@ struct VideoFileSource::Implementation {
 };
 
 VideoFileSource::VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time,
-                                 PicturePart part)
+                                 const VideoView& view)
     : implementation_(std::make_unique<Implementation>()) {
   keepFfmpegQuiet();
   implementation_->file = file;
   implementation_->time = time;
-  implementation_->part = part;
+  implementation_->view = view;
   implementation_->open();
 }
 
@@ -136,7 +148,12 @@ ffmpeg::Input VideoFileSource::Implementation::openInput() const {
 void VideoFileSource::Implementation::open() {
   input = openInput();
   requireSuccess(avformat_find_stream_info(input.get(), nullptr));
-  stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  const std::vector<int> tracks = videoTracks(*input);
+  if (!view.track) {
+    stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  } else if (static_cast<std::size_t>(*view.track) < tracks.size()) {
+    stream = tracks[static_cast<std::size_t>(*view.track)];
+  }
   // FFmpeg opens a file whose index is cut off as one without streams.
   if (stream < 0 && isUnfinishedMp4(file)) requireSuccess(AVERROR_INVALIDDATA);
   if (stream < 0) throw std::runtime_error(file.string() + " contains no video");
@@ -267,7 +284,7 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
     if (self.file_time < self.time.from) continue;
     frame = {};
     frame.image = lumaPlane(*picture);
-    if (!frame.image.empty()) frame.image = partOf(frame.image, self.part);
+    if (!frame.image.empty()) frame.image = partOf(frame.image, self.view.part);
     if (frame.image.empty()) {
       throw std::runtime_error(
           self.file.string() +
@@ -315,6 +332,10 @@ double VideoFileSource::fileTime() const {
 cv::Size VideoFileSource::pictureSize() const {
   const AVCodecParameters& parameters = *implementation_->input->streams[implementation_->stream]->codecpar;
   return {parameters.width, parameters.height};
+}
+
+int VideoFileSource::tracks() const {
+  return static_cast<int>(videoTracks(*implementation_->input).size());
 }
 
 std::string VideoFileSource::timeNote() const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "capture/camera_source.hpp"
@@ -30,15 +31,20 @@ struct VideoFileTime {
 /// the other.
 enum class PicturePart : std::uint8_t { whole, left_half, right_half, upper_half, lower_half };
 
+/// Where a camera's pictures are in a video file.
+struct VideoView {
+  PicturePart part = PicturePart::whole;
+  std::optional<int> track;  ///< number of the video track, from 0; empty: the one that FFmpeg prefers
+};
+
 /// Frame source for a video file of another recorder, in any container and codec that FFmpeg reads: luma of
-/// its first video stream. Pictures with decoding errors are marked as damaged up to the next key picture.
+/// one video track. Pictures with decoding errors are marked as damaged up to the next key picture.
 /// Opens no other file or address. Never waits.
 class VideoFileSource : public CameraSource {
  public:
   /// Throws std::runtime_error naming the file if it cannot be opened, contains no video that can be decoded,
   /// or has no usable time stamps and no frame rate: FFmpeg takes 25 Hz for streams that declare none.
-  VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time,
-                  PicturePart part = PicturePart::whole);
+  VideoFileSource(const std::filesystem::path& file, const VideoFileTime& time, const VideoView& view = {});
   ~VideoFileSource() override;
   VideoFileSource(const VideoFileSource&) = delete;
   VideoFileSource& operator=(const VideoFileSource&) = delete;
@@ -52,6 +58,9 @@ class VideoFileSource : public CameraSource {
 
   /// Size of the whole pictures by the file's header, px.
   cv::Size pictureSize() const;
+
+  /// Number of the file's video tracks.
+  int tracks() const;
 
   /// Note on the origin of the file times if they are not time stamps; else empty.
   std::string timeNote() const;

@@ -167,7 +167,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
   const FoundRig rig = findRig({}, settings.source, settings.rig);
   const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);
   VideoTiming timing;
-  if (videos.isOneFile()) {
+  if (videos.is_one_file) {
     timing.stddev = settings.folder_offset_stddev;
     timing.found_by = "one video with both pictures";
   } else if (settings.video_offset) {

@@ -88,31 +88,40 @@ void refine(const VideoPair& videos, const VideoPart& part, const calib::Rig& ri
 VideoPair findVideos(const std::filesystem::path& left, const std::filesystem::path& right, double frame_rate,
                      const calib::Rig& rig) {
   using capture::PicturePart;
-  VideoPair videos{left, right.empty() ? left : right, frame_rate};
   const cv::Size expected = rig.left.size;
-  const auto size_of = [&](const std::filesystem::path& file) {
-    return capture::VideoFileSource(file, {.frame_rate = frame_rate}).pictureSize();
+  const auto open = [&](const std::filesystem::path& file, const capture::VideoView& view) {
+    return capture::VideoFileSource(file, {.frame_rate = frame_rate}, view);
   };
   const auto fail = [&](const std::filesystem::path& file, cv::Size size, const std::string& what) {
     throw std::runtime_error(file.string() + " has pictures of " + sizeText(size) + ", and the rig is for " +
                              sizeText(expected) + what);
   };
-  if (!right.empty()) {
+  VideoPair videos{left, right.empty() ? left : right, frame_rate, {}, {}, right.empty()};
+  if (!videos.is_one_file) {
     for (const std::filesystem::path& file : {left, right}) {
-      if (const cv::Size size = size_of(file); size != expected)
+      if (const cv::Size size = open(file, {}).pictureSize(); size != expected)
         fail(file, size, ": give the rig of these videos, or calibrate at this size");
     }
     return videos;
   }
-  const cv::Size size = size_of(left);
-  if (size == cv::Size(2 * expected.width, expected.height)) {
-    videos.left_part = PicturePart::left_half;
-    videos.right_part = PicturePart::right_half;
+  const capture::VideoFileSource both = open(left, {});
+  const cv::Size size = both.pictureSize();
+  if (both.tracks() > 1) {
+    videos.left_view.track = 0;
+    videos.right_view.track = 1;
+    for (const capture::VideoView& view : {videos.left_view, videos.right_view}) {
+      if (const cv::Size track = open(left, view).pictureSize(); track != expected)
+        fail(left, track, " in one of its tracks");
+    }
+  } else if (size == cv::Size(2 * expected.width, expected.height)) {
+    videos.left_view.part = PicturePart::left_half;
+    videos.right_view.part = PicturePart::right_half;
   } else if (size == cv::Size(expected.width, 2 * expected.height)) {
-    videos.left_part = PicturePart::upper_half;
-    videos.right_part = PicturePart::lower_half;
+    videos.left_view.part = PicturePart::upper_half;
+    videos.right_view.part = PicturePart::lower_half;
   } else if (size == expected) {
-    fail(left, size, ": this is one camera's video; give the right camera's too: cartvo replay LEFT RIGHT");
+    throw std::runtime_error(left.string() +
+                             " is one camera's video; give the right camera's too: cartvo replay LEFT RIGHT");
   } else {
     fail(left, size,
          ": a video with both cameras' pictures side by side is twice as wide, or twice as high with one "
@@ -138,10 +147,10 @@ capture::StereoSource openVideos(const VideoPair& videos, const VideoTiming& tim
 
   capture::StereoSource source;
   source.kind = capture::SourceKind::videos;
-  auto left = std::make_unique<capture::VideoFileSource>(videos.left, left_time, videos.left_part);
-  auto right = std::make_unique<capture::VideoFileSource>(videos.right, right_time, videos.right_part);
+  auto left = std::make_unique<capture::VideoFileSource>(videos.left, left_time, videos.left_view);
+  auto right = std::make_unique<capture::VideoFileSource>(videos.right, right_time, videos.right_view);
   source.pairs = std::min(left->expectedPictures(), right->expectedPictures());
-  for (const std::string& note : {left->timeNote(), videos.isOneFile() ? "" : right->timeNote()}) {
+  for (const std::string& note : {left->timeNote(), videos.is_one_file ? "" : right->timeNote()}) {
     if (!note.empty()) source.warnings.push_back(note);
   }
   source.left = std::move(left);

@@ -19,10 +19,8 @@ struct VideoPair {
   std::filesystem::path left;
   std::filesystem::path right;  ///< equal to `left` if both cameras are in one file
   double frame_rate = 0.0;      ///< Hz, see VideoFileTime
-  capture::PicturePart left_part = capture::PicturePart::whole;
-  capture::PicturePart right_part = capture::PicturePart::whole;
-
-  bool isOneFile() const { return left_part != capture::PicturePart::whole; }
+  capture::VideoView left_view, right_view;
+  bool is_one_file = false;
 };
 
 /// The videos of a rig. An empty `right` means that `left` contains both pictures, side by side (left camera

@@ -217,7 +217,7 @@ TEST(OpenCvRig, AsksForTheLensModelOfFourCoefficients) {
     std::string text = openCvText(test::cartRig());
     for (const char* const key : {"D1:", "D2:"}) {
       std::size_t begin = text.find("rows: ", text.find(key)) + 6;
-      text.replace(begin, 1, "4");
+      text[begin] = '4';
       begin = text.find("data: [", begin) + 7;
       text.replace(begin, text.find(']', begin) - begin, numbers);
     }

@@ -135,8 +135,8 @@ TEST(VideoFileSource, RefusesTimeStampsThatAreNoCameras) {
 TEST(VideoFileSource, DeliversAPartOfThePictures) {
   const test::TemporaryFolder folder;
   const fs::path file = video(folder, "a.mp4", "-c:v libx264 -qp 0 -pix_fmt yuv420p");
-  VideoFileSource whole(file, {}), right(file, {}, PicturePart::right_half),
-      upper(file, {}, PicturePart::upper_half);
+  VideoFileSource whole(file, {}), right(file, {}, {PicturePart::right_half, {}}),
+      upper(file, {}, {PicturePart::upper_half, {}});
   Frame all, part;
   whole.read(all, kAtOnce);
   right.read(part, kAtOnce);

@@ -348,6 +348,17 @@ TEST(ReplaySummary, NamesGrossFaultsOfTheRig) {
   EXPECT_EQ(summary["invalid_by_reason"]["wrong_stereo_geometry"], 3);
 }
 
+TEST(ReplaySummary, NamesTheReasonIfNothingIsValid) {
+  Replay replay;
+  replay.pairs.resize(3);
+  replay.pairs[0].reasons.add(vo::OdometryReason::first_pair);
+  EXPECT_THAT(nothingValidText(replay), HasSubstr("none of the 3 pairs is valid; first_pair in 1"));
+  replay.pairs[1].reasons.add(vo::OdometryReason::time_step);
+  EXPECT_THAT(nothingValidText(replay), HasSubstr("time_step in 1: the instants of the pairs are too far apart"));
+  replay.pairs[2].valid = true;
+  EXPECT_EQ(nothingValidText(replay), "");
+}
+
 TEST(Replay, RejectsFolderThatIsNoSource) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { replayed(folder.path()); }), HasSubstr(folder.path().string()));

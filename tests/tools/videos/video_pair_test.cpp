@@ -97,6 +97,48 @@ TEST(VideoPair, VideosOfDifferentDrivesAreRejected) {
               HasSubstr("give --offset-ms"));
 }
 
+/// Joins two films with a filter of FFmpeg.
+void join(const test::TemporaryFolder& folder, const std::string& how, const fs::path& output) {
+  const std::string command = "ffmpeg -v error -i " + (folder / "left.mp4").string() + " -i " +
+                              (folder / "right.mp4").string() + " " + how + " -y " + output.string();
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+TEST(VideoPair, FindsBothCamerasInOneFile) {
+  const test::TemporaryFolder folder;
+  film(folder / "left.mp4", 0.0, 0.5);
+  film(folder / "right.mp4", 3.0, 0.5);
+  join(folder, "-filter_complex hstack", folder / "beside.mp4");
+  join(folder, "-filter_complex vstack", folder / "above.mp4");
+  join(folder, "-map 0 -map 1 -c copy", folder / "tracks.mkv");
+  for (const char* const name : {"beside.mp4", "above.mp4", "tracks.mkv"}) {
+    const VideoPair videos = findVideos(folder / name, {}, 0.0, smallRig());
+    EXPECT_TRUE(videos.is_one_file);
+    capture::StereoSource source = openVideos(videos, {}, {});
+    capture::Frame left, right;
+    source.left->read(left, std::chrono::milliseconds(0));
+    source.right->read(right, std::chrono::milliseconds(0));
+    EXPECT_EQ(left.image.size(), kSize) << name;
+    EXPECT_EQ(right.image.size(), kSize) << name;
+    EXPECT_EQ(left.exposure_ns, right.exposure_ns);
+    EXPECT_GT(cv::norm(left.image, right.image, cv::NORM_L1) / kSize.area(), 10.0) << name;
+  }
+}
+
+TEST(VideoPair, NamesSizesThatAreNotTheRigs) {
+  const test::TemporaryFolder folder;
+  film(folder / "left.mp4", 0.0, 0.5);
+  const fs::path file = folder / "left.mp4";
+  calib::Rig rig = smallRig();
+  EXPECT_THAT(test::messageOf([&] { findVideos(file, {}, 0.0, rig); }),
+              HasSubstr("left.mp4 is one camera's video; give the right camera's too"));
+  rig.left.size = rig.right.size = {320, 240};
+  EXPECT_THAT(
+      test::messageOf([&] { findVideos(file, file, 0.0, rig); }),
+      HasSubstr("left.mp4 has pictures of 160x96, and the rig is for 320x240: give the rig of these"));
+  EXPECT_THAT(test::messageOf([&] { findVideos(file, {}, 0.0, rig); }), HasSubstr("twice as wide"));
+}
+
 TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
   constexpr int kPairs = 6;

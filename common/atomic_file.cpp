@@ -226,8 +226,8 @@ void checkFileCanBeWritten(const fs::path& file) {
   if (target.path.has_parent_path()) created = createFolders(target.path.parent_path());
   const int error = TemporaryFile(target).isOpen() ? 0 : errno;
   std::error_code ignored;
-  for (auto folder = created.rbegin(); folder != created.rend(); ++folder)
-    fs::remove(*folder, ignored);
+  for (; !created.empty(); created.pop_back())
+    fs::remove(created.back(), ignored);
   if (error != 0) failWith(file, "no file can be made in the folder " + folderOf(target), error);
 }
 

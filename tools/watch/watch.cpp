@@ -262,7 +262,8 @@ std::string liveLine(const odometry_t& message, double frame_rate, const std::st
       {6, clocks},
   }};
   for (int dispensable = 8; dispensable > 2; --dispensable) {
-    if (const std::string line = joined(fields, dispensable); textColumns(line) <= columns) return line;
+    std::string line = joined(fields, dispensable);
+    if (textColumns(line) <= columns) return line;
   }
   return cutToColumns(joined(fields, 3), columns);
 }

@@ -40,15 +40,21 @@ class PendingFrame {
     has_started_ = true;
   }
 
-  /// An error message if the camera has had no picture for ten seconds; else empty. Throws std::runtime_error
-  /// if it never had one.
+  /// An error message if the camera refuses the connection, or has had no picture for ten seconds; else
+  /// empty. Throws std::runtime_error if it never had one in that time.
   std::string problem() const {
-    if (!isSilentFor(std::chrono::seconds(10))) return {};
+    const bool is_silent = isSilentFor(std::chrono::seconds(10));
+    if (!is_silent && source_.health().state != capture::CameraState::refused) return {};
+    if (is_silent && !has_started_) throw std::runtime_error(silenceText());
+    return silenceText();
+  }
+
+  bool hasStarted() const { return has_started_; }
+
+  /// That the camera gives no picture, and why.
+  std::string silenceText() const {
     const std::string reason = source_.health().last_error;
-    std::string problem =
-        std::string("the ") + side_ + " camera gives no picture" + (reason.empty() ? "" : ": " + reason);
-    if (!has_started_) throw std::runtime_error(problem);
-    return problem;
+    return std::string("the ") + side_ + " camera gives no picture" + (reason.empty() ? "" : ": " + reason);
   }
 
   bool isLost() const { return isSilentFor(std::chrono::seconds(60)); }
@@ -179,6 +185,9 @@ StreamedViews viewsFromStreams(capture::CameraSource& left, capture::CameraSourc
     if (settings.stop_when_complete && progress.next_view_advice.empty()) break;
     if (progress.seconds > settings.max_seconds || views.count() >= settings.max_views) break;
     earlier.discard();
+  }
+  for (const PendingFrame* const frame : {&left_frame, &right_frame}) {
+    if (!frame->hasStarted()) throw std::runtime_error(frame->silenceText());
   }
   return std::move(views).result();
 }

@@ -51,9 +51,9 @@ struct StreamViewSettings {
 };
 
 /// Collects the views in which the board is held still, see StillBoardDetector, and calls `report` after each
-/// processed image. Throws std::runtime_error if a stream has no picture in its first ten seconds or the
-/// image size changes. If a stream stops later, it is waited for for a minute; the views so far are then
-/// returned.
+/// processed image. Throws std::runtime_error if a stream never has a picture (within ten seconds, or until
+/// the collection is stopped) or the image size changes. If a stream stops later, it is waited for for a
+/// minute; the views so far are then returned.
 StreamedViews viewsFromStreams(capture::CameraSource& left, capture::CameraSource& right,
                                const calib::BoardSpec& board, const StreamViewSettings& settings,
                                const std::function<void(const StreamProgress&)>& report);

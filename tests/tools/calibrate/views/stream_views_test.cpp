@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -127,6 +129,38 @@ TEST(StreamViews, StopsOnRequest) {
 
 TEST(StreamViews, TakesNoViewOfAMovingBoard) {
   EXPECT_TRUE(viewsOf([](double time) { return 4.0 * time; }).views.empty());
+}
+
+/// A camera that refuses the password.
+class RefusingCamera : public capture::CameraSource {
+ public:
+  capture::ReadOutcome read(capture::Frame& /*frame*/, std::chrono::milliseconds /*timeout*/) override {
+    return capture::ReadOutcome::timed_out;
+  }
+  capture::CameraHealth health() const override {
+    capture::CameraHealth health;
+    health.state = capture::CameraState::refused;
+    health.last_error = "the camera refused the password";
+    return health;
+  }
+  void interrupt() noexcept override {}
+};
+
+TEST(StreamViews, NamesARefusingCameraAtOnceAndInTheEnd) {
+  HeldBoard left(seenBy(test::cartRig().left), 0.0, [](double) { return 0.0; });
+  RefusingCamera right;
+  std::string advice, error;
+  try {
+    viewsFromStreams(left, right, board(),
+                     {.max_seconds = 60.0,
+                      .stop_when_complete = false,
+                      .is_stop_requested = [&] { return !advice.empty(); }},
+                     [&](const StreamProgress& progress) { advice = progress.advice; });
+  } catch (const std::runtime_error& refused) {
+    error = refused.what();
+  }
+  EXPECT_EQ(advice, "the right camera gives no picture: the camera refused the password");
+  EXPECT_EQ(error, advice);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
 }  // namespace
 
 void writeDescription(const fs::path& folder, const Content& content) {
-  fs::create_directories(folder);
+  createFolders(folder);
   const calib::Rig rig = content.rig();
   calib::writeRig(folder / "rig.yaml", rig);
   std::string left_times;
@@ -66,8 +66,8 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   if (!partial.has_filename()) partial = partial.parent_path();
   partial += ".partial";
   fs::remove_all(partial);  // from an interrupted run
-  fs::create_directories(partial / "image_0");
-  fs::create_directories(partial / "image_1");
+  createFolders(partial / "image_0");
+  createFolders(partial / "image_1");
 
   cv::Mat left;
   cv::Mat right;

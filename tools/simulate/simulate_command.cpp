@@ -14,6 +14,7 @@
 #include "common/atomic_file.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
@@ -139,7 +140,7 @@ void serve(const SimulateOptions& options, const Content& content,
   constexpr auto kPollInterval = std::chrono::milliseconds(20);
   constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
   stopOnSignals();
-  fs::create_directories(options.output);
+  createFolders(options.output);
   fs::remove(options.output / "truth.tum");  // that of an earlier run has another epoch
   CameraPairSimulation simulation(streams, pairSettings(options));
   writeDescription(options.output, content);
@@ -180,6 +181,7 @@ void run(const SimulateOptions& options) {
     std::printf("%d pairs: %s\n", content->pairCount(), options.render.c_str());
     return;
   }
+  if (!options.prepare_only) checkResultFiles({options.output / "cameras.json"});
   const std::shared_ptr<const EncodedPair> streams = prepareStreams(*content, options);
   if (!options.prepare_only) serve(options, *content, streams);
 }

@@ -36,6 +36,13 @@ TEST(SimulateCommand, LooksAtItsCacheBeforeRendering) {
                                            ::testing::Not(HasSubstr("rendering"))));
 }
 
+TEST(SimulateCommand, LooksAtItsOutputFolderBeforeRendering) {
+  const test::CommandResult run = test::runCartvo("simulate --output-dir /proc/nope");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.output, ::testing::AllOf(HasSubstr("/proc/nope: the folder cannot be created"),
+                                           ::testing::Not(HasSubstr("rendering"))));
+}
+
 TEST(SimulateCommand, CacheThatCannotBeWrittenIsAWarning) {
   const test::TemporaryFolder folder;
   const test::CommandResult run = test::runCartvo(

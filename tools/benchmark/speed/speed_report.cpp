@@ -72,7 +72,8 @@ void gather(std::vector<Curve>& curves, const SpeedResult& result, const Name& n
   curve->times.push_back(result.rectified.median);
 }
 
-std::string growthTable(const std::vector<SpeedResult>& results, ReportFormat format) {
+/// The growth of the times, with its heading; empty if no quantity has several values.
+std::string growthSection(const std::vector<SpeedResult>& results, ReportFormat format) {
   std::vector<Curve> curves;
   const auto threads = [](const SpeedResult& result) {
     return ", threads: " + std::to_string(result.threads);
@@ -94,14 +95,16 @@ std::string growthTable(const std::vector<SpeedResult>& results, ReportFormat fo
         [](const SpeedResult& r) { return static_cast<double>(r.size.area()); });
   }
   Table table({"time of rectified images", "from, ms", "to, ms", "exponent"});
+  bool has_growth = false;
   for (const Curve& curve : curves) {
     const auto [least, most] = std::minmax_element(curve.amounts.begin(), curve.amounts.end());
     if (*least == *most) continue;
+    has_growth = true;
     table.add({curve.what, fixed(curve.times[least - curve.amounts.begin()], 2),
                fixed(curve.times[most - curve.amounts.begin()], 2),
                fixed(growthExponent(curve.amounts, curve.times), 2)});
   }
-  return table.as(format);
+  return has_growth ? "\nGrowth: time ~ amount^exponent\n\n" + table.as(format) : "";
 }
 
 constexpr const char* kLegend =
@@ -145,8 +148,7 @@ Json json(const SpeedResult& result) {
 std::string speedTables(const std::vector<SpeedResult>& results, ReportFormat format) {
   return timesTable(results, format) + "\n" + kLegend +
          "\nStages, median, ms (nested ones count in both):\n\n" + stagesTable(results, format) +
-         "\nThe reference, median:\n\n" + referenceTable(results, format) +
-         "\nGrowth: time ~ amount^exponent\n\n" + growthTable(results, format);
+         "\nThe reference, median:\n\n" + referenceTable(results, format) + growthSection(results, format);
 }
 
 Json speedJson(const std::vector<SpeedResult>& results) {

@@ -136,7 +136,11 @@ class TemporaryFile {
 
   /// Gives the file the owner and mode of `status`; returns whether that was possible.
   bool takeOwner(const struct stat& status) const {
-    return ::fchown(descriptor(), status.st_uid, status.st_gid) == 0 &&
+    struct stat own {};
+    if (::fstat(descriptor(), &own) != 0) return false;
+    // The sandbox of the service has no fchown, which it does not need for its own files.
+    const bool has_owner = own.st_uid == status.st_uid && own.st_gid == status.st_gid;
+    return (has_owner || ::fchown(descriptor(), status.st_uid, status.st_gid) == 0) &&
            ::fchmod(descriptor(), status.st_mode & kPermissionBits) == 0;
   }
 

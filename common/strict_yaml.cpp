@@ -176,7 +176,7 @@ void StrictYaml::fail(const std::string& problem) const {
 std::string StrictYaml::place() const {
   const int line = node_.Mark().line + 1;
   std::string place = file_.string();
-  if (line > 0) place += ":" + std::to_string(line);
+  if (line > 0) place.append(":").append(std::to_string(line));
   return place + ": ";
 }
 

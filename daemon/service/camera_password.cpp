@@ -16,7 +16,7 @@ namespace {
 std::filesystem::path credentialFile(const CameraConfiguration& camera) {
   const char* given = std::getenv("CREDENTIALS_DIRECTORY");
   const std::string& name = camera.password_credential;
-  const std::filesystem::path beside = camera.credentials / name;
+  std::filesystem::path beside = camera.credentials / name;
   std::error_code error;
   if (given != nullptr && std::filesystem::exists(std::filesystem::path(given) / name, error))
     return std::filesystem::path(given) / name;

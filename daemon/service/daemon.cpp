@@ -253,7 +253,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
 
 std::string Daemon::Implementation::statusLine(const health_t& health) {
   if (!health.problem.empty()) return health.problem;
-  if (const std::string fault = health_.selfCheck().message(); !fault.empty()) return fault;
+  if (std::string fault = health_.selfCheck().message(); !fault.empty()) return fault;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
                      validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);

@@ -76,6 +76,17 @@ std::string shortest(double number) {
   return text.str();
 }
 
+/// Number of the first line whose indentation has a tab, which yaml-cpp does not name; 0 if there is none.
+int lineIndentedByTab(const std::string& text) {
+  std::istringstream stream(text);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::size_t end = line.find_first_not_of(" \t");
+    if (end != std::string::npos && line.find('\t') < end) return number;
+  }
+  return 0;
+}
+
 }  // namespace
 
 StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node)
@@ -93,6 +104,10 @@ StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name
     if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
     return root;
   } catch (const YAML::ParserException& error) {
+    if (const int line = lineIndentedByTab(text); line > 0) {
+      throw std::runtime_error(name.string() + ":" + std::to_string(line) +
+                               ": is not YAML: this line is indented by a tab; indent it by spaces");
+    }
     throw std::runtime_error(
         name.string() + ":" + std::to_string(error.mark.line + 1) + ": is not YAML: " +
         (isPrintable(error.msg) ? error.msg : "it holds characters that cannot be shown"));

@@ -64,7 +64,7 @@ std::string odometryCsv(const Replay& replay) {
     addTriangle(row, message.pose_covariance_body);
     addTriangle(row, message.twist_covariance_body);
     for (const std::int32_t count : {message.features, message.tracked, message.inliers})
-      row += "," + std::to_string(count);
+      row.append(",").append(std::to_string(count));
     csv += row + "\n";
   }
   return csv;

@@ -221,6 +221,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"BaselineInMillimetres", "translation: [-0.12, 0, 0]", "translation: [-120, 0, 0]",
               "27: T_right_left.translation: expected a baseline of 0.005 m to 10 m, found a sequence of 3 "
               "[-120, 0, 0]"},
+        Fault{"IndentedByTab", "  fx: 500.5", "\tfx: 500.5",
+              "9: is not YAML: this line is indented by a tab; indent it by spaces"},
         Fault{"NotYaml", "left:", "left: [", "10: is not YAML: end of sequence flow not found"}),
     [](const auto& test_case) { return test_case.param.name; });
 

@@ -100,12 +100,12 @@ TEST(StreamRecorder, StopsWithOneMessageIfAFileCannotGrow) {
 }
 
 TEST(StreamRecorder, WritesThroughNoLink) {
-  for (const std::string planted : {"recording.json", "000000", "000000/left.csv", "000000/left.mkv"}) {
+  for (const std::string planted : {"000000", "000000/left.csv", "000000/left.mkv"}) {
     const test::TemporaryFolder folder;
-    fs::create_directories((folder / ("drive/" + planted)).parent_path());
-    fs::create_symlink(folder / "victim", folder / ("drive/" + planted));
     std::string error = test::messageOf([&] {
       StreamRecorder recorder(settingsFor(folder / "drive"));
+      fs::create_directories((folder / ("drive/" + planted)).parent_path());
+      fs::create_symlink(folder / "victim", folder / ("drive/" + planted));
       recorder.left().onStream({VideoCodec::h264, {}});
       recorder.left().onUnit(unitAt(0));
       recorder.finish();
@@ -115,6 +115,15 @@ TEST(StreamRecorder, WritesThroughNoLink) {
                 HasSubstr(planted + ": is a symbolic link, through which another file would be written"));
     EXPECT_FALSE(fs::exists(folder / "victim")) << planted;
   }
+}
+
+TEST(StreamRecorder, RefusesFolderWithOtherFiles) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "drive");
+  fs::create_symlink(folder / "victim", folder / "drive/recording.json");
+  EXPECT_THAT(test::messageOf([&] { const StreamRecorder recorder(settingsFor(folder / "drive")); }),
+              HasSubstr("drive is not empty; name a new folder"));
+  EXPECT_FALSE(fs::exists(folder / "victim"));
 }
 
 constexpr int kNotPermitted = 77;
@@ -282,13 +291,13 @@ TEST(StreamRecorder, ResumesInNewSegmentAfterFullDisk) {
 
 TEST(StreamRecorder, DropsPicturesUpToKeyPictureOnSlowDiskWithoutBlocking) {
   const test::TemporaryFolder folder;
-  fs::create_directories(folder / "drive/000000");
   const fs::path video = folder / "drive/000000/left.mkv";
-  ASSERT_EQ(mkfifo(video.c_str(), 0600), 0);  // opening it blocks until there is a reader
   RecordingSettings settings = settingsFor(folder / "drive");
   for (int i = 0; i < 20; ++i)
     settings.queue_bytes = i == 0 ? unitAt(0).data.size() : settings.queue_bytes + unitAt(i).data.size();
   StreamRecorder recorder(settings);
+  fs::create_directories(folder / "drive/000000");
+  ASSERT_EQ(mkfifo(video.c_str(), 0600), 0);  // opening it blocks until there is a reader
   recorder.left().onStream({VideoCodec::h264, {}});
   for (int i = 0; i < 40; ++i)
     recorder.left().onUnit(unitAt(i));

@@ -119,9 +119,14 @@ TEST(PipelineLive, ReducesFeaturesOnSlowComputer) {
   const calib::Rig rig = test::smallRig();
   PairProcessor processor = test::smallProcessor(rig);
   const int configured = processor.features();
-  TickingCamera left(leftWall), right(rightWall);
-  // No computer processes a pair within this frame period of 1 us.
-  Pipeline pipeline(left, right, processor, {rig.left.size, 1000});
+  // No computer processes a pair within a frame period of 1 us.
+  const auto fast = [](int disparity) {
+    return [disparity](int index, std::int64_t /*exposure_ns*/) {
+      return test::wallFrame(index, disparity, 1'000 * (index + 1));
+    };
+  };
+  TickingCamera left(fast(0)), right(fast(12));
+  Pipeline pipeline(left, right, processor, {rig.left.size, 0});
   std::vector<int> features;
   pipeline.runLive({[&](const PairResult& result) {
                       features.push_back(result.features);

@@ -83,7 +83,8 @@ TEST(SequenceContent, ErrorNamesFileAndProblem) {
   std::ofstream(folder / "b" / "image_0" / "000000.png") << "not a picture";
   EXPECT_EQ(errorOf(folder / "b"),
             (folder / "b" / "image_0" / "000000.png").string() +
-                ": cannot be decoded as an image; expected a complete PNG or JPEG file; copy it again");
+                ": cannot be decoded as an image; expected a complete file in one of the "
+                "formats PNG, JPEG, PGM, PPM, BMP, TIFF, WebP; copy it again");
 
   renderFolder(folder / "c", pattern, {});
   fs::remove(folder / "c" / "rig.yaml");

@@ -107,7 +107,7 @@ use_v4l2() {
   cp $simulation/v4l2-rig.yaml /etc/cartvo/v4l2-rig.yaml
   # The first url is the left camera's; a V4L2 camera has no user name and password.
   sed -i -e '0,/url: rtsp.*/s||url: v4l2:/dev/video0|' -e 's|url: rtsp.*|url: v4l2:/dev/video1|' -e '/^ *username:/d' \
-    -e '/^ *password_credential:/d' -e 's|^  frame_rate: .*|  frame_rate: 5|' -e 's|^rig: .*|rig: v4l2-rig.yaml|' $configuration
+    -e '/^ *password_credential:/d' -e 's|^  # frame_rate: .*|  frame_rate: 5|' -e 's|^rig: .*|rig: v4l2-rig.yaml|' $configuration
 }
 use_ip_cameras() {
   rm -r /etc/systemd/system/cartvod.service.d
@@ -229,7 +229,7 @@ set_up() { # the steps of cartvod(8)
   install -D -m 600 "$state/password" $credentials/right-camera-password
   install -m 644 "$simulation/rig.yaml" /etc/cartvo/rig.yaml
   sed -i -e "s|rtsp://192.168.1.64:554/|rtsp://$left_address:8554/|" -e "s|rtsp://192.168.1.65:554/|rtsp://$right_address:8554/|" \
-    -e 's|^  frame_rate: 18$|  frame_rate: 3|' -e 's|^  stall_timeout: 1$|  stall_timeout: 3|' \
+    -e 's|^  stall_timeout: 1$|  stall_timeout: 3|' \
     -e 's|^  features: 1000$|  features: 150|' $configuration
   systemctl daemon-reload
   systemctl enable --quiet --now --no-block cartvod
@@ -277,6 +277,10 @@ first_boot() {
   check "was not restarted meanwhile" is NRestarts 0
   check "runs as its own user, without capabilities, with a system-call filter" runs_confined
   check "another user receives odometry over LCM" received 45 valid -ge 10 lost -eq 0
+  date -s '+1 hour' >/dev/null
+  check "the host's clock is set forward by an hour: valid, with instants of now" received 15 valid -ge 4 age_p50_ms -lt 3000
+  date -s '-1 hour' >/dev/null
+  check "the host's clock is set back: valid, with instants of now" received 15 valid -ge 4 age_p50_ms -lt 3000
   check "exposure of cartvod.service at most 2.0" has_low_exposure cartvod.service
   check "exposure of cartvo-multicast.service at most 2.0" has_low_exposure cartvo-multicast.service
 

@@ -130,7 +130,7 @@ TEST(PipelineLive, ReducesFeaturesOnSlowComputer) {
   std::vector<int> features;
   pipeline.runLive({[&](const PairResult& result) {
                       features.push_back(result.features);
-                      if (features.size() == 5) pipeline.stop();
+                      if (features.size() == 12) pipeline.stop();
                     },
                     {}});
   ASSERT_FALSE(features.empty());

@@ -28,6 +28,11 @@ std::optional<std::size_t> terminalColumns(int descriptor) {
   return given > 0 ? static_cast<std::size_t>(std::min(given, kMaxColumns)) : kUsual;
 }
 
+std::size_t lineColumns(std::FILE* stream) {
+  constexpr std::size_t kUnlimited = 1000;
+  return terminalColumns(fileno(stream)).value_or(kUnlimited + 1) - 1;
+}
+
 std::size_t textColumns(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), startsCharacter));
 }

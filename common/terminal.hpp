@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,10 @@ namespace cartvo {
 /// Number of columns of the terminal that `descriptor` is open on; empty if it is none. A terminal that does
 /// not know its width counts as $COLUMNS, else as 80.
 std::optional<std::size_t> terminalColumns(int descriptor);
+
+/// Number of columns for a line that is redrawn in place on `stream`: one less than the terminal has, since a
+/// full line would wrap; 1000 if the stream is no terminal.
+std::size_t lineColumns(std::FILE* stream);
 
 /// Number of columns that printable UTF-8 text takes, one for each character.
 std::size_t textColumns(std::string_view text);

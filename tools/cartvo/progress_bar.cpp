@@ -25,7 +25,8 @@ std::string formatted(const char* format, auto... values) {
 
 std::string bar(std::size_t done, std::size_t expected, std::size_t columns) {
   const std::size_t filled = std::min(columns, columns * done / expected);
-  return "[" + std::string(filled, '#') + std::string(columns - filled, '.') + "] ";
+  std::string text = "[";
+  return text.append(filled, '#').append(columns - filled, '.').append("] ");
 }
 
 }  // namespace
@@ -62,11 +63,8 @@ void ProgressBar::show(std::size_t done, std::size_t expected) {
   last_drawn_ = now;
   drawn_ = true;
   ended_ = ends;
-  constexpr std::size_t kUnlimited = 200;
-  // A line that fills the last column would wrap.
-  const std::size_t columns = terminalColumns(STDERR_FILENO).value_or(kUnlimited + 1) - 1;
-  const std::string line =
-      progressLine(done, expected, unit_, std::chrono::duration<double>(now - start_).count(), columns);
+  const std::string line = progressLine(
+      done, expected, unit_, std::chrono::duration<double>(now - start_).count(), lineColumns(stderr));
   std::fprintf(stderr, is_terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
   std::fflush(stderr);
 }

@@ -4,9 +4,26 @@
 
 #include <cstdio>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include "common/terminal.hpp"
+
 namespace cartvo {
+namespace {
+
+constexpr std::size_t kUnlimited = 1000;  // columns
+
+}  // namespace
+
+std::string guideLine(const StreamProgress& progress, std::size_t columns) {
+  const std::string views = fmt::format("{:.0f} s, {} views", progress.seconds, progress.so_far.views.size());
+  const std::string corners = fmt::format("; corners: left {}, right {}", progress.left.corners.size(),
+                                          progress.right.corners.size());
+  const std::string advice = "; " + progress.advice;
+  const std::string full = views + corners + advice;
+  return textColumns(full) <= columns ? full : cutToColumns(views + advice, columns);
+}
 
 ViewGuide::ViewGuide() : is_terminal_(isatty(STDERR_FILENO) == 1), last_drawn_(Clock::now()) {}
 
@@ -16,11 +33,8 @@ void ViewGuide::show(const StreamProgress& progress) {
   if (Clock::now() - last_drawn_ < pause) return;
   last_drawn_ = Clock::now();
   drawn_ = true;
-  std::fprintf(stderr,
-               is_terminal_ ? "\r\033[K%4.0f s, %zu views; corners: left %zu, right %zu; %s"
-                            : "cartvo: %.0f s, %zu views; corners: left %zu, right %zu; %s\n",
-               progress.seconds, progress.so_far.views.size(), progress.left.corners.size(),
-               progress.right.corners.size(), progress.advice.c_str());
+  const std::string line = guideLine(progress, is_terminal_ ? lineColumns(stderr) : kUnlimited);
+  std::fprintf(stderr, is_terminal_ ? "\r\033[K%s" : "cartvo: %s\n", line.c_str());
   std::fflush(stderr);
 }
 

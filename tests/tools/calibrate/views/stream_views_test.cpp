@@ -13,6 +13,7 @@
 
 #include "support/calib/board_scene.hpp"
 #include "support/calib/rigs.hpp"
+#include "tools/calibrate/views/view_guide.hpp"
 
 namespace cartvo {
 namespace {
@@ -129,6 +130,20 @@ TEST(StreamViews, StopsOnRequest) {
 
 TEST(StreamViews, TakesNoViewOfAMovingBoard) {
   EXPECT_TRUE(viewsOf([](double time) { return 4.0 * time; }).views.empty());
+}
+
+TEST(ViewGuide, LineFitsTheTerminal) {
+  StreamProgress progress;
+  progress.seconds = 12.0;
+  progress.advice = "the right camera gives no picture: the camera refused the password";
+  EXPECT_EQ(
+      guideLine(progress, 1000),
+      "12 s, 0 views; corners: left 0, right 0; the right camera gives no picture: the camera refused the "
+      "password");
+  EXPECT_EQ(guideLine(progress, 90),
+            "12 s, 0 views; the right camera gives no picture: the camera refused the password");
+  for (const std::size_t columns : {79u, 30u, 2u, 0u})
+    EXPECT_LE(guideLine(progress, columns).size(), columns);
 }
 
 /// A camera that refuses the password.

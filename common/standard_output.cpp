@@ -5,7 +5,18 @@
 #include <cstdio>
 #include <system_error>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace cartvo {
+
+void occupyStandardDescriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0) continue;
+    // Takes the lowest free number, which is this one. Reading only: writing to it must stay an error.
+    if (::open("/dev/null", O_RDONLY) != descriptor) return;
+  }
+}
 
 std::string standardOutputError() {
   const bool failed_before = std::ferror(stdout) != 0;

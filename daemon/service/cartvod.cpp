@@ -101,6 +101,7 @@ int run(const CommandLine& command_line) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
+  cartvo::occupyStandardDescriptors();
   cartvo::daemon::setUpLog(spdlog::level::info);
   CLI::App app;
   CommandLine command_line;

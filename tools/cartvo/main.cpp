@@ -61,6 +61,7 @@ int run(CLI::App& cartvo, std::vector<std::string> arguments) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
+  cartvo::occupyStandardDescriptors();
   CLI::App cartvo{"cartvo: motion from two ordinary IP cameras", "cartvo"};
   cartvo.set_version_flag("-V,--version", "cartvo " CARTVO_VERSION);
   cartvo.require_subcommand(1);

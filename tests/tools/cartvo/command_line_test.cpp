@@ -1,6 +1,7 @@
 // Tests of what all commands of `cartvo` share: errors of the command line, help, standard output, plots.
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -69,6 +70,17 @@ TEST(StandardOutput, ThatCannotBeWrittenIsAFailure) {
     EXPECT_EQ(result.exit_code, 1) << command;
     EXPECT_THAT(result.output, HasSubstr("cartvo: standard output cannot be written")) << command;
   }
+}
+
+TEST(StandardOutput, ThatIsClosedIsAFailureAndNoResultFile) {
+  const test::TemporaryFolder folder;
+  const std::string plot = folder / "plan.svg";
+  const test::CommandResult closed =
+      test::runCommand(test::cartvoProgram().string() + " calibrate plan --hfov 70 --plot " + plot + " >&-");
+  EXPECT_EQ(closed.exit_code, 1);
+  std::ifstream stream(plot);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_THAT(text, AllOf(StartsWith("<svg"), ::testing::EndsWith("</svg>\n")));
 }
 
 TEST(Plot, HasTheFormatOfItsName) {

@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 
 std::int64_t nowUtime() {
-  return hostNow() / kNanosecondsPerMicrosecond;
+  return wallClockNow() / kNanosecondsPerMicrosecond;
 }
 
 }  // namespace

@@ -67,16 +67,20 @@ inline bool isCovariance(const double (&covariance)[36]) {
   return has_variances;
 }
 
-/// Whether the measurements of a VALID message are possible ones.
-inline bool hasSense(const odometry_t& message, const OdometryLimits& limits = {}) {
+/// Whether pose, velocities and covariances are possible ones.
+inline bool hasPossibleMotion(const odometry_t& message, const OdometryLimits& limits = {}) {
   const double* q = message.orientation_world_body;
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   constexpr double kTolerance = 1e-3;
   return allWithin(message.velocity_body, limits.speed) &&
          allWithin(message.angular_velocity_body, limits.turn_rate) &&
          allWithin(message.position_world_body, limits.distance) && std::abs(norm - 1.0) <= kTolerance &&
-         isCovariance(message.twist_covariance_body) && isCovariance(message.pose_covariance_body) &&
-         message.time_to_live_us > 0 && message.time_to_live_us <= limits.max_time_to_live_us;
+         isCovariance(message.twist_covariance_body) && isCovariance(message.pose_covariance_body);
+}
+
+/// Whether the message says VALID, and nothing in it speaks against that.
+inline bool isConsistent(const odometry_t& message) {
+  return message.status == odometry_t::VALID && (message.reasons & ~odometry_t::REASON_ZERO_VELOCITY) == 0;
 }
 
 /// Age of the message at `now_utime`, us; negative: from the future. The extremes of int64 are limited, so
@@ -90,9 +94,10 @@ inline std::int64_t ageUs(const odometry_t& message, std::int64_t now_utime) {
 inline OdometryVerdict judge(const odometry_t& message, std::int64_t now_utime,
                              const OdometryLimits& limits = {}) {
   if (message.status == odometry_t::INVALID) return OdometryVerdict::invalid;
-  if (message.status != odometry_t::VALID || (message.reasons & ~odometry_t::REASON_ZERO_VELOCITY) != 0)
-    return OdometryVerdict::contradicted;
-  if (!hasSense(message, limits)) return OdometryVerdict::senseless;
+  if (!isConsistent(message)) return OdometryVerdict::contradicted;
+  const bool has_time_to_live =
+      message.time_to_live_us > 0 && message.time_to_live_us <= limits.max_time_to_live_us;
+  if (!has_time_to_live || !hasPossibleMotion(message, limits)) return OdometryVerdict::senseless;
   const std::int64_t age = ageUs(message, now_utime);
   if (age < -limits.max_future_us) return OdometryVerdict::future;
   return age <= std::min(message.time_to_live_us, limits.max_age_us) ? OdometryVerdict::usable

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/statistics.hpp"
+#include "tools/subscribers/odometry_check.hpp"
 
 namespace cartvo {
 namespace {
@@ -24,7 +25,22 @@ StampedPose pose(const odometry_t& message) {
   return stamped;
 }
 
+/// Whether sums and differences of the message's integers cannot overflow: instants until the year 2100,
+/// in ns too, and a count that is not negative.
+bool hasPossibleNumbers(const odometry_t& message) {
+  constexpr std::int64_t kLatest_us = 4'102'444'800'000'000;
+  for (const std::int64_t instant : {message.utime, message.arrival_utime, message.publication_utime}) {
+    if (instant < -kLatest_us || instant > kLatest_us) return false;
+  }
+  constexpr std::int64_t kMaxSequence = std::int64_t{1} << 53;
+  return message.sequence >= 0 && message.sequence < kMaxSequence;
+}
+
 }  // namespace
+
+bool isUsableWhenFresh(const odometry_t& message) {
+  return isConsistent(message) && hasPossibleMotion(message);
+}
 
 std::optional<double> latencyMs(const odometry_t& message) {
   const double latency = static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3;
@@ -60,12 +76,17 @@ bool OdometryStatistics::isLateOrRepeated(const odometry_t& message) const {
 }
 
 void OdometryStatistics::addMessage(const odometry_t& message, std::int64_t reception_ns) {
+  if (!hasPossibleNumbers(message)) {
+    ++counts_.senseless;
+    return;
+  }
   if (isLateOrRepeated(message)) return;
   countMessage(message);
   last_publication_utime_ = message.publication_utime;
   const bool same_epoch = last_was_valid_ && message.reset_counter == last_reset_counter_;
   last_reset_counter_ = message.reset_counter;
-  last_was_valid_ = message.status == odometry_t::VALID;
+  last_was_valid_ = isUsableWhenFresh(message);
+  if (message.status == odometry_t::VALID && !last_was_valid_) ++counts_.senseless;
   if ((message.reasons & odometry_t::REASON_NO_PAIR) != 0) {
     ++counts_.no_pair;
     return;

@@ -14,12 +14,17 @@ namespace cartvo {
 /// than the publication by more than a minute.
 std::optional<double> latencyMs(const odometry_t& message);
 
+/// Whether a controller could use the message while it is fresh: VALID, with possible numbers and no reason
+/// against it.
+bool isUsableWhenFresh(const odometry_t& message);
+
 /// Summary of the received CARTVO_ODOMETRY messages. Latency and age are NaN if all of them replay a
 /// recording.
 struct OdometrySummary {
   std::int64_t messages = 0;
-  std::int64_t lost = 0;     ///< missing sequence numbers
-  std::int64_t no_pair = 0;  ///< messages without a stereo pair
+  std::int64_t lost = 0;       ///< missing sequence numbers
+  std::int64_t no_pair = 0;    ///< messages without a stereo pair
+  std::int64_t senseless = 0;  ///< messages whose numbers are not possible, or VALID with a reason against it
   std::int64_t valid = 0;
   std::int64_t restarts = 0;    ///< restarts of the daemon: the sequence number decreased
   bool two_publishers = false;  ///< the sequence numbers of two daemons alternated

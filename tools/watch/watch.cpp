@@ -25,6 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kPoll_ms = 50;
 constexpr int kQueueCapacity = 1000;
+constexpr std::size_t kUnlimitedColumns = 1000;
 constexpr const char* kTwoPublishers =
     "two daemons publish on this channel: their sequence numbers alternate, and controllers receive both "
     "motions. Stop one, or give it another lcm.url";
@@ -49,10 +50,7 @@ class LiveLine {
     if (drawn_ && secondsSince(last_) < (redraws_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
-    constexpr std::size_t kUnlimited = 1000;
-    // A line that fills the last column would wrap.
-    const std::size_t columns =
-        redraws_ ? terminalColumns(fileno(stream_)).value_or(kUnlimited + 1) - 1 : kUnlimited;
+    const std::size_t columns = redraws_ ? lineColumns(stream_) : kUnlimitedColumns;
     const std::string line = liveLine(message, statistics.currentFrameRate(wallClockNow()), clocks, columns);
     std::fprintf(stream_, redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stream_);
@@ -248,6 +246,9 @@ std::string clockText(const health_t& message) {
 std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks,
                      std::size_t columns) {
   const std::string rate = fmt::format("{:5.1f} fps", frame_rate);
+  if (message.status == odometry_t::VALID && !isUsableWhenFresh(message))
+    return cutToColumns(rate + "  VALID, but with impossible numbers or a reason against it: not to be used",
+                        columns);
   if (message.status != odometry_t::VALID)
     return cutToColumns(rate + "  INVALID: " + daemon::reasonNames(message.reasons), columns);
   const std::optional<double> latency = latencyMs(message);
@@ -284,6 +285,11 @@ std::string summaryText(const OdometrySummary& summary) {
              summary.valid, 100.0 * static_cast<double>(summary.valid) / static_cast<double>(pairs),
              summary.frame_rate, summary.seconds, delayText(summary), summary.offset_median_ms,
              summary.path_length, summary.resets, summary.restarts) +
+         (summary.senseless == 0
+              ? ""
+              : fmt::format("senseless         {} messages with impossible numbers, or VALID with "
+                            "a reason against it: not of a working cartvod\n",
+                            summary.senseless)) +
          (summary.two_publishers ? std::string(kTwoPublishers) + "\n" : "");
 }
 
@@ -297,6 +303,7 @@ std::string summaryJson(const OdometrySummary& summary) {
       {"restarts", summary.restarts},
       {"resets", summary.resets},
       {"two_publishers", summary.two_publishers},
+      {"senseless", summary.senseless},
       {"seconds", summary.seconds},
       {"frame_rate", summary.frame_rate},
       {"path_length_m", summary.path_length},

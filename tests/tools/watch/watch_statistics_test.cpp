@@ -1,5 +1,6 @@
 // Tests of the statistics and texts of `cartvo watch`: lost messages, restarts, latency, path length.
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -151,6 +152,36 @@ TEST(WatchText, NamesTheChannelsOfAnotherDefinition) {
   EXPECT_NE(foreignDefinitionText(true, false).find("CARTVO_ODOMETRY, but of another definition"),
             std::string::npos);
   EXPECT_NE(foreignDefinitionText(true, true).find("CARTVO_ODOMETRY and CARTVO_HEALTH"), std::string::npos);
+}
+
+TEST(WatchStatistics, CountsSenselessMessagesApart) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kSmallest = std::numeric_limits<std::int64_t>::min();
+  OdometryStatistics statistics;
+  add(statistics, message(0, 0.0));
+  for (const std::int64_t extreme : {kLargest, kSmallest}) {
+    for (std::int64_t odometry_t::*const member : {&odometry_t::utime, &odometry_t::arrival_utime,
+                                                   &odometry_t::publication_utime, &odometry_t::sequence}) {
+      odometry_t wrong = message(1, 0.0);
+      wrong.*member = extreme;
+      statistics.addMessage(wrong, 1'000'000'000);
+    }
+  }
+  odometry_t not_finite = message(1, std::nan(""));
+  add(statistics, not_finite);
+  odometry_t contradicted = message(2, 0.1);
+  contradicted.reasons = odometry_t::REASON_HIGH_RESIDUAL;
+  add(statistics, contradicted);
+  odometry_t huge = message(3, 0.1);
+  huge.velocity_body[0] = 1e300;
+  add(statistics, huge);
+  EXPECT_LT(liveLine(huge, 18.0).size(), 120u);
+  add(statistics, message(4, 0.4));
+  const OdometrySummary summary = statistics.summarise();
+  EXPECT_EQ(summary.senseless, 11);
+  EXPECT_EQ(summary.valid, 2);
+  EXPECT_TRUE(std::isfinite(summary.path_length));
+  EXPECT_NE(summaryText(summary).find("11 messages with impossible numbers"), std::string::npos);
 }
 
 TEST(WatchText, LiveLineFitsTheTerminal) {

@@ -11,8 +11,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto trajectory = fuzz::parseOrReject([&] { return readTrajectory(file); }, file.string());
   if (!trajectory) return 0;
   fuzz::require(!trajectory->empty(), "a trajectory has a pose");
-  const bool is_kitti = isKittiTrajectory(file);
-  (is_kitti ? writeKitti : writeTum)(file, *trajectory);
+  if (isKittiTrajectory(file)) {
+    writeKitti(file, *trajectory);
+  } else {
+    writeTum(file, *trajectory);
+  }
   const Trajectory again = readTrajectory(file);
   fuzz::require(again.size() == trajectory->size(), "a trajectory is read back, row by row");
   for (std::size_t i = 0; i < again.size(); ++i) {

@@ -153,7 +153,7 @@ bool RtspClient::takeResponse(const RtspHead& head, Clock::time_point deadline) 
 
 /// URL to which a response redirects, on the same server. Throws RtspError if it is another one.
 std::string RtspClient::redirected(const RtspHead& head) const {
-  const std::string location(head.header("location").value_or(""));
+  std::string location(head.header("location").value_or(""));
   std::string why;
   try {
     checkRtspUrl(location);

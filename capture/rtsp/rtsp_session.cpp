@@ -59,10 +59,10 @@ struct RtspSession::Connection {
         interrupted(stop),
         client(camera_settings, stop, [this](const RtspInput& input) { takeInterleaved(input); }),
         url(camera_settings.url),
-        sequencer(is_udp() ? kUdpWindow : 0, kUdpPatience_ns),
+        sequencer(isUdp() ? kUdpWindow : 0, kUdpPatience_ns),
         receiver(std::random_device{}()) {}
 
-  bool is_udp() const { return settings.transport == RtspTransport::udp; }
+  bool isUdp() const { return settings.transport == RtspTransport::udp; }
 
   void open();
   void describe();
@@ -167,7 +167,7 @@ void RtspSession::Connection::describe() {
 
 void RtspSession::Connection::setUp() {
   std::string transport = "RTP/AVP/TCP;unicast;interleaved=0-1";
-  if (is_udp()) {
+  if (isUdp()) {
     try {
       udp = std::make_unique<UdpPorts>(client.socket().peer().ss_family);
     } catch (const std::system_error& error) {
@@ -180,7 +180,7 @@ void RtspSession::Connection::setUp() {
   const RtspResponse response = client.request("SETUP", stream_url, {{"Transport", transport}}, deadline);
   requireSuccess("SETUP", response.head);
   const std::string_view answer = response.head.header("transport").value_or("");
-  if (is_udp()) {
+  if (isUdp()) {
     const int port = leadingNumber(parameter(answer, "server_port")).value_or(0);
     if (port > 0 && port < 65535) udp->setPeer(client.socket().peer(), static_cast<std::uint16_t>(port));
   } else {

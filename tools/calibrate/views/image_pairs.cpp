@@ -66,6 +66,13 @@ ImagePairs withUsedBits(ImagePairs pairs) {
 }  // namespace
 
 ImagePairs pairsInFolder(const fs::path& folder) {
+  if (!fs::exists(folder)) {
+    throw std::runtime_error(
+        folder.string() +
+        ": does not exist, and so contains no subfolders image_0 (left) and image_1 (right); "
+        "'cartvo calibrate' takes such a folder, a recording, 'live', or one of the commands "
+        "board, check, convert, mount and plan");
+  }
   const capture::ImageSubfolders images = capture::findImageSubfolders(folder);
   if (images.left.empty()) {
     throw std::runtime_error(folder.string() +

@@ -80,7 +80,7 @@ Eigen::Isometry3d readRightFromLeft(const StrictYaml& left, const StrictYaml& ri
         "has no T_cn_cnm1 (against cam0), nor have both cameras T_cam_imu or T_imu_cam (against the IMU)");
   }
   const StrictYaml yaml = right["T_cn_cnm1"];
-  const Eigen::Isometry3d chained = readTransform(yaml);
+  Eigen::Isometry3d chained = readTransform(yaml);
   if (by_imu) requireEqual(chained, *by_imu, yaml);
   return chained;
 }

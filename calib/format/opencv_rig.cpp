@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "calib/format/rig_parts.hpp"
@@ -28,6 +29,14 @@ class OpenCvFiles {
   std::optional<StrictYaml> find(const std::string& key) const {
     for (const StrictYaml& file : files_) {
       if (file.has(key)) return file[key];
+    }
+    return std::nullopt;
+  }
+
+  /// The value of the first of `keys` that exists; nothing if none does.
+  std::optional<StrictYaml> findAny(std::initializer_list<const char*> keys) const {
+    for (const char* const key : keys) {
+      if (auto value = find(key)) return value;
     }
     return std::nullopt;
   }
@@ -75,18 +84,18 @@ CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::
 
 /// The images' size in the files, else the given one. Throws if both exist and differ, or none exists.
 cv::Size readSize(const OpenCvFiles& files, std::optional<cv::Size> given) {
-  std::optional<cv::Size> size;
-  std::optional<StrictYaml> yaml = files.find("image_size");
-  if (!yaml) yaml = files.find("imageSize");
-  if (yaml) size = readImageSize(*yaml);
+  const std::optional<StrictYaml> one = files.findAny({"image_size", "imageSize"});
   const std::optional<StrictYaml> width = files.find("image_width"), height = files.find("image_height");
-  if (!size && width && height) {
+  std::optional<cv::Size> size;
+  if (one) {
+    size = readImageSize(*one);
+  } else if (width && height) {
     size = cv::Size(static_cast<int>(width->integer(kMinImageSide, kMaxImageSide)),
                     static_cast<int>(height->integer(kMinImageSide, kMaxImageSide)));
-    yaml = width;
   }
   if (size && given && *size != *given)
-    yaml->fail("the file is for images of " + sizeText(*size) + ", not of " + sizeText(*given));
+    (one ? *one : *width)
+        .fail("the file is for images of " + sizeText(*size) + ", not of " + sizeText(*given));
   return size ? *size : given.value_or(cv::Size());
 }
 

@@ -10,6 +10,7 @@
 #include "calib/format/kalibr_rig.hpp"
 #include "calib/format/matlab_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
+#include "calib/format/rig_parts.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
 #include "common/atomic_file.hpp"
@@ -65,7 +66,7 @@ Eigen::Isometry3d readTransform(const StrictYaml& yaml) {
 Rig requireUsual(Rig rig, const std::filesystem::path& name, const char* advice) {
   const std::string finding = rig.unusual_geometry ? "" : unusualGeometry(rig);
   if (finding.empty()) return rig;
-  throw std::runtime_error(name.string() + ": " + finding + ". If the rig is really so, " + advice);
+  throw std::runtime_error(name.string() + ": " + finding + " If the rig is really so, " + advice);
 }
 
 Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name) {
@@ -173,7 +174,7 @@ std::optional<Rig> parseForeignRig(const StrictYaml& yaml, const std::filesystem
 }
 
 Rig readRig(const std::filesystem::path& file) {
-  return parseAnyRig(StrictYaml::readFile(file), file);
+  return parseAnyRig(readYamlOrXml(file), file);
 }
 
 Rig parseRig(const std::string& text, const std::filesystem::path& name) {

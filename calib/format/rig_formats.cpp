@@ -10,6 +10,7 @@
 #include "calib/format/matlab_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/rig_parts.hpp"
 #include "calib/format/ros_rig.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "common/input_file.hpp"
@@ -45,7 +46,7 @@ void requireText(const fs::path& file) {
 
 Rig readOneFile(const fs::path& file, const RigReading& reading) {
   requireText(file);
-  const StrictYaml yaml = StrictYaml::readFile(file);
+  const StrictYaml yaml = readYamlOrXml(file);
   if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
   if (isKittiRig(yaml) && !isOpenCvRig(yaml))
     return parseKittiRig(yaml, file, reading.image_size, reading.cameras);
@@ -60,7 +61,7 @@ Rig readOneFile(const fs::path& file, const RigReading& reading) {
 Rig readTwoFiles(const fs::path& first, const fs::path& second, const RigReading& reading) {
   requireText(first);
   requireText(second);
-  const StrictYaml yaml = StrictYaml::readFile(first), other = StrictYaml::readFile(second);
+  const StrictYaml yaml = readYamlOrXml(first), other = readYamlOrXml(second);
   if (yaml.has("T_BS")) return readEurocRig(first, second);
   if (isOpenCvRig(yaml) && isOpenCvRig(other))
     return parseOpenCvRig({yaml, other}, first, reading.image_size);
@@ -98,7 +99,7 @@ Rig readRigFiles(const std::vector<fs::path>& files, const RigReading& reading) 
   if (finding.empty() || rig.unusual_geometry) return rig;
   if (!reading.unusual_geometry) {
     throw std::runtime_error(files.back().string() + ": " + finding +
-                             ". If the rig is really so, convert it with --unusual-geometry");
+                             " If the rig is really so, convert it with --unusual-geometry");
   }
   rig.unusual_geometry = true;
   return rig;

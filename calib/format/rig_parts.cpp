@@ -5,10 +5,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <opencv2/core.hpp>
+#include <opencv2/core/persistence.hpp>
+
 #include "calib/format/rig_file.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
 #include "common/exact_text.hpp"
+#include "common/input_file.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -17,6 +21,30 @@ template <int N>
 std::vector<double> rowByRow(const Eigen::Matrix<double, N, N>& matrix) {
   const Eigen::Matrix<double, N, N, Eigen::RowMajor> rows = matrix;
   return {rows.data(), rows.data() + rows.size()};
+}
+
+/// The values of OpenCV's FileStorage in XML, as YAML. Throws cv::Exception if the text is no FileStorage.
+std::string yamlFromXml(const std::string& xml) {
+  const cv::FileStorage storage(xml, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+  cv::FileStorage yaml(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  const cv::FileNode root = storage.root();
+  for (const cv::String& key : root.keys()) {
+    const cv::FileNode node = root[key];
+    if (node.isMap()) {
+      cv::Mat matrix;
+      node >> matrix;
+      yaml << key << matrix;
+    } else if (node.isSeq()) {
+      std::vector<double> values;
+      node >> values;
+      yaml << key << values;
+    } else if (node.isInt()) {
+      yaml << key << static_cast<int>(node);
+    } else if (node.isReal()) {
+      yaml << key << static_cast<double>(node);
+    }
+  }
+  return yaml.releaseAndGetString();
 }
 
 }  // namespace
@@ -29,6 +57,19 @@ Rig importedRig(Rig rig, const std::filesystem::path& file) {
     throw std::runtime_error(file.string() + ": " + error.what());
   }
   return rig;
+}
+
+StrictYaml readYamlOrXml(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxBytes = 1U << 20U;
+  const std::string text = readInputText(file, kMaxBytes);
+  if (!text.starts_with("<?xml")) return StrictYaml::parse(text, file);
+  std::string yaml;
+  try {
+    yaml = yamlFromXml(text);
+  } catch (const cv::Exception&) {
+    throw std::runtime_error(file.string() + ": is XML, but not a complete FileStorage of OpenCV");
+  }
+  return StrictYaml::parse(yaml, file);
 }
 
 cv::Size readImageSize(const StrictYaml& yaml) {
@@ -54,7 +95,10 @@ std::vector<double> readMatrix(const StrictYaml& yaml, std::size_t count) {
 
 Eigen::Matrix3d rotationFrom(const std::vector<double>& rows, const StrictYaml& yaml) {
   const Eigen::Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
-  if (!isRotation(matrix)) yaml.failExpecting("a rotation with orthonormal rows");
+  if (!isRotation(matrix)) {
+    yaml.fail("expected a rotation with orthonormal rows, found " +
+              exactText(std::vector<double>(rows.begin(), rows.begin() + 9)));
+  }
   return nearestRotation(matrix);
 }
 
@@ -113,11 +157,15 @@ void setDistortion(const std::vector<double>& coefficients, const StrictYaml& ya
   const std::size_t used = std::min(coefficients.size(), distortionCount(camera.lens));
   std::copy_n(coefficients.begin(), used, camera.distortion.begin());
   const auto beyond = coefficients.begin() + static_cast<std::ptrdiff_t>(used);
-  if (std::all_of(beyond, coefficients.end(), [](double coefficient) { return coefficient == 0.0; })) return;
-  yaml.failExpecting(
+  const auto extra = std::find_if(beyond, coefficients.end(), [](double value) { return value != 0.0; });
+  if (extra == coefficients.end()) return;
+  const auto index = static_cast<std::size_t>(extra - coefficients.begin());
+  const std::string found = "; coefficient " + std::to_string(index + 1) + " is " + exactText(*extra);
+  yaml.fail(
       camera.lens == LensModel::wide
-          ? "4 coefficients (k1 k2 k3 k4)"
-          : "at most 8 coefficients (k1 k2 p1 p2 k3 k4 k5 k6); thin-prism and tilt ones are not supported");
+          ? "expected 4 coefficients (k1 k2 k3 k4)" + found
+          : "expected at most 8 coefficients (k1 k2 p1 p2 k3 k4 k5 k6)" + found +
+                ": thin-prism (s1 to s4) and tilt (tx ty) ones are not supported; calibrate without them");
 }
 
 std::vector<double> firstCoefficients(const CameraModel& camera, std::size_t count, const char* format) {

@@ -20,6 +20,9 @@ namespace cartvo::calib {
 /// the file's name if the rig is invalid.
 Rig importedRig(Rig rig, const std::filesystem::path& file);
 
+/// Reads a file of YAML, or of OpenCV's FileStorage in XML, whose values become those of YAML.
+StrictYaml readYamlOrXml(const std::filesystem::path& file);
+
 /// An image size as [width, height]. MATLAB's is [height, width]: the caller swaps.
 cv::Size readImageSize(const StrictYaml& yaml);
 

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "calib/model/rotation.hpp"
 #include "common/units.hpp"
@@ -36,33 +38,45 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
   }
 }
 
-/// Collects what is unusual, separated by "; ".
+/// Collects unusual values, and for each kind of them what they may mean instead.
 class Findings {
  public:
-  /// Adds "SUBJECT is VALUE, expected MIN to MAXUNIT: ADVICE" if the value lies outside.
+  /// Adds "SUBJECT is VALUE (expected MIN to MAX UNIT)" if the value lies outside.
   void check(const std::string& subject, double value, double min, double max, const char* unit,
-             const std::string& advice) {
+             const std::string& question) {
     if (value >= min && value <= max) return;
-    text_ += (text_.empty() ? "" : "; ") + subject + " is " + rounded(value) + unit + ", expected " +
-             rounded(min) + " to " + rounded(max) + unit + ": " + advice;
+    const std::string statement =
+        subject + " is " + rounded(value) + unit + " (expected " + rounded(min) + " to " + rounded(max) + ")";
+    for (auto& [known, statements] : kinds_) {
+      if (known != question) continue;
+      statements += ", " + statement;
+      return;
+    }
+    kinds_.emplace_back(question, statement);
   }
-  const std::string& text() const { return text_; }
 
+  std::string text() const {
+    std::string text;
+    for (const auto& [question, statements] : kinds_)
+      text += (text.empty() ? "" : " ") + statements + ": " + question;
+    return text;
+  }
+
+ private:
   static std::string rounded(double value) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.4g", value);
     return text.data();
   }
 
- private:
-  std::string text_;
+  std::vector<std::pair<std::string, std::string>> kinds_;  ///< question and statements
 };
 
 constexpr double kMaxFocalRatio = 1.25;
 
 void checkCamera(const CameraModel& camera, const std::string& side, Findings& findings) {
-  constexpr double kMinCentre = 0.1, kMaxCentre = 0.9;  // relative to the image
-  constexpr double kMinFocal = 0.15, kMaxFocal = 10.0;  // relative to the image's width
+  constexpr double kMinCentre = 0.27, kMaxCentre = 0.73;  // relative to the image
+  constexpr double kMinFocal = 0.15, kMaxFocal = 10.0;    // relative to the image's width
   constexpr double kMaxTangential = 0.05;
   const std::string prefix = "the " + side + " camera's ";
   const auto width = static_cast<double>(camera.size.width), height = static_cast<double>(camera.size.height);

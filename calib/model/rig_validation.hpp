@@ -26,9 +26,9 @@ constexpr double maxCentre(int length) {
 void validateRig(const Rig& rig);
 
 /// What of a valid rig cannot be the geometry of a stereo pair on a vehicle unless the rig is an unusual one,
-/// with the numbers and what they may mean instead; empty if nothing. For example a principal point near the
-/// image's rim, focal lengths that differ by more than a quarter, a baseline above 1.5 m, cameras turned
-/// against each other by more than 15 degrees.
+/// with the numbers and questions what they may mean instead; empty if nothing. For example a principal point
+/// outside the image's middle, focal lengths that differ by more than a quarter, a baseline above 1.5 m,
+/// cameras turned against each other by more than 15 degrees.
 std::string unusualGeometry(const Rig& rig);
 
 }  // namespace cartvo::calib

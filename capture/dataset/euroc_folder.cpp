@@ -1,5 +1,6 @@
 // EuRoC's layout: mav0/cam0 and mav0/cam1, each with data.csv, data/*.png and sensor.yaml.
 
+#include <cctype>
 #include <stdexcept>
 
 #include "capture/dataset/frame_interval.hpp"
@@ -15,6 +16,9 @@ ImageSequence readCamera(const fs::path& folder) {
   const fs::path file = folder / "data.csv";
   ImageSequence sequence;
   for (const TextLine& line : readLines(file)) {
+    const bool is_header =
+        line.number == 1 && std::isalpha(static_cast<unsigned char>(line.text.front())) != 0;
+    if (is_header) continue;
     const std::size_t comma = line.text.find(',');
     const auto instant_ns = parseNumber<std::int64_t>(line.text.substr(0, comma));
     std::string name = comma == std::string::npos ? "" : line.text.substr(comma + 1);

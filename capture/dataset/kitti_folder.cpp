@@ -91,7 +91,7 @@ struct TimesFiles {
 };
 
 TimesFiles findTimes(const fs::path& folder) {
-  const TimesFiles own{folder / "times_0.txt", folder / "times_1.txt"};
+  TimesFiles own{folder / "times_0.txt", folder / "times_1.txt"};
   if (fs::exists(own.left) && fs::exists(own.right)) return own;
   if (fs::exists(folder / "times.txt")) return {folder / "times.txt", folder / "times.txt"};
   throw std::runtime_error(
@@ -110,9 +110,9 @@ void readInstants(ImageFolder& folder, const ImageSubfolders& images, const Imag
   const TimesFiles times = findTimes(folder.folder);
   folder.left.instants_ns = readTimes(times.left);
   folder.right.instants_ns = times.areShared() ? folder.left.instants_ns : readTimes(times.right);
+  if (times.areShared()) matchByName(folder);
   requireInstantForEachImage(folder.left, images.left, times.left);
   requireInstantForEachImage(folder.right, images.right, times.right);
-  if (times.areShared()) matchByName(folder);
   if (const std::string warning = frameNumberWarning(folder.left.instants_ns, times.left); !warning.empty())
     folder.warnings.push_back(warning);
 }

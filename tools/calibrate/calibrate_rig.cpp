@@ -102,7 +102,7 @@ calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional
   rig.unusual_geometry = !finding.empty();
   if (rig.unusual_geometry && !options.unusual_geometry) {
     throw std::runtime_error("the calibrated rig is unusual: " + finding +
-                             ". If it is really so, add "
+                             " If it is really so, add "
                              "--unusual-geometry; " +
                              options.output.string() + " is not changed");
   }

@@ -19,7 +19,7 @@ struct VideoPair {
   std::filesystem::path left;
   std::filesystem::path right;  ///< equal to `left` if both cameras are in one file
   double frame_rate = 0.0;      ///< Hz, see VideoFileTime
-  capture::VideoView left_view, right_view;
+  capture::VideoView left_view{}, right_view{};
   bool is_one_file = false;
 };
 

@@ -96,17 +96,17 @@ TEST(RigFile, RefusesUnusualGeometryThatIsNotConfirmed) {
     rig.unusual_geometry = false;
     return test::messageOf([&] { parseRig(rigText(rig), "rig.yaml"); });
   };
-  EXPECT_EQ(
-      finding([](Rig& rig) { rig.right.cx = 12.5; }),
-      "rig.yaml: the right camera's cx is 12.5 px, expected 68 to 612 px: is the image's size right, are the "
-      "numbers in order, is the matrix transposed?. If the rig is really so, add the line "
-      "'unusual_geometry: true' to the file");
+  EXPECT_EQ(finding([](Rig& rig) { rig.right.cx = 12.5; }),
+            "rig.yaml: the right camera's cx is 12.5 px (expected 183.6 to 496.4): is the image's size "
+            "right, are the "
+            "numbers in order, is the matrix transposed? If the rig is really so, add the line "
+            "'unusual_geometry: true' to the file");
   EXPECT_THAT(finding([](Rig& rig) { rig.left.fx = 4.2; }), HasSubstr("is it in millimetres"));
   EXPECT_THAT(finding([](Rig& rig) { rig.right.fx = rig.right.fy = 800.0; }),
               HasSubstr("the ratio of the left and the right fx is 0.6003"));
   EXPECT_THAT(finding([](Rig& rig) { rig.left.fy = 240.0; }), HasSubstr("fx/fy is 2.0"));
   EXPECT_THAT(finding([](Rig& rig) { rig.T_right_left.translation() *= 50.0; }),
-              HasSubstr("the baseline is 5.751 m, expected 0.02 to 1.5 m"));
+              HasSubstr("the baseline is 5.751 m (expected 0.02 to 1.5)"));
   EXPECT_THAT(finding([](Rig& rig) { rig.left.distortion[3] = 0.1; }), HasSubstr("p2 is 0.1"));
   EXPECT_THAT(finding([](Rig& rig) {
                 rig.T_right_left.linear() =

@@ -17,6 +17,7 @@
 namespace cartvo::calib {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 /// Writes a rig as OpenCV's own FileStorage does.
@@ -52,6 +53,20 @@ TEST(OpenCvRig, IsReadFromFileStorage) {
   EXPECT_EQ(rig.T_body_camera.matrix(), forwardLookingMount().matrix());
 }
 
+TEST(OpenCvRig, IsReadFromXmlAndJson) {
+  const test::TemporaryFolder folder;
+  for (const char* const name : {"stereo.xml", "stereo.json"}) {
+    writeFileStorage(folder / name, test::cartRig());
+    const Rig rig = readRig(folder / name);
+    EXPECT_EQ(rig.left.size, cv::Size(680, 420));
+    EXPECT_NEAR(rig.right.distortion[1], test::cartRig().right.distortion[1], 1e-12);
+    EXPECT_TRUE(rig.T_right_left.isApprox(test::cartRig().T_right_left, 1e-12));
+  }
+  writeFileAtomically(folder / "other.xml", "<?xml version=\"1.0\"?>\n<html>\n");
+  EXPECT_THAT(test::messageOf([&] { readRig(folder / "other.xml"); }),
+              HasSubstr("other.xml: is XML, but not"));
+}
+
 TEST(OpenCvRig, RefusesMillimetres) {
   const test::TemporaryFolder folder;
   Rig millimetres = test::cartRig();
@@ -81,7 +96,8 @@ TEST(OpenCvRig, RefusesThinPrismCoefficients) {
       "%YAML:1.0\nimage_size: [640, 480]\nK1: " + matrix +
           "D1: !!opencv-matrix {rows: 1, cols: 12, dt: d, data: [0,0,0,0,0,0,0,0,0.1,0,0,0]}\n");
   EXPECT_THAT(test::messageOf([&] { readRig(folder / "stereo.yml"); }),
-              HasSubstr("stereo.yml:4: D1: expected at most 8 coefficients"));
+              AllOf(HasSubstr("stereo.yml:4: D1: expected at most 8 coefficients"),
+                    HasSubstr("coefficient 9 is 0.1")));
 }
 
 TEST(EurocRig, IsReadFromTwoSensorFiles) {

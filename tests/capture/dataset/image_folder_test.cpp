@@ -49,7 +49,8 @@ void writeKitti(const fs::path& folder, int count) {
 
 void writeEuroc(const fs::path& folder, int count) {
   for (const char* camera : {"cam0", "cam1"}) {
-    std::string list = "#timestamp [ns],filename\r\n";
+    std::string list =
+        camera == std::string("cam0") ? "#timestamp [ns],filename\r\n" : "timestamp,filename\n";
     for (int i = 0; i < count; ++i) {
       const std::string instant = std::to_string(1403715273262142976 + i * 50000000LL);
       writeImage(folder / camera / "data" / (instant + ".png"), {32, 24}, i);
@@ -134,7 +135,10 @@ TEST(ImageFolder, ErrorNamesFileAndProblem) {
   const test::TemporaryFolder folder;
   writeKitti(folder.path(), 4);
   fs::remove(folder / "image_1/000002.png");
-  EXPECT_THAT(readError(folder.path()), HasSubstr("image_1 contains 3 images, but"));
+  EXPECT_THAT(readError(folder.path()),
+              HasSubstr("image_0/000002.png has no partner among the right images."));
+  fs::remove(folder / "image_0/000002.png");
+  EXPECT_THAT(readError(folder.path()), HasSubstr("image_0 contains 3 images, but"));
   EXPECT_THAT(readError(folder.path()), HasSubstr("has 4 instants, the first one missing is 000002.png"));
 
   write(folder / "times.txt", "0.1\n0.2\n0.2\n0.3\n");

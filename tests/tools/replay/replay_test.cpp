@@ -354,7 +354,8 @@ TEST(ReplaySummary, NamesTheReasonIfNothingIsValid) {
   replay.pairs[0].reasons.add(vo::OdometryReason::first_pair);
   EXPECT_THAT(nothingValidText(replay), HasSubstr("none of the 3 pairs is valid; first_pair in 1"));
   replay.pairs[1].reasons.add(vo::OdometryReason::time_step);
-  EXPECT_THAT(nothingValidText(replay), HasSubstr("time_step in 1: the instants of the pairs are too far apart"));
+  EXPECT_THAT(nothingValidText(replay),
+              HasSubstr("time_step in 1: the instants of the pairs are too far apart"));
   replay.pairs[2].valid = true;
   EXPECT_EQ(nothingValidText(replay), "");
 }

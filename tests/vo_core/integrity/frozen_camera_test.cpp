@@ -247,6 +247,21 @@ TEST(FrozenCameraOdometry, DetectsOneFrozenCameraOfASlowCart) {
   }
 }
 
+TEST(FrozenCameraOdometry, AcceptsTheSameImagesOfAStandingCartOnceASecond) {
+  const test::CorridorWorld world(1);
+  StereoOdometry odometry = odometryBy(Estimator::reprojection);
+  NullStageObserver observer;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+    const StereoImages pair{world.view(kCamera, place), world.rightView(kCamera, place), i * kSecond,
+                            i * kSecond};
+    const OdometryEstimate estimate = odometry.process(pair, observer);
+    EXPECT_EQ(estimate.valid, i > 0) << i;
+    EXPECT_LT(estimate.T_world_camera.translation().norm(), 1e-3) << i;
+  }
+}
+
 TEST(FrozenCameraOdometry, TreatsRepeatedImagesOfASlowCartAsAStop) {
   const auto estimates = driven(kSlow, Frozen::both, Estimator::reprojection);
   for (int i = kFreezes; i < kRecovers; ++i) {

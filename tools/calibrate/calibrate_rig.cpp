@@ -240,6 +240,13 @@ void printKeptViews(const KeptViews& kept, const Options& options) {
       options.output.c_str());
 }
 
+/// Where the views of live cameras are kept: in the report, else beside the rig file until that is written.
+std::filesystem::path viewsFolder(const Options& options) {
+  if (!options.report.empty()) return options.report / "views";
+  std::filesystem::path folder = options.output;
+  return folder.replace_extension().concat("-views");
+}
+
 std::unique_ptr<LivePage> servePage(const PageAddress& address, const calib::BoardSpec& board) {
   auto page = std::make_unique<LivePage>(address, board);
   std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
@@ -252,11 +259,9 @@ void run(const Options& options) {
   const calib::BoardSpec board = calib::parseBoardSpec(options.board);
   const std::optional<calib::Rig> before = rigBefore(options.output);
   checkResultFiles({options.output});
+  if (!options.report.empty()) checkResultFiles({options.report / "report.html"});
   std::optional<KeptViews> kept;
-  if (!options.report.empty()) {
-    checkResultFiles({options.report / "report.html"});
-    if (options.source == "live" && usesStreams(options)) kept.emplace(options.report);
-  }
+  if (options.source == "live" && usesStreams(options)) kept.emplace(viewsFolder(options));
   const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
   std::string summary;
   try {
@@ -264,8 +269,10 @@ void run(const Options& options) {
   } catch (const std::exception& error) {
     if (page) page->showResult(false, summary + error.what());
     if (kept && kept->count() > 0) printKeptViews(*kept, options);
+    if (kept && kept->count() == 0) kept->remove();
     throw;
   }
+  if (kept && options.report.empty()) kept->remove();
   if (page) page->showResult(true, summary);
 }
 

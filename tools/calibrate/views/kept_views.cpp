@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,10 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path unusedFolder(const fs::path& report) {
-  fs::path folder = report / "views";
+fs::path unusedFolder(const fs::path& wanted) {
+  fs::path folder = wanted;
   for (int number = 2; fs::exists(folder); ++number)
-    folder = report / ("views-" + std::to_string(number));
+    folder = wanted.string() + "-" + std::to_string(number);
   return folder;
 }
 
@@ -31,9 +32,16 @@ void writePng(const fs::path& file, const cv::Mat& image) {
 
 }  // namespace
 
-KeptViews::KeptViews(const fs::path& report) : folder_(unusedFolder(report)) {
-  createFolders(folder_ / "image_0");
+KeptViews::KeptViews(const fs::path& folder) : folder_(unusedFolder(folder)) {
+  created_ = createFolders(folder_ / "image_0");
   createFolders(folder_ / "image_1");
+}
+
+void KeptViews::remove() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  for (; !created_.empty(); created_.pop_back())
+    fs::remove(created_.back(), ignored);  // only if it is empty
 }
 
 void KeptViews::add(const DetectedView& view) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "tools/calibrate/views/board_views.hpp"
 
@@ -11,18 +12,22 @@ namespace cartvo {
 /// none: a folder with image_0 (left) and image_1 (right), which `cartvo calibrate FOLDER` reads.
 class KeptViews {
  public:
-  /// The folder is "views" in `report`, or "views-2", "views-3", ... if there are views already. Throws
-  /// std::runtime_error if it cannot be made.
-  explicit KeptViews(const std::filesystem::path& report);
+  /// Makes `folder`, or FOLDER-2, FOLDER-3, ... if there are views already. Throws std::runtime_error if that
+  /// cannot be made.
+  explicit KeptViews(const std::filesystem::path& folder);
 
   /// Writes both images. A failure is printed once, and does not end the collection of views.
   void add(const DetectedView& view);
+
+  /// Removes the views, their folder and those above that were made for it and are empty.
+  void remove();
 
   const std::filesystem::path& folder() const { return folder_; }
   std::size_t count() const { return count_; }
 
  private:
   std::filesystem::path folder_;
+  std::vector<std::filesystem::path> created_;  ///< outermost first
   std::size_t count_ = 0;
   bool has_failed_ = false;
 };

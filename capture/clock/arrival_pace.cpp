@@ -16,7 +16,9 @@ namespace {
 // Settling. Two halves of 0.2 s whose fastest pictures differ by less than the tolerance: 5 % of the pace.
 constexpr std::int64_t kSettlingTime_ns = 400'000'000;
 constexpr std::size_t kSettlingPictures = 6;
-constexpr std::int64_t kTolerance_ns = 10'000'000;  // the default limit of the offset's uncertainty
+constexpr std::int64_t kMinTolerance_ns = 10'000'000;  // the default limit of the offset's uncertainty
+// Of the mean deviation within a half. That of arrivals off the pace is a quarter of the halves' difference.
+constexpr double kToleranceOfScatter = 2.0;
 // A path that was congested from the beginning becomes free within this time, or is the usual one.
 constexpr std::int64_t kYoung_ns = 6'000'000'000;
 
@@ -27,7 +29,21 @@ constexpr std::size_t kBlocksToFindFast = 6;
 // Pictures that arrive ever later may also be those of a network that fills up.
 constexpr std::size_t kBlocksToFindSlow = kBlocks;
 constexpr double kMaxDeviation = 0.005;  // crystals: 1e-4
-constexpr double kEnd = 0.003;           // of a deviation that was found
+constexpr double kMinDrift_ns = 40e6;    // over all blocks
+constexpr double kDriftOfScatter = 4.0;  // of the blocks' median deviation from a straight line
+
+/// Mean distance of the delays from their mean, ns.
+template <typename Iterator>
+double scatterOf(Iterator begin, Iterator end) {
+  const auto count = static_cast<double>(end - begin);
+  double mean = 0.0;
+  for (Iterator i = begin; i != end; ++i)
+    mean += static_cast<double>(i->delay_ns) / count;
+  double scatter = 0.0;
+  for (Iterator i = begin; i != end; ++i)
+    scatter += std::abs(static_cast<double>(i->delay_ns) - mean) / count;
+  return scatter;
+}
 
 }  // namespace
 
@@ -35,13 +51,13 @@ void ArrivalPace::add(std::int64_t rtp_ns, std::int64_t arrival_ns) {
   const Point point{arrival_ns, arrival_ns - rtp_ns};
   if (!first_arrival_ns_) first_arrival_ns_ = arrival_ns;
   const bool is_young = arrival_ns - *first_arrival_ns_ < kYoung_ns;
-  if (settled_ && is_young && point.delay_ns < least_delay_ns_ - kTolerance_ns) {
+  if (settled_ && is_young && point.delay_ns < least_delay_ns_ - tolerance_ns_) {
     settled_ = false;  // earlier pictures were late
     window_.clear();
   }
   if (!settled_) settle(point);
   least_delay_ns_ = std::min(least_delay_ns_, point.delay_ns);
-  comparePace(point);
+  addToBlocks(point);
 }
 
 void ArrivalPace::settle(const Point& point) {
@@ -52,7 +68,9 @@ void ArrivalPace::settle(const Point& point) {
   const auto earlier = [](const Point& a, const Point& b) { return a.delay_ns < b.delay_ns; };
   const std::int64_t first = std::min_element(window_.begin(), middle, earlier)->delay_ns;
   const std::int64_t second = std::min_element(middle, window_.end(), earlier)->delay_ns;
-  settled_ = std::abs(second - first) <= kTolerance_ns;
+  const double scatter = 0.5 * (scatterOf(window_.begin(), middle) + scatterOf(middle, window_.end()));
+  tolerance_ns_ = std::max<std::int64_t>(kMinTolerance_ns, std::llround(kToleranceOfScatter * scatter));
+  settled_ = std::abs(second - first) <= tolerance_ns_;
   if (settled_) {
     least_delay_ns_ = std::min(first, second);
     window_.clear();
@@ -61,34 +79,48 @@ void ArrivalPace::settle(const Point& point) {
   }
 }
 
-/// Median of the pace between consecutive blocks: a single change of the delay does not count.
-void ArrivalPace::comparePace(const Point& point) {
-  if (blocks_.empty() || point.arrival_ns - block_begin_ns_ >= kBlock_ns) {
-    blocks_.push_back(point);
-    block_begin_ns_ = point.arrival_ns;
-    // A deviation that was found ends with the latest blocks.
-    while (blocks_.size() > (deviation_ ? kBlocksToFindFast + 1 : kBlocks))
-      blocks_.pop_front();
-  } else if (point.delay_ns < blocks_.back().delay_ns) {
-    blocks_.back() = point;
+void ArrivalPace::addToBlocks(const Point& point) {
+  if (!blocks_.empty() && point.arrival_ns - block_begin_ns_ < kBlock_ns) {
+    if (point.delay_ns < blocks_.back().delay_ns) blocks_.back() = point;
     return;
   }
+  comparePace();  // the last block is complete
+  blocks_.push_back(point);
+  block_begin_ns_ = point.arrival_ns;
+  // A deviation that was found ends with the latest blocks.
+  while (blocks_.size() > (deviation_ ? kBlocksToFindFast : kBlocks))
+    blocks_.pop_front();
+}
+
+/// The slope of the blocks' delays by Theil and Sen (the median slope of all pairs), and whether it is more
+/// than their scatter explains.
+void ArrivalPace::comparePace() {
   if (blocks_.size() < kBlocksToFindFast) return;
-  std::vector<double> deviations;
-  for (std::size_t i = 1; i + 1 < blocks_.size(); ++i) {  // the last block is not complete
-    const double elapsed = static_cast<double>(blocks_[i].arrival_ns - blocks_[i - 1].arrival_ns);
-    if (elapsed > 0.0)
-      deviations.push_back(static_cast<double>(blocks_[i - 1].delay_ns - blocks_[i].delay_ns) / elapsed);
+  const auto time = [&](std::size_t i) {
+    return static_cast<double>(blocks_[i].arrival_ns - blocks_.front().arrival_ns);
+  };
+  const auto delay = [&](std::size_t i) {
+    return static_cast<double>(blocks_[i].delay_ns - blocks_.front().delay_ns);
+  };
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    for (std::size_t j = i + 1; j < blocks_.size(); ++j)
+      if (time(j) > time(i)) slopes.push_back((delay(j) - delay(i)) / (time(j) - time(i)));
   }
-  if (deviations.empty()) return;
-  const double median = medianOf(std::move(deviations));
-  const bool is_wrong = median > kMaxDeviation ||
-                        (median < -kMaxDeviation && (deviation_ || blocks_.size() >= kBlocksToFindSlow));
-  if (is_wrong || (deviation_ && std::abs(median) > kEnd)) {
-    deviation_ = median;
-  } else {
-    deviation_.reset();
-  }
+  if (slopes.empty()) return;
+  const double slope = medianOf(std::move(slopes));
+  std::vector<double> levels;
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    levels.push_back(delay(i) - slope * time(i));
+  const double level = medianOf(levels);
+  for (double& value : levels)
+    value = std::abs(value - level);
+  const double drift = std::abs(slope) * time(blocks_.size() - 1);
+  const bool is_slow = slope > 0.0;  // pictures arrive ever later
+  const bool is_known = deviation_ || !is_slow || blocks_.size() >= kBlocksToFindSlow;
+  const bool is_wrong = is_known && std::abs(slope) > kMaxDeviation &&
+                        drift > kMinDrift_ns + kDriftOfScatter * medianOf(std::move(levels));
+  deviation_ = is_wrong ? std::optional(-slope) : std::nullopt;
 }
 
 }  // namespace cartvo::capture

@@ -20,7 +20,8 @@ class ArrivalPace {
   /// 0.4 s of a connection at least.
   bool isSettled() const { return settled_ && !deviation_; }
 
-  /// RTP seconds per second of the host's clock, minus 1, if no crystal explains it; found after 3 s.
+  /// RTP seconds per second of the host's clock, minus 1, if neither a crystal nor the scatter of the
+  /// arrivals explains it; found after 3 s or more.
   std::optional<double> deviation() const { return deviation_; }
 
  private:
@@ -30,12 +31,14 @@ class ArrivalPace {
   };
 
   void settle(const Point& point);
-  void comparePace(const Point& point);
+  void addToBlocks(const Point& point);
+  void comparePace();
 
   std::deque<Point> window_;  ///< pictures since the pace was last found wrong, until it is settled
   std::optional<std::int64_t> first_arrival_ns_;
   bool settled_ = false;
   std::int64_t least_delay_ns_ = 0;  ///< since it is settled
+  std::int64_t tolerance_ns_ = 0;    ///< of a change of it, by the scatter of the arrivals
   std::deque<Point> blocks_;         ///< the fastest picture of each half second
   std::int64_t block_begin_ns_ = 0;
   std::optional<double> deviation_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include <lcm/lcm-cpp.hpp>
-#include <spdlog/spdlog.h>
 
 #include "daemon/publish/lcm_connection.hpp"
 
@@ -16,8 +15,30 @@ constexpr int kPoll_ms = 200;
 
 }  // namespace
 
-ForeignOdometry::ForeignOdometry(std::string url)
-    : url_(std::move(url)), thread_([this](const std::stop_token& stop) { receive(stop); }) {}
+/// What the thread receives. Owned by both sides: the thread may outlive the daemon for the seconds of LCM's
+/// test.
+struct ForeignOdometry::Receiver {
+  void run(const std::string& url);
+  void onData(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+
+  std::atomic<bool> stopped = false;
+  std::atomic<bool> tested = false;  ///< LCM's test is over
+  std::mutex mutex;                  ///< guards the following
+  std::vector<Identity> received;
+  std::size_t undecodable = 0;
+};
+
+ForeignOdometry::ForeignOdometry(const std::string& url)
+    : receiver_(std::make_shared<Receiver>()), thread_([receiver = receiver_, url] { receiver->run(url); }) {}
+
+ForeignOdometry::~ForeignOdometry() {
+  receiver_->stopped = true;
+  if (receiver_->tested) {
+    thread_.join();
+  } else {
+    thread_.detach();
+  }
+}
 
 void ForeignOdometry::addOwn(const odometry_t& message) {
   own_.emplace_back(message.sequence, message.publication_utime);
@@ -28,9 +49,9 @@ std::string ForeignOdometry::consumeProblem() {
   std::vector<Identity> received;
   std::size_t undecodable = 0;
   {
-    const std::lock_guard lock(mutex_);
-    received.swap(received_);
-    undecodable = std::exchange(undecodable_, 0);
+    const std::lock_guard lock(receiver_->mutex);
+    received.swap(receiver_->received);
+    undecodable = std::exchange(receiver_->undecodable, 0);
   }
   const auto foreign = std::count_if(received.begin(), received.end(), [this](const Identity& message) {
     return std::find(own_.begin(), own_.end(), message) == own_.end();
@@ -47,26 +68,27 @@ std::string ForeignOdometry::consumeProblem() {
   return {};
 }
 
-void ForeignOdometry::receive(const std::stop_token& stop) {
-  lcm::LCM lcm(url_);
-  if (!lcm.good() || lcm.subscribe(kOdometryChannel, &ForeignOdometry::onData, this) == nullptr) {
-    spdlog::debug("LCM: this host does not receive its own messages; other publishers are not looked for");
-    return;
-  }
-  while (!stop.stop_requested()) {
+void ForeignOdometry::Receiver::run(const std::string& url) {
+  lcm::LCM lcm(url);
+  if (!lcm.good()) return;
+  lcm.subscribe(kOdometryChannel, &Receiver::onData, this);
+  // Without a descriptor, as after a test that failed, LCM's handleTimeout aborts the process.
+  const bool receives = !stopped && lcm.getFileno() >= 0;
+  tested = true;
+  while (receives && !stopped) {
     if (lcm.handleTimeout(kPoll_ms) < 0) return;
   }
 }
 
-void ForeignOdometry::onData(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/) {
+void ForeignOdometry::Receiver::onData(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/) {
   odometry_t message{};
   const auto bytes = static_cast<int>(buffer->data_size);
   const bool is_decoded = message.decode(buffer->data, 0, bytes) == bytes;
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(mutex);
   if (!is_decoded) {
-    ++undecodable_;
-  } else if (received_.size() < kMaxKept) {
-    received_.emplace_back(message.sequence, message.publication_utime);
+    ++undecodable;
+  } else if (received.size() < kMaxKept) {
+    received.emplace_back(message.sequence, message.publication_utime);
   }
 }
 

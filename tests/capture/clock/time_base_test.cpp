@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -128,6 +129,26 @@ TEST(TimeBase, NominalRateIsNamedAndNeverValid) {
     EXPECT_EQ(countValid(stamped, 0.0, 12.0), 0U) << factor;
     EXPECT_THAT(timestamper.status().problem, HasSubstr("the left camera's RTP time runs")) << factor;
     EXPECT_THAT(timestamper.status().problem, HasSubstr(factor > 1.0 ? "too fast" : "too slow")) << factor;
+  }
+}
+
+TEST(TimeBase, SlowAndUnsteadyArrivalsAreNotTakenForAWrongPace) {
+  // A slow computer or a poor radio link: mean delays of 30 ms, at 3 pictures a second and more.
+  for (const double rate : {3.0, 18.0}) {
+    std::mt19937 random(1);
+    std::exponential_distribution<double> delay(1.0 / 0.03);
+    ArrivalPace pace;
+    std::size_t settled = 0;
+    std::size_t wrong = 0;
+    const int pictures = static_cast<int>(600.0 * rate);
+    for (int i = 0; i < pictures; ++i) {
+      const double time = i / rate;
+      pace.add(nanoseconds(time), kEpoch_ns + nanoseconds(time + 0.08 + delay(random)));
+      settled += pace.isSettled() ? 1U : 0U;
+      wrong += pace.deviation() ? 1U : 0U;
+    }
+    EXPECT_EQ(wrong, 0U) << rate;
+    EXPECT_GT(settled, static_cast<std::size_t>(0.98 * pictures)) << rate;
   }
 }
 

@@ -77,7 +77,8 @@ class Cameras {
  private:
   struct Camera {
     std::int64_t pts = 0;
-    std::int64_t arrival_ns = 0;
+    std::uint32_t usable_ticks = 0;  ///< RTP time of the last picture whose instant can be
+    std::int64_t arrival_ns = 0;     ///< of that picture
     std::optional<std::int64_t> exposure_ns;
   };
 
@@ -86,14 +87,15 @@ class Cameras {
     words >> ticks >> step_ns;
     Camera& camera = cameras_[static_cast<std::size_t>(side)];
     now_ns_ = hostTime(now_ns_, step_ns);
-    const auto last_ticks = static_cast<std::uint32_t>(camera.pts);
     if (__builtin_add_overflow(camera.pts, ticks, &camera.pts)) camera.pts = ticks;
-    const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - last_ticks);
     capture::RtpTimestamps timestamps{camera.pts, std::nullopt, now_ns_};
     if (words >> report_us && !__builtin_add_overflow(now_ns_ / 1000, report_us, &report_us))
       timestamps.reference_us = report_us;
     const capture::ExposureTimestamp instant = timestamper_.stamp(side, timestamps);
     fuzz::require(instant.stddev_ns >= 0, "a standard deviation is not negative");
+    if (!instant.is_usable) return;
+    const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - camera.usable_ticks);
+    camera.usable_ticks = static_cast<std::uint32_t>(camera.pts);
     const bool is_later = now_ns_ >= camera.arrival_ns && step > 0;
     fuzz::require(!camera.exposure_ns || !is_later || instant.exposure_ns > *camera.exposure_ns,
                   "time does not run backwards unless a clock is set back");

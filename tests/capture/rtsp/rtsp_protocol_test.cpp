@@ -176,7 +176,8 @@ std::string sequenced(RtpSequencer& sequencer, const std::vector<unsigned>& numb
     const std::vector<std::uint8_t> bytes = rtp(number, source);
     sequencer.add(*parseRtpPacket(bytes), {bytes, now_ns += 1'000'000, false});
     while (const auto packet = sequencer.pop()) {
-      text += " " + std::to_string(parseRtpPacket(packet->bytes)->sequence) + (packet->data_lost ? "!" : "");
+      text.append(" ").append(std::to_string(parseRtpPacket(packet->bytes)->sequence));
+      if (packet->data_lost) text += '!';
     }
   }
   return text;

@@ -87,6 +87,21 @@ TEST(PipelineReplay, ComputesBodyMotion) {
   EXPECT_GE(last.times.total, last.times.stage(vo::Stage::rectify));
 }
 
+TEST(PipelineReplay, TakesTimeStepsFromTheCamerasOwnClock) {
+  // The exposures are being corrected by a quarter of the time that passes.
+  const auto slewed = [](int disparity) {
+    std::vector<capture::Frame> list = frames(disparity, 0);
+    for (int i = 0; i < kFrames; ++i)
+      list[i].exposure_ns += list[i].slew_ns = i * test::kPeriod_ns / 4;
+    return list;
+  };
+  const Replay exact = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  const Replay run = replay(slewed(0), slewed(12), test::kPeriod_ns);
+  ASSERT_EQ(run.results.size(), exact.results.size());
+  EXPECT_EQ(run.results.back().motion.velocity, exact.results.back().motion.velocity);
+  EXPECT_EQ(run.results.back().left.exposure_ns, (kFrames - 1) * test::kPeriod_ns * 5 / 4);
+}
+
 TEST(PipelineReplay, CovarianceIncludesRigScaleUncertainty) {
   constexpr double kScaleStddev = 0.05;
   const Replay exact_run = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);

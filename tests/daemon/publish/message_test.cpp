@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +17,9 @@
 #include <cartvo/health_t.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
 
+#include "common/host_clock.hpp"
 #include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
@@ -94,6 +97,19 @@ TEST(OdometryMessage, IsInvalidWithoutVelocity) {
   const odometry_t message = odometryMessage(result);
   EXPECT_EQ(message.status, +odometry_t::INVALID);
   EXPECT_EQ(message.reasons, odometry_t::REASON_TIME_STEP);
+}
+
+TEST(OdometryMessage, IsInvalidWithAnInstantThatIsStillToCome) {
+  lcm::LCM lcm("memq://");
+  OdometryPublisher publisher(lcm, std::chrono::milliseconds(200));
+  PairResult result = validResult();
+  result.left.exposure_ns = result.right.exposure_ns = hostNow() - 50'000'000;
+  EXPECT_EQ(publisher.publish(result).status, +odometry_t::VALID);
+  result.left.exposure_ns = hostNow() + 50'000'000;
+  const odometry_t& message = publisher.publish(result);
+  EXPECT_EQ(message.status, +odometry_t::INVALID);
+  EXPECT_EQ(message.reasons, +odometry_t::REASON_OFFSET_UNCERTAIN);
+  EXPECT_TRUE(std::isnan(message.velocity_body[0]));
 }
 
 TEST(OdometryMessage, OfMissedPairHoldsReasonAndLastPose) {

@@ -180,7 +180,11 @@ TEST_F(LiveStream, IsPublishedAsOdometryAndAsInvalidAfterCameraLoss) {
 
 TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
   calib::Rig rig = test::smallRig();
-  rig.left.size = rig.right.size = {640, 480};
+  for (calib::CameraModel* camera : {&rig.left, &rig.right}) {
+    camera->size = {640, 480};
+    camera->cx = 319.5;
+    camera->cy = 239.5;
+  }
   calib::writeRig(folder_ / "rig.yaml", rig);
   Subscriber subscriber;
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));

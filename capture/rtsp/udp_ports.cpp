@@ -26,6 +26,11 @@ void setPort(sockaddr_storage& address, std::uint16_t port) {
   }
 }
 
+std::uint16_t portOf(const sockaddr_storage& address) {
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
+}
+
 socklen_t sizeOf(const sockaddr_storage& address) {
   return address.ss_family == AF_INET6 ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
 }
@@ -96,7 +101,8 @@ std::optional<std::span<const std::uint8_t>> UdpPorts::receive(std::size_t which
                                     reinterpret_cast<sockaddr*>(&from), &size);
     if (length < 0 && errno == EINTR) continue;
     if (length < 0) return std::nullopt;
-    if (peer_ && hasSameHost(from, *peer_))
+    const bool from_port = peer_port_ != 0 && portOf(from) == peer_port_ + which;
+    if (peer_ && (from_port || hasSameHost(from, *peer_)))
       return std::span<const std::uint8_t>(buffer_.data(), static_cast<std::size_t>(length));
   }
 }

@@ -21,8 +21,9 @@ class UdpPorts {
   std::uint16_t rtpPort() const { return port_; }
   const std::array<int, 2>& descriptors() const { return descriptors_; }  ///< RTP, RTCP
 
-  /// Accepts packets from this host only, and sends to its ports `rtp` and `rtp + 1`. An empty packet to each
-  /// opens the way through firewalls on it.
+  /// Accepts packets from this host, or from these ports of another one (a server with several addresses may
+  /// send from another than it was asked at), and sends to its ports `rtp` and `rtp + 1`. An empty packet to
+  /// each opens the way through firewalls on it. `rtp` is 0 while the ports are unknown.
   void setPeer(const sockaddr_storage& host, std::uint16_t rtp);
 
   /// Receives a packet that has arrived, of RTP (`which` = 0) or RTCP (1). The view is valid until the next

@@ -282,7 +282,9 @@ first_boot() {
   date -s '+1 hour' >/dev/null
   check "the host's clock is set forward by an hour: valid" received 20 valid -ge 10
   date -s '-1 hour' >/dev/null
-  check "the host's clock is set back: valid" received 20 valid -ge 10
+  cameras_off # the simulated cameras' server waits for the hour to pass
+  cameras_on
+  check "the host's clock is set back: valid" received 30 valid -ge 10
   check "the host's clock was set: the same process, no restart" is_same_process "$process" "$restarts"
   check "exposure of cartvod.service at most 2.0" has_low_exposure cartvod.service
   check "exposure of cartvo-multicast.service at most 2.0" has_low_exposure cartvo-multicast.service

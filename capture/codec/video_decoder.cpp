@@ -95,6 +95,10 @@ void VideoDecoder::Implementation::open() {
     avcodec_parameters_free(&parameters);
   }
   if (const int error = avcodec_open2(opened.get(), codec, nullptr); error < 0) {
+    if (!format.parameter_sets.empty()) {  // they are damaged: the stream repeats them
+      format.parameter_sets.clear();
+      return open();
+    }
     throw std::runtime_error("cannot start the video decoder: " + ffmpeg::errorText(error));
   }
   context = std::move(opened);

@@ -201,6 +201,8 @@ class RtspCamera::Receiver {
     frame_deadline_ =
         Clock::now() + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
+    const std::lock_guard lock(mutex_);
+    health_.advice.clear();
   }
 
   void receive() {

@@ -65,6 +65,17 @@ TEST(VideoDecoder, RefusesLargePicturesAndTellsTheirSize) {
   EXPECT_EQ(decoder.refusedSize(), kSize);
 }
 
+TEST(VideoDecoder, DoesWithoutDamagedParameterSets) {
+  for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
+    const std::uint8_t header = codec == VideoCodec::h264 ? 0x67 : 0x42;
+    VideoDecoder decoder({codec, {0, 0, 0, 1, header, 1, 2, 3, 4, 0, 0, 0, 1, 0x44, 1, 9}}, 1);
+    for (const EncodedUnit& unit : test::encodeSequence(codec, kSize, 2, 2, "")) {
+      decoder.send(unit);
+      EXPECT_TRUE(decoder.receive());
+    }
+  }
+}
+
 TEST(VideoDecoder, BeginsAtRecoveryPoint) {
   VideoDecoder decoder({VideoCodec::h264, {}}, 1);
   std::size_t good = 0;

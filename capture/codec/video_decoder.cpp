@@ -55,6 +55,7 @@ struct VideoDecoder::Implementation {
   void open();
   void restartAtKeyPicture(const EncodedUnit& unit);
   void noteRefusedSize(const EncodedUnit& unit);
+  void drain();
 
   StreamFormat format;  ///< includes the latest parameter sets
   int threads;
@@ -63,6 +64,7 @@ struct VideoDecoder::Implementation {
   ffmpeg::CodecContext context;
   ffmpeg::Packet packet = ffmpeg::makePacket();
   std::deque<Pending> pending;
+  std::deque<std::shared_ptr<AVFrame>> drained;  ///< pictures of the decoder before this one
   RefreshDetector refreshes;
   std::optional<std::int64_t> latest_pts;
   bool reorders = false;     ///< pictures are sent in another order than they were taken in
@@ -109,13 +111,25 @@ void VideoDecoder::Implementation::open() {
 /// adds them to the first macroblock of the next picture, key or not, without an error.
 void VideoDecoder::Implementation::restartAtKeyPicture(const EncodedUnit& unit) {
   try {
-    if (saw_damage || reorders != ((context->flags & AV_CODEC_FLAG_LOW_DELAY) == 0)) open();
+    const bool begins_reordering = reorders && (context->flags & AV_CODEC_FLAG_LOW_DELAY) != 0;
+    if (begins_reordering) drain();
+    if (saw_damage || begins_reordering) open();
     saw_damage = false;
   } catch (const std::runtime_error&) {
     // The parameter sets are damaged: continue with the old decoder.
   }
   std::vector<std::uint8_t> sets = parameterSets(format.codec, unit.data);
   if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
+}
+
+/// Takes the pictures that the decoder holds, before it is replaced.
+void VideoDecoder::Implementation::drain() {
+  avcodec_send_packet(context.get(), nullptr);
+  for (;;) {
+    std::shared_ptr<AVFrame> picture = makeFrame();
+    if (avcodec_receive_frame(context.get(), picture.get()) < 0) break;
+    drained.push_back(std::move(picture));
+  }
 }
 
 /// Notes the size of a picture that was not decoded, if it exceeds the limit.
@@ -172,8 +186,14 @@ void VideoDecoder::send(const EncodedUnit& unit) {
 std::optional<Frame> VideoDecoder::receive() {
   Implementation& self = *implementation_;
   for (;;) {
-    const std::shared_ptr<AVFrame> picture = makeFrame();
-    const int error = avcodec_receive_frame(self.context.get(), picture.get());
+    std::shared_ptr<AVFrame> picture = makeFrame();
+    int error = 0;
+    if (self.drained.empty()) {
+      error = avcodec_receive_frame(self.context.get(), picture.get());
+    } else {
+      picture = std::move(self.drained.front());
+      self.drained.pop_front();
+    }
     if (error == AVERROR(EAGAIN) || error == AVERROR_EOF) return std::nullopt;
     if (error < 0) {
       ++failures_;

@@ -125,7 +125,9 @@ class PairedCameras {
       return frame.status == FrameStatus::good && known_.contains(test::digest(frame.image));
     };
     if (!is_good(pair.left) || !is_good(pair.right)) ++tally_.bad_pairs;
-    if (std::abs(pair.offsetNs()) > kPeriod_ns / 2) ++tally_.far_apart;
+    // The odometry uses no pair before both clocks have settled.
+    const bool is_known = pair.offsetStddevNs() < 10e6;
+    if (is_known && std::abs(pair.offsetNs()) > kPeriod_ns / 2) ++tally_.far_apart;
   }
 
   const std::set<std::uint64_t> known_ = digests();

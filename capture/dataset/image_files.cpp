@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/ascii_text.hpp"
 #include "common/input_file.hpp"
 #include "common/natural_order.hpp"
 
@@ -120,9 +121,7 @@ NamedPairs pairKeys(const std::vector<fs::path>& left, const std::vector<std::st
 }  // namespace
 
 bool isImageFile(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lowerCase(file.extension().string());
   return !file.filename().string().starts_with('.') &&
          std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/dataset/image_folder_layouts.hpp"
+#include "common/ascii_text.hpp"
 #include "common/input_file.hpp"
 #include "common/printable_text.hpp"
 #include "common/statistics.hpp"
@@ -102,9 +103,9 @@ std::vector<TextLine> readLines(const std::filesystem::path& file) {
   std::vector<TextLine> lines;
   std::string text;
   for (int number = 1; std::getline(input, text); ++number) {
-    const std::size_t begin = text.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || text[begin] == '#') continue;
-    lines.push_back({number, text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1)});
+    const std::string_view content = trimmed(text);
+    if (content.empty() || content.front() == '#') continue;
+    lines.push_back({number, std::string(content)});
   }
   return lines;
 }

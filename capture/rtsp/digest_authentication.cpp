@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -19,19 +18,13 @@ extern "C" {
 }
 
 #include "capture/rtsp/rtsp_message.hpp"
+#include "common/ascii_text.hpp"
 
 namespace cartvo::capture {
 namespace {
 
 constexpr std::size_t kMaxChallenges = 16;
 constexpr std::string_view kSession = "-SESS";
-
-std::string upperCase(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
 
 bool equalIgnoringCase(std::string_view a, std::string_view b) {
   return upperCase(a) == upperCase(b);

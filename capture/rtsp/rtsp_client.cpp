@@ -3,7 +3,6 @@
 #include "capture/rtsp/rtsp_client.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 namespace cartvo::capture {
 namespace {

@@ -3,9 +3,9 @@
 #include "capture/rtsp/rtsp_message.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 
+#include "common/ascii_text.hpp"
 #include "common/printable_text.hpp"
 
 namespace cartvo::capture {
@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::size_t kMaxHeaders = 100;
 constexpr std::size_t kMaxQuoted = 120;
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
-}
 
 /// Removes and returns the first line, without its end (CR LF, or LF alone).
 std::string_view takeLine(std::string_view& text) {
@@ -76,10 +70,7 @@ std::optional<RtspHead> parseRtspHead(std::string_view text) {
     }
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) continue;
-    std::string name(trimmed(line.substr(0, colon)));
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    head.headers.emplace_back(std::move(name), trimmed(line.substr(colon + 1)));
+    head.headers.emplace_back(lowerCase(trimmed(line.substr(0, colon))), trimmed(line.substr(colon + 1)));
   }
   return head;
 }

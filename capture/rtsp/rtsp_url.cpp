@@ -6,18 +6,13 @@
 #include <cctype>
 #include <stdexcept>
 
+#include "common/ascii_text.hpp"
+
 namespace cartvo::capture {
 namespace {
 
 constexpr std::string_view kScheme = "rtsp://";
 constexpr std::string_view kDefaultPort = "554";  // RFC 2326, 3.2
-
-std::string lowerCase(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
 
 bool hasScheme(std::string_view url, std::string_view scheme) {
   return url.size() >= scheme.size() && lowerCase(url.substr(0, scheme.size())) == scheme;

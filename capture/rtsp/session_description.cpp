@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <vector>
@@ -14,6 +13,7 @@ extern "C" {
 }
 
 #include "capture/rtsp/rtsp_message.hpp"
+#include "common/ascii_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -29,19 +29,6 @@ struct Media {
   std::string parameters;
   std::string control;
 };
-
-std::string upperCase(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
 
 /// Removes and returns the text up to the separator.
 std::string_view take(std::string_view& text, char separator) {

@@ -3,7 +3,6 @@
 #include "tools/trajectory/trajectory.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/ascii_text.hpp"
 #include "common/atomic_file.hpp"
 #include "common/input_file.hpp"
 #include "common/printable_text.hpp"
@@ -131,9 +131,8 @@ struct Rows {
 };
 
 /// Whether a comment names a quaternion's columns with w before x, such as "# t px py pz qw qx qy qz".
-bool namesWFirst(std::string comment) {
-  std::transform(comment.begin(), comment.end(), comment.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+bool namesWFirst(const std::string& text) {
+  const std::string comment = lowerCase(text);
   for (const auto& [w, x] : {std::pair("qw", "qx"), std::pair("q_w", "q_x"), std::pair("q_rs_w", "q_rs_x")}) {
     const std::size_t at_w = comment.find(w), at_x = comment.find(x);
     if (at_w != std::string::npos && at_x != std::string::npos) return at_w < at_x;

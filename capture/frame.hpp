@@ -12,7 +12,7 @@ namespace cartvo::capture {
 /// Whether a frame's picture is intact.
 enum class FrameStatus : std::uint8_t {
   good,
-  damaged,  ///< data were lost since the last key frame: do not match features in it
+  damaged,  ///< data were lost since the last refresh, or its RTP time cannot be: do not use it
 };
 
 /// Source of a frame's instant of exposure.

@@ -50,12 +50,8 @@ std::int64_t hostTimeOfMonotonic(std::int64_t monotonic_ns) {
 std::int64_t hostClockCorrection() {
   static std::atomic<std::int64_t> correction = 0;
   const std::int64_t current = difference() - differenceAtBegin();
-  std::int64_t last = correction;
-  if (std::llabs(current - last) >= kMinStep_ns) {
-    correction = current;
-    last = current;
-  }
-  return last;
+  if (std::llabs(current - correction) >= kMinStep_ns) correction = current;
+  return correction;
 }
 
 }  // namespace cartvo

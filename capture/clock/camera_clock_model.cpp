@@ -24,11 +24,6 @@ std::int64_t ticksToNanoseconds(std::int64_t ticks) {
 }  // namespace
 
 void CameraClockModel::connect() {
-  restart();
-  jump_.reset();
-}
-
-void CameraClockModel::restart() {
   const std::uint64_t epoch = epoch_ + 1;
   *this = CameraClockModel(default_scatter_ns_);
   epoch_ = epoch;
@@ -64,7 +59,7 @@ bool CameraClockModel::add(const RtpTimestamps& timestamps) {
   if (arrivals_.hasData() && !isPlausible(rtp_ns, timestamps.arrival_ns)) {
     if (!beginsEpoch(rtp_ns, timestamps.arrival_ns)) return false;
     const double jump = static_cast<double>(arrivals_.at(rtp_ns) - timestamps.arrival_ns) * 1e-9;
-    restart();
+    connect();
     jump_ = jump;
     pts = unwrapped(timestamps.pts);
     rtp_ns = ticksToNanoseconds(pts);

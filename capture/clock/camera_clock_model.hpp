@@ -15,7 +15,7 @@ namespace cartvo::capture {
 /// The time stamps of one picture as received.
 struct RtpTimestamps {
   std::int64_t pts = 0;                      ///< RTP time stamp, 1/90000 s; only the lower 32 bits are used
-  std::optional<std::int64_t> reference_us;  ///< exposure by the last sender report, as FFmpeg computes it
+  std::optional<std::int64_t> reference_us;  ///< exposure by the last sender report, us since 1970
   std::int64_t arrival_ns = 0;               ///< of the picture's first packet, host's clock
 };
 
@@ -80,7 +80,6 @@ class CameraClockModel {
   std::int64_t unwrapped(std::int64_t pts) const;
   bool isPlausible(std::int64_t rtp_ns, std::int64_t arrival_ns) const;
   bool beginsEpoch(std::int64_t rtp_ns, std::int64_t arrival_ns);
-  void restart();
   void addReport(const RtpTimestamps& timestamps);
 
   double default_scatter_ns_;

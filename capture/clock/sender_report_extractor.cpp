@@ -1,4 +1,4 @@
-// Detection of new RTCP sender reports, and correction of FFmpeg's error after a wrap of RTP time.
+// Detection of new RTCP sender reports, and correction of wraps of RTP time in older recordings.
 
 #include "capture/clock/sender_report_extractor.hpp"
 
@@ -26,7 +26,7 @@ constexpr std::int64_t kMaxReportInterval_us = 10'000'000;
 std::optional<std::int64_t> SenderReportExtractor::extract(std::int64_t rtp_us, std::int64_t reference_us,
                                                            std::int64_t expected_us) {
   const std::int64_t offset_us = reference_us - rtp_us;
-  // FFmpeg rounds to microseconds, so the same report may differ by one.
+  // Instants are whole microseconds, so the same report may differ by one.
   const bool same = last_offset_us_ && std::abs(offset_us - *last_offset_us_) <= 1;
   if (same && rtp_us - last_rtp_us_ < kMaxReportInterval_us) return std::nullopt;
   last_offset_us_ = offset_us;

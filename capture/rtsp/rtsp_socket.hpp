@@ -53,9 +53,6 @@ class RtspSocket {
   /// soon as one of them is readable.
   RtspInput receive(Clock::time_point deadline, std::span<const int> wake = {});
 
-  /// Whether received data wait in the buffer.
-  bool hasBuffered() const { return begin_ < end_; }
-
   /// Address of the server, if connected.
   const sockaddr_storage& peer() const { return peer_; }
 

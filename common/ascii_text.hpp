@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -7,11 +8,28 @@
 
 namespace cartvo {
 
-/// The text with the letters A to Z, or a to z, exchanged for the others.
-std::string lowerCase(std::string_view text);
-std::string upperCase(std::string_view text);
+/// The text with A to Z as a to z.
+inline std::string lowerCase(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+/// The text with a to z as A to Z.
+inline std::string upperCase(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return result;
+}
 
 /// The text without blanks, tabs and ends of lines at both of its ends. A view of `text`.
-std::string_view trimmed(std::string_view text);
+inline std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
 
 }  // namespace cartvo

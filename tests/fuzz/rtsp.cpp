@@ -20,7 +20,7 @@ void parseText(const std::string& text) {
     head->number("content-length");
   }
   std::string offered;
-  for (capture::Challenge challenge : capture::parseChallenges(text)) {
+  for (const capture::Challenge& challenge : capture::parseChallenges(text)) {
     capture::Authenticator authenticator({"user", "password"}, true);
     if (authenticator.accept({challenge}, offered) != capture::Authenticator::Outcome::accepted) continue;
     const std::string answer = authenticator.authorization("PLAY", "rtsp://host/");

@@ -10,6 +10,7 @@
 #include "vo_core/key_frames.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/rigid_motion.hpp"
+#include "vo_core/shutter.hpp"
 
 // Input and output of StereoOdometry: images in, motion and pose with covariances out.
 
@@ -88,6 +89,12 @@ struct FeatureCounts {
   int stereo = 0;    ///< of the detected, found in the right image; not counted during a standstill
 };
 
+/// Velocity at the instant of an exposure.
+struct ExposureTwist {
+  Vector6d value = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
 /// Result for one pair.
 ///
 /// Frames: the rectified left camera, x right, y down, z forward. The world is the camera at the start of the
@@ -121,6 +128,10 @@ struct OdometryEstimate {
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the start of the epoch
   FeatureCounts counts;
   std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
+  /// Twist at the left exposure (m/s and rad/s, in the axes of the current camera) and its covariance; empty
+  /// if it is not valid, or if it is not known better than by the motion divided by the time step.
+  std::optional<ExposureTwist> twist;
+  std::optional<ReadoutEstimates> readouts;  ///< empty if they are not estimated
   /// Parts of the image that do not move with the scene and are left out: lettering, dirt, the cart itself.
   ImageRegions still_regions;
   /// Fault of the pair's geometry; none unless the reasons have wrong_stereo_geometry.

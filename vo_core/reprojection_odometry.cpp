@@ -31,9 +31,11 @@ double secondsSince(const VisualTrack& track, std::int64_t exposure_ns) {
 
 class ReprojectionOdometry final : public OdometryMethod {
  public:
-  ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings)
+  ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings,
+                       const StereoShutters& shutters)
       : camera_(camera),
         settings_(settings),
+        shutters_(shutters),
         left_pyramids_(settings.tracking.levels),
         pitch_reinitialiser_(camera) {}
 
@@ -62,6 +64,7 @@ class ReprojectionOdometry final : public OdometryMethod {
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  StereoShutters shutters_;
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{kLandmarkLevels};
   PyramidLease left_lease_, right_lease_;   ///< buffers that the caller writes the next pair into
@@ -315,8 +318,9 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
 }  // namespace
 
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
-                                                         const OdometrySettings& settings) {
-  return std::make_unique<ReprojectionOdometry>(camera, settings);
+                                                         const OdometrySettings& settings,
+                                                         const StereoShutters& shutters) {
+  return std::make_unique<ReprojectionOdometry>(camera, settings, shutters);
 }
 
 }  // namespace cartvo::vo

@@ -4,6 +4,7 @@
 
 #include "vo_core/odometry_method.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/shutter.hpp"
 #include "vo_core/stereo_camera.hpp"
 
 namespace cartvo::vo {
@@ -11,6 +12,7 @@ namespace cartvo::vo {
 /// `estimator: reprojection`: robust least squares over a window of pairs on the reprojection error in both
 /// images, each at its own exposure instant.
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
-                                                         const OdometrySettings& settings);
+                                                         const OdometrySettings& settings,
+                                                         const StereoShutters& shutters);
 
 }  // namespace cartvo::vo

@@ -20,9 +20,10 @@ void checkImage(const cv::Mat& image, const StereoCamera& camera, const char* na
                               std::to_string(camera.height) + " of CV_8UC1");
 }
 
-std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const OdometrySettings& settings) {
+std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const OdometrySettings& settings,
+                                           const StereoShutters& shutters) {
   if (settings.estimator == Estimator::thesis) return makeThesisOdometry(camera, settings);
-  return makeReprojectionOdometry(camera, settings);
+  return makeReprojectionOdometry(camera, settings, shutters);
 }
 
 /// Estimate of a pair that is ignored: the last pose, as if the pair had not arrived.
@@ -39,12 +40,17 @@ OdometryEstimate rejected(const OdometryEstimate& last, const StereoImages& imag
 
 }  // namespace
 
-StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings)
-    : camera_(camera), settings_(settings), repeated_images_(std::make_unique<RepeatedImageDetector>()) {
+StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings,
+                               const StereoShutters& shutters)
+    : camera_(camera),
+      settings_(settings),
+      shutters_(shutters),
+      repeated_images_(std::make_unique<RepeatedImageDetector>()) {
   validate(camera);
   validate(settings);
+  validate(shutters);
   stereo_geometry_ = std::make_unique<StereoGeometryCheck>(camera);
-  method_ = makeMethod(camera, settings);
+  method_ = makeMethod(camera, settings, shutters);
 }
 
 StereoOdometry::~StereoOdometry() = default;
@@ -85,7 +91,7 @@ OdometryEstimate StereoOdometry::rejectWrongGeometry(const StereoImages& images,
   estimate.stereo_fault = fault;
   estimate.rig.reset();
   if (method_is_new_) return estimate;
-  method_ = makeMethod(camera_, settings_);
+  method_ = makeMethod(camera_, settings_, shutters_);
   method_is_new_ = true;
   first_epoch_ = last_.reset_counter + 1;
   return estimate;

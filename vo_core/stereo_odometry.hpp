@@ -4,6 +4,7 @@
 
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/shutter.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/stereo_camera.hpp"
 
@@ -31,8 +32,10 @@ class StereoGeometryCheck;
 /// Internally it uses OpenCV's thread pool (cv::setNumThreads).
 class StereoOdometry {
  public:
-  /// Throws std::invalid_argument that names the value if the camera or the settings are out of range.
-  StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings);
+  /// Throws std::invalid_argument that names the value if the camera, the settings or the shutters are out of
+  /// range.
+  StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings,
+                 const StereoShutters& shutters = {});
   ~StereoOdometry();
   StereoOdometry(StereoOdometry&&) noexcept;
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
@@ -57,6 +60,7 @@ class StereoOdometry {
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  StereoShutters shutters_;
   std::unique_ptr<OdometryMethod> method_;
   std::unique_ptr<RepeatedImageDetector> repeated_images_;
   std::unique_ptr<StereoGeometryCheck> stereo_geometry_;

@@ -23,7 +23,7 @@ odometry_t validMessage(std::int64_t sequence = 1, std::int64_t utime = kNow) {
   odometry_t message{};
   message.sequence = sequence;
   message.utime = utime;
-  message.publication_utime = utime + 20'000;
+  message.publication_utime = utime > kLargest - 20'000 ? utime : utime + 20'000;
   message.time_to_live_us = 250'000;
   message.status = odometry_t::VALID;
   message.orientation_world_body[0] = 1.0;

@@ -35,7 +35,7 @@ bool readFlag(const StrictYaml& yaml) {
 }
 
 CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
-  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion"});
+  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion", "readout"});
   CameraModel camera;
   camera.size = size;
   camera.fx = yaml["fx"].number(kMinFocalLength, kMaxFocalLength);
@@ -45,6 +45,7 @@ CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
   if (yaml.has("lens")) camera.lens = readLens(yaml["lens"]);
   const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  if (yaml.has("readout")) camera.readout = yaml["readout"].number(-kMaxReadout, kMaxReadout);
   return camera;
 }
 
@@ -93,11 +94,16 @@ std::string quoted(const std::string& text) {
 
 std::string cameraText(const CameraModel& camera) {
   const std::string lens = camera.lens == LensModel::wide ? "\n  lens: wide" : "";
+  const std::string readout =
+      camera.readout ? "  readout: " + exactText(*camera.readout) +
+                           "  # s, exposure of the raw image's lower edge minus that of its upper edge\n"
+                     : "";
   const auto coefficients = camera.distortion.begin();
   const auto count = static_cast<std::ptrdiff_t>(distortionCount(camera.lens));
   return "  fx: " + exactText(camera.fx) + "\n  fy: " + exactText(camera.fy) +
          "\n  cx: " + exactText(camera.cx) + "\n  cy: " + exactText(camera.cy) + lens +
-         "\n  distortion: " + exactText(std::vector<double>{coefficients, coefficients + count}) + "\n";
+         "\n  distortion: " + exactText(std::vector<double>{coefficients, coefficients + count}) + "\n" +
+         readout;
 }
 
 std::string transformText(const Eigen::Isometry3d& transform) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <opencv2/core/types.hpp>
@@ -15,12 +16,15 @@ enum class LensModel : std::uint8_t {
   wide,   ///< Kannala and Brandt's fisheye: k1 k2 k3 k4, then zeros, as in OpenCV's fisheye module
 };
 
-/// Intrinsics of a camera.
+/// Intrinsics of a camera, and its shutter.
 struct CameraModel {
   cv::Size size;                                  ///< image size that the model is valid for, px
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< px; pixel centres at integer coordinates
   LensModel lens = LensModel::brown;
   std::array<double, 8> distortion{};  ///< the lens model's coefficients
+  /// s, mid-exposure of the lower edge of the raw image minus that of its upper edge: rows times line time.
+  /// Negative if the rows are exposed from bottom to top, 0: a global shutter, empty: unknown.
+  std::optional<double> readout;
 };
 
 /// Number of coefficients of a lens model. They are the first ones of CameraModel::distortion.

@@ -36,6 +36,7 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
     check(i < distortionCount(camera.lens) || camera.distortion[i] == 0.0,
           "distortion has more coefficients than its lens model");
   }
+  check(std::abs(camera.readout.value_or(0.0)) <= kMaxReadout, "readout must lie in -0.2 to 0.2 s");
 }
 
 /// Collects unusual values, and for each kind of them what they may mean instead.

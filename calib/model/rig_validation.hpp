@@ -10,6 +10,7 @@ namespace cartvo::calib {
 constexpr int kMinImageSide = 16, kMaxImageSide = 8192;         // px
 constexpr double kMinBaseline = 0.005, kMaxBaseline = 10.0;     // m
 constexpr double kMaxScaleStddev = 0.1;                         // relative
+constexpr double kMaxReadout = 0.2;                             // s, magnitude
 constexpr double kMinFocalLength = 1.0, kMaxFocalLength = 1e5;  // px
 
 /// Range of a principal point's coordinate along an image side of this length, px.
@@ -21,8 +22,8 @@ constexpr double maxCentre(int length) {
 }
 
 /// Throws std::invalid_argument, naming the value, if an image size, focal length, principal point,
-/// distortion, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m (a larger
-/// one is a calibration in millimetres).
+/// distortion, readout, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m
+/// (a larger one is a calibration in millimetres).
 void validateRig(const Rig& rig);
 
 /// What of a valid rig cannot be the geometry of a stereo pair on a vehicle unless the rig is an unusual one,

@@ -57,6 +57,25 @@ TEST(RigFile, ReturnsWideLensFreeScalingAndScaleStddev) {
   EXPECT_EQ(read.scale_stddev, 0.002);
 }
 
+TEST(RigFile, ReturnsTheReadouts) {
+  Rig rig = test::cartRig();
+  rig.left.readout = 0.0321;
+  const std::string text = rigText(rig);
+  EXPECT_EQ(parseRig(text, "rig.yaml").left.readout, 0.0321);
+  EXPECT_EQ(parseRig(text, "rig.yaml").right.readout, std::nullopt);
+  rig.left.readout = 0.0;
+  rig.right.readout = -0.0384;
+  EXPECT_EQ(parseRig(rigText(rig), "rig.yaml").left.readout, 0.0);
+  EXPECT_EQ(parseRig(rigText(rig), "rig.yaml").right.readout, -0.0384);
+}
+
+TEST(RigFile, IsNotWrittenWithAReadoutOutOfRange) {
+  const test::TemporaryFolder folder;
+  Rig rig = test::cartRig();
+  rig.right.readout = 32.0;
+  EXPECT_THROW(writeRig(folder / "rig.yaml", rig), std::invalid_argument);
+}
+
 TEST(RigFile, DefaultsToBrownLensAndCropping) {
   const std::string text = rigText(test::cartRig());
   ASSERT_THAT(text, ::testing::Not(HasSubstr("\n  lens:")));
@@ -173,13 +192,16 @@ INSTANTIATE_TEST_SUITE_P(
               "3: nmae: expected one of the keys cartvo_rig, name, image_size, left, right, T_right_left, "
               "T_body_camera, free_scaling, scale_deviation, unusual_geometry, found 'nmae'"},
         Fault{"UnknownKeyInside", "  fx: 500.5", "  fx: 500.5\n  skew: 0",
-              "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, found 'skew'"},
+              "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, readout, found "
+              "'skew'"},
         Fault{"UnknownLens", "  fx: 500.5", "  lens: narrow\n  fx: 500.5",
               "9: left.lens: expected brown or wide, found 'narrow'"},
         Fault{"WideWithBrownsCoefficients", "  fx: 500.5", "  lens: wide\n  fx: 500.5",
               "14: left.distortion: expected a sequence of 4 numbers, found a sequence of 8 [0, 0, 0, 0, 0, "
               "0, 0, "
               "0]"},
+        Fault{"ReadoutInMilliseconds", "  fx: 500.5", "  readout: 32\n  fx: 500.5",
+              "9: left.readout: expected a number from -0.2 to 0.2, found '32'"},
         Fault{"ScalingBeyondOne", "free_scaling: 0", "free_scaling: 1.5",
               "38: free_scaling: expected a number from 0 to 1, found '1.5'"},
         Fault{"ScaleStddevTooLarge", "scale_deviation: 0", "scale_deviation: 1",

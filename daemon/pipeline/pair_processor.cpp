@@ -37,12 +37,14 @@ FrameInstants instants(const capture::Frame& frame) {
 
 class PairProcessor::Implementation {
  public:
-  Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings)
+  Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings,
+                 AbsentReadout absent_readout)
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
         scale_stddev_(rig.scale_stddev),
-        odometry_(stereoCamera(rectifier_.rectification()), settings),
+        odometry_(stereoCamera(rectifier_.rectification()), settings,
+                  stereoShutters(rig, rectifier_.rectification(), absent_readout)),
         features_(settings.features) {}
 
   PairResult process(const capture::FramePair& pair) {
@@ -123,8 +125,9 @@ class PairProcessor::Implementation {
 };
 
 PairProcessor::PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier,
-                             const vo::OdometrySettings& settings)
-    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings)) {}
+                             const vo::OdometrySettings& settings, AbsentReadout absent_readout)
+    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings, absent_readout)) {
+}
 PairProcessor::~PairProcessor() = default;
 PairProcessor::PairProcessor(PairProcessor&&) noexcept = default;
 PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;

@@ -8,6 +8,7 @@
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "daemon/pipeline/body_motion.hpp"
+#include "daemon/pipeline/shutters.hpp"
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
@@ -52,8 +53,10 @@ struct PairResult {
 /// Deterministic; not thread-safe.
 class PairProcessor {
  public:
-  /// `rectifier`: built for `rig` (loadOrBuildTables). Throws what the odometry throws.
-  PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings);
+  /// `rectifier`: built for `rig` (loadOrBuildTables). `absent_readout`: for a camera whose readout the rig
+  /// does not state. Throws what the odometry throws.
+  PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings,
+                AbsentReadout absent_readout = AbsentReadout::global_shutter);
   ~PairProcessor();
   PairProcessor(PairProcessor&&) noexcept;
   PairProcessor& operator=(PairProcessor&&) noexcept;

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "calib/model/rig_validation.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
@@ -25,8 +26,9 @@ constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "reco
 constexpr Keys kCamerasKeys = {"left",           "right",           "transport",
                                "clock",          "authentication",  "frame_rate",
                                "answer_timeout", "connect_timeout", "stall_timeout"};
-constexpr Keys kCameraKeys = {"url",  "username", "password_file", "password_credential",
-                              "size", "format",   "exposure",      "gain"};
+constexpr Keys kCameraKeys = {"url",    "username", "password_file", "password_credential",
+                              "size",   "format",   "exposure",      "gain",
+                              "readout"};
 constexpr Keys kOdometryKeys = {"estimator",
                                 "features",
                                 "seed",
@@ -147,6 +149,7 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
     }
   }
   readV4l2Keys(yaml, camera);
+  if (yaml.has("readout")) camera.readout = yaml["readout"].number(-calib::kMaxReadout, calib::kMaxReadout);
   const bool has_file = !camera.password_file.empty();
   const bool has_credential = !camera.password_credential.empty();
   if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
@@ -304,6 +307,7 @@ std::string effectiveConfiguration(const Configuration& configuration) {
     if (settings.format) yaml << YAML::Key << "format" << nameOf(*settings.format, kFormats);
     if (settings.exposure) yaml << YAML::Key << "exposure" << *settings.exposure;
     if (settings.gain) yaml << YAML::Key << "gain" << *settings.gain;
+    if (settings.readout) yaml << YAML::Key << "readout" << *settings.readout;
     yaml << YAML::EndMap;
   };
   yaml << YAML::BeginMap << YAML::Key << "cameras" << YAML::BeginMap;
@@ -336,6 +340,12 @@ std::string effectiveConfiguration(const Configuration& configuration) {
        << nameOf(configuration.log_level, kLogLevels);
   yaml << YAML::EndMap << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
+}
+
+calib::Rig withConfiguredReadouts(calib::Rig rig, const Configuration& configuration) {
+  if (configuration.left.readout) rig.left.readout = configuration.left.readout;
+  if (configuration.right.readout) rig.right.readout = configuration.right.readout;
+  return rig;
 }
 
 std::vector<std::string> configurationKeys() {

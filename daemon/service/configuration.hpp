@@ -10,6 +10,7 @@
 #include <opencv2/core/types.hpp>
 #include <spdlog/common.h>
 
+#include "calib/model/rig.hpp"
 #include "capture/recording/recording_quota.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
@@ -30,6 +31,7 @@ struct CameraConfiguration {
   std::optional<capture::PixelFormat> format;  ///< V4L2 only, see V4l2CameraSettings, as are the next two
   std::optional<double> exposure;              ///< s
   std::optional<int> gain;
+  std::optional<double> readout;  ///< s, replaces the rig's, see CameraModel::readout
 
   bool isV4l2() const { return url.starts_with("v4l2:"); }
   /// Device file of a V4L2 camera, for example /dev/video0.
@@ -81,6 +83,9 @@ Configuration parseConfiguration(const std::string& text, const std::filesystem:
 /// Writes the configuration as YAML that `readConfiguration` reads back. It names the sources of the
 /// passwords, not the passwords. A recording stores it.
 std::string effectiveConfiguration(const Configuration& configuration);
+
+/// The rig with the readouts of the configuration where it states them.
+calib::Rig withConfiguredReadouts(calib::Rig rig, const Configuration& configuration);
 
 /// All keys that `readConfiguration` accepts, for example "cameras.left.url".
 std::vector<std::string> configurationKeys();

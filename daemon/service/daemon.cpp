@@ -60,7 +60,8 @@ PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestam
 /// Reads the configured rig. Throws std::runtime_error that names the next step if there is none yet.
 calib::Rig readConfiguredRig(const Configuration& configuration) {
   std::error_code error;
-  if (std::filesystem::exists(configuration.rig, error) || error) return calib::readRig(configuration.rig);
+  if (std::filesystem::exists(configuration.rig, error) || error)
+    return withConfiguredReadouts(calib::readRig(configuration.rig), configuration);
   throw std::runtime_error(
       configuration.rig.string() +
       ": does not exist; are the cameras not calibrated yet? 'cartvo calibrate' writes this "
@@ -121,7 +122,8 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
-      processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry),
+      processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry,
+                 AbsentReadout::unknown),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
       foreign_(configuration.lcm_url),

@@ -227,19 +227,24 @@ TEST_F(ConfigurationFile, ReadsV4l2Cameras) {
     return "cameras:\n  left: {url: \"v4l2:/dev/video0\"" + left +
            "}\n  right: {url: \"v4l2:/dev/video2\"}\nrig: rig.yaml\n";
   };
-  const Configuration configuration = read(with(", size: 1280x720, format: yuyv, exposure: 0.004, gain: 32"));
+  const Configuration configuration =
+      read(with(", size: 1280x720, format: yuyv, exposure: 0.004, gain: 32, readout: -0.03"));
   EXPECT_TRUE(configuration.left.isV4l2());
   EXPECT_EQ(configuration.left.device(), "/dev/video0");
   EXPECT_EQ(configuration.left.size, cv::Size(1280, 720));
   EXPECT_EQ(configuration.left.format, capture::PixelFormat::yuyv);
   EXPECT_EQ(configuration.left.exposure, 0.004);
   EXPECT_EQ(configuration.left.gain, 32);
+  EXPECT_EQ(configuration.left.readout, -0.03);
+  EXPECT_EQ(withConfiguredReadouts({}, configuration).left.readout, -0.03);
+  EXPECT_EQ(withConfiguredReadouts({}, configuration).right.readout, std::nullopt);
   EXPECT_TRUE(configuration.right.size.empty());
   const std::string text = effectiveConfiguration(configuration);
   EXPECT_EQ(effectiveConfiguration(read(text)), text);
 
   EXPECT_THAT(errorOf(with(", format: rgb")), HasSubstr("one of grey, nv12, yuyv, mjpeg"));
   EXPECT_THAT(errorOf(with(", size: 1280")), HasSubstr("1280x720"));
+  EXPECT_THAT(errorOf(with(", readout: 32")), HasSubstr("cameras.left.readout"));
   EXPECT_THAT(errorOf(with(", exposure: 4")), HasSubstr("cameras.left.exposure"));
   EXPECT_THAT(errorOf(with(", username: admin")), HasSubstr("only an IP camera has this key"));
   EXPECT_THAT(errorOf("cameras:\n  left: {url: rtsp://a/1, gain: 3}\n  right: {url: rtsp://a/2}\nrig: r\n"),

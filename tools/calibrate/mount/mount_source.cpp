@@ -42,8 +42,9 @@ std::optional<GroundPlane> groundOf(const capture::FramePair& pair, const calib:
 /// Collects the measurements, pair by pair.
 class MountMeasurementCollector {
  public:
-  explicit MountMeasurementCollector(const calib::Rig& rig)
-      : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, {}),
+  MountMeasurementCollector(const calib::Rig& rig, daemon::AbsentReadout absent_readout)
+      : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, {},
+                   absent_readout),
         R_left_rectified_(processor_.T_left_rectified().linear()) {}
 
   void add(const capture::FramePair& pair) {
@@ -75,7 +76,7 @@ class MountMeasurementCollector {
 MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const calib::Rig& rig,
                                            const MountProgress& progress) {
   capture::StereoSource pairs = capture::openSource(source);
-  MountMeasurementCollector collector(rig);
+  MountMeasurementCollector collector(rig, daemon::absentReadoutOf(pairs.kind));
   forEachPair(pairs, [&](const capture::FramePair& pair) {
     collector.add(pair);
     progress(collector.measurements.pairs, pairs.pairs);

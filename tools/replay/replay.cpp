@@ -97,33 +97,55 @@ capture::ClockChoice toClockChoice(ReplayClock clock) {
   }
 }
 
+/// The configuration that a recording contains; empty if there is none, or if it cannot be used, which is
+/// added to `problems`.
+std::optional<daemon::Configuration> recordedConfiguration(const std::filesystem::path& source,
+                                                           std::vector<std::string>& problems) {
+  if (!capture::isRecording(source)) return std::nullopt;
+  const std::string text = capture::readRecordingInfo(source).configuration;
+  try {
+    if (!text.empty()) return daemon::parseConfiguration(text, source / "recording.json");
+  } catch (const std::runtime_error& error) {
+    problems.push_back(std::string("the recording's configuration cannot be used: ") + error.what());
+  }
+  return std::nullopt;
+}
+
 /// Settings to open the source with; those of a recording come from its configuration.
-capture::SourceSettings sourceSettings(const ReplaySettings& settings, std::vector<std::string>& problems) {
+capture::SourceSettings sourceSettings(const ReplaySettings& settings,
+                                       const std::optional<daemon::Configuration>& configuration) {
   capture::SourceSettings opened;
   opened.folder_offset_stddev_ns = 1e9 * settings.folder_offset_stddev;
   opened.frame_rate = settings.frame_rate;
   if (!capture::isRecording(settings.source)) return opened;
-  const std::string text = capture::readRecordingInfo(settings.source).configuration;
-  std::optional<daemon::Configuration> configuration;
-  try {
-    if (!text.empty()) configuration = daemon::parseConfiguration(text, settings.source / "recording.json");
-  } catch (const std::runtime_error& error) {
-    problems.push_back(std::string("the recording's configuration cannot be used: ") + error.what());
-  }
   if (configuration && settings.clock == ReplayClock::configured) opened.clock = configuration->clock;
   if (settings.clock >= ReplayClock::automatic) opened.clock = toClockChoice(settings.clock);
   return opened;
 }
 
+/// The readouts of the settings replace those of the rig.
+void replaceReadouts(const ReplaySettings& settings, calib::Rig& rig) {
+  if (!settings.readouts) return;
+  rig.left.readout = settings.readouts->at(0);
+  rig.right.readout = settings.readouts->at(1);
+}
+
+/// For replayPairs: readouts that the settings call unknown are unknown whatever the source.
+std::optional<daemon::AbsentReadout> absentReadout(const ReplaySettings& settings) {
+  if (!settings.readouts) return std::nullopt;
+  return daemon::AbsentReadout::unknown;
+}
+
 }  // namespace
 
 Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
-                   const ReplayObserver& observer) {
+                   const ReplayObserver& observer, std::optional<daemon::AbsentReadout> absent_readout) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
 
-  daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry);
+  daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry,
+                                  absent_readout.value_or(daemon::absentReadoutOf(source.kind)));
   const RectificationInverse left(processor.T_left_rectified());
   daemon::PipelineSettings settings{rig.rig.left.size, source.period_ns};
   if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
@@ -151,9 +173,15 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
 
 Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observer) {
   std::vector<std::string> problems;
-  capture::StereoSource source = capture::openSource(settings.source, sourceSettings(settings, problems));
-  const FoundRig rig = findRig(source, settings.source, settings.rig);
-  Replay replay = replayPairs(source, rig, settings.odometry, observer);
+  const std::optional<daemon::Configuration> configuration = recordedConfiguration(settings.source, problems);
+  capture::StereoSource source =
+      capture::openSource(settings.source, sourceSettings(settings, configuration));
+  FoundRig rig = findRig(source, settings.source, settings.rig);
+  // A rig file that is given takes the place of the recorded rig with all that the configuration changed.
+  if (configuration && settings.rig.empty())
+    rig.rig = daemon::withConfiguredReadouts(std::move(rig.rig), *configuration);
+  replaceReadouts(settings, rig.rig);
+  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings));
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
     throw std::runtime_error(settings.source.string() +
@@ -164,7 +192,8 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
 
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer) {
-  const FoundRig rig = findRig({}, settings.source, settings.rig);
+  FoundRig rig = findRig({}, settings.source, settings.rig);
+  replaceReadouts(settings, rig.rig);
   const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);
   VideoTiming timing;
   if (videos.is_one_file) {
@@ -177,7 +206,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
     timing = findVideoTiming(videos, rig.rig, progress);
   }
   capture::StereoSource source = openVideos(videos, timing, {});
-  Replay replay = replayPairs(source, rig, settings.odometry, observer);
+  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings));
   replay.timing = timing;
   if (replay.pairs.empty()) {
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -29,6 +30,10 @@ enum class ReplayClock : std::uint8_t {
   visual,
 };
 
+/// Readouts that replace those of the rig and the configuration: s, left and right, as CameraModel::readout;
+/// empty for an unknown one.
+using ReplayReadouts = std::array<std::optional<double>, 2>;
+
 struct ReplaySettings {
   std::filesystem::path source;
   std::filesystem::path right_video;  ///< video of the right camera; `source` is then the left camera's
@@ -39,6 +44,7 @@ struct ReplaySettings {
   vo::OdometrySettings odometry;
   double folder_offset_stddev = 0.0;  ///< s, of the time offsets of pairs in an image folder
   ReplayClock clock = ReplayClock::configured;
+  std::optional<ReplayReadouts> readouts;  ///< empty: as the rig and the recording's configuration state
 };
 
 /// Result of one pair.
@@ -89,9 +95,10 @@ struct Replay {
 /// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
 using ReplayObserver = std::function<void(const daemon::PairResult& result, std::size_t expected)>;
 
-/// Processes all pairs of a source with the daemon's pipeline. Throws if the rig or the settings are invalid.
+/// Processes all pairs of a source with the daemon's pipeline. `absent_readout`: see PairProcessor; empty: by
+/// the source's kind. Throws if the rig or the settings are invalid.
 Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
-                   const ReplayObserver& observer);
+                   const ReplayObserver& observer, std::optional<daemon::AbsentReadout> absent_readout = {});
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
 /// be paired.

@@ -1,4 +1,5 @@
 // `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "calib/model/rig_validation.hpp"
 #include "common/atomic_file.hpp"
 #include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
@@ -34,6 +36,7 @@ struct Options {
   std::string rig_refinement = rigRefinementName(vo::OdometrySettings{}.rig_refinement);
   std::string clock = replayClockName(ReplayClock::configured);
   std::optional<double> offset_ms;
+  std::string readout_ms;
   double offset_uncertainty_ms = 0.0;
   std::filesystem::path output;
   std::filesystem::path truth;
@@ -42,6 +45,22 @@ struct Options {
   std::string url = daemon::Configuration{}.lcm_url;
   double speed = 1.0;
 };
+
+/// Parses "BOTH" or "LEFT,RIGHT", each a number of ms or "unknown". Throws CLI::ValidationError.
+ReplayReadouts parseReadouts(const std::string& text) {
+  const auto parse = [&](const std::string& word) -> std::optional<double> {
+    if (word == "unknown") return std::nullopt;
+    double readout_ms = 0.0;
+    if (!CLI::detail::lexical_cast(word, readout_ms) || !(std::abs(readout_ms) <= 1e3 * calib::kMaxReadout))
+      throw CLI::ValidationError(
+          "--readout-ms",
+          "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
+    return 1e-3 * readout_ms;
+  };
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return {parse(text), parse(text)};
+  return {parse(text.substr(0, comma)), parse(text.substr(comma + 1))};
+}
 
 /// Associates the estimate with the truth where that is known, both for the body.
 AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& truth) {
@@ -190,6 +209,11 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->type_name("NAME")
       ->capture_default_str();
   command
+      .add_option("--readout-ms", options.readout_ms,
+                  "Readout of both cameras or of each, as in the rig file but in ms; 0: global shutter; "
+                  "unknown: estimated from the usual 32 ms. Replaces the rig's")
+      ->type_name("BOTH|LEFT,RIGHT");
+  command
       .add_option("--threads", options.threads,
                   "Threads for image operations; the results do not depend on it")
       ->check(CLI::Range(1, 64))
@@ -242,6 +266,7 @@ void addReplayCommand(CLI::App& cartvo) {
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
+    if (!options->readout_ms.empty()) options->replay.readouts = parseReadouts(options->readout_ms);
     options->replay.clock = replayClockNamed(options->clock);
     options->replay.folder_offset_stddev = 1e-3 * options->offset_uncertainty_ms;
     run(*options);

@@ -41,10 +41,9 @@ std::optional<Trajectory> truthOf(const fs::path& folder, const capture::ImageSe
 vo::Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
   constexpr double kStep = 5e-4;  // s
   const double time = 1e-9 * static_cast<double>(time_ns);
-  // One-sided at the start of the drive, where the time is clamped.
-  const Eigen::Isometry3d before = world.T_world_body(std::max(0.0, time - kStep));
+  const Eigen::Isometry3d before = world.T_world_body(time - kStep);
   const Eigen::Isometry3d after = world.T_world_body(time + kStep);
-  return daemon::logarithm(before.inverse() * after) / (time + kStep - std::max(0.0, time - kStep));
+  return daemon::logarithm(before.inverse() * after) / (2.0 * kStep);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "capture/rtsp/password_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/units.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
@@ -52,6 +53,10 @@ std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
   settings.focal_length *= settings.image_size.width / 680.0;  // same field of view at any size
   settings.offset_s = options.offset_ms * 1e-3;
   settings.offset_drift_ppm = options.offset_drift_ppm;
+  const Readouts readouts = parseReadouts(options.readout_ms);
+  settings.left_readout = readouts.left;
+  settings.right_readout = readouts.right;
+  settings.shake.amplitude = options.shake_degrees * kRadiansPerDegree;
   return std::make_unique<world::RenderedWorld>(settings);
 }
 
@@ -107,6 +112,7 @@ void writeCameras(const SimulateOptions& options, const Content& content,
       {"pairs", content.pairCount()},
       {"offset_ms", options.offset_ms},
       {"offset_drift_ppm", options.offset_drift_ppm},
+      {"readout_ms", options.readout_ms},
       {"bitrate_kbps", options.encoder.bitrate_kbps},
       {"content",
        options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};

@@ -29,6 +29,8 @@ struct SimulateOptions {
   std::string size = "680x420";
   double offset_ms = 0.0;
   double offset_drift_ppm = 0.0;
+  std::string readout_ms = "0";
+  double shake_degrees = 0.0;
 
   std::string left = "127.0.0.1:8554";
   std::string right = "127.0.0.1:8555";
@@ -50,6 +52,16 @@ struct SimulateOptions {
 
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
 cv::Size parseSize(const std::string& text);
+
+/// Readouts of two cameras, s, as in vo::Shutter.
+struct Readouts {
+  double left = 0.0;
+  double right = 0.0;
+};
+
+/// Parses BOTH or LEFT,RIGHT in ms, such as "32" or "32,-30.5". Throws std::invalid_argument that quotes the
+/// text.
+Readouts parseReadouts(const std::string& milliseconds);
 
 /// Adds the options to `command`; `options` must outlive it.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);

@@ -17,6 +17,7 @@
 #include "tools/world/render/veiling_glare.hpp"
 #include "tools/world/scene/campus.hpp"
 #include "tools/world/scene/drive.hpp"
+#include "tools/world/scene/mount_shake.hpp"
 #include "tools/world/scene/steps.hpp"
 #include "tools/world/scene/traffic.hpp"
 #include "tools/world/surface/hash.hpp"
@@ -26,6 +27,10 @@ namespace {
 
 /// Part of the cache key; to be raised whenever the same settings give other images.
 constexpr int kRenderVersion = 4;
+
+/// Placements of moving objects within a rolling shutter's readout. Between two of them, 8 ms apart, the
+/// acceleration of a vehicle makes less than 0.1 mm.
+constexpr int kTimeSteps = 5;
 
 constexpr double kMaxMeteredRadiance = 2.0;  // saturated pixels count as this in metering
 
@@ -39,6 +44,12 @@ const WorldSettings& validated(const WorldSettings& s) {
   require(s.lead_in_seconds >= 0.0, "lead_in_seconds must not be negative");
   require(std::abs(s.offset_s) <= 1.0, "offset_s must lie in [-1, 1] s");
   require(std::abs(s.offset_drift_ppm) <= 10000.0, "offset_drift_ppm must lie in [-10000, 10000]");
+  for (const double readout : {s.left_readout, s.right_readout}) {
+    require(std::abs(readout) * s.frame_rate <= 1.0,
+            "left_readout and right_readout must not be longer than a frame period");
+  }
+  require(s.shake.frequency >= 0.0 && s.shake.frequency <= 50.0, "shake.frequency must lie in [0, 50] Hz");
+  require(s.shake.amplitude >= 0.0 && s.shake.amplitude <= 0.1, "shake.amplitude must lie in [0, 0.1] rad");
   require(s.image_size.width >= 32 && s.image_size.width <= 4096 && s.image_size.height >= 32 &&
               s.image_size.height <= 4096,
           "image_size must lie between 32x32 and 4096x4096");
@@ -50,6 +61,11 @@ const WorldSettings& validated(const WorldSettings& s) {
   require(s.noise >= 0.0, "noise must not be negative");
   require(s.threads >= 1 && s.threads <= 256, "threads must lie in [1, 256]");
   return s;
+}
+
+/// Share of a readout at which a row is exposed: -1/2 at the upper edge of the image, 1/2 at the lower one.
+double rowShare(double row, int rows) {
+  return (row + 0.5) / rows - 0.5;
 }
 
 std::size_t sideIndex(capture::CameraSide side) {
@@ -103,7 +119,16 @@ class RenderedWorld::Implementation {
         meter_model(meterModel(rig.left)),
         meter_rays(meter_model),
         T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
-        T_start_map(drive.T_map_body(0.0).inverse()) {}
+        shake(settings, 0.5 * (T_body_camera[0].translation() + T_body_camera[1].translation())),
+        T_start_map(T_map_body(0.0).inverse()) {}
+
+  Eigen::Isometry3d T_map_body(double seconds) const {
+    return drive.T_map_body(seconds) * shake.T_body_shaken(seconds);
+  }
+
+  double readout(std::size_t camera) const {
+    return camera == 0 ? settings.left_readout : settings.right_readout;
+  }
 
   double instant(int index, capture::CameraSide side) const {
     const double period = 1.0 / settings.frame_rate;
@@ -143,10 +168,10 @@ class RenderedWorld::Implementation {
     const std::size_t camera = sideIndex(side);
     const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
     buildSceneState();
-    moveTo(seconds);
+    moveTo(seconds, readout(camera));
     DepthImage result;
-    renderDepthAndMotion(scene_state->scene, RenderSettings{0, settings.threads},
-                         viewAt(seconds, rays[camera], camera), result.depth, result.moving);
+    renderDepthAndMotion(scene_state->scene, RenderSettings{0, settings.threads}, rowViewAt(seconds, camera),
+                         result.depth, result.moving);
     return result;
   }
 
@@ -162,7 +187,8 @@ class RenderedWorld::Implementation {
     SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
         : campus(buildCampus(path, settings)),
           traffic(path, drive, settings, campus),
-          scene(campus.meshes, campus.instances) {}
+          scene(campus.meshes, campus.instances,
+                settings.left_readout == 0.0 && settings.right_readout == 0.0 ? 1 : kTimeSteps) {}
 
     Campus campus;
     Traffic traffic;
@@ -173,33 +199,52 @@ class RenderedWorld::Implementation {
     if (scene_state == nullptr) scene_state = std::make_unique<SceneState>(path, drive, settings);
   }
 
-  void moveTo(double seconds) {
-    scene_state->traffic.placeAt(seconds, scene_state->campus.instances);
-    scene_state->scene.update();
+  /// Moves the objects to their places within a readout whose middle is at `seconds`.
+  void moveTo(double seconds, double readout) {
+    Scene& scene = scene_state->scene;
+    for (int step = 0; step < scene.timeSteps(); ++step) {
+      const double share = scene.timeSteps() == 1 ? 0.0 : static_cast<double>(step) / (kTimeSteps - 1) - 0.5;
+      scene_state->traffic.placeAt(seconds + share * readout, scene_state->campus.instances);
+      scene.place(step);
+    }
+    scene.update();
   }
 
+  /// A camera all of whose rows are exposed at `seconds`.
   View viewAt(double seconds, const RayTable& table, std::size_t camera) const {
-    const Eigen::Isometry3d T_map_camera = drive.T_map_body(seconds) * T_body_camera[camera];
+    const Eigen::Isometry3d T_map_camera = T_map_body(seconds) * T_body_camera[camera];
     View view;
     view.rays = &table;
     view.size = settings.image_size;
-    view.T_map_camera = T_map_camera.cast<float>();
+    view.T_map_camera = {T_map_camera.cast<float>()};
     view.sample_seed = samplePatternSeed(T_map_camera);
     return view;
   }
 
+  /// A camera whose middle row is exposed at `seconds` and each row at its own instant.
+  View rowViewAt(double seconds, std::size_t camera) const {
+    View view = viewAt(seconds, rays[camera], camera);
+    if (readout(camera) == 0.0) return view;
+    view.T_map_camera.clear();
+    for (int row = 0; row < view.size.height; ++row) {
+      const double instant = seconds + readout(camera) * rowShare(row, view.size.height);
+      view.T_map_camera.emplace_back((T_map_body(instant) * T_body_camera[camera]).cast<float>());
+    }
+    return view;
+  }
+
   cv::Mat radianceAt(double seconds, std::size_t camera) {
-    moveTo(seconds);
+    moveTo(seconds, readout(camera));
     const RenderSettings sampling{settings.edge_samples, settings.threads};
     cv::Mat radiance =
-        renderRadiance(scene_state->scene, lighting, style, sampling, viewAt(seconds, rays[camera], camera));
+        renderRadiance(scene_state->scene, lighting, style, sampling, rowViewAt(seconds, camera));
     addVeilingGlare(radiance, (camera == 0 ? rig.left : rig.right).fx);
     return radiance;
   }
 
   /// Mean radiance of the left camera's view.
   double meanRadianceAt(double seconds) {
-    moveTo(seconds);
+    moveTo(seconds, 0.0);
     View view = viewAt(seconds, meter_rays, 0);
     view.size = meter_model.size;
     cv::Mat radiance =
@@ -229,6 +274,7 @@ class RenderedWorld::Implementation {
   const calib::CameraModel meter_model;
   const RayTable meter_rays;
   const std::array<Eigen::Isometry3d, 2> T_body_camera;
+  const MountShake shake;
   const Eigen::Isometry3d T_start_map;
   std::unique_ptr<SceneState> scene_state;  ///< built with the first image
   std::optional<ExposureControl> exposure;  ///< metered with the first image
@@ -260,6 +306,12 @@ std::int64_t RenderedWorld::rightInstant(int index) const {
   return implementation_->instantNs(index, capture::CameraSide::right);
 }
 
+double RenderedWorld::rowInstant(int index, capture::CameraSide side, double row) const {
+  return 1e-9 * static_cast<double>(implementation_->instantNs(index, side)) +
+         implementation_->readout(sideIndex(side)) *
+             rowShare(row, implementation_->settings.image_size.height);
+}
+
 void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
   left = image(index, capture::CameraSide::left);
   right = image(index, capture::CameraSide::right);
@@ -286,7 +338,7 @@ double RenderedWorld::meanRadiance(double seconds) const {
 }
 
 Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {
-  return implementation_->T_start_map * implementation_->drive.T_map_body(seconds);
+  return implementation_->T_start_map * implementation_->T_map_body(seconds);
 }
 
 Trajectory RenderedWorld::truth() const {
@@ -306,6 +358,9 @@ std::string RenderedWorld::cacheKey() const {
       << s.seconds << "s-lead" << s.lead_in_seconds << '-' << s.frame_rate << "Hz-offset" << s.offset_s
       << "s-drift" << s.offset_drift_ppm << "ppm-" << s.image_size.width << 'x' << s.image_size.height << "-f"
       << s.focal_length << "-b" << s.baseline << "-edge" << s.edge_samples << "-noise" << s.noise;
+  if (s.left_readout != 0.0 || s.right_readout != 0.0)
+    key << "-readout" << s.left_readout << '_' << s.right_readout << 's';
+  if (s.shake.amplitude != 0.0) key << "-shake" << s.shake.frequency << "Hz" << s.shake.amplitude << "rad";
   return key.str();
 }
 

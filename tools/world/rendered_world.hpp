@@ -19,7 +19,8 @@ struct DepthImage {
 };
 
 /// A golf cart's drive over a procedural campus, with exact ground truth. Images are raw (distorted by the
-/// lenses of rig()) and rendered at each camera's own exposure instant. They depend on the settings alone.
+/// lenses of rig()) and rendered at each camera's own exposure instant, which is that of the middle row; with
+/// a rolling shutter, each row at its own instant. They depend on the settings alone.
 class RenderedWorld final : public simulate::Content {
  public:
   /// Throws std::invalid_argument that names the setting out of range.
@@ -53,8 +54,12 @@ class RenderedWorld final : public simulate::Content {
   /// Mean radiance of the left camera's view at `seconds` (1: a white surface that faces the midday sun).
   double meanRadiance(double seconds) const;
 
-  /// The cart's exact pose at `seconds` after the content's start; world: the body axes at 0. Clamped to the
-  /// ends of the drive.
+  /// Instant of a row of an image, s after the content's start: that of the image plus the row's share of the
+  /// readout.
+  double rowInstant(int index, capture::CameraSide side, double row) const;
+
+  /// The cart's exact pose at `seconds` after the content's start, with the vibration of the cameras' mount;
+  /// world: the body axes at 0. Before its start and after its end, the drive goes on at the same speed.
   Eigen::Isometry3d T_world_body(double seconds) const;
 
  private:

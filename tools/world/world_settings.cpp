@@ -8,7 +8,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr std::array<std::pair<Scenario, std::string_view>, 15> kNames{{
+constexpr std::array<std::pair<Scenario, std::string_view>, 16> kNames{{
     {Scenario::campus, "campus"},
     {Scenario::loop, "loop"},
     {Scenario::turns, "turns"},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 15> kNames{{
     {Scenario::reversing, "reversing"},
     {Scenario::motorway, "motorway"},
     {Scenario::rough, "rough"},
+    {Scenario::rough_road, "rough_road"},
 }};
 
 }  // namespace

@@ -26,6 +26,7 @@ enum class Scenario : std::uint8_t {
   reversing,    ///< repeated forward drive, standstill, backward drive
   motorway,     ///< fast in a wide bend on smooth asphalt, all else far away: few near points
   rough,        ///< no road: pitch and roll of some degrees, kicks in yaw and pitch within a frame period
+  rough_road,   ///< a road with potholes: vertical accelerations of 3 g at the cameras
 };
 
 /// All scenarios in the order of the enumeration.
@@ -37,6 +38,12 @@ std::string_view scenarioName(Scenario scenario);
 /// The scenario of a name. Throws std::invalid_argument that lists all names if there is none.
 Scenario scenarioFromName(std::string_view name);
 
+/// A vibration of the cameras' mount about its own place, in pitch and roll.
+struct Shake {
+  double frequency = 0.0;  ///< Hz
+  double amplitude = 0.0;  ///< rad, of pitch; that of roll is 0.6 of it
+};
+
 /// Settings of a drive and its two cameras. The same settings give the same bytes.
 struct WorldSettings {
   Scenario scenario = Scenario::campus;
@@ -46,6 +53,9 @@ struct WorldSettings {
   double frame_rate = 18.0;       ///< of each camera, Hz
   double offset_s = 0.0;          ///< right minus left exposure at the start, s
   double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
+  double left_readout = 0.0;      ///< s, as in vo::Shutter; 0: a global shutter
+  double right_readout = 0.0;     ///< s
+  Shake shake;                    ///< of the mount, from the end of the lead-in on
   cv::Size image_size{680, 420};  ///< px
   double focal_length = 480.0;    ///< nominal, px; the two cameras differ from it by 0.1 to 0.2 %
   double baseline = 0.115;        ///< m

@@ -22,13 +22,33 @@ const calib::CameraModel& modelOf(const calib::Rig& rig, capture::CameraSide sid
   return side == capture::CameraSide::left ? rig.left : rig.right;
 }
 
-Eigen::Isometry3d T_world_camera(const world::RenderedWorld& world, const Exposure& at) {
+/// Pose of a camera at the instant of a row.
+Eigen::Isometry3d T_world_camera(const world::RenderedWorld& world, const Exposure& at, double row) {
   const calib::Rig rig = world.rig();
-  const bool left = at.side == capture::CameraSide::left;
-  const std::int64_t instant = left ? world.leftInstant(at.index) : world.rightInstant(at.index);
-  const Eigen::Isometry3d T_body_camera =
-      left ? rig.T_body_camera : rig.T_body_camera * rig.T_right_left.inverse();
-  return world.T_world_body(1e-9 * static_cast<double>(instant)) * T_body_camera;
+  const Eigen::Isometry3d T_body_camera = at.side == capture::CameraSide::left
+                                              ? rig.T_body_camera
+                                              : rig.T_body_camera * rig.T_right_left.inverse();
+  return world.T_world_body(world.rowInstant(at.index, at.side, row)) * T_body_camera;
+}
+
+/// A point as a camera sees it.
+struct SeenPoint {
+  Eigen::Vector2d pixel;
+  double depth = 0.0;  ///< m along the camera's z axis
+};
+
+/// The pixel in whose row's instant the camera sees a static point there. None if the point comes too near.
+std::optional<SeenPoint> project(const world::RenderedWorld& world, const Exposure& at,
+                                 const Eigen::Vector3d& in_world) {
+  constexpr int kSteps = 4;  // the row moves by less than a tenth of a row's shift at each of them
+  const calib::Rig rig = world.rig();
+  SeenPoint seen{Eigen::Vector2d(0.0, 0.5 * (rig.left.size.height - 1))};
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::Vector3d point = T_world_camera(world, at, seen.pixel.y()).inverse() * in_world;
+    if (point.z() < 0.5) return std::nullopt;
+    seen = {world::distort(modelOf(rig, at.side), point.hnormalized()), point.z()};
+  }
+  return seen;
 }
 
 constexpr int kKernelRadius = 4;  // px, of the interpolation kernel
@@ -93,21 +113,23 @@ cv::Mat correspondences(const world::RenderedWorld& world, const Exposure& from,
   const calib::Rig rig = world.rig();
   const world::DepthImage seen = world.renderDepth(from.index, from.side);
   const world::DepthImage other = world.renderDepth(to.index, to.side);
-  const Eigen::Isometry3d T_to_from = T_world_camera(world, to).inverse() * T_world_camera(world, from);
   cv::Mat places(seen.depth.size(), CV_64FC2, cv::Scalar(kNoPlace, kNoPlace));
   for (int y = 3; y < places.rows - 3; ++y) {
+    const Eigen::Isometry3d T_world_from = T_world_camera(world, from, y);
     for (int x = 3; x < places.cols - 3; ++x) {
       if (seen.depth.at<float>(y, x) > 60.0F || !isSmooth(seen, x, y)) continue;
       const Eigen::Vector2d ray = world::undistort(modelOf(rig, from.side), Eigen::Vector2d(x, y));
-      const Eigen::Vector3d point = T_to_from * (seen.depth.at<float>(y, x) * ray.homogeneous());
-      if (point.z() < 0.5) continue;
-      const Eigen::Vector2d p = world::distort(modelOf(rig, to.side), point.hnormalized());
+      const std::optional<SeenPoint> target =
+          project(world, to, T_world_from * (seen.depth.at<float>(y, x) * ray.homogeneous()));
+      if (!target) continue;
+      const Eigen::Vector2d& p = target->pixel;
       if (p.x() < kMargin || p.y() < kMargin || p.x() > places.cols - 1 - kMargin ||
           p.y() > places.rows - 1 - kMargin)
         continue;
       const int u = static_cast<int>(std::lround(p.x()));
       const int v = static_cast<int>(std::lround(p.y()));
-      if (!isSmooth(other, u, v) || std::abs(other.depth.at<float>(v, u) - point.z()) > 0.05 * point.z())
+      if (!isSmooth(other, u, v) ||
+          std::abs(other.depth.at<float>(v, u) - target->depth) > 0.05 * target->depth)
         continue;
       places.at<cv::Vec2d>(y, x) = cv::Vec2d(p.x(), p.y());
     }

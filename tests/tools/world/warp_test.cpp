@@ -67,6 +67,35 @@ TEST_P(RenderedWorldWarp, NextImageMatchesImageByDepthAndTruePoses) {
   expectExact(test::warpResiduals(world_, {90, capture::CameraSide::left}, {91, capture::CameraSide::left}));
 }
 
+/// Parameters: the readouts of the left and the right camera, s.
+class RollingShutterWarp : public testing::TestWithParam<std::tuple<double, double>> {
+ protected:
+  static world::WorldSettings rollingDrive() {
+    world::WorldSettings settings = cleanDrive(world::Scenario::campus, 1);
+    std::tie(settings.left_readout, settings.right_readout) = GetParam();
+    settings.shake = {8.0, 0.005};
+    return settings;
+  }
+
+  const world::RenderedWorld world_{rollingDrive()};
+};
+
+TEST_P(RollingShutterWarp, RightImageMatchesLeftImageByRows) {
+  expectExact(
+      test::warpResiduals(world_, {110, capture::CameraSide::left}, {110, capture::CameraSide::right}));
+}
+
+TEST_P(RollingShutterWarp, NextImageMatchesImageByRows) {
+  expectExact(
+      test::warpResiduals(world_, {110, capture::CameraSide::right}, {111, capture::CameraSide::right}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Readouts, RollingShutterWarp,
+                         testing::Values(std::tuple(0.032, 0.038), std::tuple(-0.032, -0.032)),
+                         [](const auto& readouts) {
+                           return std::get<0>(readouts.param) > 0.0 ? "DownwardUnlike" : "UpwardAlike";
+                         });
+
 INSTANTIATE_TEST_SUITE_P(Worlds, RenderedWorldWarp,
                          testing::Combine(testing::Values(world::Scenario::campus, world::Scenario::dusk),
                                           testing::Values(1U, 2U, 3U)),

@@ -15,7 +15,7 @@ constexpr float kShadowReach = 400.0F;  // m, length of a sun ray
 }  // namespace
 
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
-                const Eigen::Vector3f& direction) {
+                const Eigen::Vector3f& direction, float time) {
   packet.ray.org_x[lane] = origin.x();
   packet.ray.org_y[lane] = origin.y();
   packet.ray.org_z[lane] = origin.z();
@@ -24,7 +24,7 @@ void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
   packet.ray.dir_z[lane] = direction.z();
   packet.ray.tnear[lane] = 0.0F;
   packet.ray.tfar[lane] = std::numeric_limits<float>::infinity();
-  packet.ray.time[lane] = 0.0F;
+  packet.ray.time[lane] = time;
   packet.ray.mask[lane] = 0xffffffffU;
   packet.ray.id[lane] = static_cast<unsigned>(lane);
   packet.ray.flags[lane] = 0;
@@ -34,10 +34,13 @@ void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
 
 void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt) {
   valid_.fill(0);
-  const Eigen::Vector3f origin = view_.T_map_camera.translation();
-  const Eigen::Matrix3f turn = view_.T_map_camera.linear();
   int lane = 0;
   for (const Pixel& pixel : pixels) {
+    // All rays of a pixel are cast at the instant of its row.
+    const Eigen::Isometry3f& T_map_camera = view_.poseOf(pixel.y);
+    const Eigen::Vector3f origin = T_map_camera.translation();
+    const Eigen::Matrix3f turn = T_map_camera.linear();
+    const float time = view_.timeOf(pixel.y);
     const std::uint32_t h =
         hashOf({view_.sample_seed, static_cast<std::uint32_t>(pixel.y * 8192 + pixel.x), salt});
     const Eigen::Vector2f* offsets = patterns_.offsets(samples, h);
@@ -45,7 +48,8 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
       const Eigen::Vector2f d = view_.rays->direction(static_cast<float>(pixel.x) + offsets[i].x(),
                                                       static_cast<float>(pixel.y) + offsets[i].y());
       direction_[lane] = turn * Eigen::Vector3f(d.x(), d.y(), 1.0F);  // so that tfar is the depth
-      prepareRay(packet_, lane, origin, direction_[lane]);
+      time_[lane] = time;
+      prepareRay(packet_, lane, origin, direction_[lane], time);
       valid_[lane] = -1;
     }
   }
@@ -68,10 +72,11 @@ void PacketRenderer::identifySurfaces(int rays) {
     surface_[lane] = mixBits(instance * 0x9e3779b1U ^ quad.surface) << 2U;
     if (quad.finish.material == Material::leaf) surface_[lane] |= SurfaceId::kLeaf;
     Eigen::Vector3f n(packet_.hit.Ng_x[lane], packet_.hit.Ng_y[lane], packet_.hit.Ng_z[lane]);
-    n = (scene_.directions(instance) * n).normalized();
+    n = (scene_.directions(instance, time_[lane]) * n).normalized();
     if (n.dot(direction_[lane]) > 0.0F) n = -n;
     normal_[lane] = n;
-    position_[lane] = view_.T_map_camera.translation() + packet_.ray.tfar[lane] * direction_[lane];
+    const Eigen::Vector3f origin(packet_.ray.org_x[lane], packet_.ray.org_y[lane], packet_.ray.org_z[lane]);
+    position_[lane] = origin + packet_.ray.tfar[lane] * direction_[lane];
     if (sunFactor(quad.finish.material, n, lighting_.to_sun) <= 0.0F) sun_is_known_[lane] = true;
   }
 }
@@ -128,7 +133,7 @@ void PacketRenderer::castSunPacket(int rays) {
     shadow_.dir_z[lane] = lighting_.to_sun.z();
     shadow_.tnear[lane] = 0.0F;
     shadow_.tfar[lane] = kShadowReach;
-    shadow_.time[lane] = 0.0F;
+    shadow_.time[lane] = time_[lane];
     shadow_.mask[lane] = 0xffffffffU;
     shadow_.flags[lane] = 0;
     valid_[lane] = -1;
@@ -155,6 +160,7 @@ bool PacketRenderer::isSunlit(int lane) const {
   ray.dir_y = lighting_.to_sun.y();
   ray.dir_z = lighting_.to_sun.z();
   ray.tfar = kShadowReach;
+  ray.time = time_[lane];
   ray.mask = 0xffffffffU;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -180,12 +186,13 @@ void PacketRenderer::castSunRays(int rays, int samples) {
 /// Moves a single ray's hit to where the ray through the pixel's centre meets the surface.
 void PacketRenderer::moveToCentre(const Pixel& pixel, SurfaceHit& hit, Eigen::Vector3f& direction) const {
   const Eigen::Vector2f d = view_.rays->direction(static_cast<float>(pixel.x), static_cast<float>(pixel.y));
-  direction = view_.T_map_camera.linear() * Eigen::Vector3f(d.x(), d.y(), 1.0F);
-  const Eigen::Vector3f origin = view_.T_map_camera.translation();
+  const Eigen::Isometry3f& T_map_camera = view_.poseOf(pixel.y);
+  direction = T_map_camera.linear() * Eigen::Vector3f(d.x(), d.y(), 1.0F);
+  const Eigen::Vector3f origin = T_map_camera.translation();
   const float depth = (hit.position - origin).dot(hit.normal) / direction.dot(hit.normal);
   if (!(std::abs(depth - hit.depth) < 0.2F * hit.depth)) return;  // grazing view: keep the hit
   const Eigen::Vector3f shift = origin + depth * direction - hit.position;
-  const Eigen::Vector3f in_object = scene_.directions(hit.instance).transpose() * shift;
+  const Eigen::Vector3f in_object = scene_.directions(hit.instance, hit.time).transpose() * shift;
   const QuadShading& quad = scene_.shading(hit.instance, hit.quad);
   hit.uv += Eigen::Vector2f(quad.gradient_u.dot(in_object), quad.gradient_v.dot(in_object));
   hit.position += shift;
@@ -198,6 +205,7 @@ PacketRenderer::Piece PacketRenderer::collect(int first, int end, std::array<boo
   const std::uint32_t instance = packet_.hit.instID[0][first];
   const std::uint32_t surface = surface_[first] & ~SurfaceId::kSunlit;
   piece.hit.instance = instance;
+  piece.hit.time = time_[first];
   piece.hit.quad = packet_.hit.primID[first];
   piece.hit.position.setZero();
   piece.hit.normal.setZero();

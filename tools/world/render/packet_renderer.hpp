@@ -41,9 +41,9 @@ struct FirstPass {
   cv::Mat surface;   ///< CV_32SC1, see SurfaceId
 };
 
-/// Initialises one lane of a packet with a ray that has no hit yet.
+/// Initialises one lane of a packet with a ray that has no hit yet; `time` as in View::timeOf.
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
-                const Eigen::Vector3f& direction);
+                const Eigen::Vector3f& direction, float time);
 
 /// Renders pixels in packets of sixteen rays. The pixel size at `middle` is used for all of them, so they
 /// must be near it.
@@ -106,6 +106,7 @@ class PacketRenderer {
   RTCRayHit16 packet_{};
   RTCRay16 shadow_{};
   std::array<Eigen::Vector3f, kLanes> direction_;
+  std::array<float, kLanes> time_{};  ///< see View::timeOf
   std::array<Eigen::Vector3f, kLanes> position_;
   std::array<Eigen::Vector3f, kLanes> normal_;
   std::array<float, kLanes> sunlit_{};

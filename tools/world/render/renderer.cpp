@@ -146,9 +146,9 @@ void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, co
                           cv::Mat& depth, cv::Mat& moving) {
   depth.create(view.size, CV_32FC1);
   moving.create(view.size, CV_8UC1);
-  const Eigen::Vector3f origin = view.T_map_camera.translation();
-  const Eigen::Matrix3f turn = view.T_map_camera.linear();
   parallelFor(view.size.height, settings.threads, [&](int y) {
+    const Eigen::Vector3f origin = view.poseOf(y).translation();
+    const Eigen::Matrix3f turn = view.poseOf(y).linear();
     RTCRayHit16 packet{};
     alignas(64) std::array<int, kLanes> valid{};
     for (int x = 0; x < view.size.width; x += kLanes) {
@@ -156,7 +156,7 @@ void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, co
       valid.fill(0);
       for (int lane = 0; lane < count; ++lane) {
         const Eigen::Vector2f d = view.rays->direction(static_cast<float>(x + lane), static_cast<float>(y));
-        prepareRay(packet, lane, origin, turn * Eigen::Vector3f(d.x(), d.y(), 1.0F));
+        prepareRay(packet, lane, origin, turn * Eigen::Vector3f(d.x(), d.y(), 1.0F), view.timeOf(y));
         valid[lane] = -1;
       }
       RTCIntersectContext context;

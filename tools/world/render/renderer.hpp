@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -20,12 +22,24 @@ struct RenderSettings {
   int threads = 2;
 };
 
-/// A camera at one instant.
+/// A camera while it takes an image.
 struct View {
   const RayTable* rays = nullptr;
   cv::Size size;
-  Eigen::Isometry3f T_map_camera = Eigen::Isometry3f::Identity();
+  /// Poses in campus axes, at the instant of each row from the upper one on; a single pose holds for all
+  /// rows.
+  std::vector<Eigen::Isometry3f> T_map_camera;
   std::uint32_t sample_seed = 0;  ///< selects the sample pattern of each pixel
+
+  const Eigen::Isometry3f& poseOf(int row) const {
+    return T_map_camera[T_map_camera.size() == 1 ? 0 : static_cast<std::size_t>(row)];
+  }
+
+  /// Instant of a row as a fraction of the time from the upper edge of the image to the lower one.
+  float timeOf(int row) const {
+    return T_map_camera.size() == 1 ? 0.0F
+                                    : (static_cast<float>(row) + 0.5F) / static_cast<float>(size.height);
+  }
 };
 
 /// Radiance of each pixel, CV_32FC1 (unit: see Lighting), by ray casting. Several rays per pixel find the

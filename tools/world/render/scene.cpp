@@ -8,10 +8,10 @@
 namespace cartvo::world {
 namespace {
 
-void setTransform(RTCGeometry geometry, const Eigen::Affine3f& placement) {
+void setTransform(RTCGeometry geometry, int time_step, const Eigen::Affine3f& placement) {
   const Eigen::Matrix4f& matrix = placement.matrix();  // column-major, as Embree expects
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix.data());
-  rtcCommitGeometry(geometry);
+  rtcSetGeometryTransform(geometry, static_cast<unsigned>(time_step), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                          matrix.data());
 }
 
 /// Inverse transpose of the linear part: maps normals and texture gradients from mesh to campus axes.
@@ -21,8 +21,11 @@ Eigen::Matrix3f inverseTransposed(const Eigen::Affine3f& placement) {
 
 }  // namespace
 
-Scene::Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& instances)
-    : meshes_(meshes), instances_(instances), device_(rtcNewDevice("threads=2")) {
+Scene::Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& instances, int time_steps)
+    : meshes_(meshes),
+      instances_(instances),
+      device_(rtcNewDevice("threads=2")),
+      directions_(static_cast<std::size_t>(time_steps)) {
   check();
   for (const Mesh& mesh : meshes)
     bottom_.push_back(buildMesh(mesh));
@@ -31,10 +34,15 @@ Scene::Scene(const std::vector<Mesh>& meshes, const std::vector<Instance>& insta
   for (std::uint32_t id = 0; id < instances.size(); ++id) {
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, bottom_[instances[id].mesh].get());
-    setTransform(geometry, instances[id].placement);
+    const int steps = instances[id].moving ? time_steps : 1;
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+    for (int step = 0; step < steps; ++step)
+      setTransform(geometry, step, instances[id].placement);
+    rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(top_.get(), geometry, id);
     rtcReleaseGeometry(geometry);
-    directions_.push_back(inverseTransposed(instances[id].placement));
+    for (std::vector<Eigen::Matrix3f>& directions : directions_)
+      directions.push_back(inverseTransposed(instances[id].placement));
   }
   rtcCommitScene(top_.get());
   check();
@@ -66,11 +74,17 @@ Scene::Handle Scene::buildMesh(const Mesh& mesh) const {
   return scene;
 }
 
-void Scene::update() {
+void Scene::place(int time_step) {
   for (std::uint32_t id = 0; id < instances_.size(); ++id) {
     if (!instances_[id].moving) continue;
-    setTransform(rtcGetGeometry(top_.get(), id), instances_[id].placement);
-    directions_[id] = inverseTransposed(instances_[id].placement);
+    setTransform(rtcGetGeometry(top_.get(), id), time_step, instances_[id].placement);
+    directions_[static_cast<std::size_t>(time_step)][id] = inverseTransposed(instances_[id].placement);
+  }
+}
+
+void Scene::update() {
+  for (std::uint32_t id = 0; id < instances_.size(); ++id) {
+    if (instances_[id].moving) rtcCommitGeometry(rtcGetGeometry(top_.get(), id));
   }
   rtcCommitScene(top_.get());
 }

@@ -37,37 +37,63 @@ double roughness(double distance, double lateral, double amplitude, std::uint32_
 }
 
 double roughnessAmplitude(Scenario scenario) {
-  if (scenario == Scenario::bumpy) return 0.032;
+  if (scenario == Scenario::bumpy || scenario == Scenario::rough_road) return 0.032;
   if (scenario == Scenario::rough) return 0.06;
   if (scenario == Scenario::motorway) return 0.001;
   return scenario == Scenario::low_texture ? 0.003 : 0.006;
 }
 
-/// Kicks of a rough road: impulses of angular acceleration, one at a random instant of each second.
+/// Kicks of a rough road in one axis: impulses of acceleration, one at a random instant of each second.
 class Kicks {
  public:
-  Kicks(std::uint64_t seed, std::uint32_t axis) : seed_(static_cast<std::uint32_t>(seed)), axis_(axis) {}
+  /// `maximum_rate`: largest velocity (m/s or rad/s) after a kick. `axis` selects the random numbers.
+  Kicks(std::uint64_t seed, std::uint32_t axis, double maximum_rate)
+      : seed_(static_cast<std::uint32_t>(seed)), axis_(axis), maximum_rate_(maximum_rate) {}
 
-  /// Angular acceleration, rad/s^2.
+  /// Acceleration, m/s^2 or rad/s^2.
   double at(double seconds) const {
     const auto second = static_cast<std::uint32_t>(seconds);
     const double since = seconds - second - 0.9 * random(second, 0);
     if (since < 0.0 || since > kDuration) return 0.0;
     const double strength = 2.0 * random(second, 1) - 1.0;
     const double shape = std::sin(M_PI * since / kDuration);
-    return kMaximumRate * strength * 2.0 / kDuration * shape * shape;
+    return maximum_rate_ * strength * 2.0 / kDuration * shape * shape;
   }
 
  private:
-  static constexpr double kDuration = 0.06;    // s
-  static constexpr double kMaximumRate = 2.5;  // rad/s, angular velocity after a kick
+  static constexpr double kDuration = 0.06;  // s
 
   double random(std::uint32_t second, std::uint32_t value) const {
     return 0x1.0p-32 * hashOf({seed_, axis_, second, value});
   }
 
   std::uint32_t seed_, axis_;
+  double maximum_rate_;
 };
+
+/// The body's motion in one axis after the kicks of a rough road.
+struct Kicked {
+  Kicks kicks;
+  Spring spring{15.0, 0.4};
+
+  void step(double time, double seconds) {
+    spring.rate += seconds * kicks.at(time);
+    spring.step(0.0, seconds);
+  }
+};
+
+/// Largest velocities after a kick.
+struct KickRates {
+  double heave = 0.0;              ///< m/s
+  double roll = 0.0, pitch = 0.0;  ///< rad/s
+  double yaw = 0.0;                ///< rad/s
+};
+
+KickRates kickRates(Scenario scenario) {
+  if (scenario == Scenario::rough) return {.pitch = 2.5, .yaw = 2.5};
+  if (scenario == Scenario::rough_road) return {.heave = 1.3, .roll = 0.8, .pitch = 0.8};
+  return {};
+}
 
 }  // namespace
 
@@ -86,9 +112,12 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
     corners[wheel].x = wheel_height(0.0, wheel);
   Spring squat{7.0, 0.45};
   Spring lean{7.0, 0.45};
-  Spring yaw_spring{15.0, 0.4}, pitch_spring{15.0, 0.4};
-  const bool rough = settings.scenario == Scenario::rough;
-  const Kicks yaw_kicks(settings.seed, 502), pitch_kicks(settings.seed, 503);
+  const KickRates rates = kickRates(settings.scenario);
+  Kicked kicked_yaw{Kicks(settings.seed, 502, rates.yaw)};
+  Kicked kicked_pitch{Kicks(settings.seed, 503, rates.pitch)};
+  Kicked kicked_heave{Kicks(settings.seed, 504, rates.heave)};
+  Kicked kicked_roll{Kicks(settings.seed, 505, rates.roll)};
+  const bool has_yaw = rates.yaw > 0.0;
   std::vector<double> yaw;
   std::vector<double> heave;
   std::vector<double> pitch;
@@ -104,26 +133,24 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
       corners[wheel].step(wheel_height(along, wheel), kStep);
     squat.step(kPitchPerAcceleration * acceleration, kStep);
     lean.step(kRollPerAcceleration * v * v * path.at(along).curvature, kStep);
-    if (rough && time > settings.lead_in_seconds) {
-      yaw_spring.rate += kStep * yaw_kicks.at(time);
-      pitch_spring.rate += kStep * pitch_kicks.at(time);
-      yaw_spring.step(0.0, kStep);
-      pitch_spring.step(0.0, kStep);
+    if (time > settings.lead_in_seconds) {
+      for (Kicked* kicked : {&kicked_yaw, &kicked_pitch, &kicked_heave, &kicked_roll})
+        kicked->step(time, kStep);
     }
     if (i % kSubsteps != 0) continue;
     const double rear = 0.5 * (corners[0].x + corners[1].x);
     const double front = 0.5 * (corners[2].x + corners[3].x);
     const double left = 0.5 * (corners[1].x + corners[3].x);
     const double right = 0.5 * (corners[0].x + corners[2].x);
-    heave.push_back(rear);
-    pitch.push_back((rear - front) / kWheelbase + squat.x + pitch_spring.x);
-    roll.push_back((left - right) / kTrack + lean.x);
-    if (rough) yaw.push_back(yaw_spring.x);
+    heave.push_back(rear + kicked_heave.spring.x);
+    pitch.push_back((rear - front) / kWheelbase + squat.x + kicked_pitch.spring.x);
+    roll.push_back((left - right) / kTrack + lean.x + kicked_roll.spring.x);
+    if (has_yaw) yaw.push_back(kicked_yaw.spring.x);
   }
   heave_ = UniformSpline(kSpeedStep, std::move(heave));
   pitch_ = UniformSpline(kSpeedStep, std::move(pitch));
   roll_ = UniformSpline(kSpeedStep, std::move(roll));
-  if (rough) yaw_ = UniformSpline(kSpeedStep, std::move(yaw));
+  if (has_yaw) yaw_ = UniformSpline(kSpeedStep, std::move(yaw));
 }
 
 Eigen::Isometry3d Drive::T_map_body(double seconds) const {

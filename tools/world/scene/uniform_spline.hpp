@@ -28,10 +28,12 @@ class UniformSpline {
            6.0;
   }
 
-  /// Exact integral from time 0 to `time`.
+  /// Exact integral from time 0 to `time`; negative times and those after the last value, too.
   double integral(double time) const {
     const auto [k, x] = locate(time);
-    return integrals_[k] + step_ * segmentIntegral(k, x);
+    const double beyond =
+        time < 0.0 ? time : std::max(time - step_ * static_cast<double>(values_.size()), 0.0);
+    return integrals_[k] + step_ * segmentIntegral(k, x) + beyond * value(time);
   }
 
  private:

@@ -26,7 +26,7 @@ Footprint footprintOf(const Scene& scene, const SurfaceHit& hit, const Eigen::Ve
                       float pixel_angle) {
   Footprint footprint;
   const QuadShading& quad = scene.shading(hit.instance, hit.quad);
-  const Eigen::Matrix3f& turn = scene.directions(hit.instance);
+  const Eigen::Matrix3f& turn = scene.directions(hit.instance, hit.time);
   const Eigen::Vector3f d = direction.normalized();
   const float facing = std::max(std::abs(d.dot(hit.normal)), 1.0F / kMaxAspectRatio);
   footprint.width = hit.depth * pixel_angle;

@@ -13,6 +13,7 @@ namespace cartvo::world {
 struct SurfaceHit {
   std::uint32_t instance = 0;
   std::uint32_t quad = 0;
+  float time = 0.0F;                  ///< see View::timeOf
   Eigen::Vector2f uv{0, 0};           ///< texture coordinates, m
   Eigen::Vector3f position{0, 0, 0};  ///< m, campus axes
   Eigen::Vector3f normal{0, 0, 1};    ///< unit length, toward the camera

@@ -35,7 +35,7 @@ class ReprojectionOdometry final : public OdometryMethod {
                        const StereoShutters& shutters)
       : camera_(camera),
         settings_(settings),
-        shutters_(shutters),
+        timing_(camera, shutters),
         left_pyramids_(settings.tracking.levels),
         pitch_reinitialiser_(camera) {}
 
@@ -51,8 +51,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
   bool stopIsImplausible(const PreparedPair& pair) const;
   bool isStandstill(const TrackedMotion& motion) const;
-  RigCalibrationFilter latestRig() const;
-  StillRegions latestStillRegions() const;
+  LearntByTracks latestLearnt() const;
   enum class TrackHandover { none, frozen, done };  ///< frozen: the candidate stands though the cart moves
   TrackHandover tryRelocalise(const PreparedPair& pair, TrackedMotion& motion, StageObserver& observer);
   void restartCodecModel(const PreparedPair& pair, const TrackedMotion& motion);
@@ -64,7 +63,7 @@ class ReprojectionOdometry final : public OdometryMethod {
 
   StereoCamera camera_;
   OdometrySettings settings_;
-  StereoShutters shutters_;
+  RowTiming timing_;
   PyramidPool left_pyramids_;
   PyramidPool right_pyramids_{kLandmarkLevels};
   PyramidLease left_lease_, right_lease_;   ///< buffers that the caller writes the next pair into
@@ -237,19 +236,17 @@ bool ReprojectionOdometry::isStandstill(const TrackedMotion& motion) const {
 
 /// Rig calibration of the newest track, even if that track fails: a search for the pitch is not repeated
 /// soon.
-RigCalibrationFilter ReprojectionOdometry::latestRig() const {
-  if (candidate_track_) return candidate_track_->rig();
-  return track_ ? track_->rig() : RigCalibrationFilter();
-}
-
-StillRegions ReprojectionOdometry::latestStillRegions() const {
-  return track_ ? track_->stillRegions() : StillRegions(camera_);
+LearntByTracks ReprojectionOdometry::latestLearnt() const {
+  if (!track_) return {{}, StillRegions(camera_), ReadoutFilters(timing_.shutters())};
+  LearntByTracks learnt = track_->learnt();
+  if (candidate_track_) learnt.rig = candidate_track_->rig();
+  return learnt;
 }
 
 /// Starts the running track anew at the pair, within the epoch.
 OdometryEstimate ReprojectionOdometry::startTrack(const PreparedPair& pair, OdometryReason reason,
                                                   StageObserver& observer) {
-  track_.emplace(camera_, settings_, pair, latestRig(), latestStillRegions(), pitch_reinitialiser_, observer);
+  track_.emplace(camera_, settings_, timing_, pair, latestLearnt(), pitch_reinitialiser_, observer);
   codec_shift_ = codec_errors_.restart(pair.key_frames);
   candidate_track_.reset();
   lost_pairs_ = 0;
@@ -272,7 +269,7 @@ OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, Odom
 OdometryEstimate ReprojectionOdometry::handleLoss(const PreparedPair& pair, const TrackedMotion& failed,
                                                   StageObserver& observer) {
   TrackedMotion motion = failed;
-  candidate_track_.emplace(camera_, settings_, pair, latestRig(), latestStillRegions(), pitch_reinitialiser_,
+  candidate_track_.emplace(camera_, settings_, timing_, pair, latestLearnt(), pitch_reinitialiser_,
                            observer);
   candidate_key_frames_ = pair.key_frames;
   motion.counts.detected = candidate_track_->landmarkCount();
@@ -305,6 +302,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
       estimate.pose_covariance += codec_shift_->variance.asDiagonal();
     }
     estimate.rig = track_->rigCalibrationError();
+    estimate.readouts = track_->readouts();
     estimate.still_regions = track_->stillRegions().regions();
   }
   if (!estimate.valid) return estimate;
@@ -312,6 +310,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
   estimate.T_previous_current = motion.T_previous_current;
   estimate.motion_covariance = motion.motion_covariance;
   estimate.motion_offset_error = motion.motion_offset_error;
+  estimate.twist = motion.twist;
   return estimate;
 }
 

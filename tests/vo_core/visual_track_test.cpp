@@ -71,8 +71,8 @@ OdometrySettings smallSettings() {
 class VisualTrackTest : public testing::Test {
  protected:
   VisualTrack begin(const OdometrySettings& settings = smallSettings()) {
-    return VisualTrack(kCamera, settings, prepared(drivePair(0), 0), RigCalibrationFilter(),
-                       StillRegions(kCamera), reinitialiser_, observer_);
+    return VisualTrack(kCamera, settings, RowTiming(kCamera, {}), prepared(drivePair(0), 0),
+                       {{}, StillRegions(kCamera), {}}, reinitialiser_, observer_);
   }
   TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
     return track.process(prepared(images, index), observer_);
@@ -292,14 +292,14 @@ TEST_F(VisualTrackTest, StartsWithTheGivenRigCalibration) {
   const auto pitch_of = [](const VisualTrack& track) {
     return track.rigCalibrationError().value().pitch.value;
   };
-  const VisualTrack track(kCamera, smallSettings(), prepared(drivePair(0), 0), known, StillRegions(kCamera),
-                          reinitialiser_, observer_);
+  const VisualTrack track(kCamera, smallSettings(), RowTiming(kCamera, {}), prepared(drivePair(0), 0),
+                          {known, StillRegions(kCamera), {}}, reinitialiser_, observer_);
   EXPECT_EQ(pitch_of(track), 1e-3);
   VisualTrack driven = begin();
   for (int i = 1; i < 7; ++i)
     show(driven, drivePair(i), i);
-  const VisualTrack next_track(kCamera, smallSettings(), prepared(drivePair(6), 6), driven.rig(),
-                               StillRegions(kCamera), reinitialiser_, observer_);
+  const VisualTrack next_track(kCamera, smallSettings(), RowTiming(kCamera, {}), prepared(drivePair(6), 6),
+                               driven.learnt(), reinitialiser_, observer_);
   EXPECT_NE(pitch_of(driven), 0.0);
   EXPECT_EQ(pitch_of(next_track), pitch_of(driven));
 }

@@ -23,6 +23,8 @@ struct PosePoint {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, position in the current pair
   double weight = 1.0;                                 ///< Landmark::trust
   int level = 0;                                       ///< pyramid level, see Landmark
+  /// px, stddev of each coordinate of `left` by the unknown motion from the exposure to that of its row.
+  double row_noise = 0.0;
   bool inlier = false;                                 ///< result: within the gate of the pose found
 };
 

@@ -42,7 +42,7 @@ TimedPoses timedPoses(const std::vector<WindowFrame>& window) {
   TimedPoses poses;
   for (const WindowFrame& frame : window)
     poses.push_back({1e-9 * static_cast<double>(frame.exposure_ns - window.front().exposure_ns), frame.offset,
-                     frame.T_world_camera, frame.dpose_doffset});
+                     frame.T_world_camera, frame.dpose_doffset, frame.rows});
   return poses;
 }
 
@@ -60,10 +60,10 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
     if (!anchor) continue;
     PosePoint point;
     point.anchor = *anchor;
-    point.bearing = bearingOf(camera, landmark.anchor().left);
+    point.bearing = bearingOf(camera, landmark.anchor().leftAtExposure());
     point.inverse_depth = landmark.inverse_depth;
     point.inverse_depth_stddev = 1.0 / std::sqrt(landmark.information);
-    point.left = landmark.last().left;
+    point.left = landmark.last().leftAtExposure();
     point.weight = landmark.trust;
     point.level = landmark.level;
     points.push_back(point);
@@ -80,7 +80,7 @@ void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vect
     const Observation& last = landmarks[chosen[i]].last();
     if (!last.stereo) continue;
     points[seen] = points[i];
-    points[seen++].left = correctedRight(camera, rig, last.left - last.stereo_offset);
+    points[seen++].left = correctedRight(camera, rig, last.rightAtExposure());
   }
   points.resize(seen);
 }
@@ -97,7 +97,7 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Landmark& landmark = landmarks[chosen[i]];
     BundleLandmark& item = items[i] = {};
-    item.bearing = bearingOf(camera, landmark.anchor().left);
+    item.bearing = bearingOf(camera, landmark.anchor().leftAtExposure());
     item.weight = landmark.trust;
     item.level = landmark.level;
     item.inverse_depth = landmark.inverse_depth;
@@ -113,8 +113,8 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     for (const Observation& observation : landmark.observations)
       if (const std::optional<int> pose = findFrameIndex(window, observation.frame))
         item.observations.push_back(
-            {*pose, observation.stereo, observation.left,
-             correctedRight(camera, rig, observation.left - observation.stereo_offset),
+            {*pose, observation.stereo, observation.leftAtExposure(),
+             correctedRight(camera, rig, observation.rightAtExposure()),
              observation.relative_noise});
   }
 }
@@ -129,15 +129,15 @@ BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
   for (const Landmark& landmark : landmarks) {
     const Observation& last = landmark.last();
     if (!last.stereo) continue;
-    const Eigen::Vector2d seen = last.left - last.stereo_offset;
-    const auto found = triangulate(camera, T_right_left, last.left, seen);
+    const Eigen::Vector2d left = last.leftAtExposure(), right = last.rightAtExposure();
+    const auto found = triangulate(camera, T_right_left, left, right);
     if (!found) continue;
     BundleLandmark& item = problem.landmarks.emplace_back();
-    item.bearing = bearingOf(camera, last.left);
+    item.bearing = bearingOf(camera, left);
     item.inverse_depth = found->inverse_depth;
     item.weight = landmark.trust;
     item.level = landmark.level;
-    item.observations.push_back({newest, true, last.left, seen, last.relative_noise});
+    item.observations.push_back({newest, true, left, right, last.relative_noise});
   }
   return problem;
 }

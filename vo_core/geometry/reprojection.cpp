@@ -40,19 +40,25 @@ struct MotionTerm {
     vector_by_own.topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
     vector_by_own.topRightCorner<3, 3>() = skew(vector.head<3>());
     vector_by_own.bottomRightCorner<3, 3>() = -inverseRightJacobianOfRotation(-vector.tail<3>());
-    return weight * to_right * vector_by_own;
+    return weighted(to_right) * vector_by_own;
   }
   Matrix6d byOther(const Matrix6d& to_right) const {
     Matrix6d vector_by_other = Matrix6d::Zero();
     vector_by_other.topLeftCorner<3, 3>() = D.linear();
     vector_by_other.bottomRightCorner<3, 3>() = inverseRightJacobianOfRotation(vector.tail<3>());
-    return weight * to_right * vector_by_other;
+    return weighted(to_right) * vector_by_other;
+  }
+  Matrix6d weighted(const Matrix6d& to_right) const {
+    return matrix ? Matrix6d(to_right * *matrix) : Matrix6d(weight * to_right);
   }
 
   Eigen::Isometry3d D;
   Vector6d vector;
   double weight = 0.0;
   double weight_by_offset = 0.0;  // 1/s
+  // Derivatives of the parabola's velocity (1/s) and acceleration (1/s^2) at the exposure.
+  double velocity_weight = 0.0, acceleration_weight = 0.0;
+  std::optional<Matrix6d> matrix;  // with rows: instead of `weight`
 };
 
 /// Jacobian of the perturbation on the right of a step by the change of the step.
@@ -61,6 +67,12 @@ Matrix6d perturbationByStep(const Vector6d& step) {
   to_right.topLeftCorner<3, 3>() = motionFromVector(step).linear().transpose();
   to_right.bottomRightCorner<3, 3>() = rightJacobianOfRotation(step.tail<3>());
   return to_right;
+}
+
+Eigen::Isometry3d leftFromRight(double baseline) {
+  Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
+  T_left_right.translation().x() = baseline;
+  return T_left_right;
 }
 
 /// Interpolated motion from the left exposure of poses[index] to its right one.
@@ -74,7 +86,7 @@ class InterpolatedMotion {
     const double to_neighbour = poses[neighbour].time - own.time;
     MotionTerm& near = terms_.emplace_back(own, poses[neighbour]);
     near.weight = own.offset / to_neighbour;
-    near.weight_by_offset = 1.0 / to_neighbour;
+    near.weight_by_offset = near.velocity_weight = 1.0 / to_neighbour;
     if (third >= 0) {
       // Lagrange polynomials; that of the own pose, which is the origin, drops out.
       const double to_third = poses[third].time - own.time;
@@ -84,12 +96,20 @@ class InterpolatedMotion {
       MotionTerm far(own, poses[third]);
       far.weight = own.offset * (own.offset - to_neighbour) / square;
       far.weight_by_offset = (2.0 * own.offset - to_neighbour) / square;
+      near.velocity_weight *= -to_third / (to_neighbour - to_third);
+      near.acceleration_weight = 2.0 / (to_neighbour * (to_neighbour - to_third));
+      far.velocity_weight = -to_neighbour / square;
+      far.acceleration_weight = 2.0 / square;
       terms_.push_back(far);
     }
     Vector6d step_by_offset = Vector6d::Zero();
-    for (const MotionTerm& term : terms_) {
-      step_ += term.weight * term.vector;
-      step_by_offset += term.weight_by_offset * term.vector;
+    if (own.rows) {
+      step_by_offset = blendWithRows(*own.rows, own.offset);
+    } else {
+      for (const MotionTerm& term : terms_) {
+        step_ += term.weight * term.vector;
+        step_by_offset += term.weight_by_offset * term.vector;
+      }
     }
     to_right_ = perturbationByStep(step_);
     by_offset = to_right_ * step_by_offset;
@@ -110,6 +130,33 @@ class InterpolatedMotion {
   Vector6d by_offset = Vector6d::Zero();
 
  private:
+  /// Sets the step to that of the parabola and the rows together, `offset` seconds after the exposure. Returns
+  /// its derivative by the offset.
+  Vector6d blendWithRows(const MotionBlend& rows, double offset) {
+    // The step is [offset, offset^2 / 2] times velocity and acceleration.
+    using StepByMotion = Eigen::Matrix<double, 6, RowInformation::kSize>;
+    const auto of_expected = [&](double by_velocity, double by_acceleration) -> StepByMotion {
+      return by_velocity * rows.expected_share.topRows<6>() +
+             by_acceleration * rows.expected_share.bottomRows<6>();
+    };
+    const auto of_rows = [&](double by_velocity, double by_acceleration) -> Vector6d {
+      return by_velocity * rows.by_rows.head<6>() + by_acceleration * rows.by_rows.tail<6>();
+    };
+    const StepByMotion step = of_expected(offset, 0.5 * offset * offset), slope = of_expected(1.0, offset);
+    step_ = of_rows(offset, 0.5 * offset * offset);
+    Vector6d by_offset_of_step = of_rows(1.0, offset);
+    for (MotionTerm& term : terms_) {
+      const Matrix6d matrix =
+          term.velocity_weight * step.leftCols<6>() + term.acceleration_weight * step.rightCols<6>();
+      term.matrix = matrix;
+      step_ += matrix * term.vector;
+      by_offset_of_step += (term.velocity_weight * slope.leftCols<6>() +
+                            term.acceleration_weight * slope.rightCols<6>()) *
+                           term.vector;
+    }
+    return by_offset_of_step;
+  }
+
   FixedVector<MotionTerm, 2> terms_;
   Vector6d step_ = Vector6d::Zero();
   Matrix6d to_right_ = Matrix6d::Zero();
@@ -129,11 +176,9 @@ Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation) {
 RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline) {
   const TimedPose& own = poses[index];
   RightCamera right;
-  Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
-  T_left_right.translation().x() = baseline;
+  const Eigen::Isometry3d T_left_right = leftFromRight(baseline);
   // Carries perturbations from the rig's left camera at that instant to the right camera.
   const Matrix6d to_right = adjoint(T_left_right.inverse());
-
   const InterpolatedMotion interpolated(poses, index);
   right.by_offset = to_right * interpolated.by_offset;
   if (interpolated.neighbour < 0 || std::abs(own.offset) < kSimultaneous) {
@@ -148,6 +193,37 @@ RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double ba
   if (right.third >= 0) right.by_third = to_right * interpolated.byThird();
   right.T_world_camera = own.T_world_camera * interpolated.motion() * T_left_right;
   return right;
+}
+
+ParabolaTimes parabolaTimes(std::span<const TimedPose> poses, int index) {
+  const int neighbour = neighbourOf(poses, index);
+  if (neighbour < 0) return {};
+  const int third = thirdOf(poses, index, neighbour);
+  const double own = poses[index].time;
+  return {poses[neighbour].time - own, third < 0 ? 0.0 : poses[third].time - own};
+}
+
+ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index) {
+  ExposureMotion motion;
+  const int neighbour = neighbourOf(poses, index);
+  if (neighbour < 0) return motion;
+  const TimedPose& own = poses[index];
+  const auto motion_to = [&](int other) {
+    return vectorFromMotion(own.T_world_camera.inverse() * poses[other].T_world_camera);
+  };
+  const double near = poses[neighbour].time - own.time;
+  const int third = thirdOf(poses, index, neighbour);
+  if (third < 0) {
+    motion.velocity = motion_to(neighbour) / near;
+    return motion;
+  }
+  // Derivatives of the Lagrange polynomials at the own pose, which is their origin.
+  const double far = poses[third].time - own.time;
+  const Vector6d to_near = motion_to(neighbour) / (near * (near - far));
+  const Vector6d to_far = motion_to(third) / (far * (far - near));
+  motion.velocity = -far * to_near - near * to_far;
+  motion.acceleration = 2.0 * (to_near + to_far);
+  return motion;
 }
 
 Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <span>
 
+#include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/geometry/fixed_vector.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -21,6 +23,8 @@ struct TimedPose {
   /// 1/s, sensitivity to the time offset: error of the estimate (a perturbation on the right) per second by
   /// which the right cameras of all pairs were exposed later than `offset` says.
   Vector6d dpose_doffset = Vector6d::Zero();
+  /// What the rows of rolling shutters add to motionByPoses(); empty with global shutters.
+  std::optional<MotionBlend> rows = std::nullopt;
 };
 
 /// Poses of a window, oldest first.
@@ -28,7 +32,8 @@ using TimedPoses = FixedVector<TimedPose, kMaximumWindowPairs>;
 
 /// The right camera at its own exposure. The rig is assumed to move on a parabola through the poses of its
 /// pair, of a neighbour and of a third pair, translation and rotation separately; without a third one, on a
-/// line.
+/// line. With TimedPose::rows, on what the
+/// rows make of the parabola.
 struct RightCamera {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< rectified right camera
   int neighbour = -1;  ///< index of the neighbour's pose, see rightCameraOf(); -1: none
@@ -45,6 +50,17 @@ struct RightCamera {
 /// there is one (interpolation), else the pair on this side (extrapolation). The third is the pair on this
 /// pair's other side, else the one beyond the neighbour.
 RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline);
+
+/// Times (s, relative to poses[index]) of the other two poses of the parabola of rightCameraOf(); 0 where there
+/// is none.
+struct ParabolaTimes {
+  double near = 0.0, far = 0.0;
+};
+ParabolaTimes parabolaTimes(std::span<const TimedPose> poses, int index);
+
+/// Motion about the exposure of poses[index]: the parabola of rightCameraOf(), or the line; none with a single
+/// pose. Without TimedPose::rows.
+ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index);
 
 /// Transform of points from the last pose's left camera to its right one, each at its own exposure.
 Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline);

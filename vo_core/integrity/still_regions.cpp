@@ -35,7 +35,7 @@ class ExpectedFlow {
   double of(const Landmark& landmark) const {
     const WindowFrame* anchor = findFrame(window_, landmark.anchor().frame);
     if (anchor == nullptr) return 0.0;
-    const Eigen::Vector3d bearing = bearingOf(camera_, landmark.anchor().left);
+    const Eigen::Vector3d bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
     const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : 0.0;
     const auto pixel = [&](const Eigen::Isometry3d& T_camera_world) {
       return projectLandmark(camera_, T_camera_world * anchor->T_world_camera, bearing, inverse_depth);

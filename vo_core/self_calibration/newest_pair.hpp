@@ -13,6 +13,8 @@ namespace cartvo::vo {
 /// The newest pair of a track and the tracker that matches its landmarks.
 struct NewestPair {
   const LandmarkTracker& tracker;
+  const StereoCamera& camera;
+  const RowTiming& timing;
   const ImagePyramid& left;
   const ImagePyramid& right;
   const std::vector<WindowFrame>& window;  ///< the pair is the last

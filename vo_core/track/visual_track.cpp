@@ -59,18 +59,19 @@ void initialiseDepth(Landmark& landmark, const StereoCamera& camera, const Eigen
 }  // namespace
 
 VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& settings,
-                         const PreparedPair& first, const RigCalibrationFilter& rig,
-                         const StillRegions& still_regions, PitchReinitialiser& reinitialiser,
-                         StageObserver& observer)
+                         const RowTiming& timing, const PreparedPair& first, const LearntByTracks& learnt,
+                         PitchReinitialiser& reinitialiser, StageObserver& observer)
     : camera_(camera),
       settings_(settings),
+      timing_(timing),
+      readouts_(learnt.readouts),
       tracker_(camera, settings),
       random_(settings.seed),
-      rig_(rig),
+      rig_(learnt.rig),
       pitch_reinitialiser_(camera),
       standstill_(settings.standstill),
       frozen_camera_(camera, settings),
-      still_regions_(still_regions),
+      still_regions_(learnt.still_regions),
       last_exposure_ns_(first.left_exposure_ns) {
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
@@ -81,6 +82,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   }
   const StageScope stage(observer, Stage::disparity);
   window_.push_back(frameOf(first));
+  if (timing_.isRolling()) window_.back().motion.emplace();
   matchStereo(first, window_, reinitialiser, landmarks_);
   // The speed is unknown: with a time offset the depths are uncertain.
   const double relative_stddev = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
@@ -89,6 +91,11 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     const double stddev = relative_stddev * std::max(landmark.inverse_depth, 0.0);
     landmark.information = 1.0 / (1.0 / landmark.information + stddev * stddev);
   }
+}
+
+std::optional<ReadoutEstimates> VisualTrack::readouts() const {
+  if (!timing_.isRolling()) return std::nullopt;
+  return readouts_.estimates();
 }
 
 int VisualTrack::stereoCount() const {
@@ -130,6 +137,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   Draft& draft = draft_;
   draft.window = window_;
   draft.window.push_back(frameOf(pair));
+  if (timing_.isRolling()) expectMotion(pair, draft);
   trackLandmarks(pair, draft, motion, observer);
   {
     const StageScope stage(observer, Stage::motion);
@@ -179,6 +187,7 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   TrackedImage image{window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected};
   const TrackingOutcome outcome = tracker_.track(landmarks_, draft.landmarks, image);
   draft.start = outcome.T_world_camera.value_or(expectedPose(pair));
+  correctNewestRows(draft, draft.start);
   draft.prediction_failed = outcome.prediction_failed;
   if (draft.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
   if (pair.from_video) inflateCodecNoise(draft.landmarks);
@@ -196,6 +205,7 @@ void VisualTrack::searchAgainAtFoundPose(const PreparedPair& pair, TrackedImage&
   image.pose_is_found = true;
   tracker_.track(landmarks_, draft.landmarks, image);
   draft.start = found->T_world_camera;
+  correctNewestRows(draft, draft.start);
 }
 
 void VisualTrack::replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
@@ -242,6 +252,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   draft.window.back().T_world_camera = found->T_world_camera;
+  correctNewestRows(draft, found->T_world_camera);
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].trust *= 0.5;
   std::erase_if(draft.landmarks,
@@ -319,13 +330,14 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
+  if (timing_.isRolling()) addRowNoise(pair, draft);
 }
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
   const auto match_rotated = [&](std::vector<Landmark>& wanted, const RigCalibrationFilter& rig) {
-    matchStereoRotated({tracker_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
+    matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
   };
   const StereoMatchFunction match = std::cref(match_rotated);  // a reference: a copy would be allocated
   match(landmarks, rig_);
@@ -337,12 +349,13 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
   if (pair.from_video && keepsRows(T_right_left)) rejectRowOutliers(landmarks, rows_);
 
   const RigCorrection rig = rig_.correction();
+  const RowTransform right_from_left(camera_, timing_, window.back(), T_right_left);
   for (Landmark& landmark : landmarks) {
     const Observation& anchor = landmark.anchor();
     if (landmark.hasDepth() || landmark.observations.size() > 1 || !anchor.stereo) continue;
     if (still_regions_.contains(anchor.left)) continue;
-    initialiseDepth(landmark, camera_, T_right_left,
-                    correctedRight(camera_, rig, anchor.left - anchor.stereo_offset), noise_);
+    initialiseDepth(landmark, camera_, right_from_left.at(anchor.left),
+                    correctedRight(camera_, rig, anchor.right()), noise_);
   }
 }
 

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/estimation/motion_roughness.hpp"
 #include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
+#include "vo_core/estimation/row_motion.hpp"
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 #include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/integrity/standstill.hpp"
@@ -14,9 +16,11 @@
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
+#include "vo_core/self_calibration/readout_filter.hpp"
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
+#include "vo_core/tracking/row_correction.hpp"
 
 // One track of `estimator: reprojection`: tracking, pose search and bundle adjustment for each pair.
 
@@ -43,6 +47,8 @@ struct TrackedMotion {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
   Vector6d stddev_by_landmarks = Vector6d::Zero();  ///< of the motion, without inflation
+  Matrix6d covariance_by_rows = Matrix6d::Zero();  ///< of the motion, by the uncertain motion about exposures
+  std::optional<ExposureTwist> twist;              ///< as OdometryEstimate's
   bool noise_uncalibrated = false;  ///< one of the first motions: the noise level is still an assumption
   Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
   bool ambiguous = false;  ///< the first motion, and another one has nearly as many inliers
@@ -51,15 +57,22 @@ struct TrackedMotion {
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
 };
 
+/// What tracks learn about the cameras, handed from one to the next.
+struct LearntByTracks {
+  RigCalibrationFilter rig;
+  StillRegions still_regions;
+  ReadoutFilters readouts;
+};
+
 /// Motion through an uninterrupted sequence of pairs: a sliding window of poses and the landmarks they share.
 /// A pair with an invalid motion leaves the track unchanged.
 class VisualTrack {
  public:
-  /// Starts at the pair `first`, which is the origin. `rig` and `still_regions`: what is known so far.
-  /// `reinitialiser`: used for this pair; shared by all tracks, as each pair may start one.
-  VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const PreparedPair& first,
-              const RigCalibrationFilter& rig, const StillRegions& still_regions,
-              PitchReinitialiser& reinitialiser, StageObserver& observer);
+  /// Starts at the pair `first`, which is the origin. `reinitialiser`: used for this pair; shared by all
+  /// tracks, as each pair may start one.
+  VisualTrack(const StereoCamera& camera, const OdometrySettings& settings, const RowTiming& timing,
+              const PreparedPair& first, const LearntByTracks& learnt, PitchReinitialiser& reinitialiser,
+              StageObserver& observer);
 
   /// Tracks the next pair and, if its motion is valid, adds it.
   TrackedMotion process(const PreparedPair& pair, StageObserver& observer);
@@ -77,6 +90,8 @@ class VisualTrack {
   const RigCalibrationFilter& rig() const { return rig_; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
   const StillRegions& stillRegions() const { return still_regions_; }
+  LearntByTracks learnt() const { return {rig_, still_regions_, readouts_}; }
+  std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters
 
  private:
   /// Landmarks and window with the current pair, before it is accepted.
@@ -90,6 +105,7 @@ class VisualTrack {
   // visual_track.cpp
   TrackedMotion track(const PreparedPair& pair, StageObserver& observer);
   void trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion, StageObserver& observer);
+  void correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_world_camera);
   void searchAgainAtFoundPose(const PreparedPair& pair, TrackedImage& image, Draft& draft);
   void replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
                           StageObserver& observer);
@@ -113,6 +129,18 @@ class VisualTrack {
   void checkRightCamera(const PreparedPair& pair, bool within_standstill, Draft& draft,
                         StageObserver& observer);
 
+  // visual_track_rows.cpp
+  void expectMotion(const PreparedPair& pair, Draft& draft) const;
+  void addRowNoise(const PreparedPair& pair, const Draft& draft);
+  void estimateRowMotion(Draft& draft, TrackedMotion& motion);
+  void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
+  void addAnchorReadout(const Draft& draft);
+  void estimateRightReadout(const Draft& draft);
+  void buildRowProblem(const Draft& draft);
+  template <typename Observe>
+  void addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, const Observe& observe);
+  void updateMotions(std::vector<WindowFrame>& window) const;
+
   // visual_track_adjustment.cpp
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
   BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
@@ -125,6 +153,9 @@ class VisualTrack {
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  RowTiming timing_;
+  ReadoutFilters readouts_;
+  MotionRoughness roughness_;
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
@@ -150,6 +181,8 @@ class VisualTrack {
   std::vector<double> rows_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
+  RowMotionProblem row_problem_;
+  RowMotionEstimator row_motion_;
   RowRegression row_regression_;
 };
 

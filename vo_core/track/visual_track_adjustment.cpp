@@ -75,6 +75,7 @@ BundleResult VisualTrack::adjustWithRig(const Draft& draft, RigCalibrationFilter
 
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  if (timing_.isRolling()) estimateRowMotion(draft, motion);
   RigCalibrationFilter updated_rig;
   const BundleResult result = adjustWithRig(draft, updated_rig);
   if (!result.converged) {
@@ -99,6 +100,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.motion_covariance =
       startup_inflation * pair.pose_noise_inflation * (uncertainty.by_landmarks + uncertainty.by_scale) +
       uncertainty.byOffset();
+  motion.motion_covariance += motion.covariance_by_rows;
   motion.motion_offset_error = uncertainty.offset_error;
   motion.stddev_by_landmarks = uncertainty.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt();
   motion.noise_uncalibrated = startup_inflation > 1.0;

@@ -34,6 +34,10 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   current.dpose_doffset = window_.back().dpose_doffset;
   current.offset_error = window_.back().offset_error;
   current.local_covariance = motion.motion_covariance;
+  if (timing_.isRolling()) {
+    current.motion = ExposureMotion{};
+    current.rows.reset();
+  }
   accept(pair, draft);
   frozen_camera_.reset();
   landmarks_when_stopped_ = countWithDepth(landmarks_);
@@ -60,7 +64,7 @@ void VisualTrack::checkRightCamera(const PreparedPair& pair, bool within_standst
   const StageScope stage(observer, Stage::disparity);
   const double offset = std::abs(draft.window.back().offset);
   const Vector6d slack = 2.0 * offset * velocity_.value_or(Vector6d::Zero());
-  frozen_camera_.update({{tracker_, *pair.left, *pair.right, draft.window},
+  frozen_camera_.update({{tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
                          pair.left_exposure_ns,
                          pair.repeats.left,
                          rig_,

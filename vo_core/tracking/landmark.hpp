@@ -19,6 +19,14 @@ struct Observation {
   Eigen::Vector2d stereo_offset = Eigen::Vector2d::Zero();  ///< px, left minus right position; x: disparity
   /// Stddev of each coordinate of `left` relative to that of a typical patch.
   Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();
+  /// px, displacement of the left and right position by the motion from the exposure of the image to that of
+  /// the position's row; zero with a global shutter. See correctRows().
+  Eigen::Vector2f left_row_shift = Eigen::Vector2f::Zero(), right_row_shift = Eigen::Vector2f::Zero();
+
+  Eigen::Vector2d right() const { return left - stereo_offset; }  ///< px
+  /// Positions as if all rows were exposed with the middle one, px.
+  Eigen::Vector2d leftAtExposure() const { return left - left_row_shift.cast<double>(); }
+  Eigen::Vector2d rightAtExposure() const { return right() - right_row_shift.cast<double>(); }
 };
 
 /// A patch of the world tracked through the left images. Its anchor, the first pair of its observations,

@@ -55,17 +55,18 @@ bool keepsRows(const Eigen::Isometry3d& T_right_left) {
 std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
                                                              double inverse_depth, bool search_near) const {
   const Eigen::Vector2d& left = landmark.last().left;
+  const Eigen::Isometry3d T_right_left = view.right_from_left.at(left);
   AffineAlignment start;
   if (inverse_depth > 0.0) {
     const Projection expected =
-        projectLandmark(camera_, view.T_right_left, bearingOf(camera_, left), inverse_depth);
+        projectLandmark(camera_, T_right_left, bearingOf(camera_, left), inverse_depth);
     if (!expected.valid) return std::nullopt;
     start.position = expected.pixel;
     start.warp = landmark.stereo_warp;
     // The stereo warp model keeps rows: reset what an earlier affine alignment has estimated for them.
     if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
-    const EpipolarLine line = epipolarLine(camera_, view.T_right_left, left);
+    const EpipolarLine line = epipolarLine(camera_, T_right_left, left);
     const StereoSettings& search = search_near ? near_stereo_ : settings_.stereo;
     const auto found = cartvo::vo::matchStereo(view.left, view.right, left, search, line, landmark.level);
     if (!found) return std::nullopt;
@@ -81,7 +82,7 @@ double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Sce
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
   if (!landmark.hasDepth() || !anchor) return 0.0;
   const Projection seen = projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(*anchor)],
-                                          bearingOf(camera_, landmark.anchor().left), landmark.inverse_depth);
+                                          bearingOf(camera_, landmark.anchor().leftAtExposure()), landmark.inverse_depth);
   return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
 }
 
@@ -127,10 +128,11 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
 
 void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
                                   const ImagePyramid& left, const ImagePyramid& right,
-                                  const Eigen::Isometry3d& T_right_left,
+                                  const RowTransform& right_from_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, T_right_left, warpModelOf(T_right_left), seesNearSurfaces(landmarks)};
+  const StereoView view{left, right, right_from_left, warpModelOf(right_from_left.betweenExposures()),
+                        seesNearSurfaces(landmarks)};
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     matchBlock(std::span(landmarks).subspan(first, count), scene, view);
   });

@@ -62,7 +62,7 @@ void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vec
   const WindowFrame* new_anchor = findFrame(window, landmark.last().frame);
   if (old_anchor != nullptr && new_anchor != nullptr && landmark.hasDepth()) {
     const Eigen::Isometry3d T_new_old = new_anchor->T_world_camera.inverse() * old_anchor->T_world_camera;
-    const Eigen::Vector3d bearing = bearingOf(camera, landmark.anchor().left);
+    const Eigen::Vector3d bearing = bearingOf(camera, landmark.anchor().leftAtExposure());
     const Projection seen = projectLandmark(camera, T_new_old, bearing, landmark.inverse_depth);
     if (seen.valid) {
       // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
@@ -122,9 +122,9 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
     const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
     const Projection predicted =
         projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(anchor)],
-                        bearingOf(camera_, landmark.anchor().left), inverse_depth);
+                        bearingOf(camera_, landmark.anchor().leftAtExposure()), inverse_depth);
     if (!predicted.valid) return std::nullopt;
-    pixel = predicted.pixel;
+    pixel = predicted.pixel + landmark.last().left_row_shift.cast<double>();
   }
   if (pixel.x() < -kImageMargin || pixel.y() < -kImageMargin || pixel.x() > camera_.width + kImageMargin ||
       pixel.y() > camera_.height + kImageMargin)
@@ -139,7 +139,7 @@ double LandmarkTracker::predictedGrowth(const Landmark& landmark, const Scene& s
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
   if (!anchor) return 1.0;
   const auto depth_in = [&](const Eigen::Isometry3d& T) {  // times the inverse depth
-    return T.linear().row(2).dot(bearingOf(camera_, landmark.anchor().left)) +
+    return T.linear().row(2).dot(bearingOf(camera_, landmark.anchor().leftAtExposure())) +
            landmark.inverse_depth * T.translation().z();
   };
   const double now = depth_in(scene.T_camera_frame[static_cast<std::size_t>(*anchor)]);
@@ -237,6 +237,7 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
     Observation observation;
     observation.frame = scene.frame;
     observation.left = aligned->position;
+    observation.left_row_shift = landmarks[i].last().left_row_shift;  // nearly
     observation.relative_noise = relativeNoise(aligned->variance, landmarks[i].level);
     landmarks[i].observations.push_back(observation);
     ++landmarks[i].age;

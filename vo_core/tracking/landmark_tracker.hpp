@@ -15,6 +15,7 @@
 #include "vo_core/tracking/landmark.hpp"
 #include "vo_core/tracking/landmark_detector.hpp"
 #include "vo_core/tracking/pose_prediction.hpp"
+#include "vo_core/tracking/row_correction.hpp"
 #include "vo_core/tracking/spacing_grid.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
@@ -59,11 +60,11 @@ class LandmarkTracker {
   /// age first, and fills up with new corners.
   void replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
 
-  /// Matches the landmarks' last observations, which must be in this pair, in the right image. `T_right_left`
-  /// is the predicted transform between the left and the right camera at their own exposure times,
-  /// `T_world_camera` the predicted pose.
+  /// Matches the landmarks' last observations, which must be in this pair, in the right image.
+  /// `right_from_left` is the predicted transform between the left and the right camera at their own exposure
+  /// times, `T_world_camera` the predicted pose.
   void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                   const ImagePyramid& left, const ImagePyramid& right, const Eigen::Isometry3d& T_right_left,
+                   const ImagePyramid& left, const ImagePyramid& right, const RowTransform& right_from_left,
                    const Eigen::Isometry3d& T_world_camera) const;
 
  private:
@@ -88,7 +89,7 @@ class LandmarkTracker {
   struct StereoView {
     const ImagePyramid& left;
     const ImagePyramid& right;
-    const Eigen::Isometry3d& T_right_left;  ///< predicted
+    const RowTransform& right_from_left;  ///< predicted
     WarpModel warp_model;
     bool near_surfaces;  ///< whether to search all landmarks beyond the ordinary largest disparity
   };

@@ -26,9 +26,9 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
     if (!anchor) continue;
     const Projection predicted =
         projectLandmark(camera, T_camera_frame[static_cast<std::size_t>(*anchor)],
-                        bearingOf(camera, landmark.anchor().left), landmark.inverse_depth);
+                        bearingOf(camera, landmark.anchor().leftAtExposure()), landmark.inverse_depth);
     if (!predicted.valid) continue;
-    const Eigen::Vector2d difference = landmark.last().left - predicted.pixel;
+    const Eigen::Vector2d difference = landmark.last().leftAtExposure() - predicted.pixel;
     columns.push_back(difference.x());
     rows.push_back(difference.y());
     sizes.push_back(difference.norm());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/geometry/pose_drift.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -24,6 +25,10 @@ struct WindowFrame {
   /// Error of the pose relative to the first pair if all time offsets err by one stddev with the same sign.
   /// Not part of `uncertainty`.
   Vector6d offset_error = Vector6d::Zero();
+  // With rolling shutters:
+  std::optional<ExposureMotion> motion;  ///< about the left exposure
+  RowInformation row_information;        ///< what the rows of its images tell of that motion
+  std::optional<MotionBlend> rows;       ///< as TimedPose's
 };
 
 /// Finds the position in the window of the pair with this index; nothing if the pair is not in the window.

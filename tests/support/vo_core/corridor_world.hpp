@@ -37,6 +37,18 @@ class CorridorWorld {
       return shade(T.translation(), ray, camera.focal_length);
     });
   }
+  /// Image of a camera with a rolling shutter: `pose_of_row(row)` is its pose while it exposes a row.
+  template <typename PoseOfRow>
+  cv::Mat rollingView(const vo::StereoCamera& camera, const PoseOfRow& pose_of_row) const {
+    cv::Mat image(camera.height, camera.width, CV_8UC1);
+    for (int row = 0; row < camera.height; ++row) {
+      vo::StereoCamera one_row = camera;
+      one_row.cy = camera.cy - row;
+      one_row.height = 1;
+      view(one_row, pose_of_row(row)).copyTo(image.row(row));
+    }
+    return image;
+  }
   cv::Mat rightView(const vo::StereoCamera& camera, const Eigen::Isometry3d& T_world_camera) const {
     return view(camera, T_world_camera * Eigen::Translation3d(camera.baseline, 0, 0));
   }

@@ -1,0 +1,142 @@
+// Tests of the motion about an exposure: row shifts, and its estimation from the rows of a simulated pair.
+#include "vo_core/estimation/row_motion.hpp"
+
+#include <gtest/gtest.h>
+#include <random>
+
+#include "support/vo_core/landmark_scene.hpp"
+#include "vo_core/shutter.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+using test::kRigCamera;
+using test::vector6;
+
+constexpr double kReadout = 0.032, kPeriod = 0.055;  // s
+
+/// A turning and braking cart with some pitch; the camera is at the identity at the exposure.
+const ExposureMotion kTurn{vector6(0.1, -0.05, 4.0, 0.08, 0.5, -0.06), vector6(0.4, 0.2, -2.0, 0.9, 1.2, -0.5)};
+
+/// Pixel and instant (s after the exposure) at which a camera with a rolling shutter sees a point.
+struct RowView {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  double instant = 0.0;
+};
+RowView seeRow(const ExposureMotion& motion, double offset, double baseline, double readout,
+               const Eigen::Vector3d& point) {
+  RowView view;
+  const Eigen::Translation3d T_left_right(baseline, 0.0, 0.0);
+  for (int i = 0; i < 20; ++i) {
+    view.pixel = project(kRigCamera, (motion.at(offset + view.instant) * T_left_right).inverse() * point);
+    view.instant = readout * RowShares().at(view.pixel, kRigCamera.height);
+  }
+  return view;
+}
+
+/// Points in front of the camera that all rows of both cameras see.
+std::vector<Eigen::Vector3d> visiblePoints(int count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> column(40.0, kRigCamera.width - 20.0),
+      row(5.0, kRigCamera.height - 5.0), inverse_depth(0.02, 0.3);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i)
+    points.emplace_back(bearingOf(kRigCamera, {column(random), row(random)}) / inverse_depth(random));
+  return points;
+}
+
+RowMotionProblem simulatedProblem(const ExposureMotion& motion, double noise) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> error(0.0, noise);
+  RowMotionProblem problem;
+  problem.camera = kRigCamera;
+  problem.expected = problem.start = motion;
+  problem.variances.setConstant(1e4);
+  const Eigen::Isometry3d T_camera_anchor = motion.at(-kPeriod);
+  for (const Eigen::Vector3d& place : visiblePoints(400)) {
+    const Eigen::Vector3d in_anchor = T_camera_anchor.inverse() * place;
+    const RowView seen = seeRow(motion, 0.0, 0.0, kReadout, place);
+    RowPoint& point = problem.points.emplace_back();
+    point.bearing = in_anchor / in_anchor.z();
+    point.inverse_depth = 1.0 / in_anchor.z();
+    point.ray = point.inverse_depth * place;
+    point.ray_by_inverse_depth = T_camera_anchor.translation();
+    point.inverse_depth_information = 1e6;
+    point.pixel = seen.pixel + Eigen::Vector2d(error(random), error(random));
+    point.instant = seen.instant;
+    point.share = seen.instant / kReadout;
+  }
+  return problem;
+}
+
+TEST(RowShift, MovesAPixelToWhereItIsSeenAtTheExposure) {
+  for (const Eigen::Vector3d& point : visiblePoints(50)) {
+    const RowView row = seeRow(kTurn, 0.0, 0.0, kReadout, point);
+    const Eigen::Vector2d at_exposure =
+        pixelAtExposure(kRigCamera, kTurn, row.instant, row.pixel, 1.0 / point.z());
+    EXPECT_LT((at_exposure - project(kRigCamera, point)).norm(), 2e-3);
+  }
+}
+
+TEST(RowShift, OfTheRightCameraFollowsTheMotionAboutItsOwnExposure) {
+  constexpr double kOffset = 0.025;
+  const Eigen::Isometry3d T_left_right(Eigen::Translation3d(kRigCamera.baseline, 0.0, 0.0));
+  const ExposureMotion right = motionAbout(kTurn, kOffset, T_left_right, 0.5 * kReadout);
+  for (const Eigen::Vector3d& point : visiblePoints(50)) {
+    const RowView row = seeRow(kTurn, kOffset, kRigCamera.baseline, kReadout, point);
+    const Eigen::Vector3d in_right = (kTurn.at(kOffset) * T_left_right).inverse() * point;
+    const Eigen::Vector2d at_exposure =
+        pixelAtExposure(kRigCamera, right, row.instant, row.pixel, 1.0 / in_right.z());
+    EXPECT_LT((at_exposure - project(kRigCamera, in_right)).norm(), 5e-3);
+  }
+}
+
+TEST(RowMotion, IsExactWithoutNoise) {
+  RowMotionProblem problem = simulatedProblem(kTurn, 0.0);
+  problem.start = {kTurn.velocity + vector6(0.02, 0.03, 0.2, 0.05, -0.1, 0.05), Vector6d::Zero()};
+  const RowMotion found = RowMotionEstimator().estimate(problem);
+  ASSERT_TRUE(found.converged);
+  EXPECT_LT((found.motion.velocity - kTurn.velocity).tail<3>().norm(), 2e-3);
+  EXPECT_LT((found.motion.velocity - kTurn.velocity).head<3>().norm(), 2e-2);
+  EXPECT_LT(found.pose_change.tail<3>().norm(), 2e-5);
+}
+
+TEST(RowMotion, StatesItsUncertainty) {
+  const RowMotion found = RowMotionEstimator().estimate(simulatedProblem(kTurn, 0.15));
+  ASSERT_TRUE(found.converged);
+  const Vector6d error = found.motion.velocity - kTurn.velocity;
+  EXPECT_LT(error.dot(found.covariance.topLeftCorner<6, 6>().ldlt().solve(error)), 18.0);  // of 6
+  EXPECT_LT(std::sqrt(found.covariance(4, 4)), 0.01);
+}
+
+TEST(RowMotion, FollowsAKickThatThePriorContradicts) {
+  ExposureMotion kick = kTurn;
+  kick.velocity[3] += 0.5;  // rad/s
+  RowMotionProblem problem = simulatedProblem(kick, 0.15);
+  problem.expected = problem.start = kTurn;
+  problem.variances.setConstant(1e-4);  // of a smooth drive
+  const RowMotion found = RowMotionEstimator().estimate(problem);
+  ASSERT_TRUE(found.converged);
+  EXPECT_NEAR(found.motion.velocity[3], kick.velocity[3], 0.02);
+}
+
+TEST(RowMotion, TellsTheReadoutWhereTheMotionIsKnown) {
+  RowMotionProblem problem = simulatedProblem(kTurn, 0.15);
+  problem.variances.setConstant(1e-6);
+  for (RowPoint& point : problem.points)
+    point.instant = 0.9 * kReadout * point.share;
+  const RowMotion found = RowMotionEstimator().estimate(problem);
+  ASSERT_TRUE(found.converged);
+  const double stddev = 1.0 / std::sqrt(found.readout.information);
+  EXPECT_LT(stddev, 5e-4);
+  EXPECT_NEAR(found.readout.gradient / found.readout.information, 0.1 * kReadout, 3.0 * stddev);
+}
+
+TEST(RowMotion, NeedsPoints) {
+  RowMotionProblem problem = simulatedProblem(kTurn, 0.0);
+  problem.points.resize(10);
+  EXPECT_FALSE(RowMotionEstimator().estimate(problem).converged);
+}
+
+}  // namespace
+}  // namespace cartvo::vo

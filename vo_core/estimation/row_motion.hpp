@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/geometry/exposure_motion.hpp"
+
+// Motion of a camera about an exposure, estimated from the rows of its image.
+
+namespace cartvo::vo {
+
+/// A landmark with a depth in the image.
+struct RowPoint {
+  /// Ray y = R b + rho t in the camera at the first guess of its pose, and its derivative t by rho.
+  Eigen::Vector3d ray = Eigen::Vector3d::UnitZ(), ray_by_inverse_depth = Eigen::Vector3d::Zero();
+  Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< b, in the anchor camera, z = 1
+  int anchor = 0;                                      ///< index of the anchor's pair in the window
+  Eigen::Matrix3d R_camera_anchor = Eigen::Matrix3d::Identity();  ///< R
+  double anchor_share = 0.0;  ///< of the readout, of the anchor's observation
+  /// Derivative of the ray by the readout (1/s), if it follows from the rows of the same camera.
+  Eigen::Vector3d ray_by_readout = Eigen::Vector3d::Zero();
+  double inverse_depth = 0.0;                      ///< rho, 1/m, in the anchor camera
+  double inverse_depth_information = 0.0;          ///< m^2
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< px
+  double instant = 0.0;                            ///< s since the exposure of the middle row
+  double share = 0.0;                              ///< of the readout, see RowShares
+  Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();  ///< see Observation
+  double weight = 1.0;
+  int level = 0;
+};
+
+/// Input of the estimation.
+struct RowMotionProblem {
+  StereoCamera camera;
+  BundleNoises noise;
+  std::vector<RowPoint> points;
+  ExposureMotion expected;           ///< prior of the motion
+  RowInformation::Vector variances;  ///< of its difference from the true motion
+  ExposureMotion start;              ///< first guess of the motion
+  double readout_stddev = 0.0;       ///< s; 0: known
+  double robust_width = 1.5;         ///< see BundleSettings
+};
+
+/// Normal equation of one image for the change of its camera's readout from the assumed one, with all else
+/// eliminated.
+struct ReadoutEquation {
+  double information = 0.0;  ///< 1/s^2
+  double gradient = 0.0;     ///< information times change
+};
+
+/// Result of the estimation.
+struct RowMotion {
+  bool converged = false;
+  Vector6d pose_change = Vector6d::Zero();  ///< of the camera's pose, on the right of the first guess
+  ExposureMotion motion;
+  RowInformation rows;                       ///< without the prior
+  RowInformation::Matrix covariance;         ///< of `motion`
+  /// What the uncertainties of motion, depths and readout add to the covariance of the pose.
+  Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
+  ReadoutEquation readout;
+  double readout_change = 0.0;  ///< s, by which the readout is longer than assumed
+};
+
+/// Estimates pose and motion of a camera by Gauss-Newton steps on the residuals of all rows of its image, each
+/// at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. Components of the
+/// motion that contradict the prior lose it (Student's t distribution), so that a kerb or a shaken mount is
+/// measured by the rows alone. The other camera's image is left out: depths come from disparities, and would
+/// tell what was assumed of the motion between the exposures when they were measured.
+class RowMotionEstimator {
+ public:
+  RowMotionEstimator();
+  RowMotionEstimator(RowMotionEstimator&&) noexcept;
+  RowMotionEstimator& operator=(RowMotionEstimator&&) noexcept;
+  ~RowMotionEstimator();
+
+  RowMotion estimate(const RowMotionProblem& problem);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
+};
+
+}  // namespace cartvo::vo

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "vo_core/rigid_motion.hpp"
+#include "vo_core/stereo_camera.hpp"
+
+// Motion of a camera around the instant of an exposure, and its effect on pixels that are exposed earlier or
+// later.
+
+namespace cartvo::vo {
+
+/// Motion of a camera about an exposure: T_exposure_instant at u seconds after it is
+/// motionFromVector(u velocity + u^2 / 2 acceleration), in the camera's axes at the exposure.
+struct ExposureMotion {
+  Vector6d velocity = Vector6d::Zero();      ///< m/s and rad/s
+  Vector6d acceleration = Vector6d::Zero();  ///< m/s^2 and rad/s^2
+
+  Vector6d step(double instant) const { return instant * (velocity + 0.5 * instant * acceleration); }
+  Eigen::Isometry3d at(double instant) const { return motionFromVector(step(instant)); }
+};
+
+/// What the rows of a pair's images tell of the motion about its left exposure: velocity, then acceleration.
+struct RowInformation {
+  static constexpr int kSize = 12;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+  Matrix information = Matrix::Zero();  ///< inverse covariance; singular where the rows tell nothing
+  Vector gradient = Vector::Zero();     ///< information times motion
+};
+
+/// The motion that agrees best with the rows and with an expected motion: that motion, its share (1 - gain),
+/// and what the rows add. Velocity, then acceleration.
+struct MotionBlend {
+  RowInformation::Matrix expected_share = RowInformation::Matrix::Identity();
+  RowInformation::Vector by_rows = RowInformation::Vector::Zero();
+
+  MotionBlend() = default;
+  /// `variances`: of the difference between the motion and the expected one.
+  MotionBlend(const RowInformation& rows, const RowInformation::Vector& variances);
+
+  ExposureMotion of(const ExposureMotion& expected) const;
+};
+
+/// The motion about another instant (s), of the camera that is `T_camera_other` away in the same rig, in the
+/// axes of that camera at that instant. Exact at that instant and at `range` seconds before and after it.
+ExposureMotion motionAbout(const ExposureMotion& motion, double instant,
+                           const Eigen::Isometry3d& T_camera_other, double range);
+
+/// Where a pixel that is exposed `instant` seconds after the exposure would lie if it were exposed with it,
+/// px. `inverse_depth`: 1/m, of the point along the z axis of the camera at the exposure. Rotations to second
+/// order.
+inline Eigen::Vector2d pixelAtExposure(const StereoCamera& camera, const ExposureMotion& motion,
+                                       double instant, const Eigen::Vector2d& pixel, double inverse_depth) {
+  constexpr double kNearest = 0.1;  // share of the depth that the camera may approach the point by
+  const Vector6d step = motion.step(instant);
+  const Eigen::Vector3d turn = step.tail<3>(), shift = step.head<3>();
+  const Eigen::Vector3d ray((pixel.x() - camera.cx) / camera.focal_length,
+                            (pixel.y() - camera.cy) / camera.focal_length, 1.0);
+  const Eigen::Vector3d turned = ray + turn.cross(ray + 0.5 * turn.cross(ray));
+  const double approach = std::max(1.0 - inverse_depth * shift.z(), kNearest);
+  return project(camera, turned + turned.z() * inverse_depth / approach * shift);
+}
+
+}  // namespace cartvo::vo

@@ -1,0 +1,167 @@
+// Rolling shutters in a track: the motion about exposures and the row shifts that follow from it.
+#include <algorithm>
+#include <cmath>
+
+#include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/geometry/exposure_motion.hpp"
+#include "vo_core/track/visual_track.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+// Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
+// between its exposures.
+constexpr std::size_t kFirstWindow = 5;
+constexpr int kRightReadoutInterval = 4;  // pairs from one estimate of the right readout to the next
+
+}  // namespace
+/// Extrapolates the motion about the last exposure to that of the pair.
+void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) const {
+  const ExposureMotion& last = *window_.back().motion;
+  const double step = secondsSinceLast(pair);
+  WindowFrame& newest = draft.window.back();
+  newest.motion = ExposureMotion{last.velocity + step * last.acceleration, last.acceleration};
+  newest.rows = MotionBlend();
+  newest.rows->expected_share.setZero();
+  newest.rows->by_rows << newest.motion->velocity, newest.motion->acceleration;
+}
+
+/// Computes the row shifts of the newest pair's observations for the left camera at `T_world_camera`.
+void VisualTrack::correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_world_camera) {
+  if (!timing_.isRolling()) return;
+  draft.window.back().T_world_camera = T_world_camera;
+  correctRows(camera_, timing_, draft.window, draft.window.size() - 1, draft.landmarks);
+}
+
+/// Adds the uncertainty of the expected motion to the noise of the points of the pose search.
+void VisualTrack::addRowNoise(const PreparedPair& pair, const Draft& draft) {
+  const RowInformation::Vector variances = roughness_.variancesAfter(secondsSinceLast(pair));
+  const double translation = variances.head<3>().mean(), rotation = variances.segment<3>(3).mean();
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    PosePoint& point = pose_problem_.points[i];
+    const double instant = timing_.left(draft.landmarks[chosen_[i]].last().left);
+    point.row_noise = camera_.focal_length * std::abs(instant) *
+                      std::sqrt(rotation + point.inverse_depth * point.inverse_depth * translation);
+  }
+}
+
+/// Builds the problem of the newest left image.
+void VisualTrack::buildRowProblem(const Draft& draft) {
+  RowMotionProblem& problem = row_problem_;
+  const TimedPoses poses = timedPoses(draft.window);
+  const int newest = static_cast<int>(poses.size()) - 1;
+  problem.camera = camera_;
+  problem.noise = noise_;
+  problem.robust_width = settings_.bundle.robust_width;
+  problem.expected = motionByPoses(poses, newest);
+  problem.variances = roughness_.variances(poses, newest, last_stddev_);
+  problem.start = *draft.window.back().motion;
+  problem.readout_stddev = readouts_.leftStddev();
+  addRowPoints(draft, draft.window.back().T_world_camera, [&](const Observation& last, RowPoint& point) {
+    point.pixel = last.left;
+    point.instant = timing_.left(last.left);
+    point.share = timing_.leftShare(last.left);
+    return true;
+  });
+  addAnchorReadout(draft);
+}
+
+/// Sets how the rays of the points follow from the left camera's readout, by which their anchors were timed,
+/// too: a steady turn shears all images alike, so that only points whose rows change tell the readout.
+void VisualTrack::addAnchorReadout(const Draft& draft) {
+  for (RowPoint& point : row_problem_.points) {
+    const ExposureMotion& motion = *draft.window[point.anchor].motion;
+    const Vector6d twist = point.anchor_share * motion.velocity;
+    const Eigen::Vector3d moved =
+        twist.tail<3>().cross(point.bearing) + point.inverse_depth * twist.head<3>();
+    // The bearing and the inverse depth are those at z = 1.
+    point.ray_by_readout =
+        point.R_camera_anchor * (moved - moved.z() * point.bearing) -
+        moved.z() * point.inverse_depth * point.ray_by_inverse_depth;
+  }
+}
+
+/// Fills the points of the problem for a camera of the newest pair at `T_world_camera`. `observe` sets pixel,
+/// instant and share, or returns false for a landmark that the camera does not see.
+template <typename Observe>
+void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera,
+                               const Observe& observe) {
+  std::vector<RowPoint>& points = row_problem_.points;
+  points.clear();
+  points.reserve(draft.landmarks.capacity());
+  FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_camera_anchor;
+  for (const WindowFrame& frame : draft.window)
+    T_camera_anchor.push_back(T_world_camera.inverse() * frame.T_world_camera);
+  for (const Landmark& landmark : draft.landmarks) {
+    if (!landmark.hasDepth() || landmark.observations.size() < 2) continue;
+    const std::optional<int> anchor = findFrameIndex(draft.window, landmark.anchor().frame);
+    RowPoint point;
+    if (!anchor || !observe(landmark.last(), point)) continue;
+    const Eigen::Isometry3d& T = T_camera_anchor[*anchor];
+    point.bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
+    point.ray = T.linear() * point.bearing + landmark.inverse_depth * T.translation();
+    point.ray_by_inverse_depth = T.translation();
+    point.anchor = *anchor;
+    point.R_camera_anchor = T.linear();
+    point.anchor_share = timing_.leftShare(landmark.anchor().left);
+    point.inverse_depth = landmark.inverse_depth;
+    point.inverse_depth_information = landmark.information;
+    point.relative_noise = landmark.last().relative_noise;
+    point.weight = landmark.trust;
+    point.level = landmark.level;
+    points.push_back(point);
+  }
+}
+
+/// Estimates the newest pair's pose and motion from the rows of its left image, and from them all row shifts
+/// of the window.
+void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
+  buildRowProblem(draft);
+  const RowMotion found = row_motion_.estimate(row_problem_);
+  if (found.converged && draft.window.size() >= kFirstWindow) useRowMotion(found, draft, motion);
+  updateMotions(draft.window);
+  if (found.converged && draft.window.back().index % kRightReadoutInterval == 0) estimateRightReadout(draft);
+  timing_.setReadouts(readouts_.left(), readouts_.right());
+  correctRows(camera_, timing_, draft.window, 0, draft.landmarks);
+}
+
+void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion) {
+  WindowFrame& newest = draft.window.back();
+  newest.T_world_camera = orthonormalised(newest.T_world_camera * motionFromVector(found.pose_change));
+  newest.row_information = found.rows;
+  roughness_.update(timedPoses(draft.window), row_problem_.expected, found, last_stddev_);
+  motion.covariance_by_rows = found.pose_covariance_by_motion;
+  motion.twist = ExposureTwist{found.motion.velocity, found.covariance.topLeftCorner<6, 6>()};
+  readouts_.updateLeft(found.readout, 1.0);
+}
+
+/// Updates the right camera's readout by the rows of its image, with the motion that is known.
+void VisualTrack::estimateRightReadout(const Draft& draft) {
+  const WindowFrame& newest = draft.window.back();
+  const Eigen::Isometry3d T_left_right(Eigen::Translation3d(camera_.baseline, 0.0, 0.0));
+  RowMotionProblem& problem = row_problem_;
+  problem.expected = problem.start = motionAbout(*newest.motion, newest.offset, T_left_right, timing_.range());
+  problem.readout_stddev = readouts_.rightStddev();
+  const RigCorrection rig = rig_.correction();
+  addRowPoints(draft, newest.T_world_camera * newest.motion->at(newest.offset) * T_left_right,
+               [&](const Observation& last, RowPoint& point) {
+                 if (!last.stereo) return false;
+                 point.pixel = correctedRight(camera_, rig, last.right());
+                 point.instant = timing_.right(last.right());
+                 point.share = timing_.rightShare(last.right());
+                 return true;
+               });
+  if (const RowMotion found = row_motion_.estimate(problem); found.converged)
+    readouts_.updateRight(found.readout, kRightReadoutInterval);
+}
+
+/// Motions about all exposures, from the poses as they are now and from the rows.
+void VisualTrack::updateMotions(std::vector<WindowFrame>& window) const {
+  const TimedPoses poses = timedPoses(window);
+  for (int i = 0; i < static_cast<int>(window.size()); ++i) {
+    window[i].rows.emplace(window[i].row_information, roughness_.variances(poses, i, last_stddev_));
+    window[i].motion = window[i].rows->of(motionByPoses(poses, i));
+  }
+}
+
+}  // namespace cartvo::vo

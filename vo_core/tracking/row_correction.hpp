@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <vector>
+
+#include "vo_core/geometry/exposure_motion.hpp"
+#include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/shutter.hpp"
+#include "vo_core/stereo_camera.hpp"
+#include "vo_core/tracking/landmark.hpp"
+#include "vo_core/tracking/window_frame.hpp"
+
+// Rolling shutters: the instants of pixels, and the positions that they would have if all rows were exposed
+// with the middle one.
+
+namespace cartvo::vo {
+
+/// Instants of the pixels of both cameras relative to the exposure of their own image.
+class RowTiming {
+ public:
+  RowTiming(const StereoCamera& camera, const StereoShutters& shutters)
+      : camera_(camera), shutters_(shutters), rolling_(shutters.areRolling()) {}
+
+  bool isRolling() const { return rolling_; }
+  double left(const Eigen::Vector2d& pixel) const { return instant(shutters_.left, pixel); }    ///< s
+  double right(const Eigen::Vector2d& pixel) const { return instant(shutters_.right, pixel); }  ///< s
+  double leftShare(const Eigen::Vector2d& pixel) const {
+    return shutters_.left.rows.at(pixel, camera_.height);
+  }
+  double rightShare(const Eigen::Vector2d& pixel) const {
+    return shutters_.right.rows.at(pixel, camera_.height);
+  }
+  const StereoShutters& shutters() const { return shutters_; }
+
+  /// Sets the readouts (s) of the left and the right camera to their estimates.
+  void setReadouts(double left, double right) {
+    shutters_.left.readout = left;
+    shutters_.right.readout = right;
+  }
+
+  /// Half of the longer readout, s, at least a millisecond.
+  double range() const;
+
+ private:
+  double instant(const Shutter& shutter, const Eigen::Vector2d& pixel) const {
+    return shutter.readout * shutter.rows.at(pixel, camera_.height);
+  }
+
+  StereoCamera camera_;
+  StereoShutters shutters_;
+  bool rolling_ = false;
+};
+
+/// Transform of points from the left camera at the instant of a left pixel to the right camera at the instant
+/// of the same row.
+class RowTransform {
+ public:
+  /// The same for all rows: global shutters.
+  explicit RowTransform(const Eigen::Isometry3d& T_right_left) : T_right_left_(T_right_left) {}
+
+  /// `T_right_left`: between the exposures of both images, with the rig's correction. `frame`: the pair.
+  /// Keeps a reference to `timing`.
+  RowTransform(const StereoCamera& camera, const RowTiming& timing, const WindowFrame& frame,
+               const Eigen::Isometry3d& T_right_left);
+
+  const Eigen::Isometry3d& betweenExposures() const { return T_right_left_; }
+  Eigen::Isometry3d at(const Eigen::Vector2d& left_pixel) const;
+
+ private:
+  const RowTiming* timing_ = nullptr;  ///< null if all rows move alike
+  Eigen::Isometry3d T_right_left_;
+  ExposureMotion left_, right_;
+};
+
+/// Recomputes the row shifts of the landmarks' observations by the pairs window[first] and later, from their
+/// depths, the poses and motions of the window. Without a depth, points count as far away.
+void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,
+                 std::size_t first, std::vector<Landmark>& landmarks);
+
+}  // namespace cartvo::vo

@@ -269,8 +269,7 @@ OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, Odom
 OdometryEstimate ReprojectionOdometry::handleLoss(const PreparedPair& pair, const TrackedMotion& failed,
                                                   StageObserver& observer) {
   TrackedMotion motion = failed;
-  candidate_track_.emplace(camera_, settings_, timing_, pair, latestLearnt(), pitch_reinitialiser_,
-                           observer);
+  candidate_track_.emplace(camera_, settings_, timing_, pair, latestLearnt(), pitch_reinitialiser_, observer);
   candidate_key_frames_ = pair.key_frames;
   motion.counts.detected = candidate_track_->landmarkCount();
   motion.counts.stereo = candidate_track_->stereoCount();

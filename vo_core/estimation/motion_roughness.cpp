@@ -1,4 +1,4 @@
-// Estimation of the jerk from the motions about exposures.
+// Estimation of the jerk from what the rows of images show.
 #include "vo_core/estimation/motion_roughness.hpp"
 
 #include <algorithm>
@@ -7,10 +7,12 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kMemory = 0.9;                              // weight of the previous estimate, per pair
-constexpr double kMinimumJerk = 0.25, kMaximumJerk = 4e6;    // (m/s^3)^2 and (rad/s^3)^2
-constexpr double kUnknownAcceleration = 3.0;                 // m/s^2 and rad/s^2, with two poses
-constexpr double kUnknownVelocity = 3.0;                     // m/s and rad/s, with one pose
+constexpr double kMemory = 0.9;  // weight of the previous estimate, per pair
+// (m/s^3)^2 and (rad/s^3)^2, of a smooth drive: a cart that takes half a second from no to full acceleration.
+constexpr double kTranslationJerk = 4.0, kRotationJerk = 9.0;
+constexpr double kMaximumJerk = 4e6;          // (m/s^3)^2 and (rad/s^3)^2
+constexpr double kUnknownAcceleration = 3.0;  // m/s^2 and rad/s^2, with two poses
+constexpr double kUnknownVelocity = 3.0;      // m/s and rad/s, with one pose
 
 /// Effect of a unit jerk on the velocity and acceleration of the parabola (error of a quadratic
 /// interpolation), and of a unit noise of the motions.
@@ -50,36 +52,36 @@ RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> pos
     variances.tail<6>().setConstant(kUnknownAcceleration * kUnknownAcceleration);
     return variances;
   }
-  Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(translation_jerk_), Eigen::Vector3d::Constant(rotation_jerk_);
-  variances.head<6>() = by.velocity * by.velocity * jerk +
-                        by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
-  variances.tail<6>() = by.acceleration * by.acceleration * jerk +
+  variances.head<6>() =
+      by.velocity * by.velocity * jerk() + by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
+  variances.tail<6>() = by.acceleration * by.acceleration * jerk() +
                         by.acceleration_noise * by.acceleration_noise * motion_stddev.cwiseAbs2();
   return variances;
 }
 
 RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
   RowInformation::Vector variances;
-  Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(translation_jerk_), Eigen::Vector3d::Constant(rotation_jerk_);
-  variances << std::pow(0.5 * time_step * time_step, 2) * jerk, time_step * time_step * jerk;
+  variances << std::pow(0.5 * time_step * time_step, 2) * jerk(), time_step * time_step * jerk();
   return variances;
 }
 
-void MotionRoughness::update(std::span<const TimedPose> poses, const ExposureMotion& expected,
-                             const RowMotion& motion, const Vector6d& motion_stddev) {
+Vector6d MotionRoughness::jerk() const {
+  Vector6d jerk;
+  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation_excess_),
+      Eigen::Vector3d::Constant(kRotationJerk + rotation_excess_);
+  return jerk;
+}
+
+void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& excess) {
   const Sensitivity by = sensitivityOf(poses, static_cast<int>(poses.size()) - 1);
   if (!by.known) return;
-  const Vector6d difference = motion.motion.velocity - expected.velocity;
-  const Vector6d noise = by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
-  const Vector6d size =
-      (difference.cwiseAbs2() + motion.covariance.diagonal().head<6>() - noise) / (by.velocity * by.velocity);
-  const auto adapt = [](double& jerk, double seen) {
-    jerk = std::clamp(kMemory * jerk + (1.0 - kMemory) * seen, kMinimumJerk, kMaximumJerk);
+  // An excess is what the present estimate does not explain; without one, that estimate is too high.
+  const auto adapt = [&](double& known, double excess_variance) {
+    const double seen = excess_variance > 0.0 ? known + excess_variance / (by.velocity * by.velocity) : 0.0;
+    known = std::min(kMemory * known + (1.0 - kMemory) * seen, kMaximumJerk);
   };
-  adapt(translation_jerk_, size.head<3>().mean());
-  adapt(rotation_jerk_, size.tail<3>().mean());
+  adapt(translation_excess_, excess.head<3>().mean());
+  adapt(rotation_excess_, excess.tail<3>().mean());
 }
 
 }  // namespace cartvo::vo

@@ -2,14 +2,13 @@
 
 #include <span>
 
-#include "vo_core/estimation/row_motion.hpp"
+#include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/geometry/reprojection.hpp"
 
 namespace cartvo::vo {
 
-/// How much the motion about an exposure differs from the parabola through the poses: by a jerk whose size is
-/// estimated from the motions that the rows of the images have shown (expectation maximisation with a memory
-/// of some pairs).
+/// How much the motion about an exposure differs from the parabola through the poses: by a jerk, that of a
+/// smooth drive and what the rows of the last images have shown in addition.
 class MotionRoughness {
  public:
   /// Variances of the difference between the motion about poses[index] and motionByPoses(). `motion_stddev`:
@@ -21,13 +20,15 @@ class MotionRoughness {
   /// and those extrapolated from it.
   RowInformation::Vector variancesAfter(double time_step) const;
 
-  /// Updates with the motion about the newest of the poses, which was expected to be `expected`.
-  void update(std::span<const TimedPose> poses, const ExposureMotion& expected, const RowMotion& motion,
-              const Vector6d& motion_stddev);
+  /// Updates with the variance of the velocity at the newest of the poses in excess of what variances()
+  /// states.
+  void update(std::span<const TimedPose> poses, const Vector6d& excess);
 
  private:
-  double translation_jerk_ = 400.0;  ///< (m/s^3)^2
-  double rotation_jerk_ = 100.0;     ///< (rad/s^3)^2
+  Vector6d jerk() const;
+
+  double translation_excess_ = 0.0;  ///< (m/s^3)^2
+  double rotation_excess_ = 0.0;     ///< (rad/s^3)^2
 };
 
 }  // namespace cartvo::vo

@@ -25,7 +25,7 @@ struct PosePoint {
   int level = 0;                                       ///< pyramid level, see Landmark
   /// px, stddev of each coordinate of `left` by the unknown motion from the exposure to that of its row.
   double row_noise = 0.0;
-  bool inlier = false;                                 ///< result: within the gate of the pose found
+  bool inlier = false;  ///< result: within the gate of the pose found
 };
 
 /// Input of the pose search; the points' `inlier` is output.

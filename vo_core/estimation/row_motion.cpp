@@ -12,10 +12,11 @@ namespace {
 
 constexpr int kIterations = 3;
 constexpr int kMotion = 6, kMotionSize = RowInformation::kSize;  // after the pose
-// Errors that all inverse depths have in common, because the pose of the right camera was not known exactly when
-// they were measured, or its calibration: in proportion to rho, 1, the row, and rho times the column.
+// Errors that all inverse depths have in common, because the pose of the right camera was not known exactly
+// when they were measured, or its calibration: in proportion to rho, 1, the row, and rho times the column.
 constexpr int kDepths = kMotion + kMotionSize, kDepthErrors = 4;
-constexpr double kDepthStddevs[kDepthErrors] = {0.05, 0.01, 0.02, 0.05};  // 1, 1/m, 1/m and 1 per focal length
+constexpr double kDepthStddevs[kDepthErrors] = {0.05, 0.01, 0.02,
+                                                0.05};  // 1, 1/m, 1/m and 1 per focal length
 constexpr int kReadout = kDepths + kDepthErrors;
 constexpr int kUnknowns = kReadout + 1;
 constexpr double kKnown = 1e-9;  // s, standard deviation of a known readout
@@ -112,8 +113,8 @@ inline void see(const PointLanes& point, const State& state, InstantView& seen) 
   seen.row = rowByCamera(seen.view, place);
 }
 
-/// Sets the derivatives by pose, velocity, acceleration, depths and readout: those by the pose times `factor`, and
-/// times what each of them moves the camera by at the instant.
+/// Sets the derivatives by pose, velocity, acceleration, depths and readout: those by the pose times
+/// `factor`, and times what each of them moves the camera by at the instant.
 inline void setDerivatives(const PoseLanes& by_pose, const DoubleLanes& factor, const PointLanes& point,
                            const InstantView& seen, const ExposureMotion& motion, StateRow& row) {
   for (int i = 0; i < kDepthErrors; ++i)
@@ -234,8 +235,8 @@ struct StateSums {
   }
 };
 
-/// Sets what the rows tell of the motion, all else eliminated, and the covariances. `without_prior`: equations
-/// without the prior of the motion; `with_prior`: with it, factored.
+/// Sets what the rows tell of the motion, all else eliminated, and the covariances. `without_prior`:
+/// equations without the prior of the motion; `with_prior`: with it, factored.
 void conclude(const StateSums& without_prior, const Eigen::LDLT<StateMatrix>& with_prior,
               const ExposureMotion& at, RowMotion& result) {
   constexpr int kAfter = kUnknowns - kDepths, kOthers = 6 + kAfter;

@@ -21,11 +21,11 @@ struct RowPoint {
   double anchor_share = 0.0;  ///< of the readout, of the anchor's observation
   /// Derivative of the ray by the readout (1/s), if it follows from the rows of the same camera.
   Eigen::Vector3d ray_by_readout = Eigen::Vector3d::Zero();
-  double inverse_depth = 0.0;                      ///< rho, 1/m, in the anchor camera
-  double inverse_depth_information = 0.0;          ///< m^2
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< px
-  double instant = 0.0;                            ///< s since the exposure of the middle row
-  double share = 0.0;                              ///< of the readout, see RowShares
+  double inverse_depth = 0.0;                                ///< rho, 1/m, in the anchor camera
+  double inverse_depth_information = 0.0;                    ///< m^2
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();           ///< px
+  double instant = 0.0;                                      ///< s since the exposure of the middle row
+  double share = 0.0;                                        ///< of the readout, see RowShares
   Eigen::Vector2d relative_noise = Eigen::Vector2d::Ones();  ///< see Observation
   double weight = 1.0;
   int level = 0;
@@ -55,19 +55,19 @@ struct RowMotion {
   bool converged = false;
   Vector6d pose_change = Vector6d::Zero();  ///< of the camera's pose, on the right of the first guess
   ExposureMotion motion;
-  RowInformation rows;                       ///< without the prior
-  RowInformation::Matrix covariance;         ///< of `motion`
+  RowInformation rows;                ///< without the prior
+  RowInformation::Matrix covariance;  ///< of `motion`
   /// What the uncertainties of motion, depths and readout add to the covariance of the pose.
   Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
   ReadoutEquation readout;
   double readout_change = 0.0;  ///< s, by which the readout is longer than assumed
 };
 
-/// Estimates pose and motion of a camera by Gauss-Newton steps on the residuals of all rows of its image, each
-/// at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. Components of the
-/// motion that contradict the prior lose it (Student's t distribution), so that a kerb or a shaken mount is
-/// measured by the rows alone. The other camera's image is left out: depths come from disparities, and would
-/// tell what was assumed of the motion between the exposures when they were measured.
+/// Estimates pose and motion of a camera by Gauss-Newton steps on the residuals of all rows of its image,
+/// each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. Components of
+/// the motion that contradict the prior lose it (Student's t distribution), so that a kerb or a shaken mount
+/// is measured by the rows alone. The other camera's image is left out: depths come from disparities, and
+/// would tell what was assumed of the motion between the exposures when they were measured.
 class RowMotionEstimator {
  public:
   RowMotionEstimator();

@@ -112,10 +112,9 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     }
     for (const Observation& observation : landmark.observations)
       if (const std::optional<int> pose = findFrameIndex(window, observation.frame))
-        item.observations.push_back(
-            {*pose, observation.stereo, observation.leftAtExposure(),
-             correctedRight(camera, rig, observation.rightAtExposure()),
-             observation.relative_noise});
+        item.observations.push_back({*pose, observation.stereo, observation.leftAtExposure(),
+                                     correctedRight(camera, rig, observation.rightAtExposure()),
+                                     observation.relative_noise});
   }
 }
 

@@ -25,23 +25,36 @@ struct RowInformation {
   static constexpr int kSize = 12;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  using Array = Eigen::Array<double, kSize, 1>;
 
   Matrix information = Matrix::Zero();  ///< inverse covariance; singular where the rows tell nothing
   Vector gradient = Vector::Zero();     ///< information times motion
 };
 
-/// The motion that agrees best with the rows and with an expected motion: that motion, its share (1 - gain),
-/// and what the rows add. Velocity, then acceleration.
+/// The motion that agrees best with the rows and with an expected motion: the share of the expected one, and
+/// what the rows add. Velocity, then acceleration.
 struct MotionBlend {
   RowInformation::Matrix expected_share = RowInformation::Matrix::Identity();
   RowInformation::Vector by_rows = RowInformation::Vector::Zero();
+  RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of the blended motion
+  /// By how much the difference from the expected motion shows the variances to be too small.
+  RowInformation::Vector excess = RowInformation::Vector::Zero();
 
   MotionBlend() = default;
-  /// `variances`: of the difference between the motion and the expected one.
-  MotionBlend(const RowInformation& rows, const RowInformation::Vector& variances);
+  /// `variances`: of the difference between the motion and the expected one. Components that contradict the
+  /// expected motion lose it, as at a kerb or on a shaken mount.
+  MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
+              const RowInformation::Vector& variances);
 
   ExposureMotion of(const ExposureMotion& expected) const;
+
+ private:
+  void blend(const RowInformation& rows, const RowInformation::Vector& variances);
 };
+
+/// What the rows tell if they were compared with a map that was made under motions with errors of this
+/// covariance: only changes of the motion are measured better than that.
+RowInformation withMapError(const RowInformation& rows, const RowInformation::Matrix& covariance);
 
 /// The motion about another instant (s), of the camera that is `T_camera_other` away in the same rig, in the
 /// axes of that camera at that instant. Exact at that instant and at `range` seconds before and after it.

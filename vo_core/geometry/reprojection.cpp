@@ -130,8 +130,8 @@ class InterpolatedMotion {
   Vector6d by_offset = Vector6d::Zero();
 
  private:
-  /// Sets the step to that of the parabola and the rows together, `offset` seconds after the exposure. Returns
-  /// its derivative by the offset.
+  /// Sets the step to that of the parabola and the rows together, `offset` seconds after the exposure.
+  /// Returns its derivative by the offset.
   Vector6d blendWithRows(const MotionBlend& rows, double offset) {
     // The step is [offset, offset^2 / 2] times velocity and acceleration.
     using StepByMotion = Eigen::Matrix<double, 6, RowInformation::kSize>;
@@ -150,9 +150,9 @@ class InterpolatedMotion {
           term.velocity_weight * step.leftCols<6>() + term.acceleration_weight * step.rightCols<6>();
       term.matrix = matrix;
       step_ += matrix * term.vector;
-      by_offset_of_step += (term.velocity_weight * slope.leftCols<6>() +
-                            term.acceleration_weight * slope.rightCols<6>()) *
-                           term.vector;
+      by_offset_of_step +=
+          (term.velocity_weight * slope.leftCols<6>() + term.acceleration_weight * slope.rightCols<6>()) *
+          term.vector;
     }
     return by_offset_of_step;
   }

@@ -51,15 +51,15 @@ struct RightCamera {
 /// pair's other side, else the one beyond the neighbour.
 RightCamera rightCameraOf(std::span<const TimedPose> poses, int index, double baseline);
 
-/// Times (s, relative to poses[index]) of the other two poses of the parabola of rightCameraOf(); 0 where there
-/// is none.
+/// Times (s, relative to poses[index]) of the other two poses of the parabola of rightCameraOf(); 0 where
+/// there is none.
 struct ParabolaTimes {
   double near = 0.0, far = 0.0;
 };
 ParabolaTimes parabolaTimes(std::span<const TimedPose> poses, int index);
 
-/// Motion about the exposure of poses[index]: the parabola of rightCameraOf(), or the line; none with a single
-/// pose. Without TimedPose::rows.
+/// Motion about the exposure of poses[index]: the parabola of rightCameraOf(), or the line; none with a
+/// single pose. Without TimedPose::rows.
 ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index);
 
 /// Transform of points from the last pose's left camera to its right one, each at its own exposure.

@@ -27,8 +27,8 @@ void ReadoutFilter::update(const ReadoutEquation& equation, double weight) {
   // The equation is about the readout in use, which differs from the estimate of a known one.
   const double gradient = equation.gradient - equation.information * (estimate_ - readout());
   information_ = sum;
-  estimate_ = std::clamp(estimate_ + kImageWeight * weight * gradient / sum, -kLongestReadout,
-                         kLongestReadout);
+  estimate_ =
+      std::clamp(estimate_ + kImageWeight * weight * gradient / sum, -kLongestReadout, kLongestReadout);
 }
 
 EstimateWithStddev ReadoutFilter::estimate() const {

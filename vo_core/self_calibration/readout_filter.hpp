@@ -44,7 +44,9 @@ class ReadoutFilters {
   double left() const { return left_.readout(); }
   double right() const { return is_right_known_ ? known_right_ : left() + difference_.readout(); }
   double leftStddev() const { return left_.stddev(); }
-  double rightStddev() const { return is_right_known_ ? 0.0 : difference_.stddev(); }  ///< s, of the difference
+  double rightStddev() const {
+    return is_right_known_ ? 0.0 : difference_.stddev();
+  }  ///< s, of the difference
 
   ReadoutEstimates estimates() const;
 

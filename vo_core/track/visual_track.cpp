@@ -44,12 +44,24 @@ WindowFrame frameOf(const PreparedPair& pair) {
   return frame;
 }
 
-/// Initial depth of a landmark whose only observation is in stereo.
+/// Inverse depth (1/m) in the camera at the exposure of a point seen in the direction `bearing` at another
+/// instant, with its inverse depth there.
+double inverseDepthAt(const Eigen::Isometry3d& T_exposure_instant, const Eigen::Vector3d& bearing,
+                      double inverse_depth) {
+  const double depth =
+      T_exposure_instant.linear().row(2).dot(bearing) + inverse_depth * T_exposure_instant.translation().z();
+  return inverse_depth / std::max(depth, kNearestRay);
+}
+
+/// Initial depth of a landmark whose only observation is in stereo. `T_right_left`: at the instants of its
+/// rows; `T_exposure_instant`: of the left camera.
 void initialiseDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
-                     const Eigen::Vector2d& right_pixel, const BundleNoises& noises) {
+                     const Eigen::Isometry3d& T_exposure_instant, const Eigen::Vector2d& right_pixel,
+                     const BundleNoises& noises) {
   const auto found = triangulate(camera, T_right_left, landmark.anchor().left, right_pixel);
   if (!found) return;
-  landmark.inverse_depth = found->inverse_depth;
+  landmark.inverse_depth =
+      inverseDepthAt(T_exposure_instant, bearingOf(camera, landmark.anchor().left), found->inverse_depth);
   const BundleNoise& noise = noises[landmark.level];
   const double stddev = (noise.disparity + noise.stretch * std::abs(landmark.anchor().stereo_offset.x())) /
                         (camera.focal_length * found->sensitivity);
@@ -337,7 +349,8 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
                               PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
   const auto match_rotated = [&](std::vector<Landmark>& wanted, const RigCalibrationFilter& rig) {
-    matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, window}, T_right_left, rig, wanted);
+    matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, window}, T_right_left, rig,
+                       wanted);
   };
   const StereoMatchFunction match = std::cref(match_rotated);  // a reference: a copy would be allocated
   match(landmarks, rig_);
@@ -355,6 +368,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     if (landmark.hasDepth() || landmark.observations.size() > 1 || !anchor.stereo) continue;
     if (still_regions_.contains(anchor.left)) continue;
     initialiseDepth(landmark, camera_, right_from_left.at(anchor.left),
+                    right_from_left.exposureFromLeft(anchor.left),
                     correctedRight(camera_, rig, anchor.right()), noise_);
   }
 }

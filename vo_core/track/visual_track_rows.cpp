@@ -75,9 +75,8 @@ void VisualTrack::addAnchorReadout(const Draft& draft) {
     const Eigen::Vector3d moved =
         twist.tail<3>().cross(point.bearing) + point.inverse_depth * twist.head<3>();
     // The bearing and the inverse depth are those at z = 1.
-    point.ray_by_readout =
-        point.R_camera_anchor * (moved - moved.z() * point.bearing) -
-        moved.z() * point.inverse_depth * point.ray_by_inverse_depth;
+    point.ray_by_readout = point.R_camera_anchor * (moved - moved.z() * point.bearing) -
+                           moved.z() * point.inverse_depth * point.ray_by_inverse_depth;
   }
 }
 
@@ -118,9 +117,16 @@ void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_wo
 void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
   buildRowProblem(draft);
   const RowMotion found = row_motion_.estimate(row_problem_);
-  if (found.converged && draft.window.size() >= kFirstWindow) useRowMotion(found, draft, motion);
+  const bool use = found.converged && draft.window.size() >= kFirstWindow;
+  if (use) useRowMotion(found, draft, motion);
   updateMotions(draft.window);
-  if (found.converged && draft.window.back().index % kRightReadoutInterval == 0) estimateRightReadout(draft);
+  if (use) {
+    const WindowFrame& newest = draft.window.back();
+    const Matrix6d covariance = newest.rows->covariance.topLeftCorner<6, 6>();
+    motion.twist = ExposureTwist{newest.motion->velocity, covariance};
+    roughness_.update(timedPoses(draft.window), newest.rows->excess.head<6>());
+  }
+  if (use && draft.window.back().index % kRightReadoutInterval == 0) estimateRightReadout(draft);
   timing_.setReadouts(readouts_.left(), readouts_.right());
   correctRows(camera_, timing_, draft.window, 0, draft.landmarks);
 }
@@ -128,10 +134,10 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
 void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion) {
   WindowFrame& newest = draft.window.back();
   newest.T_world_camera = orthonormalised(newest.T_world_camera * motionFromVector(found.pose_change));
-  newest.row_information = found.rows;
-  roughness_.update(timedPoses(draft.window), row_problem_.expected, found, last_stddev_);
+  // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
+  const WindowFrame& before = draft.window[draft.window.size() - 2];
+  newest.row_information = before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
   motion.covariance_by_rows = found.pose_covariance_by_motion;
-  motion.twist = ExposureTwist{found.motion.velocity, found.covariance.topLeftCorner<6, 6>()};
   readouts_.updateLeft(found.readout, 1.0);
 }
 
@@ -140,7 +146,8 @@ void VisualTrack::estimateRightReadout(const Draft& draft) {
   const WindowFrame& newest = draft.window.back();
   const Eigen::Isometry3d T_left_right(Eigen::Translation3d(camera_.baseline, 0.0, 0.0));
   RowMotionProblem& problem = row_problem_;
-  problem.expected = problem.start = motionAbout(*newest.motion, newest.offset, T_left_right, timing_.range());
+  problem.expected = problem.start =
+      motionAbout(*newest.motion, newest.offset, T_left_right, timing_.range());
   problem.readout_stddev = readouts_.rightStddev();
   const RigCorrection rig = rig_.correction();
   addRowPoints(draft, newest.T_world_camera * newest.motion->at(newest.offset) * T_left_right,
@@ -159,8 +166,9 @@ void VisualTrack::estimateRightReadout(const Draft& draft) {
 void VisualTrack::updateMotions(std::vector<WindowFrame>& window) const {
   const TimedPoses poses = timedPoses(window);
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
-    window[i].rows.emplace(window[i].row_information, roughness_.variances(poses, i, last_stddev_));
-    window[i].motion = window[i].rows->of(motionByPoses(poses, i));
+    const ExposureMotion expected = motionByPoses(poses, i);
+    window[i].rows.emplace(window[i].row_information, expected, roughness_.variances(poses, i, last_stddev_));
+    window[i].motion = window[i].rows->of(expected);
   }
 }
 

@@ -81,8 +81,9 @@ std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& lan
 double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Scene& scene) const {
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
   if (!landmark.hasDepth() || !anchor) return 0.0;
-  const Projection seen = projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(*anchor)],
-                                          bearingOf(camera_, landmark.anchor().leftAtExposure()), landmark.inverse_depth);
+  const Projection seen =
+      projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(*anchor)],
+                      bearingOf(camera_, landmark.anchor().leftAtExposure()), landmark.inverse_depth);
   return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
 }
 

@@ -38,8 +38,8 @@ RowCamera rowCameraOf(const ExposureMotion& motion, const Eigen::Isometry3d& T_w
 
 /// Motion of the right camera about its own exposure.
 ExposureMotion rightMotionOf(const WindowFrame& frame, double baseline, double range) {
-  return motionAbout(*frame.motion, frame.offset,
-                     Eigen::Isometry3d(Eigen::Translation3d(baseline, 0.0, 0.0)), range);
+  return motionAbout(*frame.motion, frame.offset, Eigen::Isometry3d(Eigen::Translation3d(baseline, 0.0, 0.0)),
+                     range);
 }
 
 Eigen::Vector2f shiftOf(const StereoCamera& camera, const RowCamera& from, double instant,
@@ -68,6 +68,11 @@ Eigen::Isometry3d RowTransform::at(const Eigen::Vector2d& left_pixel) const {
   if (timing_ == nullptr) return T_right_left_;
   return right_.at(timing_->right(left_pixel)).inverse() * T_right_left_ *
          left_.at(timing_->left(left_pixel));
+}
+
+Eigen::Isometry3d RowTransform::exposureFromLeft(const Eigen::Vector2d& left_pixel) const {
+  if (timing_ == nullptr) return Eigen::Isometry3d::Identity();
+  return left_.at(timing_->left(left_pixel));
 }
 
 void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,

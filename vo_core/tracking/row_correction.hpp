@@ -66,6 +66,8 @@ class RowTransform {
 
   const Eigen::Isometry3d& betweenExposures() const { return T_right_left_; }
   Eigen::Isometry3d at(const Eigen::Vector2d& left_pixel) const;
+  /// The left camera at the instant of a pixel, relative to its exposure.
+  Eigen::Isometry3d exposureFromLeft(const Eigen::Vector2d& left_pixel) const;
 
  private:
   const RowTiming* timing_ = nullptr;  ///< null if all rows move alike

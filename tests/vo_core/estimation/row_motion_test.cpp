@@ -1,8 +1,9 @@
 // Tests of the motion about an exposure: row shifts, and its estimation from the rows of a simulated pair.
 #include "vo_core/estimation/row_motion.hpp"
 
-#include <gtest/gtest.h>
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "support/vo_core/landmark_scene.hpp"
 #include "vo_core/shutter.hpp"
@@ -16,7 +17,8 @@ using test::vector6;
 constexpr double kReadout = 0.032, kPeriod = 0.055;  // s
 
 /// A turning and braking cart with some pitch; the camera is at the identity at the exposure.
-const ExposureMotion kTurn{vector6(0.1, -0.05, 4.0, 0.08, 0.5, -0.06), vector6(0.4, 0.2, -2.0, 0.9, 1.2, -0.5)};
+const ExposureMotion kTurn{vector6(0.1, -0.05, 4.0, 0.08, 0.5, -0.06),
+                           vector6(0.4, 0.2, -2.0, 0.9, 1.2, -0.5)};
 
 /// Pixel and instant (s after the exposure) at which a camera with a rolling shutter sees a point.
 struct RowView {

@@ -136,7 +136,8 @@ TEST_F(LandmarkTrackerTest, TracksAndMatchesCoarseLandmarks) {
   const ImagePyramid right = buildPyramid(wallAt({-kDisparity, 0.0}), kLandmarkLevels);
   for (Landmark& landmark : landmarks_)
     landmark.level = 1;
-  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(rightFromLeft()), Eigen::Isometry3d::Identity());
+  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(rightFromLeft()),
+                       Eigen::Isometry3d::Identity());
   test::Statistics disparity;
   for (const Landmark& landmark : landmarks_)
     if (landmark.last().stereo) disparity.add(landmark.last().stereo_offset.x());
@@ -177,7 +178,8 @@ TEST_F(LandmarkTrackerTest, MatchesLandmarksWithAndWithoutDepthInTheRightImage) 
     landmarks_[i].inverse_depth = 1.0 / wallDepth();
     landmarks_[i].information = 1e4;
   }
-  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(rightFromLeft()), Eigen::Isometry3d::Identity());
+  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(rightFromLeft()),
+                       Eigen::Isometry3d::Identity());
   for (const bool known : {true, false}) {
     test::Statistics disparity;
     int candidates = 0;
@@ -214,7 +216,8 @@ TEST_F(LandmarkTrackerTest, MatchesRightCameraCloserToTheWall) {
   }
   Eigen::Isometry3d T_right_left = rightFromLeft();
   T_right_left.translation().z() = wallDepth() * (1.0 / kGrowth - 1.0);
-  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(T_right_left), Eigen::Isometry3d::Identity());
+  tracker_.matchStereo(landmarks_, window_, left, right, RowTransform(T_right_left),
+                       Eigen::Isometry3d::Identity());
   std::vector<double> errors;
   for (const Landmark& landmark : landmarks_)
     if (const Observation& last = landmark.last(); last.stereo)
@@ -226,7 +229,8 @@ TEST_F(LandmarkTrackerTest, MatchesRightCameraCloserToTheWall) {
   const ImagePyramid at_once = buildPyramid(wallAt({-kDisparity, 0.0}), 1);
   for (Landmark& landmark : landmarks_)
     landmark.observations.back().stereo = false;
-  tracker_.matchStereo(landmarks_, window_, left, at_once, RowTransform(rightFromLeft()), Eigen::Isometry3d::Identity());
+  tracker_.matchStereo(landmarks_, window_, left, at_once, RowTransform(rightFromLeft()),
+                       Eigen::Isometry3d::Identity());
   for (const Landmark& landmark : landmarks_) {
     if (!landmark.last().stereo) continue;
     EXPECT_NEAR(landmark.stereo_warp(1, 0), 0.0, 1e-12);

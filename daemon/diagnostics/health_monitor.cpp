@@ -145,6 +145,11 @@ void setSelfCheck(health_t& message, const SelfCheck& check) {
     message.right_rotation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].value);
     message.right_rotation_deviation_deg[i] = static_cast<float>(kDegreesPerRadian * angles[i].stddev);
   }
+  const vo::ReadoutEstimates readouts = check.readouts().value_or(vo::ReadoutEstimates{kNothing, kNothing});
+  message.left_readout_ms = static_cast<float>(1e3 * readouts.left.value);
+  message.left_readout_deviation_ms = static_cast<float>(1e3 * readouts.left.stddev);
+  message.right_readout_ms = static_cast<float>(1e3 * readouts.right.value);
+  message.right_readout_deviation_ms = static_cast<float>(1e3 * readouts.right.stddev);
   message.self_check = shortened(check.message());
 }
 
@@ -154,7 +159,8 @@ double decodeMilliseconds(const FrameInstants& frame) {
 
 }  // namespace
 
-HealthMonitor::HealthMonitor(Clock::time_point start) : start_(start), last_(start) {}
+HealthMonitor::HealthMonitor(Clock::time_point start, const StatedReadouts& readouts)
+    : start_(start), last_(start), self_check_(readouts) {}
 
 void HealthMonitor::addPair(const PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);

@@ -37,7 +37,8 @@ class HealthMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit HealthMonitor(Clock::time_point start);
+  /// `readouts`: of the rig file or the configuration.
+  explicit HealthMonitor(Clock::time_point start, const StatedReadouts& readouts = {});
 
   /// Adds a processed pair, published as `message`.
   void addPair(const PairResult& result, const odometry_t& message);

@@ -43,6 +43,7 @@ void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   changed_ = changed_ || fault != stereo_fault_;
   stereo_fault_ = fault;
   if (estimate.rig) updateRig(*estimate.rig);
+  if (estimate.readouts) changed_ = readouts_.update(*estimate.readouts) || changed_;
   const bool were_missing = matches_.matchesMissing();
   matches_.update(estimate);
   changed_ = changed_ || matches_.matchesMissing() != were_missing ||
@@ -92,7 +93,10 @@ std::string SelfCheck::message() const {
   if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
-  if (offset.empty() && angles.empty()) return stillRegionsMessage();
+  if (offset.empty() && angles.empty()) {
+    const std::string readouts = readouts_.message();
+    return readouts.empty() ? stillRegionsMessage() : readouts;
+  }
   return offset + (offset.empty() || angles.empty() ? "" : "; ") + angles;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/diagnostics/readout_check.hpp"
 #include "daemon/diagnostics/stereo_match_monitor.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -12,11 +13,14 @@
 namespace cartvo::daemon {
 
 /// Reports gross faults of the rig, errors of the rig calibration and of the time offset that the odometry
-/// has estimated, missing stereo matches, and regions of the picture that do not move with the scene. An
-/// error is reported while it is significant (3 standard deviations) and large enough to matter, until it is
-/// clearly smaller. Not thread-safe.
+/// has estimated, readouts that are not those of the rig, missing stereo matches, and regions of the picture
+/// that do not move with the scene. An error is reported while it is significant (3 standard deviations) and
+/// large enough to matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
+  /// `readouts`: of the rig file or the configuration.
+  explicit SelfCheck(const StatedReadouts& readouts = {}) : readouts_(readouts) {}
+
   void update(const vo::OdometryEstimate& estimate);
 
   /// Faults with their latest numbers and what to do; empty if there is none. A gross fault hides the others,
@@ -30,6 +34,7 @@ class SelfCheck {
   bool consumeChange();
 
   const std::optional<vo::RigCalibrationError>& rig() const { return rig_; }
+  const std::optional<vo::ReadoutEstimates>& readouts() const { return readouts_.latest(); }
 
  private:
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
@@ -41,6 +46,7 @@ class SelfCheck {
 
   std::optional<vo::RigCalibrationError> rig_;
   std::array<bool, kQuantities> faulty_{};
+  ReadoutCheck readouts_;
   StereoMatchMonitor matches_;
   vo::ImageRegions still_regions_;
   vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named

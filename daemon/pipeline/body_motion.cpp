@@ -92,4 +92,19 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
   return motion;
 }
 
+void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::Isometry3d& T_body_rectified,
+              double scale_stddev) {
+  // Velocity of the body's origin from that of the camera: v_body = R v - (R omega) x t, by the adjoint.
+  const vo::Matrix6d Ad = vo::adjoint(T_body_rectified);
+  const vo::Vector6d body = Ad * twist.value;
+  motion.velocity = body.head<3>();
+  motion.angular_velocity = body.tail<3>();
+  vo::Vector6d scale_error = vo::Vector6d::Zero();
+  scale_error.head<3>() = scale_stddev * twist.value.head<3>();
+  motion.twist_scale_error = Ad * scale_error;
+  motion.twist_offset_error.setZero();
+  motion.twist_covariance = Ad * twist.covariance * Ad.transpose() +
+                            motion.twist_scale_error * motion.twist_scale_error.transpose();
+}
+
 }  // namespace cartvo::daemon

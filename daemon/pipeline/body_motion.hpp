@@ -30,6 +30,12 @@ struct BodyMotion {
 BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometry3d& T_body_rectified,
                       double scale_stddev = 0.0);
 
+/// Replaces velocity, rates and their covariance by the twist at the exposure, `twist` in the axes of the
+/// rectified left camera. An error of the time offset is part of the twist's covariance and not known
+/// separately: twist_offset_error is zero.
+void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::Isometry3d& T_body_rectified,
+              double scale_stddev);
+
 /// Logarithm of SE(3): the twist (v, omega) which, applied for one unit of time, produces `motion`. Rotations
 /// below pi. (J. Solà et al., "A micro Lie theory for state estimation in robotics", 2018, eq. 173.)
 vo::Vector6d logarithm(const Eigen::Isometry3d& motion);

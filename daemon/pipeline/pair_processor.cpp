@@ -59,6 +59,8 @@ class PairProcessor::Implementation {
     result.estimate = odometry_.process(images_, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_stddev_);
     extrapolateVelocity(result);
+    if (result.estimate.valid && result.estimate.twist)
+      setTwist(result.motion, *result.estimate.twist, T_body_rectified_, scale_stddev_);
     result.times = clock_.endPair();
     return result;
   }

@@ -36,7 +36,8 @@ struct PairResult {
   FrameInstants right;
   vo::OdometryEstimate estimate;  ///< of the rectified left camera
   int features = 0;               ///< target number
-  BodyMotion motion;              ///< of the cart's body; velocities at the exposure (VelocityAtExposure)
+  BodyMotion motion;              ///< of the cart's body; velocities at the exposure (estimate.twist, else
+                                  ///< VelocityAtExposure)
   StageTimes times;
 
   /// Right minus left exposure, ns.

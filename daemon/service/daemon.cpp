@@ -127,7 +127,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
       foreign_(configuration.lcm_url),
-      health_(Clock::now()),
+      health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
   cv::setNumThreads(configuration.threads);
   const MulticastRoute route = findMulticastRoute(configuration.lcm_url);

@@ -76,6 +76,7 @@ ReplayedPair toReplayedPair(const daemon::PairResult& result, const Rectificatio
   pair.motion_covariance = left.transform(estimate.motion_covariance);
   pair.times = result.times;
   pair.rig = estimate.rig;
+  pair.readouts = estimate.readouts;
   pair.message = daemon::odometryMessage(result);
   return pair;
 }
@@ -151,7 +152,7 @@ Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo:
   if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
   daemon::Pipeline pipeline(*source.left, *source.right, processor, settings);
   ContinuousPath path;
-  daemon::SelfCheck self_check;
+  daemon::SelfCheck self_check({rig.rig.left.readout, rig.rig.right.readout});
   pipeline.replay({[&](const daemon::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      self_check.update(result.estimate);

@@ -75,6 +75,7 @@ struct ReplayedPair {
   vo::Matrix6d motion_covariance = vo::Matrix6d::Zero();
   daemon::StageTimes times;
   std::optional<vo::RigCalibrationError> rig;
+  std::optional<vo::ReadoutEstimates> readouts;
   odometry_t message{};  ///< as cartvod publishes it; without sequence and publication
 };
 

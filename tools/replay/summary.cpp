@@ -174,15 +174,30 @@ Json timesJson(const Replay& replay) {
   return json;
 }
 
+Json scaled(const vo::EstimateWithStddev& estimate, double unit) {
+  return {{"value", estimate.value * unit}, {"deviation", estimate.stddev * unit}};
+}
+
+/// Readouts of the rig, and those estimated at the last pair that has them; null where there is none.
+Json readoutsJson(const Replay& replay) {
+  const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
+                                 [](const ReplayedPair& pair) { return pair.readouts.has_value(); });
+  const auto stated = [](const calib::CameraModel& camera) {
+    return camera.readout ? Json(1e3 * *camera.readout) : Json(nullptr);
+  };
+  Json json{{"rig_left_ms", stated(replay.rig.rig.left)}, {"rig_right_ms", stated(replay.rig.rig.right)}};
+  const bool is_estimated = last != replay.pairs.rend();
+  json["left_ms"] = is_estimated ? scaled(last->readouts->left, 1e3) : Json(nullptr);
+  json["right_ms"] = is_estimated ? scaled(last->readouts->right, 1e3) : Json(nullptr);
+  return json;
+}
+
 /// Rig calibration errors of the last pair that has them; null if none has.
 Json selfCheckJson(const Replay& replay) {
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
   if (last == replay.pairs.rend()) return nullptr;
   const vo::RigCalibrationError& rig = *last->rig;
-  const auto scaled = [](const vo::EstimateWithStddev& checked, double unit) -> Json {
-    return {{"value", checked.value * unit}, {"deviation", checked.stddev * unit}};
-  };
   return {{"right_late_ms", scaled(rig.delay, 1e3)},
           {"right_pitch_deg", scaled(rig.pitch, kDegreesPerRadian)},
           {"right_yaw_deg", scaled(rig.yaw, kDegreesPerRadian)},
@@ -269,6 +284,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["path_length_m"] = distancesAlong(leftCameraTrajectory(replay)).back();
   json["clock"] = clockJson(settings, replay);
   json["video_timing"] = timingJson(replay);
+  json["readouts"] = readoutsJson(replay);
   json["self_check"] = selfCheckJson(replay);
   json["self_check_sentence"] = replay.self_check;
   json["still_regions"] = stillRegionsJson(replay.still_regions);

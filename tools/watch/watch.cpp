@@ -239,8 +239,13 @@ std::string adviceText(const health_t& message) {
 std::string clockText(const health_t& message) {
   constexpr std::array<const char*, 5> kSources{"file", "sender reports", "arrival", "pictures", "kernel"};
   const auto source = static_cast<std::size_t>(message.right.instant_source);
-  return fmt::format("by {} ±{:.1f} ms", source < kSources.size() ? kSources[source] : "?",
-                     message.clock_deviation_ms);
+  const std::string readouts = std::isfinite(message.left_readout_ms)
+                                   ? fmt::format("  readout {:.1f} ±{:.1f}, {:.1f} ±{:.1f} ms",
+                                                 message.left_readout_ms, message.left_readout_deviation_ms,
+                                                 message.right_readout_ms, message.right_readout_deviation_ms)
+                                   : std::string();
+  return fmt::format("by {} ±{:.1f} ms{}", source < kSources.size() ? kSources[source] : "?",
+                     message.clock_deviation_ms, readouts);
 }
 
 std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks,

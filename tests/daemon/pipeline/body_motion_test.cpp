@@ -178,5 +178,23 @@ TEST(BodyMotion, TwistCovarianceMatchesNumericJacobian) {
   EXPECT_LT((bodyMotion(estimate, mount).twist_covariance - expected).norm(), 1e-6 * expected.norm());
 }
 
+TEST(BodyMotion, MovesATwistToTheBodyOrigin) {
+  vo::ExposureTwist twist;
+  twist.value = vector6(0.1, -0.2, 3.0, 0.05, -0.4, 0.02);
+  twist.covariance = 1e-4 * vo::Matrix6d::Identity();
+  const Eigen::Isometry3d mount = tiltedMount();
+  BodyMotion motion;
+  setTwist(motion, twist, mount, 0.01);
+  const Eigen::Vector3d rates = mount.linear() * twist.value.tail<3>();
+  // The camera's velocity is that of the body's origin plus rates x lever arm.
+  const Eigen::Vector3d camera = motion.velocity + rates.cross(mount.translation());
+  EXPECT_LT((motion.angular_velocity - rates).norm(), 1e-12);
+  EXPECT_LT((camera - mount.linear() * twist.value.head<3>()).norm(), 1e-12);
+  EXPECT_NEAR(motion.twist_scale_error.norm(), 0.01 * twist.value.head<3>().norm(), 1e-12);
+  const Eigen::Vector3d forward = mount.linear() * Eigen::Vector3d(0.1, -0.2, 3.0);
+  EXPECT_NEAR(motion.twist_covariance(5, 5), 1e-4, 1e-12);
+  EXPECT_GT(motion.twist_covariance(0, 0), 1e-4 + 0.99e-4 * forward.x() * forward.x());
+}
+
 }  // namespace
 }  // namespace cartvo::daemon

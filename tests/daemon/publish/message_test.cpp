@@ -304,6 +304,20 @@ TEST(HealthMessage, HoldsSelfCheckResult) {
   EXPECT_THAT(health.self_check, testing::HasSubstr("3.0 ± 0.1 ms later"));
 }
 
+TEST(HealthMessage, HoldsReadouts) {
+  HealthMonitor monitor({}, {0.032, 0.032});
+  EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).left_readout_ms)) << "not estimated yet";
+  PairResult result = validResult();
+  result.estimate.readouts = vo::ReadoutEstimates{{0.0321, 1e-4}, {-0.0384, 2e-4}};
+  monitor.addPair(result, odometryMessage(result));
+  const health_t health = monitor.summarise({}, snapshot(1));
+  EXPECT_FLOAT_EQ(health.left_readout_ms, 32.1F);
+  EXPECT_FLOAT_EQ(health.left_readout_deviation_ms, 0.1F);
+  EXPECT_FLOAT_EQ(health.right_readout_ms, -38.4F);
+  EXPECT_FLOAT_EQ(health.right_readout_deviation_ms, 0.2F);
+  EXPECT_THAT(health.self_check, testing::HasSubstr("-38.4 ± 0.2 ms, not 32.0 ms"));
+}
+
 TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {
   HealthMonitor monitor{{}};
   HealthSnapshot long_texts = snapshot(1);

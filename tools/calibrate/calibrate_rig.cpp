@@ -89,13 +89,17 @@ std::optional<calib::Rig> rigBefore(const std::filesystem::path& output) {
   }
 }
 
-/// The calibrated rig, with the name and the mounting of the rig file that it replaces. Throws
+/// The calibrated rig, with the name, the mounting and the readouts of the rig file that it replaces. Throws
 /// std::runtime_error if its geometry is unusual and --unusual-geometry was not given.
 calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional<calib::Rig>& before,
                       const Options& options) {
   calib::Rig rig = calibration.rig();
   rig.name = before ? before->name : options.output.stem().string();
   rig.T_body_camera = before ? before->T_body_camera : calib::forwardLookingMount();
+  if (before) {
+    rig.left.readout = before->left.readout;
+    rig.right.readout = before->right.readout;
+  }
   rig.rectification.free_scaling = options.free_scaling;
   rig.scale_stddev = calib::scaleStddev(calibration);
   const std::string finding = calib::unusualGeometry(rig);

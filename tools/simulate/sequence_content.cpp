@@ -74,6 +74,9 @@ void SequenceContent::readRigFor(cv::Size image_size) {
   }
   rig_.left.size = evenSize(rig_.left.size);
   rig_.right.size = evenSize(rig_.right.size);
+  // A recorded sequence counts as one of global shutters, as in cartvo replay; a camera's would be unknown.
+  for (calib::CameraModel* camera : {&rig_.left, &rig_.right})
+    camera->readout = camera->readout.value_or(0.0);
 }
 
 void SequenceContent::readTruth(const fs::path& poses) {

@@ -10,14 +10,14 @@
 
 #include <opencv2/core.hpp>
 
+#include "tools/world/motion/drive.hpp"
+#include "tools/world/motion/mount_shake.hpp"
 #include "tools/world/render/lens.hpp"
 #include "tools/world/render/photometry.hpp"
 #include "tools/world/render/renderer.hpp"
 #include "tools/world/render/scene.hpp"
 #include "tools/world/render/veiling_glare.hpp"
 #include "tools/world/scene/campus.hpp"
-#include "tools/world/scene/drive.hpp"
-#include "tools/world/scene/mount_shake.hpp"
 #include "tools/world/scene/steps.hpp"
 #include "tools/world/scene/traffic.hpp"
 #include "tools/world/surface/hash.hpp"

@@ -87,6 +87,19 @@ TEST(RenderedWorldScenarios, MotorwayStartsAtFullSpeed) {
   EXPECT_NEAR(speedAt(world, 9.0), 20.0, 0.1);
 }
 
+TEST(RenderedWorldScenarios, RoughRoadAcceleratesTheCamerasByThreeG) {
+  const RenderedWorld world(smallDrive(Scenario::rough_road, 20.0));
+  const Eigen::Isometry3d T_body_camera = world.rig().T_body_camera;
+  const auto height = [&](double t) { return (world.T_world_body(t) * T_body_camera).translation().z(); };
+  constexpr double kStep = 0.002;
+  double largest = 0.0;
+  for (const double t : world::stepsBelow(19.9, 2.0, kStep)) {
+    const double acceleration = (height(t + kStep) - 2.0 * height(t) + height(t - kStep)) / (kStep * kStep);
+    largest = std::max(largest, std::abs(acceleration));
+  }
+  EXPECT_NEAR(largest, 30.0, 6.0);
+}
+
 TEST(RenderedWorldScenarios, StopAndGoStopsRepeatedly) {
   const RenderedWorld world(smallDrive(Scenario::stop_and_go, 26.0));
   int stops = 0;

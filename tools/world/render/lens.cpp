@@ -73,6 +73,9 @@ calib::Rig simulatedRig(const WorldSettings& settings) {
   rig.left = cameraLike(settings, 1.0011, {5.3, -3.8}, {-0.302, 0.094, 0.0004, -0.0003, 0.0, 0.0, 0.0, 0.0});
   rig.right = cameraLike(settings, 0.9978, {-4.1, 2.6}, {-0.297, 0.089, -0.0005, 0.0004, 0.0, 0.0, 0.0, 0.0});
 
+  rig.left.readout = settings.left_readout;
+  rig.right.readout = settings.right_readout;
+
   // Left camera: on the roof's front edge, looking ahead and 7 degrees down.
   Eigen::Matrix3d forward;  // camera axes (x right, y down, z ahead) in body axes
   forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;

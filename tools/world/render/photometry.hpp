@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "tools/world/scene/uniform_spline.hpp"
+#include "tools/world/motion/uniform_spline.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::world {

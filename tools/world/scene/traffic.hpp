@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tools/world/motion/drive.hpp"
 #include "tools/world/scene/campus.hpp"
-#include "tools/world/scene/drive.hpp"
 #include "tools/world/scene/path.hpp"
 
 namespace cartvo::world {

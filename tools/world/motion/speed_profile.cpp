@@ -1,5 +1,5 @@
 // Computes the cart's speed over time from scenario, bends, motor and brakes.
-#include "tools/world/scene/speed_profile.hpp"
+#include "tools/world/motion/speed_profile.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Turns the cameras' mount by two sines of time, in pitch and in roll.
-#include "tools/world/scene/mount_shake.hpp"
+#include "tools/world/motion/mount_shake.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "tools/world/motion/uniform_spline.hpp"
 #include "tools/world/scene/path.hpp"
-#include "tools/world/scene/uniform_spline.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::world {

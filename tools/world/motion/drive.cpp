@@ -1,11 +1,11 @@
 // Integrates the cart's speed and spring-mass model once and keeps the result as splines over time.
-#include "tools/world/scene/drive.hpp"
+#include "tools/world/motion/drive.hpp"
 
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "tools/world/scene/speed_profile.hpp"
+#include "tools/world/motion/speed_profile.hpp"
 #include "tools/world/scene/terrain.hpp"
 #include "tools/world/surface/hash.hpp"
 #include "tools/world/surface/noise.hpp"

@@ -13,12 +13,14 @@
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/offset/benchmark_offset.hpp"
 #include "tools/benchmark/robustness/benchmark_robustness.hpp"
+#include "tools/benchmark/shutter/benchmark_shutter.hpp"
 #include "tools/benchmark/speed/benchmark_speed.hpp"
 #include "tools/benchmark/thesis/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis/thesis_report.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/replay/setting_names.hpp"
+#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
 namespace cartvo {
@@ -34,6 +36,7 @@ struct AccuracyOptions {
   std::vector<std::uint64_t> seeds{1};
   double seconds = 0.0;  // 0: the default of each scenario
   double offset_ms = 0.0;
+  std::string readout_ms = "0";
   std::vector<double> bitrates;
   std::vector<std::string> estimators = estimatorNames();
   int features = vo::OdometrySettings{}.features;
@@ -51,11 +54,14 @@ double secondsOf(world::Scenario scenario) {
 }
 
 std::vector<world::WorldSettings> worldsOf(const AccuracyOptions& options) {
+  const Readouts readouts = parseReadouts(options.readout_ms);
   std::vector<world::WorldSettings> worlds =
       chosenWorlds(options.scenarios, options.seeds, options.common.threads);
   for (world::WorldSettings& world : worlds) {
     world.seconds = options.seconds > 0.0 ? options.seconds : secondsOf(world.scenario);
     world.offset_s = 1e-3 * options.offset_ms;
+    world.left_readout = readouts.left;
+    world.right_readout = readouts.right;
   }
   return worlds;
 }
@@ -102,6 +108,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
                   "Time offset of the right camera in rendered worlds (positive: exposed later)")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
+  addReadoutOption(command, options.readout_ms);
   command
       .add_option("--cache", options.cache,
                   "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
@@ -203,6 +210,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   addAblationBenchmark(*command);
   addOffsetBenchmark(*command);
   addRobustnessBenchmark(*command);
+  addShutterBenchmark(*command);
   addSpeedBenchmark(*command);
   addThesis(*command);
 }

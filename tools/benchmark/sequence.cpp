@@ -93,6 +93,17 @@ std::string worldName(const world::WorldSettings& settings) {
     std::snprintf(drift, sizeof drift, " %+g ppm", settings.offset_drift_ppm);
     name += drift;
   }
+  if (settings.left_readout != 0.0 || settings.right_readout != 0.0) {
+    char readout[64];
+    std::snprintf(readout, sizeof readout, ", readout %g/%g ms", 1e3 * settings.left_readout,
+                  1e3 * settings.right_readout);
+    name += readout;
+  }
+  if (settings.shake.amplitude != 0.0) {
+    char shake[64];
+    std::snprintf(shake, sizeof shake, ", shaken at %g Hz", settings.shake.frequency);
+    name += shake;
+  }
   return name;
 }
 

@@ -17,6 +17,7 @@
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
+#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 #include "tools/simulate/server/generated_password.hpp"

@@ -1,13 +1,11 @@
 // Command-line options of `cartvo simulate`.
 #include "tools/simulate/simulate_options.hpp"
 
-#include <cmath>
-#include <cstddef>
-#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 
 #include "common/image_size.hpp"
+#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 
 namespace cartvo {
@@ -28,16 +26,8 @@ auto validatorFor(Parse parse) {
 }
 
 /// Options of the rolling shutter and of what makes it matter.
-void addMotionOptions(CLI::Option_group& group, SimulateOptions& options, CLI::Option* sequence) {
-  group
-      .add_option("--readout-ms", options.readout_ms,
-                  "Time from the exposure of the upper edge of a rendered image to that of the\n"
-                  "lower one, of both cameras or of each; 0: a global shutter; negative: the rows\n"
-                  "are exposed from bottom to top. An image counts at its middle row's exposure")
-      ->type_name("BOTH|LEFT,RIGHT")
-      ->check(validatorFor(parseReadouts))
-      ->capture_default_str()
-      ->excludes(sequence);
+void addMotionOptions(CLI::App& group, SimulateOptions& options, CLI::Option* sequence) {
+  addReadoutOption(group, options.readout_ms)->excludes(sequence);
   group
       .add_option("--shake-hz", options.drive.shake.frequency,
                   "Frequency at which the rendered cameras' mount vibrates, see --shake-degrees")
@@ -164,23 +154,6 @@ cv::Size parseSize(const std::string& text) {
   const std::optional<cv::Size> size = parseImageSize(text);
   if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
   return *size;
-}
-
-Readouts parseReadouts(const std::string& milliseconds) {
-  const auto fail = [&milliseconds]() -> Readouts {
-    throw std::invalid_argument("'" + milliseconds +
-                                "' is not the readout of both cameras or LEFT,RIGHT in ms between -100 and "
-                                "100, such as 32 or 32,-30.5");
-  };
-  const auto number = [&fail](const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !(std::abs(value) <= 100.0)) fail();
-    return 1e-3 * value;
-  };
-  const std::size_t comma = milliseconds.find(',');
-  const double left = number(milliseconds.substr(0, comma));
-  return {left, comma == std::string::npos ? left : number(milliseconds.substr(comma + 1))};
 }
 
 void addSimulateOptions(CLI::App& command, SimulateOptions& options) {

@@ -53,16 +53,6 @@ struct SimulateOptions {
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
 cv::Size parseSize(const std::string& text);
 
-/// Readouts of two cameras, s, as in vo::Shutter.
-struct Readouts {
-  double left = 0.0;
-  double right = 0.0;
-};
-
-/// Parses BOTH or LEFT,RIGHT in ms, such as "32" or "32,-30.5". Throws std::invalid_argument that quotes the
-/// text.
-Readouts parseReadouts(const std::string& milliseconds);
-
 /// Adds the options to `command`; `options` must outlive it.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);
 

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "common/units.hpp"
+#include "tools/benchmark/grouping.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace cartvo::benchmark {
@@ -109,41 +110,40 @@ double ErrorRatios::largest() const {
   return std::max({segment_translation, segment_rotation, relative_translation, relative_rotation});
 }
 
-std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
-  const OffsetAccuracy* reference = synchronisedReference(one, all);
-  if (reference == nullptr) return std::nullopt;
-  const Evaluation& e = one.accuracy.evaluation;
-  const Evaluation& r = reference->accuracy.evaluation;
-  const ErrorRatios ratios{e.short_segments.all.translation / r.short_segments.all.translation,
-                           e.short_segments.all.rotation / r.short_segments.all.rotation,
-                           e.relative_translation / r.relative_translation,
-                           e.relative_rotation / r.relative_rotation};
+std::optional<ErrorRatios> ratiosOf(const Evaluation& one, const Evaluation& reference) {
+  const SegmentErrors& segments = one.short_segments.all;
+  const SegmentErrors& reference_segments = reference.short_segments.all;
+  const ErrorRatios ratios{segments.translation / reference_segments.translation,
+                           segments.rotation / reference_segments.rotation,
+                           one.relative_translation / reference.relative_translation,
+                           one.relative_rotation / reference.relative_rotation};
   if (!std::isfinite(ratios.segment_translation + ratios.segment_rotation + ratios.relative_translation +
                      ratios.relative_rotation))
     return std::nullopt;
   return ratios;
 }
 
+std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
+  const OffsetAccuracy* reference = synchronisedReference(one, all);
+  if (reference == nullptr) return std::nullopt;
+  return ratiosOf(one.accuracy.evaluation, reference->accuracy.evaluation);
+}
+
 std::vector<OffsetAccuracy> allWorlds(const std::vector<OffsetAccuracy>& accuracies) {
-  struct Group {
-    OffsetAccuracy together;
-    std::vector<SequenceAccuracy> worlds;
+  std::vector<OffsetAccuracy> rendered;
+  std::copy_if(accuracies.begin(), accuracies.end(), std::back_inserter(rendered),
+               [](const OffsetAccuracy& one) { return one.accuracy.kind == SequenceKind::rendered; });
+  const auto same = [](const OffsetAccuracy& a, const OffsetAccuracy& b) {
+    return a.clock == b.clock && a.model == b.model;
   };
-  std::vector<Group> groups;
-  for (const OffsetAccuracy& one : accuracies) {
-    if (one.accuracy.kind != SequenceKind::rendered) continue;
-    auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
-      return group.together.clock == one.clock && group.together.model == one.model;
-    });
-    if (same == groups.end()) same = groups.insert(groups.end(), Group{{"", one.clock, one.model, {}}, {}});
-    same->worlds.push_back(one.accuracy);
-  }
   std::vector<OffsetAccuracy> results;
-  for (Group& group : groups) {
-    if (group.worlds.size() < 2) continue;
-    group.together.sequence = "all " + std::to_string(group.worlds.size()) + " worlds";
-    group.together.accuracy = summarise(group.together.sequence, group.worlds);
-    results.push_back(std::move(group.together));
+  for (const std::vector<OffsetAccuracy>& group : grouped(rendered, same)) {
+    if (group.size() < 2) continue;
+    std::vector<SequenceAccuracy> worlds;
+    for (const OffsetAccuracy& one : group)
+      worlds.push_back(one.accuracy);
+    const std::string name = "all " + std::to_string(group.size()) + " worlds";
+    results.push_back({name, group.front().clock, group.front().model, summarise(name, worlds)});
   }
   return results;
 }

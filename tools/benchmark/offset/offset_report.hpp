@@ -19,6 +19,9 @@ struct ErrorRatios {
   double largest() const;
 };
 
+/// The ratios of the errors of `one` to those of `reference`; nothing if one of them has no segments.
+std::optional<ErrorRatios> ratiosOf(const Evaluation& one, const Evaluation& reference);
+
 /// The ratios of `one` to its reference in `all`; nothing if the reference is missing or has no segments.
 std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all);
 

@@ -1,0 +1,160 @@
+// Errors over readouts, time offsets and vibrations as tables and as JSON.
+#include "tools/benchmark/shutter/shutter_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+
+#include "common/units.hpp"
+#include "tools/benchmark/grouping.hpp"
+#include "tools/evaluate/report.hpp"
+
+namespace cartvo::benchmark {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string pairOf(double a, double b) {
+  return significant(a) + " / " + significant(b);
+}
+
+std::string shakeName(const world::Shake& shake) {
+  if (shake.amplitude == 0.0) return kNoValue;
+  char text[48];
+  std::snprintf(text, sizeof text, "%g Hz, %.3g deg", shake.frequency, kDegreesPerRadian * shake.amplitude);
+  return text;
+}
+
+/// Share of the pairs after the first with an estimate.
+double validShare(const SequenceAccuracy& accuracy) {
+  return accuracy.pairs < 2
+             ? 0.0
+             : 1.0 - static_cast<double>(accuracy.invalid) / static_cast<double>(accuracy.pairs - 1);
+}
+
+std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
+  const SequenceAccuracy& a = one.accuracy;
+  const Evaluation& e = a.evaluation;
+  const SegmentErrors& segments = e.short_segments.all;
+  const std::optional<ErrorRatios> ratios = ratiosToGlobal(one, all);
+  return {
+      one.sequence,
+      readoutName(one.seen.readout),
+      clockName(one.seen.clock),
+      shakeName(one.seen.shake),
+      readoutModelName(one.model),
+      segments.count == 0 ? kNoValue
+                          : pairOf(100.0 * segments.translation, kDegreesPerRadian * segments.rotation),
+      ratios ? fixed(ratios->segment_translation, 2) + " / " + fixed(ratios->segment_rotation, 2) : kNoValue,
+      pairOf(1e3 * e.relative_translation, kDegreesPerRadian * e.relative_rotation),
+      ratios ? fixed(ratios->relative_translation, 2) + " / " + fixed(ratios->relative_rotation, 2)
+             : kNoValue,
+      a.consistency.motion.groups() == 0 ? kNoValue : significant(a.consistency.motion.mean()),
+      std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
+      fixed(100.0 * validShare(a), 1),
+      std::to_string(a.wrong)};
+}
+
+constexpr const char* kLegend =
+    "readout: time from the exposure of the upper edge of an image to that of the lower one, left / right "
+    "if\n"
+    "they differ. right camera: its time offset, and how much slower its clock is. shaken: vibration of the\n"
+    "mount. model: known: the odometry has the true readout; estimated: it begins with 32 ms and 15 %;\n"
+    "ignored: it assumes a global shutter. Errors of the left camera's path (cartvo-evaluate(1)): segments\n"
+    "of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg). x: as multiples of the errors\n"
+    "with a global shutter on the same drive. NEES: mean of the squared error of motions over its\n"
+    "covariance, per dimension: 1 is consistent. rates: RMS error of the published angular velocity at the\n"
+    "exposure over the RMS of the true one. wrong: valid, but off by more than 5 cm or 0.5 deg and five\n"
+    "standard deviations.\n";
+
+Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
+  const SequenceAccuracy& a = one.accuracy;
+  Json json{{"sequence", one.sequence},
+            {"left_readout_ms", 1e3 * one.seen.readout.left},
+            {"right_readout_ms", 1e3 * one.seen.readout.right},
+            {"offset_ms", 1e3 * one.seen.clock.offset_s},
+            {"drift_ppm", one.seen.clock.drift_ppm},
+            {"shake_hz", one.seen.shake.frequency},
+            {"shake_deg", kDegreesPerRadian * one.seen.shake.amplitude},
+            {"model", readoutModelName(one.model)},
+            {"pairs", a.pairs},
+            {"valid_share", validShare(a)},
+            {"resets", a.resets},
+            {"wrong_while_valid", a.wrong},
+            {"evaluation", evaluationJson(a.evaluation)},
+            {"ratio_to_global", nullptr},
+            {"nees_motion", nullptr},
+            {"relative_rate_error", nullptr}};
+  // Not defined for several drives together.
+  for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
+    json["evaluation"][key] = nullptr;
+  if (a.consistency.motion.groups() > 0) json["nees_motion"] = a.consistency.motion.mean();
+  if (std::isfinite(one.rates.relative())) json["relative_rate_error"] = one.rates.relative();
+  if (const std::optional<ErrorRatios> ratios = ratiosToGlobal(one, all)) {
+    json["ratio_to_global"] = {{"segment_translation", ratios->segment_translation},
+                               {"segment_rotation", ratios->segment_rotation},
+                               {"relative_translation", ratios->relative_translation},
+                               {"relative_rotation", ratios->relative_rotation}};
+  }
+  return json;
+}
+
+std::vector<ShutterAccuracy> withAllWorlds(std::vector<ShutterAccuracy> accuracies) {
+  std::vector<ShutterAccuracy> together = allWorlds(accuracies);
+  std::move(together.begin(), together.end(), std::back_inserter(accuracies));
+  return accuracies;
+}
+
+}  // namespace
+
+std::optional<ErrorRatios> ratiosToGlobal(const ShutterAccuracy& one,
+                                          const std::vector<ShutterAccuracy>& all) {
+  const auto reference = std::find_if(all.begin(), all.end(), [&](const ShutterAccuracy& other) {
+    return other.sequence == one.sequence && other.seen.readout.isGlobal() &&
+           other.seen.clock == one.seen.clock && other.seen.isShakenAs(one.seen);
+  });
+  if (reference == all.end()) return std::nullopt;
+  return ratiosOf(one.accuracy.evaluation, reference->accuracy.evaluation);
+}
+
+std::vector<ShutterAccuracy> allWorlds(const std::vector<ShutterAccuracy>& accuracies) {
+  const auto same = [](const ShutterAccuracy& a, const ShutterAccuracy& b) {
+    return a.seen == b.seen && a.model == b.model;
+  };
+  std::vector<ShutterAccuracy> results;
+  for (const std::vector<ShutterAccuracy>& group : grouped(accuracies, same)) {
+    if (group.size() > 1)
+      results.push_back(summarise("all " + std::to_string(group.size()) + " worlds", group));
+  }
+  return results;
+}
+
+std::string readoutName(const StereoReadout& readout) {
+  char text[64];
+  if (readout.left == readout.right) {
+    std::snprintf(text, sizeof text, "%.4g ms", 1e3 * readout.left);
+  } else {
+    std::snprintf(text, sizeof text, "%.4g / %.4g ms", 1e3 * readout.left, 1e3 * readout.right);
+  }
+  return text;
+}
+
+std::string shutterTable(const std::vector<ShutterAccuracy>& accuracies, ReportFormat format) {
+  Table table({"sequence", "readout", "right camera", "shaken", "model", "5–40 m: % / deg/m", "x",
+               "RPE: mm / deg", "x", "NEES", "rates, %", "valid, %", "wrong"});
+  const std::vector<ShutterAccuracy> all = withAllWorlds(accuracies);
+  for (const ShutterAccuracy& one : all)
+    table.add(cells(one, all));
+  return table.as(format) + "\n" + kLegend;
+}
+
+Json shutterJson(const std::vector<ShutterAccuracy>& accuracies) {
+  const std::vector<ShutterAccuracy> all = withAllWorlds(accuracies);
+  Json json{{"shutters", Json::array()}};
+  for (const ShutterAccuracy& one : all)
+    json["shutters"].push_back(rowJson(one, all));
+  return json;
+}
+
+}  // namespace cartvo::benchmark

@@ -5,6 +5,7 @@
 #include "tools/calibrate/check/calibrate_check.hpp"
 #include "tools/calibrate/mount/calibrate_mount.hpp"
 #include "tools/calibrate/plan/calibrate_plan.hpp"
+#include "tools/calibrate/readout/calibrate_readout.hpp"
 #include "tools/cartvo/commands.hpp"
 
 namespace cartvo {
@@ -33,6 +34,7 @@ void addCalibrateCommand(CLI::App& cartvo) {
   addCalibrateConvert(*command);
   addCalibrateMount(*command);
   addCalibratePlan(*command);
+  addCalibrateReadout(*command);
 }
 
 }  // namespace cartvo

@@ -1,0 +1,165 @@
+// `cartvo calibrate readout`: measures the readout of rolling shutters with a lamp on the mains.
+#include "tools/calibrate/readout/calibrate_readout.hpp"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/format/rig_file.hpp"
+#include "capture/stereo_source.hpp"
+#include "tools/calibrate/readout/mains_bands.hpp"
+#include "tools/calibrate/readout/profile_source.hpp"
+#include "tools/cartvo/result_files.hpp"
+#include "tools/replay/source_rig.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using calibrate::ReadoutMeasurement;
+
+struct Options {
+  fs::path source, right_video, rig, output;
+  fs::path configuration = "/etc/cartvo/cartvod.yaml";
+  std::string camera = "both";
+  double mains = 50.0, frame_rate = 0.0, seconds = 20.0;
+  bool json = false;
+};
+
+bool isSingleVideo(const Options& options) {
+  return options.right_video.empty() && fs::is_regular_file(options.source);
+}
+
+/// The rig file to change: that of --rig, or the output if it exists, or the source's.
+calib::Rig rigToChange(const Options& options) {
+  if (!options.rig.empty()) return calib::readRig(options.rig);
+  if (fs::exists(options.output)) return calib::readRig(options.output);
+  if (options.source == "live" || fs::is_regular_file(options.source))
+    throw std::runtime_error(options.output.string() + ": does not exist; give the rig file with --rig FILE");
+  return findRig(capture::openSource(options.source), options.source, {}).rig;
+}
+
+calibrate::StereoProfiles readAll(const Options& options) {
+  if (options.source != "live")
+    return calibrate::profilesOfFiles(options.source, options.right_video, options.frame_rate);
+  std::fprintf(stderr, "cartvo: reading both cameras for %.0f s\n", options.seconds);
+  return calibrate::profilesOfLiveCameras(options.configuration, options.seconds);
+}
+
+std::string textOf(const char* side, const ReadoutMeasurement& measured) {
+  std::array<char, 240> text{};
+  std::snprintf(text.data(), text.size(),
+                "%-6s %+.3f +- %.3f ms, rows from %s, %.2f bands across the picture, amplitude %.1f %%, %zu "
+                "pictures\n",
+                side, 1e3 * measured.readout.value, 1e3 * measured.readout.stddev,
+                measured.readout.value > 0.0 ? "top to bottom" : "bottom to top", measured.bands,
+                100.0 * measured.amplitude, measured.pictures);
+  return text.data();
+}
+
+nlohmann::ordered_json jsonOf(const ReadoutMeasurement& measured) {
+  return {
+      {"readout_ms", {{"value", 1e3 * measured.readout.value}, {"deviation", 1e3 * measured.readout.stddev}}},
+      {"bands", measured.bands},
+      {"amplitude", measured.amplitude},
+      {"pictures", measured.pictures}};
+}
+
+ReadoutMeasurement measure(const char* side, const std::vector<calibrate::RowProfile>& profiles,
+                           double mains) {
+  try {
+    return calibrate::measureReadout(profiles, mains);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("the ") + side + " camera: " + error.what());
+  }
+}
+
+void run(const Options& options) {
+  if (isSingleVideo(options) && options.camera == "both")
+    throw std::runtime_error(
+        "one video is of one camera: give --camera left or --camera right, or both videos");
+  calib::Rig rig;
+  if (!options.output.empty()) {
+    checkResultFiles({options.output});
+    rig = rigToChange(options);
+  }
+  calibrate::StereoProfiles profiles = readAll(options);
+  if (isSingleVideo(options) && options.camera == "right") profiles.right.swap(profiles.left);
+  nlohmann::ordered_json json;
+  std::string text;
+  const auto add = [&](const char* side, const std::vector<calibrate::RowProfile>& camera_profiles,
+                       calib::CameraModel& camera) {
+    const ReadoutMeasurement measured = measure(side, camera_profiles, options.mains);
+    camera.readout = measured.readout.value;
+    json[side] = jsonOf(measured);
+    text += textOf(side, measured);
+  };
+  if (options.camera != "right") add("left", profiles.left, rig.left);
+  if (options.camera != "left") add("right", profiles.right, rig.right);
+  if (!options.output.empty()) calib::writeRig(options.output, rig);
+  std::fputs((options.json ? json.dump(2) + "\n" : text).c_str(), stdout);
+  if (!options.output.empty() && !options.json) std::printf("written to %s\n", options.output.c_str());
+}
+
+}  // namespace
+
+void addCalibrateReadout(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand(
+      "readout", "Readout of the cameras' rolling shutters, from the bands of a lamp on the mains");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("SOURCE", options->source,
+                   "'live': the configured cameras; a recording (cartvod --record), a folder in KITTI's or "
+                   "EuRoC's layout, or a video")
+      ->required();
+  command->add_option("RIGHT", options->right_video, "The right camera's video, if SOURCE is the left one's");
+  command->add_option("--camera", options->camera, "Camera to measure; that of a single video")
+      ->check(CLI::IsMember({"both", "left", "right"}))
+      ->type_name("CAMERA")
+      ->capture_default_str();
+  command->add_option("--mains", options->mains, "Frequency of the mains, Hz: 50 or 60")
+      ->check(CLI::IsMember({50.0, 60.0}))
+      ->type_name("HZ")
+      ->capture_default_str();
+  command
+      ->add_option("--output", options->output,
+                   "Rig file to write the readouts to; the rest of an existing one is kept. Without it "
+                   "they are only printed")
+      ->type_name("FILE");
+  command
+      ->add_option("--rig", options->rig,
+                   "Rig file to start from (default: FILE of --output, or the source's)")
+      ->type_name("FILE");
+  command
+      ->add_option("--config", options->configuration,
+                   "With 'live': cartvod's configuration file, which names the cameras")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "With 'live': how long to read the cameras")
+      ->check(CLI::Range(3.0, 600.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--frame-rate", options->frame_rate,
+          "Frame rate of the cameras: replaces the time stamps of videos and of a folder; needed for "
+          "raw streams (.h264)")
+      ->check(CLI::Range(0.5, 1000.0))
+      ->type_name("HZ");
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->footer(
+      "Let the cameras stand before a lamp on the mains, or a wall lit by it, without daylight, with a "
+      "short\n"
+      "exposure (1/250 s or shorter) at 18 frames a second. Stop cartvod before 'live'.\n"
+      "Examples:\n"
+      "  cartvo calibrate readout live --output rig.yaml\n"
+      "  cartvo calibrate readout left.mp4 --camera left --mains 60 --output rig.yaml");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -102,7 +102,9 @@ double directionOf(const std::vector<BandAdvance>& advances, double mains_freque
   };
   const double coherence = best(flicker), other_coherence = best(2.0 * other_mains);
   if (std::max(coherence, other_coherence) < kMinCoherence)
-    throw std::runtime_error(std::string("there are no bands of a lamp in the pictures: ") + kAdvice);
+    throw std::runtime_error(std::string("there are no bands of a lamp in the pictures, or their time stamps "
+                                         "scatter by more than 2 ms: ") +
+                             kAdvice);
   if (other_coherence > coherence + 0.05)
     throw std::runtime_error("the bands move as those of mains of " + rounded(other_mains, "%.0f") +
                              " Hz, not of " + rounded(mains_frequency, "%.0f") + " Hz: give --mains " +

@@ -47,6 +47,12 @@ TEST(CommandLine, ErrorNamesTheCommandWhoseHelpExplainsIt) {
               HasSubstr("'cartvo recording trim --help' explains the command"));
 }
 
+TEST(CommandLine, RejectsReadoutsThatAreNone) {
+  for (const char* readouts : {"fast", "32,", "32,38,40", "500", "nan"})
+    EXPECT_THAT(errorOf("replay . --output-dir out --readout-ms " + std::string(readouts)),
+                HasSubstr("expected BOTH or LEFT,RIGHT"));
+}
+
 TEST(CommandLine, HelpIsACommandToo) {
   const test::CommandResult help = test::runCartvo("help recording trim");
   EXPECT_EQ(help.exit_code, 0);

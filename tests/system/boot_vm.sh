@@ -10,7 +10,7 @@ root=$work/root
 max_seconds=3600 # for all checks; they take about twenty minutes
 # Small pictures at a low rate, because the emulated processor is slow. Few packets per picture, so that some pictures
 # arrive undamaged when one packet in twenty is lost.
-content=(--world stop_and_go --seconds 12 --size 240x148 --frame-rate 3 --bitrate-kbps 200)
+content=(--world stop_and_go --seconds 12 --size 240x148 --frame-rate 3 --bitrate-kbps 200 --offset-ms 0 --readout-ms 0)
 mkdir -p "$work"
 
 for program in debootstrap qemu-system-x86_64 mke2fs; do
@@ -63,7 +63,8 @@ install_check() {
   cp -r "$work/streams" "$root/var/lib/simulation/streams"
   printf '%s\n' "${content[@]}" >"$root/var/lib/simulation/content"
   rm -rf "$work/v4l2"
-  build/release/tools/cartvo/cartvo simulate --world stop_and_go --seconds 1 --size 320x180 --frame-rate 2 --render "$work/v4l2"
+  build/release/tools/cartvo/cartvo simulate --world stop_and_go --seconds 1 --size 320x180 --frame-rate 2 --offset-ms 0 --readout-ms 0 \
+    --render "$work/v4l2"
   cp "$work/v4l2/rig.yaml" "$root/var/lib/simulation/v4l2-rig.yaml"
   echo "${CARTVO_VM_CHECKS:-all}" >"$root/var/lib/simulation/checks"
 }

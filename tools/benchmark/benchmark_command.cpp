@@ -108,7 +108,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
                   "Time offset of the right camera in rendered worlds (positive: exposed later)")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
-  addReadoutOption(command, options.readout_ms);
+  addReadoutOption(command, options.readout_ms, "default: 0");
   command
       .add_option("--cache", options.cache,
                   "Folder for rendered worlds (0.4 GB per minute) and encoded streams")

@@ -25,12 +25,13 @@ Readouts parseReadouts(const std::string& milliseconds) {
   return {left, comma == std::string::npos ? left : number(milliseconds.substr(comma + 1))};
 }
 
-CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds) {
+CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds, const std::string& default_text) {
   return command
       .add_option("--readout-ms", milliseconds,
                   "Time from the exposure of the upper edge of a rendered image to that of the\n"
                   "lower one, of both cameras or of each; 0: a global shutter; negative: the rows\n"
-                  "are exposed from bottom to top. An image counts at its middle row's exposure")
+                  "are exposed from bottom to top. An image counts at its middle row's exposure\n(" +
+                      default_text + ")")
       ->type_name("BOTH|LEFT,RIGHT")
       ->check([](const std::string& text) -> std::string {
         try {
@@ -39,8 +40,7 @@ CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds) {
         } catch (const std::invalid_argument& error) {
           return error.what();
         }
-      })
-      ->capture_default_str();
+      });
 }
 
 }  // namespace cartvo

@@ -16,7 +16,8 @@ struct Readouts {
 /// text.
 Readouts parseReadouts(const std::string& milliseconds);
 
-/// Adds --readout-ms of rendered cameras; `milliseconds` must outlive the command.
-CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds);
+/// Adds --readout-ms of rendered cameras. `milliseconds` must outlive the command; `default_text` ends the
+/// description.
+CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds, const std::string& default_text);
 
 }  // namespace cartvo

@@ -17,7 +17,6 @@
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
-#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 #include "tools/simulate/server/generated_password.hpp"
@@ -41,22 +40,22 @@ void stopOnSignals() {
 }
 
 std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
+  const CameraTiming timing = cameraTiming(options);
   if (!options.sequence.empty()) {
     return std::make_unique<SequenceContent>(options.sequence,
                                              SequenceSettings{.seconds = options.seconds,
-                                                              .offset_s = options.offset_ms * 1e-3,
-                                                              .offset_drift_ppm = options.offset_drift_ppm});
+                                                              .offset_s = timing.offset_ms * 1e-3,
+                                                              .offset_drift_ppm = timing.offset_drift_ppm});
   }
   world::WorldSettings settings = options.drive;
   settings.scenario = world::scenarioFromName(options.world);
   if (options.seconds > 0.0) settings.seconds = options.seconds;
   settings.image_size = parseSize(options.size);
   settings.focal_length *= settings.image_size.width / 680.0;  // same field of view at any size
-  settings.offset_s = options.offset_ms * 1e-3;
-  settings.offset_drift_ppm = options.offset_drift_ppm;
-  const Readouts readouts = parseReadouts(options.readout_ms);
-  settings.left_readout = readouts.left;
-  settings.right_readout = readouts.right;
+  settings.offset_s = timing.offset_ms * 1e-3;
+  settings.offset_drift_ppm = timing.offset_drift_ppm;
+  settings.left_readout = timing.readouts.left;
+  settings.right_readout = timing.readouts.right;
   settings.shake.amplitude = options.shake_degrees * kRadiansPerDegree;
   return std::make_unique<world::RenderedWorld>(settings);
 }
@@ -103,6 +102,7 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
 void writeCameras(const SimulateOptions& options, const Content& content,
                   const CameraPairSimulation& simulation) {
   const calib::Rig rig = content.rig();
+  const CameraTiming timing = cameraTiming(options);
   nlohmann::ordered_json cameras{
       {"left", {{"url", simulation.left().url()}}},
       {"right", {{"url", simulation.right().url()}}},
@@ -111,9 +111,9 @@ void writeCameras(const SimulateOptions& options, const Content& content,
       {"height", rig.left.size.height},
       {"frame_rate", content.frameRate()},
       {"pairs", content.pairCount()},
-      {"offset_ms", options.offset_ms},
-      {"offset_drift_ppm", options.offset_drift_ppm},
-      {"readout_ms", options.readout_ms},
+      {"offset_ms", timing.offset_ms},
+      {"offset_drift_ppm", timing.offset_drift_ppm},
+      {"readout_ms", {1e3 * rig.left.readout.value_or(0.0), 1e3 * rig.right.readout.value_or(0.0)}},
       {"bitrate_kbps", options.encoder.bitrate_kbps},
       {"content",
        options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};
@@ -207,9 +207,12 @@ void addSimulateCommand(CLI::App& cartvo) {
       "the exposure instants. The line 'ready: URL URL' is printed when both listen. Encoded streams are "
       "cached.\n"
       "Exits with code 0 after the content, or on SIGTERM.\n"
+      "By default rendered cameras are as users have them: wide lenses, rolling shutters, free-running "
+      "clocks.\n"
       "Examples:\n"
       "  cartvo simulate                                      a campus drive of six seconds\n"
       "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
+      "  cartvo simulate --offset-ms 0 --readout-ms 0         synchronised global shutters\n"
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
       "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");
   command->callback([options] { run(*options); });

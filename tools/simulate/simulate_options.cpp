@@ -1,6 +1,7 @@
 // Command-line options of `cartvo simulate`.
 #include "tools/simulate/simulate_options.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 
@@ -10,6 +11,8 @@
 
 namespace cartvo {
 namespace {
+
+constexpr double kMaxDrift = 10000.0;  // ppm
 
 /// An option's validator: text for which `parse` throws std::invalid_argument is an error of the command
 /// line.
@@ -27,19 +30,22 @@ auto validatorFor(Parse parse) {
 
 /// Options of the rolling shutter and of what makes it matter.
 void addMotionOptions(CLI::App& group, SimulateOptions& options, CLI::Option* sequence) {
-  addReadoutOption(group, options.readout_ms)->excludes(sequence);
-  group
-      .add_option("--shake-hz", options.drive.shake.frequency,
-                  "Frequency at which the rendered cameras' mount vibrates, see --shake-degrees")
-      ->check(CLI::Range(0.1, 50.0))
+  addReadoutOption(group, options.readout_ms, "default: 32, or 0.96 of a shorter frame period")
       ->excludes(sequence);
-  group
-      .add_option("--shake-degrees", options.shake_degrees,
-                  "Amplitude of the mount's vibration in pitch; that in roll is 0.6 of it. The true\n"
-                  "poses contain it")
-      ->check(CLI::Range(0.0, 5.0))
-      ->capture_default_str()
-      ->excludes(sequence);
+  CLI::Option* frequency = group
+                               .add_option("--shake-hz", options.drive.shake.frequency,
+                                           "Frequency at which the rendered cameras' mount vibrates")
+                               ->check(CLI::Range(0.1, 50.0))
+                               ->excludes(sequence);
+  CLI::Option* amplitude =
+      group
+          .add_option("--shake-degrees", options.shake_degrees,
+                      "Amplitude of that vibration in pitch; that in roll is 0.6 of it. The true poses\n"
+                      "contain it")
+          ->check(CLI::Range(0.0, 5.0))
+          ->excludes(sequence);
+  frequency->needs(amplitude);
+  amplitude->needs(frequency);
 }
 
 void addContentOptions(CLI::App& command, SimulateOptions& options) {
@@ -79,14 +85,15 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
   group
       ->add_option("--offset-ms", options.offset_ms,
                    "Time offset: right minus left exposure. For a sequence only the timestamps\n"
-                   "change, not the pictures")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
+                   "change, not the pictures (default: 0 for a sequence or with\n"
+                   "--offset-drift-ppm; else the cameras run free, and the offset passes through\n"
+                   "all values)")
+      ->check(CLI::Range(-1000.0, 1000.0));
   group
       ->add_option("--offset-drift-ppm", options.offset_drift_ppm,
-                   "Relative excess of the right camera's frame period (free-running crystals)")
-      ->check(CLI::Range(-10000.0, 10000.0))
-      ->capture_default_str();
+                   "Relative excess of the right camera's frame period (default: see\n"
+                   "--offset-ms)")
+      ->check(CLI::Range(-kMaxDrift, kMaxDrift));
   addMotionOptions(*group, options, sequence);
 }
 
@@ -154,6 +161,28 @@ cv::Size parseSize(const std::string& text) {
   const std::optional<cv::Size> size = parseImageSize(text);
   if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
   return *size;
+}
+
+CameraTiming cameraTiming(const SimulateOptions& options) {
+  constexpr double kUsualReadout = 0.032;  // s, of sensors that run at 30 Hz whatever frame rate is set
+  constexpr double kReadoutShare = 0.96;   // of the frame period of a sensor
+  const bool is_rendered = options.sequence.empty();
+  const double period = 1.0 / options.drive.frame_rate;
+  CameraTiming timing;
+  if (!options.readout_ms.empty()) {
+    timing.readouts = parseReadouts(options.readout_ms);
+  } else if (is_rendered) {
+    timing.readouts.left = timing.readouts.right = std::min(kUsualReadout, kReadoutShare * period);
+  }
+  if (options.offset_ms || options.offset_drift_ppm || !is_rendered) {
+    timing.offset_ms = options.offset_ms.value_or(0.0);
+    timing.offset_drift_ppm = options.offset_drift_ppm.value_or(0.0);
+  } else {
+    const double seconds = options.seconds > 0.0 ? options.seconds : options.drive.seconds;
+    timing.offset_ms = -0.25e3 * period;
+    timing.offset_drift_ppm = std::min(1e6 * period / seconds, kMaxDrift);
+  }
+  return timing;
 }
 
 void addSimulateOptions(CLI::App& command, SimulateOptions& options) {

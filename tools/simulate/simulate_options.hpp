@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/types.hpp>
 
+#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"
@@ -27,9 +29,9 @@ struct SimulateOptions {
   double seconds = 0.0;  ///< 0: the content's own length
   world::WorldSettings drive = shortDrive();
   std::string size = "680x420";
-  double offset_ms = 0.0;
-  double offset_drift_ppm = 0.0;
-  std::string readout_ms = "0";
+  std::optional<double> offset_ms;         ///< empty: see cameraTiming
+  std::optional<double> offset_drift_ppm;  ///< empty: see cameraTiming
+  std::string readout_ms;                  ///< empty: see cameraTiming
   double shake_degrees = 0.0;
 
   std::string left = "127.0.0.1:8554";
@@ -52,6 +54,20 @@ struct SimulateOptions {
 
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
 cv::Size parseSize(const std::string& text);
+
+/// When two cameras expose their images and rows.
+struct CameraTiming {
+  double offset_ms = 0.0;         ///< right minus left exposure at the start
+  double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
+  Readouts readouts;
+};
+
+/// The timing of the options. By default rendered cameras are as users' cameras: they run free, such that the
+/// offset passes through a whole frame period from minus a quarter of it (through as much as 10000 ppm permit
+/// in a short drive), and read their rows in 32 ms, or in 0.96 of a shorter frame period. If one of offset
+/// and drift is given, the other is 0. A recorded sequence has neither by default. Throws
+/// std::invalid_argument if the readouts are no numbers.
+CameraTiming cameraTiming(const SimulateOptions& options);
 
 /// Adds the options to `command`; `options` must outlive it.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);

@@ -49,6 +49,8 @@ const WorldSettings& validated(const WorldSettings& s) {
             "left_readout and right_readout must not be longer than a frame period");
   }
   require(s.shake.frequency >= 0.0 && s.shake.frequency <= 50.0, "shake.frequency must lie in [0, 50] Hz");
+  require(s.shake.frequency > 0.0 || s.shake.amplitude == 0.0,
+          "shake.frequency must not be 0 in a vibration");
   require(s.shake.amplitude >= 0.0 && s.shake.amplitude <= 0.1, "shake.amplitude must lie in [0, 0.1] rad");
   require(s.image_size.width >= 32 && s.image_size.width <= 4096 && s.image_size.height >= 32 &&
               s.image_size.height <= 4096,

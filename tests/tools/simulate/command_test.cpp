@@ -1,10 +1,14 @@
 // Tests of the command line of `cartvo simulate`.
 #include <array>
+#include <fstream>
+#include <string>
 #include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "calib/format/rig_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 
@@ -14,12 +18,16 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SimulateCommand, RejectsInvalidArguments) {
-  const std::array<std::pair<const char*, const char*>, 6> invalid{{
+  const std::array<std::pair<const char*, const char*>, 10> invalid{{
       {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
       {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
       {"--left here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
       {"--right 127.0.0.1:99999", "'127.0.0.1:99999' is not ADDRESS:PORT"},
       {"--seconds -1", "--seconds"},
+      {"--readout-ms 32,", "'32,' is not the readout of both cameras or LEFT,RIGHT in ms"},
+      {"--readout-ms 320", "'320' is not the readout of both cameras or LEFT,RIGHT in ms"},
+      {"--shake-degrees 0.3", "--shake-degrees requires --shake-hz"},
+      {"--sequence folder --readout-ms 32", "--sequence excludes --readout-ms"},
       {"--world campus --sequence folder", "--world excludes --sequence"},
   }};
   for (const auto& [arguments, message] : invalid) {
@@ -41,6 +49,38 @@ TEST(SimulateCommand, LooksAtItsOutputFolderBeforeRendering) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, ::testing::AllOf(HasSubstr("/proc/nope: the folder cannot be created"),
                                            ::testing::Not(HasSubstr("rendering"))));
+}
+
+/// The folder of a rendered drive of 0.25 s at 8 Hz.
+nlohmann::json renderedRig(const std::string& options, const test::TemporaryFolder& folder) {
+  const std::string images = (folder.path() / "images").string();
+  const test::CommandResult run = test::runCartvo(
+      "simulate --size 64x48 --seconds 0.25 --frame-rate 8 --render " + images + " " + options);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const calib::Rig rig = calib::readRig(folder.path() / "images" / "rig.yaml");
+  std::ifstream left(folder.path() / "images" / "times_0.txt");
+  std::ifstream right(folder.path() / "images" / "times_1.txt");
+  double left_time = 0.0, right_time = 0.0;
+  left >> left_time;
+  right >> right_time;
+  return {{"readouts", {rig.left.readout.value_or(-1.0), rig.right.readout.value_or(-1.0)}},
+          {"offset", right_time - left_time}};
+}
+
+TEST(SimulateCommand, RendersWhatUsersCamerasDo) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json usual = renderedRig("", folder);
+  EXPECT_NEAR(usual["readouts"][0], 0.032, 1e-9);
+  EXPECT_NEAR(usual["readouts"][1], 0.032, 1e-9);
+  EXPECT_NEAR(usual["offset"], -0.25 / 8.0, 1e-6) << "the cameras run free";
+}
+
+TEST(SimulateCommand, RendersTheTimingThatIsWanted) {
+  const test::TemporaryFolder folder;
+  const nlohmann::json wanted = renderedRig("--offset-ms 12 --readout-ms 0,-30.5", folder);
+  EXPECT_NEAR(wanted["readouts"][0], 0.0, 1e-9);
+  EXPECT_NEAR(wanted["readouts"][1], -0.0305, 1e-9);
+  EXPECT_NEAR(wanted["offset"], 0.012, 1e-6);
 }
 
 TEST(SimulateCommand, CacheThatCannotBeWrittenIsAWarning) {

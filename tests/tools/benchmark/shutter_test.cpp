@@ -73,7 +73,7 @@ SequenceTruth turningTruth(double rate) {
   SequenceTruth truth;
   for (int index = 0; index < 4; ++index) {
     truth.left_camera.push_back({index, Eigen::Isometry3d::Identity()});
-    truth.body_twist.push_back(rate * vo::Vector6d::Unit(5));
+    truth.body_twist.emplace_back(rate * vo::Vector6d::Unit(5));
   }
   return truth;
 }

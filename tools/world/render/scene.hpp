@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -37,7 +38,7 @@ class Scene {
   /// `time` (0: the first, 1: the last one).
   const Eigen::Matrix3f& directions(std::uint32_t id, float time) const {
     const float step = time * static_cast<float>(directions_.size() - 1);
-    return directions_[static_cast<std::size_t>(step + 0.5F)][id];
+    return directions_[static_cast<std::size_t>(std::lround(step))][id];
   }
 
  private:

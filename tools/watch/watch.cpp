@@ -239,7 +239,7 @@ std::string adviceText(const health_t& message) {
 std::string clockText(const health_t& message) {
   constexpr std::array<const char*, 5> kSources{"file", "sender reports", "arrival", "pictures", "kernel"};
   const auto source = static_cast<std::size_t>(message.right.instant_source);
-  const std::string readouts = std::isfinite(message.left_readout_ms)
+  const std::string readouts = message.left_readout_deviation_ms > 0.0F
                                    ? fmt::format("  readout {:.1f} ±{:.1f}, {:.1f} ±{:.1f} ms",
                                                  message.left_readout_ms, message.left_readout_deviation_ms,
                                                  message.right_readout_ms, message.right_readout_deviation_ms)

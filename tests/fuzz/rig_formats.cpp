@@ -11,14 +11,13 @@ using namespace cartvo;
 
 namespace {
 
-std::optional<calib::Rig> read(const std::vector<std::string>& texts) {
+/// `image_size`: for files that do not contain it.
+std::optional<calib::Rig> read(const std::vector<std::string>& texts, cv::Size image_size) {
   std::vector<std::filesystem::path> files;
   for (const std::string& text : texts)
     files.push_back(fuzz::writeScratch("rig" + std::to_string(files.size()) + ".yaml", text));
   return fuzz::parseOrReject(
-      [&] {
-        return calib::readRigFiles(files, {.image_size = cv::Size(1241, 376), .unusual_geometry = true});
-      },
+      [&] { return calib::readRigFiles(files, {.image_size = image_size, .unusual_geometry = true}); },
       "rig");
 }
 
@@ -30,7 +29,7 @@ std::optional<std::vector<calib::RigFile>> toFiles(const calib::Rig& rig, calib:
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::optional<calib::Rig> rig = read(fuzz::splitParts(fuzz::toText(data, size)));
+  const std::optional<calib::Rig> rig = read(fuzz::splitParts(fuzz::toText(data, size)), {1241, 376});
   if (!rig) return 0;
   calib::validateRig(*rig);
   const std::string text = calib::rigText(*rig);
@@ -44,7 +43,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     std::vector<std::string> texts;
     for (const calib::RigFile& file : *files)
       texts.push_back(file.text);
-    fuzz::require(read(texts).has_value(), "what rigFilesOf wrote can be read: " + texts.front());
+    fuzz::require(read(texts, rig->left.size).has_value(),
+                  "what rigFilesOf wrote can be read: " + texts.front());
   }
   return 0;
 }

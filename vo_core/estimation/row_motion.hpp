@@ -55,8 +55,8 @@ struct RowMotion {
   bool converged = false;
   Vector6d pose_change = Vector6d::Zero();  ///< of the camera's pose, on the right of the first guess
   ExposureMotion motion;
-  RowInformation rows;                ///< without the prior
-  RowInformation::Matrix covariance;  ///< of `motion`
+  RowInformation rows;                                                 ///< without the prior
+  RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of `motion`
   /// What the uncertainties of motion, depths and readout add to the covariance of the pose.
   Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
   ReadoutEquation readout;

@@ -10,7 +10,8 @@ namespace {
 constexpr double kPriorStddev = 0.0048;  // s, of a readout to be checked: 15 % of that of usual sensors
 // Weight of an image: errors of consecutive ones are correlated because landmarks last about ten pairs.
 constexpr double kImageWeight = 0.1;
-constexpr double kModelStddev = 1e-4;    // s, error of the estimate that does not average out
+// s, error of the estimate that does not average out: of the order that errors of depths and poses leave.
+constexpr double kModelStddev = 5e-4;
 constexpr double kLongestReadout = 0.1;  // s
 
 }  // namespace

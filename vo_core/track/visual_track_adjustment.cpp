@@ -102,6 +102,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
       uncertainty.byOffset();
   motion.motion_covariance += motion.covariance_by_rows;
   motion.motion_offset_error = uncertainty.offset_error;
+  if (motion.twist)
+    motion.twist->covariance += uncertainty.byOffset() / (motion.time_step * motion.time_step);
   motion.stddev_by_landmarks = uncertainty.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt();
   motion.noise_uncalibrated = startup_inflation > 1.0;
 

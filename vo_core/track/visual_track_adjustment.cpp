@@ -98,9 +98,9 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
       startupInflation(static_cast<int>(draft.window.size()) - 1, settings_.bundle.frames);
   // The scale depends on disparities, which codec errors affect too.
   motion.motion_covariance =
-      startup_inflation * pair.pose_noise_inflation * (uncertainty.by_landmarks + uncertainty.by_scale) +
+      startup_inflation * pair.pose_noise_inflation *
+          (uncertainty.by_landmarks + uncertainty.by_scale + motion.covariance_by_rows) +
       uncertainty.byOffset();
-  motion.motion_covariance += motion.covariance_by_rows;
   motion.motion_offset_error = uncertainty.offset_error;
   if (motion.twist)
     motion.twist->covariance += uncertainty.byOffset() / (motion.time_step * motion.time_step);

@@ -14,11 +14,14 @@ namespace {
 constexpr std::size_t kFirstWindow = 5;
 constexpr int kRightReadoutInterval = 4;  // pairs from one estimate of the right readout to the next
 
+constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
+
 }  // namespace
+
 /// Extrapolates the motion about the last exposure to that of the pair.
 void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) const {
   const ExposureMotion& last = *window_.back().motion;
-  const double step = secondsSinceLast(pair);
+  const double step = std::min(secondsSinceLast(pair), kLongestExtrapolation);
   WindowFrame& newest = draft.window.back();
   newest.motion = ExposureMotion{last.velocity + step * last.acceleration, last.acceleration};
   newest.rows = MotionBlend();

@@ -262,7 +262,8 @@ TEST_F(ReplayOfKitti, RejectsTruthWithWrongNumberOfPoses) {
 /// Records pairs of a KITTI sequence as encoded streams of two cameras.
 void record(const std::filesystem::path& sequence, const std::filesystem::path& folder, int pairs,
             double key_frame_interval) {
-  const calib::Rig rig = calib::readRigFiles({sequence / "calib.txt"}, {.image_size = cv::Size(1226, 370)});
+  calib::Rig rig = calib::readRigFiles({sequence / "calib.txt"}, {.image_size = cv::Size(1226, 370)});
+  rig.left.readout = rig.right.readout = 0.0;  // KITTI's cameras have global shutters
   capture::RecordingSettings settings;
   settings.folder = folder;
   settings.rig = calib::rigText(rig);

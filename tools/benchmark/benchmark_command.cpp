@@ -18,9 +18,9 @@
 #include "tools/benchmark/thesis/thesis_benchmark.hpp"
 #include "tools/benchmark/thesis/thesis_report.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/readout_option.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/replay/setting_names.hpp"
-#include "tools/simulate/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
 namespace cartvo {

@@ -8,6 +8,7 @@
 
 #include "common/statistics.hpp"
 #include "common/units.hpp"
+#include "tools/benchmark/error_ratios.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace cartvo::benchmark {
@@ -209,8 +210,7 @@ Json sequenceJson(const SequenceAccuracy& a) {
 /// The JSON of a summary; values that are not defined for several sequences together are null.
 Json summaryJson(const SequenceAccuracy& summary) {
   Json json = sequenceJson(summary);
-  for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
-    json["evaluation"][key] = nullptr;
+  json["evaluation"] = evaluationOfDrivesJson(summary.evaluation);
   return json;
 }
 

@@ -2,13 +2,10 @@
 #include "tools/benchmark/offset/offset_report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <iterator>
 
-#include "common/units.hpp"
 #include "tools/benchmark/grouping.hpp"
-#include "tools/evaluate/report.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -25,10 +22,6 @@ const OffsetAccuracy* synchronisedReference(const OffsetAccuracy& one,
   return found == all.end() ? nullptr : &*found;
 }
 
-std::string pairOf(double a, double b) {
-  return significant(a) + " / " + significant(b);
-}
-
 std::string consistencyCell(const NormalisedErrors& errors) {
   return errors.groups() == 0 ? kNoValue : significant(errors.mean());
 }
@@ -36,25 +29,21 @@ std::string consistencyCell(const NormalisedErrors& errors) {
 std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
   const Evaluation& e = a.evaluation;
-  const SegmentErrors& segments = e.short_segments.all;
-  const std::optional<ErrorRatios> ratios = ratiosOf(one, all);
-  return {
-      one.sequence,
-      clockName(one.clock),
-      offsetModelName(one.model),
-      std::to_string(a.pairs),
-      segments.count == 0 ? kNoValue
-                          : pairOf(100.0 * segments.translation, kDegreesPerRadian * segments.rotation),
-      ratios ? fixed(ratios->segment_translation, 2) + " / " + fixed(ratios->segment_rotation, 2) : kNoValue,
-      pairOf(1e3 * e.relative_translation, kDegreesPerRadian * e.relative_rotation),
-      ratios ? fixed(ratios->relative_translation, 2) + " / " + fixed(ratios->relative_rotation, 2)
-             : kNoValue,
-      e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,
-      std::to_string(a.invalid),
-      std::to_string(a.resets),
-      std::to_string(a.wrong),
-      consistencyCell(a.consistency.motion),
-      consistencyCell(a.consistency.pose)};
+  const ErrorCells errors = errorCells(e, ratiosOf(one, all));
+  return {one.sequence,
+          clockName(one.clock),
+          offsetModelName(one.model),
+          std::to_string(a.pairs),
+          errors.segments,
+          errors.segment_ratios,
+          errors.relative,
+          errors.relative_ratios,
+          e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,
+          std::to_string(a.invalid),
+          std::to_string(a.resets),
+          std::to_string(a.wrong),
+          consistencyCell(a.consistency.motion),
+          consistencyCell(a.consistency.pose)};
 }
 
 constexpr const char* kLegend =
@@ -72,30 +61,20 @@ Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) 
   const auto mean = [](const NormalisedErrors& errors) {
     return errors.groups() == 0 ? Json(nullptr) : Json(errors.mean());
   };
-  Json json{{"sequence", one.sequence},
-            {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
-            {"offset_ms", 1e3 * one.clock.offset_s},
-            {"drift_ppm", one.clock.drift_ppm},
-            {"model", offsetModelName(one.model)},
-            {"pairs", a.pairs},
-            {"invalid", a.invalid},
-            {"lost", a.lost},
-            {"resets", a.resets},
-            {"wrong_while_valid", a.wrong},
-            {"evaluation", evaluationJson(a.evaluation)},
-            {"ratio_to_0_ms", nullptr},
-            {"nees_motion", mean(a.consistency.motion)},
-            {"nees_pose", mean(a.consistency.pose)}};
-  // Not defined for several drives together.
-  for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
-    json["evaluation"][key] = nullptr;
-  if (const std::optional<ErrorRatios> ratios = ratiosOf(one, all)) {
-    json["ratio_to_0_ms"] = {{"segment_translation", ratios->segment_translation},
-                             {"segment_rotation", ratios->segment_rotation},
-                             {"relative_translation", ratios->relative_translation},
-                             {"relative_rotation", ratios->relative_rotation}};
-  }
-  return json;
+  return {{"sequence", one.sequence},
+          {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
+          {"offset_ms", 1e3 * one.clock.offset_s},
+          {"drift_ppm", one.clock.drift_ppm},
+          {"model", offsetModelName(one.model)},
+          {"pairs", a.pairs},
+          {"invalid", a.invalid},
+          {"lost", a.lost},
+          {"resets", a.resets},
+          {"wrong_while_valid", a.wrong},
+          {"evaluation", evaluationOfDrivesJson(a.evaluation)},
+          {"ratio_to_0_ms", ratiosJson(ratiosOf(one, all))},
+          {"nees_motion", mean(a.consistency.motion)},
+          {"nees_pose", mean(a.consistency.pose)}};
 }
 
 std::vector<OffsetAccuracy> withAllWorlds(std::vector<OffsetAccuracy> accuracies) {
@@ -105,23 +84,6 @@ std::vector<OffsetAccuracy> withAllWorlds(std::vector<OffsetAccuracy> accuracies
 }
 
 }  // namespace
-
-double ErrorRatios::largest() const {
-  return std::max({segment_translation, segment_rotation, relative_translation, relative_rotation});
-}
-
-std::optional<ErrorRatios> ratiosOf(const Evaluation& one, const Evaluation& reference) {
-  const SegmentErrors& segments = one.short_segments.all;
-  const SegmentErrors& reference_segments = reference.short_segments.all;
-  const ErrorRatios ratios{segments.translation / reference_segments.translation,
-                           segments.rotation / reference_segments.rotation,
-                           one.relative_translation / reference.relative_translation,
-                           one.relative_rotation / reference.relative_rotation};
-  if (!std::isfinite(ratios.segment_translation + ratios.segment_rotation + ratios.relative_translation +
-                     ratios.relative_rotation))
-    return std::nullopt;
-  return ratios;
-}
 
 std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const OffsetAccuracy* reference = synchronisedReference(one, all);

@@ -6,23 +6,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/benchmark/error_ratios.hpp"
 #include "tools/benchmark/offset/offset_benchmark.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo::benchmark {
 
-/// Errors as multiples of those of two-instants on the same sequence without a time offset.
-struct ErrorRatios {
-  double segment_translation = 0.0, segment_rotation = 0.0;    ///< 5 to 40 m
-  double relative_translation = 0.0, relative_rotation = 0.0;  ///< from pair to pair
-
-  double largest() const;
-};
-
-/// The ratios of the errors of `one` to those of `reference`; nothing if one of them has no segments.
-std::optional<ErrorRatios> ratiosOf(const Evaluation& one, const Evaluation& reference);
-
-/// The ratios of `one` to its reference in `all`; nothing if the reference is missing or has no segments.
+/// The ratios of `one` to its reference in `all`, two-instants on the same sequence without a time offset;
+/// nothing if the reference is missing or has no segments.
 std::optional<ErrorRatios> ratiosOf(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all);
 
 /// The summaries of all worlds for each clock and model, with the sequence name "all N worlds". A clock and

@@ -15,8 +15,8 @@
 #include "tools/benchmark/shutter/shutter_benchmark.hpp"
 #include "tools/benchmark/shutter/shutter_plot.hpp"
 #include "tools/benchmark/shutter/shutter_report.hpp"
+#include "tools/cartvo/readout_option.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/simulate/readout_option.hpp"
 
 namespace cartvo {
 namespace {

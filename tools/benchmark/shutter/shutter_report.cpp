@@ -8,16 +8,11 @@
 
 #include "common/units.hpp"
 #include "tools/benchmark/grouping.hpp"
-#include "tools/evaluate/report.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string pairOf(double a, double b) {
-  return significant(a) + " / " + significant(b);
-}
 
 std::string shakeName(const world::Shake& shake) {
   if (shake.amplitude == 0.0) return kNoValue;
@@ -35,25 +30,20 @@ double validShare(const SequenceAccuracy& accuracy) {
 
 std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
-  const Evaluation& e = a.evaluation;
-  const SegmentErrors& segments = e.short_segments.all;
-  const std::optional<ErrorRatios> ratios = ratiosToGlobal(one, all);
-  return {
-      one.sequence,
-      readoutName(one.seen.readout),
-      clockName(one.seen.clock),
-      shakeName(one.seen.shake),
-      readoutModelName(one.model),
-      segments.count == 0 ? kNoValue
-                          : pairOf(100.0 * segments.translation, kDegreesPerRadian * segments.rotation),
-      ratios ? fixed(ratios->segment_translation, 2) + " / " + fixed(ratios->segment_rotation, 2) : kNoValue,
-      pairOf(1e3 * e.relative_translation, kDegreesPerRadian * e.relative_rotation),
-      ratios ? fixed(ratios->relative_translation, 2) + " / " + fixed(ratios->relative_rotation, 2)
-             : kNoValue,
-      a.consistency.motion.groups() == 0 ? kNoValue : significant(a.consistency.motion.mean()),
-      std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
-      fixed(100.0 * validShare(a), 1),
-      std::to_string(a.wrong)};
+  const ErrorCells errors = errorCells(a.evaluation, ratiosToGlobal(one, all));
+  return {one.sequence,
+          readoutName(one.seen.readout),
+          clockName(one.seen.clock),
+          shakeName(one.seen.shake),
+          readoutModelName(one.model),
+          errors.segments,
+          errors.segment_ratios,
+          errors.relative,
+          errors.relative_ratios,
+          a.consistency.motion.groups() == 0 ? kNoValue : significant(a.consistency.motion.mean()),
+          std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
+          fixed(100.0 * validShare(a), 1),
+          std::to_string(a.wrong)};
 }
 
 constexpr const char* kLegend =
@@ -82,21 +72,12 @@ Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all
             {"valid_share", validShare(a)},
             {"resets", a.resets},
             {"wrong_while_valid", a.wrong},
-            {"evaluation", evaluationJson(a.evaluation)},
-            {"ratio_to_global", nullptr},
+            {"evaluation", evaluationOfDrivesJson(a.evaluation)},
+            {"ratio_to_global", ratiosJson(ratiosToGlobal(one, all))},
             {"nees_motion", nullptr},
             {"relative_rate_error", nullptr}};
-  // Not defined for several drives together.
-  for (const char* key : {"final_rotation_deg", "ate_rmse_m", "origin_rmse_m"})
-    json["evaluation"][key] = nullptr;
   if (a.consistency.motion.groups() > 0) json["nees_motion"] = a.consistency.motion.mean();
   if (std::isfinite(one.rates.relative())) json["relative_rate_error"] = one.rates.relative();
-  if (const std::optional<ErrorRatios> ratios = ratiosToGlobal(one, all)) {
-    json["ratio_to_global"] = {{"segment_translation", ratios->segment_translation},
-                               {"segment_rotation", ratios->segment_rotation},
-                               {"relative_translation", ratios->relative_translation},
-                               {"relative_rotation", ratios->relative_rotation}};
-  }
   return json;
 }
 

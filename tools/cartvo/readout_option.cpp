@@ -1,5 +1,5 @@
 // Parses the readouts of two cameras on a command line.
-#include "tools/simulate/readout_option.hpp"
+#include "tools/cartvo/readout_option.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -8,21 +8,28 @@
 
 namespace cartvo {
 
+std::optional<std::array<std::optional<double>, 2>> readReadouts(const std::string& text, double largest_ms) {
+  const std::size_t comma = text.find(',');
+  const std::string left = text.substr(0, comma);
+  std::array<std::optional<double>, 2> readouts;
+  const std::array<std::string, 2> words{left, comma == std::string::npos ? left : text.substr(comma + 1)};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "unknown") continue;
+    char* end = nullptr;
+    const double milliseconds = std::strtod(words[i].c_str(), &end);
+    if (words[i].empty() || *end != '\0' || !(std::abs(milliseconds) <= largest_ms)) return std::nullopt;
+    readouts[i] = 1e-3 * milliseconds;
+  }
+  return readouts;
+}
+
 Readouts parseReadouts(const std::string& milliseconds) {
-  const auto fail = [&milliseconds]() -> Readouts {
+  const auto readouts = readReadouts(milliseconds, 100.0);
+  if (!readouts || !(*readouts)[0] || !(*readouts)[1])
     throw std::invalid_argument("'" + milliseconds +
                                 "' is not the readout of both cameras or LEFT,RIGHT in ms between -100 and "
                                 "100, such as 32 or 32,-30.5");
-  };
-  const auto number = [&fail](const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !(std::abs(value) <= 100.0)) fail();
-    return 1e-3 * value;
-  };
-  const std::size_t comma = milliseconds.find(',');
-  const double left = number(milliseconds.substr(0, comma));
-  return {left, comma == std::string::npos ? left : number(milliseconds.substr(comma + 1))};
+  return {*(*readouts)[0], *(*readouts)[1]};
 }
 
 CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds, const std::string& default_text) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -12,8 +14,12 @@ struct Readouts {
   double right = 0.0;
 };
 
-/// Parses BOTH or LEFT,RIGHT in ms, such as "32" or "32,-30.5". Throws std::invalid_argument that quotes the
-/// text.
+/// Reads BOTH or LEFT,RIGHT, each a number of ms of at most `largest_ms` or "unknown". Returns the left and
+/// the right readout in s, empty for an unknown one; nothing for other text.
+std::optional<std::array<std::optional<double>, 2>> readReadouts(const std::string& text, double largest_ms);
+
+/// Parses BOTH or LEFT,RIGHT in ms, no unknown ones, such as "32" or "32,-30.5". Throws std::invalid_argument
+/// that quotes the text.
 Readouts parseReadouts(const std::string& milliseconds);
 
 /// Adds --readout-ms of rendered cameras. `milliseconds` must outlive the command; `default_text` ends the

@@ -1,5 +1,4 @@
 // `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/readout_option.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/replay/live_publisher.hpp"
@@ -46,20 +46,14 @@ struct Options {
   double speed = 1.0;
 };
 
-/// Parses "BOTH" or "LEFT,RIGHT", each a number of ms or "unknown". Throws CLI::ValidationError.
-ReplayReadouts parseReadouts(const std::string& text) {
-  const auto parse = [&](const std::string& word) -> std::optional<double> {
-    if (word == "unknown") return std::nullopt;
-    double readout_ms = 0.0;
-    if (!CLI::detail::lexical_cast(word, readout_ms) || !(std::abs(readout_ms) <= 1e3 * calib::kMaxReadout))
-      throw CLI::ValidationError(
-          "--readout-ms",
-          "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
-    return 1e-3 * readout_ms;
-  };
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos) return {parse(text), parse(text)};
-  return {parse(text.substr(0, comma)), parse(text.substr(comma + 1))};
+/// Readouts of --readout-ms. Throws CLI::ValidationError.
+ReplayReadouts replayReadouts(const std::string& text) {
+  const std::optional<ReplayReadouts> readouts = readReadouts(text, 1e3 * calib::kMaxReadout);
+  if (!readouts)
+    throw CLI::ValidationError(
+        "--readout-ms",
+        "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
+  return *readouts;
 }
 
 /// Associates the estimate with the truth where that is known, both for the body.
@@ -266,7 +260,7 @@ void addReplayCommand(CLI::App& cartvo) {
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
-    if (!options->readout_ms.empty()) options->replay.readouts = parseReadouts(options->readout_ms);
+    if (!options->readout_ms.empty()) options->replay.readouts = replayReadouts(options->readout_ms);
     options->replay.clock = replayClockNamed(options->clock);
     options->replay.folder_offset_stddev = 1e-3 * options->offset_uncertainty_ms;
     run(*options);

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "common/image_size.hpp"
-#include "tools/simulate/readout_option.hpp"
+#include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 
 namespace cartvo {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core/types.hpp>
 
-#include "tools/simulate/readout_option.hpp"
+#include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"

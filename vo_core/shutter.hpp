@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "vo_core/rig_calibration_error.hpp"
@@ -23,9 +22,6 @@ class RowShares {
   /// reaches the last pixel of the image or beyond. Throws std::invalid_argument if there are less than two
   /// columns or rows, or if the last row is incomplete.
   RowShares(int columns, std::vector<float> nodes);
-
-  /// Number of nodes of a grid over `pixels` px.
-  static int nodesFor(int pixels) { return (pixels + kStep - 2) / kStep + 1; }
 
   /// Share of a rectified pixel (px) of an image with `height` rows: bilinear between the nodes; that of the
   /// border for a pixel outside.

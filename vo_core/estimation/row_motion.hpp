@@ -16,9 +16,6 @@ struct RowPoint {
   /// Ray y = R b + rho t in the camera at the first guess of its pose, and its derivative t by rho.
   Eigen::Vector3d ray = Eigen::Vector3d::UnitZ(), ray_by_inverse_depth = Eigen::Vector3d::Zero();
   Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< b, in the anchor camera, z = 1
-  int anchor = 0;                                      ///< index of the anchor's pair in the window
-  Eigen::Matrix3d R_camera_anchor = Eigen::Matrix3d::Identity();  ///< R
-  double anchor_share = 0.0;  ///< of the readout, of the anchor's observation
   /// Derivative of the ray by the readout (1/s), if it follows from the rows of the same camera.
   Eigen::Vector3d ray_by_readout = Eigen::Vector3d::Zero();
   double inverse_depth = 0.0;                                ///< rho, 1/m, in the anchor camera

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stereo_camera.hpp"

@@ -69,12 +69,6 @@ Matrix6d perturbationByStep(const Vector6d& step) {
   return to_right;
 }
 
-Eigen::Isometry3d leftFromRight(double baseline) {
-  Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
-  T_left_right.translation().x() = baseline;
-  return T_left_right;
-}
-
 /// Interpolated motion from the left exposure of poses[index] to its right one.
 class InterpolatedMotion {
  public:
@@ -163,6 +157,12 @@ class InterpolatedMotion {
 };
 
 }  // namespace
+
+Eigen::Isometry3d leftFromRight(double baseline) {
+  Eigen::Isometry3d T_left_right = Eigen::Isometry3d::Identity();
+  T_left_right.translation().x() = baseline;
+  return T_left_right;
+}
 
 Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation) {
   const double angle = rotation.norm();

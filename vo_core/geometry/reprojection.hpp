@@ -46,6 +46,9 @@ struct RightCamera {
   Vector6d by_offset = Vector6d::Zero();
 };
 
+/// T_left_right of the rig: the right camera lies `baseline` (m) along the left one's x axis.
+Eigen::Isometry3d leftFromRight(double baseline);
+
 /// The right camera of poses[index]. The neighbour is the pair on the other side of the right exposure if
 /// there is one (interpolation), else the pair on this side (extrapolation). The third is the pair on this
 /// pair's other side, else the one beyond the neighbour.

@@ -44,9 +44,8 @@ class ReadoutFilters {
   double left() const { return left_.readout(); }
   double right() const { return is_right_known_ ? known_right_ : left() + difference_.readout(); }
   double leftStddev() const { return left_.stddev(); }
-  double rightStddev() const {
-    return is_right_known_ ? 0.0 : difference_.stddev();
-  }  ///< s, of the difference
+  /// s, of the right readout with a given left one; 0 if it is known.
+  double rightStddev() const { return is_right_known_ ? 0.0 : difference_.stddev(); }
 
   ReadoutEstimates estimates() const;
 

@@ -134,12 +134,12 @@ class VisualTrack {
   void addRowNoise(const PreparedPair& pair, const Draft& draft);
   void estimateRowMotion(Draft& draft, TrackedMotion& motion);
   void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
-  void addAnchorReadout(const Draft& draft);
   void estimateRightReadout(const Draft& draft);
   void buildRowProblem(const Draft& draft);
   template <typename Observe>
-  void addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, const Observe& observe);
-  void updateMotions(std::vector<WindowFrame>& window) const;
+  void addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, bool by_anchors,
+                    const Observe& observe);
+  void updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
 
   // visual_track_adjustment.cpp
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);

@@ -16,6 +16,14 @@ constexpr int kRightReadoutInterval = 4;  // pairs from one estimate of the righ
 
 constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
 
+/// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
+Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
+                                  const RowPoint& point) {
+  const Eigen::Vector3d moved = step.tail<3>().cross(point.bearing) + point.inverse_depth * step.head<3>();
+  return T_camera_anchor.linear() * (moved - moved.z() * point.bearing) -
+         moved.z() * point.inverse_depth * T_camera_anchor.translation();
+}
+
 }  // namespace
 
 /// Extrapolates the motion about the last exposure to that of the pair.
@@ -60,33 +68,21 @@ void VisualTrack::buildRowProblem(const Draft& draft) {
   problem.variances = roughness_.variances(poses, newest, last_stddev_);
   problem.start = *draft.window.back().motion;
   problem.readout_stddev = readouts_.leftStddev();
-  addRowPoints(draft, draft.window.back().T_world_camera, [&](const Observation& last, RowPoint& point) {
-    point.pixel = last.left;
-    point.instant = timing_.left(last.left);
-    point.share = timing_.leftShare(last.left);
-    return true;
-  });
-  addAnchorReadout(draft);
-}
-
-/// Sets how the rays of the points follow from the left camera's readout, by which their anchors were timed,
-/// too: a steady turn shears all images alike, so that only points whose rows change tell the readout.
-void VisualTrack::addAnchorReadout(const Draft& draft) {
-  for (RowPoint& point : row_problem_.points) {
-    const ExposureMotion& motion = *draft.window[point.anchor].motion;
-    const Vector6d twist = point.anchor_share * motion.velocity;
-    const Eigen::Vector3d moved =
-        twist.tail<3>().cross(point.bearing) + point.inverse_depth * twist.head<3>();
-    // The bearing and the inverse depth are those at z = 1.
-    point.ray_by_readout = point.R_camera_anchor * (moved - moved.z() * point.bearing) -
-                           moved.z() * point.inverse_depth * point.ray_by_inverse_depth;
-  }
+  addRowPoints(draft, draft.window.back().T_world_camera, true,
+               [&](const Observation& last, RowPoint& point) {
+                 point.pixel = last.left;
+                 point.instant = timing_.left(last.left);
+                 point.share = timing_.leftShare(last.left);
+                 return true;
+               });
 }
 
 /// Fills the points of the problem for a camera of the newest pair at `T_world_camera`. `observe` sets pixel,
-/// instant and share, or returns false for a landmark that the camera does not see.
+/// instant and share, or returns false for a landmark that the camera does not see. `by_anchors`: whether the
+/// camera is the left one, whose readout timed the anchors, too: a steady turn shears all its images alike,
+/// so that only points whose rows change tell the readout.
 template <typename Observe>
-void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera,
+void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, bool by_anchors,
                                const Observe& observe) {
   std::vector<RowPoint>& points = row_problem_.points;
   points.clear();
@@ -103,10 +99,12 @@ void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_wo
     point.bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
     point.ray = T.linear() * point.bearing + landmark.inverse_depth * T.translation();
     point.ray_by_inverse_depth = T.translation();
-    point.anchor = *anchor;
-    point.R_camera_anchor = T.linear();
-    point.anchor_share = timing_.leftShare(landmark.anchor().left);
     point.inverse_depth = landmark.inverse_depth;
+    if (by_anchors) {
+      const Vector6d& velocity = draft.window[*anchor].motion->velocity;
+      const Vector6d moved = timing_.leftShare(landmark.anchor().left) * velocity;
+      point.ray_by_readout = rayByAnchorMotion(T, moved, point);
+    }
     point.inverse_depth_information = landmark.information;
     point.relative_noise = landmark.last().relative_noise;
     point.weight = landmark.trust;
@@ -122,12 +120,13 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
   const RowMotion found = row_motion_.estimate(row_problem_);
   const bool use = found.converged && draft.window.size() >= kFirstWindow;
   if (use) useRowMotion(found, draft, motion);
-  updateMotions(draft.window);
+  const TimedPoses poses = timedPoses(draft.window);
+  updateMotions(poses, draft.window);
   if (use) {
     const WindowFrame& newest = draft.window.back();
     const Matrix6d covariance = newest.rows->covariance.topLeftCorner<6, 6>();
     motion.twist = ExposureTwist{newest.motion->velocity, covariance};
-    roughness_.update(timedPoses(draft.window), newest.rows->excess.head<6>());
+    roughness_.update(poses, newest.rows->excess.head<6>());
   }
   if (use && draft.window.back().index % kRightReadoutInterval == 0) estimateRightReadout(draft);
   timing_.setReadouts(readouts_.left(), readouts_.right());
@@ -147,13 +146,13 @@ void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMoti
 /// Updates the right camera's readout by the rows of its image, with the motion that is known.
 void VisualTrack::estimateRightReadout(const Draft& draft) {
   const WindowFrame& newest = draft.window.back();
-  const Eigen::Isometry3d T_left_right(Eigen::Translation3d(camera_.baseline, 0.0, 0.0));
+  const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   RowMotionProblem& problem = row_problem_;
   problem.expected = problem.start =
       motionAbout(*newest.motion, newest.offset, T_left_right, timing_.range());
   problem.readout_stddev = readouts_.rightStddev();
   const RigCorrection rig = rig_.correction();
-  addRowPoints(draft, newest.T_world_camera * newest.motion->at(newest.offset) * T_left_right,
+  addRowPoints(draft, newest.T_world_camera * newest.motion->at(newest.offset) * T_left_right, false,
                [&](const Observation& last, RowPoint& point) {
                  if (!last.stereo) return false;
                  point.pixel = correctedRight(camera_, rig, last.right());
@@ -165,9 +164,8 @@ void VisualTrack::estimateRightReadout(const Draft& draft) {
     readouts_.updateRight(found.readout, kRightReadoutInterval);
 }
 
-/// Motions about all exposures, from the poses as they are now and from the rows.
-void VisualTrack::updateMotions(std::vector<WindowFrame>& window) const {
-  const TimedPoses poses = timedPoses(window);
+/// Motions about all exposures of the window, from its poses and from the rows.
+void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
     const ExposureMotion expected = motionByPoses(poses, i);
     window[i].rows.emplace(window[i].row_information, expected, roughness_.variances(poses, i, last_stddev_));

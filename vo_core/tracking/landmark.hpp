@@ -11,6 +11,9 @@
 
 namespace cartvo::vo {
 
+/// 1/m, predicts where landmarks without a depth appear.
+constexpr double kPredictedInverseDepth = 0.02;
+
 /// Observation of a landmark by one pair.
 struct Observation {
   std::int64_t frame = -1;                                  ///< index of the pair

@@ -13,7 +13,6 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kUnknownInverseDepth = 0.02;     // 1/m, predicts landmarks without depth
 constexpr int kShiftLevel = 1;                    // levels above the patch's own: finest level of the shift
 constexpr double kImageMargin = 8.0;              // px; landmarks predicted farther outside are removed
 constexpr double kMinimumShiftCorrelation = 0.4;  // before the alignment estimates the warp
@@ -119,7 +118,7 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
                                                               const Scene& scene) const {
   Eigen::Vector2d pixel = landmark.last().left;
   if (scene.hasPredictedPose()) {
-    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
+    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kPredictedInverseDepth;
     const Projection predicted =
         projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(anchor)],
                         bearingOf(camera_, landmark.anchor().leftAtExposure()), inverse_depth);

@@ -7,8 +7,6 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kUnknownInverseDepth = 0.02;  // 1/m, of landmarks without a depth
-
 /// Motion and depths as one camera of a pair sees them.
 struct RowCamera {
   ExposureMotion motion;
@@ -20,10 +18,6 @@ struct RowPair {
   bool moves = false;
   RowCamera left, right;
 };
-
-Eigen::Isometry3d rightFromLeftAt(const ExposureMotion& motion, double offset, double baseline) {
-  return (motion.at(offset) * Eigen::Translation3d(baseline, 0.0, 0.0)).inverse();
-}
 
 RowCamera rowCameraOf(const ExposureMotion& motion, const Eigen::Isometry3d& T_world_camera,
                       const std::vector<WindowFrame>& window) {
@@ -38,8 +32,16 @@ RowCamera rowCameraOf(const ExposureMotion& motion, const Eigen::Isometry3d& T_w
 
 /// Motion of the right camera about its own exposure.
 ExposureMotion rightMotionOf(const WindowFrame& frame, double baseline, double range) {
-  return motionAbout(*frame.motion, frame.offset, Eigen::Isometry3d(Eigen::Translation3d(baseline, 0.0, 0.0)),
-                     range);
+  return motionAbout(*frame.motion, frame.offset, leftFromRight(baseline), range);
+}
+
+RowPair rowPairOf(const WindowFrame& frame, double baseline, double range,
+                  const std::vector<WindowFrame>& window) {
+  if (!frame.motion) return {};
+  const Eigen::Isometry3d T_world_right =
+      frame.T_world_camera * frame.motion->at(frame.offset) * leftFromRight(baseline);
+  return {true, rowCameraOf(*frame.motion, frame.T_world_camera, window),
+          rowCameraOf(rightMotionOf(frame, baseline, range), T_world_right, window)};
 }
 
 Eigen::Vector2f shiftOf(const StereoCamera& camera, const RowCamera& from, double instant,
@@ -78,44 +80,26 @@ Eigen::Isometry3d RowTransform::exposureFromLeft(const Eigen::Vector2d& left_pix
 void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,
                  std::size_t first, std::vector<Landmark>& landmarks) {
   if (!timing.isRolling()) return;
-  FixedVector<RowPair, kMaximumWindowPairs> pairs;
-  for (const WindowFrame& frame : window) {
-    RowPair pair;
-    pair.moves = frame.motion.has_value();
-    if (pair.moves) {
-      const Eigen::Isometry3d T_left_right =
-          rightFromLeftAt(*frame.motion, frame.offset, camera.baseline).inverse();
-      pair.left = rowCameraOf(*frame.motion, frame.T_world_camera, window);
-      pair.right = rowCameraOf(rightMotionOf(frame, camera.baseline, timing.range()),
-                               frame.T_world_camera * T_left_right, window);
-    }
-    pairs.push_back(pair);
-  }
-  const std::int64_t oldest = window.front().index;
-  std::array<int, 64> position{};  // by index of the pair, relative to the oldest
-  position.fill(-1);
-  for (std::size_t i = 0; i < window.size(); ++i)
-    if (const std::int64_t at = window[i].index - oldest; at < static_cast<std::int64_t>(position.size()))
-      position[at] = static_cast<int>(i);
-  const auto find = [&](std::int64_t index) {
-    const std::int64_t at = index - oldest;
-    return at >= 0 && at < static_cast<std::int64_t>(position.size()) ? position[at] : -1;
-  };
+  FixedVector<RowPair, kMaximumWindowPairs> pairs;  // window[first] and later
+  for (std::size_t i = first; i < window.size(); ++i)
+    pairs.push_back(rowPairOf(window[i], camera.baseline, timing.range(), window));
   for (Landmark& landmark : landmarks) {
-    const int anchor = find(landmark.anchor().frame);
-    if (anchor < 0) continue;
+    const std::optional<int> anchor = findFrameIndex(window, landmark.anchor().frame);
+    if (!anchor) continue;
     Eigen::Vector4d place;
     place << bearingOf(camera, landmark.anchor().leftAtExposure()),
-        landmark.hasDepth() ? landmark.inverse_depth : kUnknownInverseDepth;
+        landmark.hasDepth() ? landmark.inverse_depth : kPredictedInverseDepth;
     for (Observation& observation : landmark.observations) {
-      const int at = find(observation.frame);
-      if (at < static_cast<int>(first) || !pairs[at].moves) continue;
-      const RowPair& pair = pairs[at];
+      if (observation.frame < window[first].index) continue;
+      const std::optional<int> at = findFrameIndex(window, observation.frame);
+      if (!at) continue;
+      const RowPair& pair = pairs[static_cast<std::size_t>(*at) - first];
+      if (!pair.moves) continue;
       observation.left_row_shift =
-          shiftOf(camera, pair.left, timing.left(observation.left), observation.left, place, anchor);
+          shiftOf(camera, pair.left, timing.left(observation.left), observation.left, place, *anchor);
       if (observation.stereo)
         observation.right_row_shift = shiftOf(camera, pair.right, timing.right(observation.right()),
-                                              observation.right(), place, anchor);
+                                              observation.right(), place, *anchor);
     }
   }
 }

@@ -225,7 +225,8 @@ std::string digestAuthorization(const Challenge& challenge, const Credentials& c
   const auto joined = [](std::initializer_list<std::string_view> parts) {
     std::string text;
     for (const std::string_view part : parts)
-      text.append(text.empty() ? "" : ":").append(part);
+      text.append(part).append(":");
+    text.pop_back();
     return text;
   };
   std::string ha1 = hash(algorithm, joined({credentials.user, challenge.realm, credentials.password}));

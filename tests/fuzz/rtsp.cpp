@@ -15,7 +15,7 @@ namespace {
 
 // The answer to a Digest challenge for a password, without the value of `response`.
 std::string answerWithoutResponse(const capture::Challenge& challenge, const std::string& password) {
-  static const std::string kResponse = "response=\"";
+  static const std::string kResponse = "rtsp://host/\", response=\"";  // a quote in a value is escaped
   std::string answer =
       capture::digestAuthorization(challenge, {"user", password}, "PLAY", "rtsp://host/", "c", 1);
   const std::size_t begin = answer.find(kResponse) + kResponse.size();

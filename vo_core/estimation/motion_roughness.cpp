@@ -8,6 +8,9 @@ namespace cartvo::vo {
 namespace {
 
 constexpr double kMemory = 0.9;  // weight of the previous estimate, per pair
+// Ratio of the mean squared difference to its expectation that is significant: three standard deviations of
+// the mean over three axes and ten pairs.
+constexpr double kSignificance = 8.0;
 // (m/s^3)^2 and (rad/s^3)^2, of a smooth drive: a cart that takes half a second from no to full acceleration.
 constexpr double kTranslationJerk = 4.0, kRotationJerk = 9.0;
 constexpr double kMaximumJerk = 4e6;          // (m/s^3)^2 and (rad/s^3)^2
@@ -41,6 +44,16 @@ Sensitivity sensitivityOf(std::span<const TimedPose> poses, int index) {
 
 }  // namespace
 
+void MotionRoughness::Excess::update(double squared, double expected) {
+  squared_ = kMemory * squared_ + (1.0 - kMemory) * squared;
+  expected_ = kMemory * expected_ + (1.0 - kMemory) * expected;
+}
+
+double MotionRoughness::Excess::excess() const {
+  if (squared_ < kSignificance * expected_) return 0.0;
+  return std::min(squared_ - expected_, kMaximumJerk);
+}
+
 RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> poses, int index,
                                                   const Vector6d& motion_stddev) const {
   RowInformation::Vector variances;
@@ -49,39 +62,45 @@ RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> pos
     const auto [near, far] = parabolaTimes(poses, index);
     const double velocity = near == 0.0 ? kUnknownVelocity : 0.5 * std::abs(near) * kUnknownAcceleration;
     variances.head<6>().setConstant(velocity * velocity);
-    variances.tail<6>().setConstant(kUnknownAcceleration * kUnknownAcceleration);
+    variances.segment<6>(6).setConstant(kUnknownAcceleration * kUnknownAcceleration);
+    variances.tail<3>() = jerk().tail<3>();
     return variances;
   }
   variances.head<6>() =
       by.velocity * by.velocity * jerk() + by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
-  variances.tail<6>() = by.acceleration * by.acceleration * jerk() +
-                        by.acceleration_noise * by.acceleration_noise * motion_stddev.cwiseAbs2();
+  variances.segment<6>(6) = by.acceleration * by.acceleration * jerk() +
+                            by.acceleration_noise * by.acceleration_noise * motion_stddev.cwiseAbs2();
+  variances.tail<3>() = jerk().tail<3>();
   return variances;
 }
 
 RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
   RowInformation::Vector variances;
-  variances << std::pow(0.5 * time_step * time_step, 2) * jerk(), time_step * time_step * jerk();
+  variances << std::pow(0.5 * time_step * time_step, 2) * jerk(), time_step * time_step * jerk(),
+      jerk().tail<3>();
   return variances;
 }
 
 Vector6d MotionRoughness::jerk() const {
   Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation_excess_),
-      Eigen::Vector3d::Constant(kRotationJerk + rotation_excess_);
+  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation_.excess()),
+      Eigen::Vector3d::Constant(kRotationJerk + rotation_.excess());
   return jerk;
 }
 
-void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& excess) {
+void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev,
+                             const MotionBlend& rows) {
   const Sensitivity by = sensitivityOf(poses, static_cast<int>(poses.size()) - 1);
   if (!by.known) return;
-  // An excess is what the present estimate does not explain; without one, that estimate is too high.
-  const auto adapt = [&](double& known, double excess_variance) {
-    const double seen = excess_variance > 0.0 ? known + excess_variance / (by.velocity * by.velocity) : 0.0;
-    known = std::min(kMemory * known + (1.0 - kMemory) * seen, kMaximumJerk);
+  const double square = by.velocity * by.velocity;
+  const auto adapt = [&](int first, double smooth, Excess& excess) {
+    const auto mean = [&](const auto& of) { return of.template segment<3>(first).mean() / square; };
+    excess.update(mean(rows.squared_difference),
+                  mean(rows.row_variances) +
+                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) + smooth);
   };
-  adapt(translation_excess_, excess.head<3>().mean());
-  adapt(rotation_excess_, excess.tail<3>().mean());
+  adapt(0, kTranslationJerk, translation_);
+  adapt(3, kRotationJerk, rotation_);
 }
 
 }  // namespace cartvo::vo

@@ -20,15 +20,27 @@ class MotionRoughness {
   /// and those extrapolated from it.
   RowInformation::Vector variancesAfter(double time_step) const;
 
-  /// Updates with the variance of the velocity at the newest of the poses in excess of what variances()
-  /// states.
-  void update(std::span<const TimedPose> poses, const Vector6d& excess);
+  /// Updates with what the rows show of the velocity at the newest of the poses.
+  void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev, const MotionBlend& rows);
+
+  /// Whether the motion is rougher than the parabola follows.
+  bool isRough() const { return translation_.excess() > 0.0 || rotation_.excess() > 0.0; }
 
  private:
+  /// Mean of squared jerks, and of what was expected of them without an excess, of the last pairs.
+  class Excess {
+   public:
+    void update(double squared, double expected);
+    double excess() const;  ///< 0 unless it is significant
+
+   private:
+    double squared_ = 0.0, expected_ = 0.0;
+  };
+
   Vector6d jerk() const;
 
-  double translation_excess_ = 0.0;  ///< (m/s^3)^2
-  double rotation_excess_ = 0.0;     ///< (rad/s^3)^2
+  Excess translation_;  ///< (m/s^3)^2
+  Excess rotation_;     ///< (rad/s^3)^2
 };
 
 }  // namespace cartvo::vo

@@ -60,6 +60,8 @@ struct RowMotion {
   double readout_change = 0.0;  ///< s, by which the readout is longer than assumed
 };
 
+class RowPoints;
+
 /// Estimates pose and motion of a camera by Gauss-Newton steps on the residuals of all rows of its image,
 /// each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. Components of
 /// the motion that contradict the prior lose it (Student's t distribution), so that a kerb or a shaken mount
@@ -75,8 +77,7 @@ class RowMotionEstimator {
   RowMotion estimate(const RowMotionProblem& problem);
 
  private:
-  struct Work;
-  std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
+  std::unique_ptr<RowPoints> points_;  // reused: keeps its memory from call to call
 };
 
 }  // namespace cartvo::vo

@@ -11,23 +11,39 @@ namespace {
 constexpr double kVagueVariance = 1e4;  // (m/s)^2, (rad/s)^2 and the same of accelerations
 constexpr double kSignificance = 8.0;   // variances of a difference that may be by chance
 
+}  // namespace
+
 RowInformation::Vector vectorOf(const ExposureMotion& motion) {
-  RowInformation::Vector vector;
-  vector << motion.velocity, motion.acceleration;
-  return vector;
+  RowInformation::Vector components;
+  components << motion.velocity, motion.acceleration, motion.angular_jerk;
+  return components;
 }
 
-}  // namespace
+ExposureMotion motionOf(const RowInformation::Vector& components) {
+  return {components.head<6>(), components.segment<6>(6), components.tail<3>()};
+}
 
 MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
                          const RowInformation::Vector& variances) {
-  // The rows alone, with a vague prior where they tell nothing.
-  blend(rows, RowInformation::Vector::Constant(kVagueVariance));
-  const RowInformation::Array squares = (by_rows - vectorOf(expected)).array().square();
-  const RowInformation::Array expected_squares = variances.array() + covariance.diagonal().array();
+  // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
+  // hide that the velocity differs.
+  RowInformation::Vector vague = RowInformation::Vector::Constant(kVagueVariance);
+  vague.tail<3>() = variances.tail<3>();
+  blend(rows, vague);
+  squared_difference = (by_rows - vectorOf(expected)).array().square();
+  row_variances = covariance.diagonal().array();
   // Where the difference is significant, it is the best estimate of its own variance.
-  const RowInformation::Array agreed = variances.array().max(squares - kSignificance * expected_squares);
-  excess = agreed - variances.array();
+  RowInformation::Vector agreed = variances;
+  for (const int first : {0, 3}) {
+    const double difference = squared_difference.segment<3>(first).mean();
+    const double prior = variances.segment<3>(first).mean();
+    if (difference < kSignificance * (prior + row_variances.segment<3>(first).mean())) continue;
+    significant = true;
+    const double factor = difference / prior;
+    agreed.segment<3>(first) *= factor;
+    agreed.segment<3>(6 + first) *= factor;
+    if (first == 3) agreed.tail<3>() *= factor;
+  }
   blend(rows, agreed);
 }
 
@@ -53,8 +69,7 @@ RowInformation withMapError(const RowInformation& rows, const RowInformation::Ma
 }
 
 ExposureMotion MotionBlend::of(const ExposureMotion& expected) const {
-  const RowInformation::Vector blended = expected_share * vectorOf(expected) + by_rows;
-  return {blended.head<6>(), blended.tail<6>()};
+  return motionOf(expected_share * vectorOf(expected) + by_rows);
 }
 
 ExposureMotion motionAbout(const ExposureMotion& motion, double instant,
@@ -62,7 +77,11 @@ ExposureMotion motionAbout(const ExposureMotion& motion, double instant,
   const Eigen::Isometry3d from = (motion.at(instant) * T_camera_other).inverse();
   const Vector6d after = vectorFromMotion(from * motion.at(instant + range) * T_camera_other);
   const Vector6d before = vectorFromMotion(from * motion.at(instant - range) * T_camera_other);
-  return {(after - before) / (2.0 * range), (after + before) / (range * range)};
+  // The jerk of the rotation alone is the same, in the other camera's axes.
+  const Eigen::Vector3d angular_jerk = from.linear() * motion.angular_jerk;
+  Vector6d velocity = (after - before) / (2.0 * range);
+  velocity.tail<3>() -= range * range / 6.0 * angular_jerk;
+  return {velocity, (after + before) / (range * range), angular_jerk};
 }
 
 }  // namespace cartvo::vo

@@ -1,6 +1,8 @@
 // Projections of landmarks into the left and right cameras, and their derivatives by poses and depths.
 #include "vo_core/geometry/reprojection.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace cartvo::vo {
@@ -127,18 +129,27 @@ class InterpolatedMotion {
   /// Sets the step to that of the parabola and the rows together, `offset` seconds after the exposure.
   /// Returns its derivative by the offset.
   Vector6d blendWithRows(const MotionBlend& rows, double offset) {
-    // The step is [offset, offset^2 / 2] times velocity and acceleration.
-    using StepByMotion = Eigen::Matrix<double, 6, RowInformation::kSize>;
-    const auto of_expected = [&](double by_velocity, double by_acceleration) -> StepByMotion {
-      return by_velocity * rows.expected_share.topRows<6>() +
-             by_acceleration * rows.expected_share.bottomRows<6>();
+    // The step is [offset, offset^2 / 2, offset^3 / 6] times velocity, acceleration and jerk, of which the
+    // parabola expects the first two.
+    using StepByMotion = Eigen::Matrix<double, 6, 12>;
+    using Factors = std::array<double, 3>;
+    const auto of_expected = [&](const Factors& by) -> StepByMotion {
+      const auto share = rows.expected_share.leftCols<12>();
+      StepByMotion step = by[0] * share.topRows<6>() + by[1] * share.middleRows<6>(6);
+      step.bottomRows<3>() += by[2] * share.bottomRows<3>();
+      return step;
     };
-    const auto of_rows = [&](double by_velocity, double by_acceleration) -> Vector6d {
-      return by_velocity * rows.by_rows.head<6>() + by_acceleration * rows.by_rows.tail<6>();
+    const auto of_rows = [&](const Factors& by) -> Vector6d {
+      Vector6d step = by[0] * rows.by_rows.head<6>() + by[1] * rows.by_rows.segment<6>(6);
+      step.tail<3>() += by[2] * rows.by_rows.tail<3>();
+      return step;
     };
-    const StepByMotion step = of_expected(offset, 0.5 * offset * offset), slope = of_expected(1.0, offset);
-    step_ = of_rows(offset, 0.5 * offset * offset);
-    Vector6d by_offset_of_step = of_rows(1.0, offset);
+    const double half_square = 0.5 * offset * offset;
+    const Factors by_motion{offset, half_square, half_square * offset / 3.0};
+    const Factors rate_by_motion{1.0, offset, half_square};
+    const StepByMotion step = of_expected(by_motion), slope = of_expected(rate_by_motion);
+    step_ = of_rows(by_motion);
+    Vector6d by_offset_of_step = of_rows(rate_by_motion);
     for (MotionTerm& term : terms_) {
       const Matrix6d matrix =
           term.velocity_weight * step.leftCols<6>() + term.acceleration_weight * step.rightCols<6>();
@@ -203,27 +214,34 @@ ParabolaTimes parabolaTimes(std::span<const TimedPose> poses, int index) {
   return {poses[neighbour].time - own, third < 0 ? 0.0 : poses[third].time - own};
 }
 
-ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index) {
+ExposureMotion motionByPolynomial(std::span<const TimedPose> poses, int index, int first, int last) {
   ExposureMotion motion;
-  const int neighbour = neighbourOf(poses, index);
-  if (neighbour < 0) return motion;
   const TimedPose& own = poses[index];
-  const auto motion_to = [&](int other) {
-    return vectorFromMotion(own.T_world_camera.inverse() * poses[other].T_world_camera);
-  };
-  const double near = poses[neighbour].time - own.time;
-  const int third = thirdOf(poses, index, neighbour);
-  if (third < 0) {
-    motion.velocity = motion_to(neighbour) / near;
-    return motion;
+  for (int k = first; k <= last; ++k) {
+    if (k == index) continue;
+    // First and second derivative of the Lagrange polynomial of pose k at the own pose, its origin.
+    const double time = poses[k].time - own.time;
+    double scale = 1.0 / time, product = 1.0, sum = 0.0;
+    for (int j = first; j <= last; ++j) {
+      if (j == k || j == index) continue;
+      const double other = poses[j].time - own.time;
+      scale /= time - other;
+      product *= -other;
+      sum -= 1.0 / other;
+    }
+    const Vector6d step = vectorFromMotion(own.T_world_camera.inverse() * poses[k].T_world_camera);
+    motion.velocity += scale * product * step;
+    motion.acceleration += 2.0 * scale * product * sum * step;
   }
-  // Derivatives of the Lagrange polynomials at the own pose, which is their origin.
-  const double far = poses[third].time - own.time;
-  const Vector6d to_near = motion_to(neighbour) / (near * (near - far));
-  const Vector6d to_far = motion_to(third) / (far * (far - near));
-  motion.velocity = -far * to_near - near * to_far;
-  motion.acceleration = 2.0 * (to_near + to_far);
   return motion;
+}
+
+ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index) {
+  const int neighbour = neighbourOf(poses, index);
+  if (neighbour < 0) return {};
+  const int third = thirdOf(poses, index, neighbour);
+  const auto [first, last] = std::minmax({index, neighbour, third < 0 ? index : third});
+  return motionByPolynomial(poses, index, first, last);
 }
 
 Eigen::Isometry3d newestRightFromLeft(std::span<const TimedPose> poses, double baseline) {

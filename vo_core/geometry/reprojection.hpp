@@ -61,6 +61,10 @@ struct ParabolaTimes {
 };
 ParabolaTimes parabolaTimes(std::span<const TimedPose> poses, int index);
 
+/// Velocity and acceleration at poses[index] of the polynomial through poses[first] to poses[last], which
+/// include it.
+ExposureMotion motionByPolynomial(std::span<const TimedPose> poses, int index, int first, int last);
+
 /// Motion about the exposure of poses[index]: the parabola of rightCameraOf(), or the line; none with a
 /// single pose. Without TimedPose::rows.
 ExposureMotion motionByPoses(std::span<const TimedPose> poses, int index);

@@ -11,7 +11,7 @@ constexpr double kPriorStddev = 0.0048;  // s, of a readout to be checked: 15 % 
 // Weight of an image: errors of consecutive ones are correlated because landmarks last about ten pairs.
 constexpr double kImageWeight = 0.1;
 // s, error of the estimate that does not average out: of the order that errors of depths and poses leave.
-constexpr double kModelStddev = 5e-4;
+constexpr double kModelStddev = 8e-4;
 constexpr double kLongestReadout = 0.1;  // s
 
 }  // namespace

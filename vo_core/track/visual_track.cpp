@@ -342,7 +342,7 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
-  if (timing_.isRolling()) addRowNoise(pair, draft);
+  if (timing_.isRolling()) addRowNoise(draft);
 }
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,

@@ -130,15 +130,16 @@ class VisualTrack {
                         StageObserver& observer);
 
   // visual_track_rows.cpp
-  void expectMotion(const PreparedPair& pair, Draft& draft) const;
-  void addRowNoise(const PreparedPair& pair, const Draft& draft);
+  enum class RigSide : std::uint8_t { left, right };
+  void expectMotion(const PreparedPair& pair, Draft& draft);
+  void addRowNoise(const Draft& draft);
   void estimateRowMotion(Draft& draft, TrackedMotion& motion);
   void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
-  void estimateRightReadout(const Draft& draft);
-  void buildRowProblem(const Draft& draft);
-  template <typename Observe>
-  void addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, bool by_anchors,
-                    const Observe& observe);
+  void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
+                       const RowInformation::Vector& variances);
+  void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);
+  void removeLevelError(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
+  void updateReadouts(const Draft& draft, const TimedPoses& poses);
   void updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
 
   // visual_track_adjustment.cpp
@@ -156,6 +157,7 @@ class VisualTrack {
   RowTiming timing_;
   ReadoutFilters readouts_;
   MotionRoughness roughness_;
+  RowInformation::Vector expected_variances_ = RowInformation::Vector::Zero();  ///< of the expected motion
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;

@@ -12,9 +12,19 @@ namespace {
 // Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
 // between its exposures.
 constexpr std::size_t kFirstWindow = 5;
-constexpr int kRightReadoutInterval = 4;  // pairs from one estimate of the right readout to the next
+// Pairs from one estimate of a readout to the next: of an unknown left one, and of all others.
+constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
+// Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
+// better known motion, and a readout times a wrong motion would be a wrong readout.
+constexpr int kReadoutNeighbours = 2;
+constexpr double kLevelTime = 0.2;  // s, shortest time that the level of the motions is measured over
+constexpr double kLevelGain = 0.5;  // share of the measured error that is removed
 
 constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
+
+double seconds(std::int64_t nanoseconds) {
+  return 1e-9 * static_cast<double>(nanoseconds);
+}
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
 Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
@@ -24,17 +34,48 @@ Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, cons
          moved.z() * point.inverse_depth * T_camera_anchor.translation();
 }
 
+/// Motion between the exposures of two pairs as their motions about them make it, minus that of their poses
+/// (trapezoidal rule with end correction).
+Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
+  const double time = seconds(to.exposure_ns - from.exposure_ns);
+  const Eigen::Isometry3d T_from_to = from.T_world_camera.inverse() * to.T_world_camera;
+  const Vector6d step = vectorFromMotion(T_from_to);
+  const auto turned = [&](const Vector6d& vector) {
+    Vector6d result;
+    result << T_from_to.linear() * vector.head<3>(), T_from_to.linear() * vector.tail<3>();
+    return result;
+  };
+  Vector6d end_velocity = turned(to.motion->velocity);
+  end_velocity.tail<3>() = rightJacobianOfRotation(step.tail<3>()).inverse() * to.motion->velocity.tail<3>();
+  const Vector6d end_acceleration = turned(to.motion->acceleration);
+  return 0.5 * time * (from.motion->velocity + end_velocity) +
+         time * time / 12.0 * (from.motion->acceleration - end_acceleration) - step;
+}
+
 }  // namespace
 
-/// Extrapolates the motion about the last exposure to that of the pair.
-void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) const {
-  const ExposureMotion& last = *window_.back().motion;
+/// Expects the motion about the pair's exposure: that about the last exposure extrapolated and the mean of
+/// the window, each as far as it has been a good guess.
+void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
   const double step = std::min(secondsSinceLast(pair), kLongestExtrapolation);
+  RowInformation::Vector mean = RowInformation::Vector::Zero(), spread = RowInformation::Vector::Zero();
+  for (const WindowFrame& frame : window_)
+    mean += vectorOf(*frame.motion) / static_cast<double>(window_.size());
+  for (const WindowFrame& frame : window_)
+    spread += (vectorOf(*frame.motion) - mean).cwiseAbs2() / static_cast<double>(window_.size());
+  RowInformation::Vector extrapolated = vectorOf(*window_.back().motion);
+  extrapolated.head<6>() += step * extrapolated.segment<6>(6);
+  extrapolated.tail<3>().setZero();
+  mean.tail<9>().setZero();
+  const RowInformation::Vector errors = roughness_.variancesAfter(step);
+  const RowInformation::Vector share = spread.array() / (spread + errors).array().max(1e-12);
+  expected_variances_ = share.cwiseProduct(errors);
+  const RowInformation::Vector expected = mean + share.cwiseProduct(extrapolated - mean);
   WindowFrame& newest = draft.window.back();
-  newest.motion = ExposureMotion{last.velocity + step * last.acceleration, last.acceleration};
+  newest.motion = motionOf(expected);
   newest.rows = MotionBlend();
   newest.rows->expected_share.setZero();
-  newest.rows->by_rows << newest.motion->velocity, newest.motion->acceleration;
+  newest.rows->by_rows = expected;
 }
 
 /// Computes the row shifts of the newest pair's observations for the left camera at `T_world_camera`.
@@ -45,8 +86,8 @@ void VisualTrack::correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_wor
 }
 
 /// Adds the uncertainty of the expected motion to the noise of the points of the pose search.
-void VisualTrack::addRowNoise(const PreparedPair& pair, const Draft& draft) {
-  const RowInformation::Vector variances = roughness_.variancesAfter(secondsSinceLast(pair));
+void VisualTrack::addRowNoise(const Draft& draft) {
+  const RowInformation::Vector& variances = expected_variances_;
   const double translation = variances.head<3>().mean(), rotation = variances.segment<3>(3).mean();
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     PosePoint& point = pose_problem_.points[i];
@@ -56,120 +97,149 @@ void VisualTrack::addRowNoise(const PreparedPair& pair, const Draft& draft) {
   }
 }
 
-/// Builds the problem of the newest left image.
-void VisualTrack::buildRowProblem(const Draft& draft) {
+/// Sets the problem of the rows of the left image of a pair, `position` in the window.
+void VisualTrack::buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
+                                  const RowInformation::Vector& variances) {
   RowMotionProblem& problem = row_problem_;
-  const TimedPoses poses = timedPoses(draft.window);
-  const int newest = static_cast<int>(poses.size()) - 1;
   problem.camera = camera_;
   problem.noise = noise_;
   problem.robust_width = settings_.bundle.robust_width;
-  problem.expected = motionByPoses(poses, newest);
-  problem.variances = roughness_.variances(poses, newest, last_stddev_);
-  problem.start = *draft.window.back().motion;
+  problem.expected = expected;
+  problem.variances = variances;
   problem.readout_stddev = readouts_.leftStddev();
-  addRowPoints(draft, draft.window.back().T_world_camera, true,
-               [&](const Observation& last, RowPoint& point) {
-                 point.pixel = last.left;
-                 point.instant = timing_.left(last.left);
-                 point.share = timing_.leftShare(last.left);
-                 return true;
-               });
+  addRowPoints(draft, position, draft.window[position].T_world_camera, RigSide::left);
 }
 
-/// Fills the points of the problem for a camera of the newest pair at `T_world_camera`. `observe` sets pixel,
-/// instant and share, or returns false for a landmark that the camera does not see. `by_anchors`: whether the
-/// camera is the left one, whose readout timed the anchors, too: a steady turn shears all its images alike,
-/// so that only points whose rows change tell the readout.
-template <typename Observe>
-void VisualTrack::addRowPoints(const Draft& draft, const Eigen::Isometry3d& T_world_camera, bool by_anchors,
-                               const Observe& observe) {
+/// Fills the points of the problem for a camera of the pair at `position` in the window, at `T_world_camera`.
+/// The left camera's readout timed the anchors, too: a steady turn shears all its images alike, so that only
+/// points whose rows change tell the readout.
+void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera,
+                               RigSide side) {
   std::vector<RowPoint>& points = row_problem_.points;
   points.clear();
   points.reserve(draft.landmarks.capacity());
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_camera_anchor;
   for (const WindowFrame& frame : draft.window)
     T_camera_anchor.push_back(T_world_camera.inverse() * frame.T_world_camera);
+  const RigCorrection rig = rig_.correction();
   for (const Landmark& landmark : draft.landmarks) {
     if (!landmark.hasDepth() || landmark.observations.size() < 2) continue;
+    const Observation* seen = landmark.find(draft.window[position].index);
     const std::optional<int> anchor = findFrameIndex(draft.window, landmark.anchor().frame);
+    if (!anchor || *anchor == position || seen == nullptr) continue;
     RowPoint point;
-    if (!anchor || !observe(landmark.last(), point)) continue;
+    if (side == RigSide::left) {
+      point.pixel = seen->left;
+      point.instant = timing_.left(seen->left);
+      point.share = timing_.leftShare(seen->left);
+    } else {
+      if (!seen->stereo) continue;
+      point.pixel = correctedRight(camera_, rig, seen->right());
+      point.instant = timing_.right(seen->right());
+      point.share = timing_.rightShare(seen->right());
+    }
     const Eigen::Isometry3d& T = T_camera_anchor[*anchor];
     point.bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
     point.ray = T.linear() * point.bearing + landmark.inverse_depth * T.translation();
     point.ray_by_inverse_depth = T.translation();
     point.inverse_depth = landmark.inverse_depth;
-    if (by_anchors) {
+    if (side == RigSide::left) {
       const Vector6d& velocity = draft.window[*anchor].motion->velocity;
       const Vector6d moved = timing_.leftShare(landmark.anchor().left) * velocity;
       point.ray_by_readout = rayByAnchorMotion(T, moved, point);
     }
     point.inverse_depth_information = landmark.information;
-    point.relative_noise = landmark.last().relative_noise;
+    point.relative_noise = seen->relative_noise;
     point.weight = landmark.trust;
     point.level = landmark.level;
     points.push_back(point);
   }
 }
 
-/// Estimates the newest pair's pose and motion from the rows of its left image, and from them all row shifts
-/// of the window.
+/// Estimates the newest pair's motion from the rows of its left image, the readouts, and from them all row
+/// shifts of the window.
 void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
-  buildRowProblem(draft);
+  const TimedPoses before = timedPoses(draft.window);
+  const int newest = static_cast<int>(before.size()) - 1;
+  buildRowProblem(draft, newest, motionByPoses(before, newest),
+                  roughness_.variances(before, newest, last_stddev_));
+  row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
   const bool use = found.converged && draft.window.size() >= kFirstWindow;
   if (use) useRowMotion(found, draft, motion);
   const TimedPoses poses = timedPoses(draft.window);
   updateMotions(poses, draft.window);
   if (use) {
-    const WindowFrame& newest = draft.window.back();
-    const Matrix6d covariance = newest.rows->covariance.topLeftCorner<6, 6>();
-    motion.twist = ExposureTwist{newest.motion->velocity, covariance};
-    roughness_.update(poses, newest.rows->excess.head<6>());
+    roughness_.update(poses, last_stddev_, *draft.window.back().rows);
+    if (roughness_.isRough()) removeLevelError(poses, draft.window);
+    const WindowFrame& pair = draft.window.back();
+    motion.twist = ExposureTwist{pair.motion->velocity, pair.rows->covariance.topLeftCorner<6, 6>()};
+    updateReadouts(draft, poses);
   }
-  if (use && draft.window.back().index % kRightReadoutInterval == 0) estimateRightReadout(draft);
   timing_.setReadouts(readouts_.left(), readouts_.right());
   correctRows(camera_, timing_, draft.window, 0, draft.landmarks);
 }
 
 void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion) {
   WindowFrame& newest = draft.window.back();
-  newest.T_world_camera = orthonormalised(newest.T_world_camera * motionFromVector(found.pose_change));
+  if (roughness_.isRough())
+    newest.T_world_camera = orthonormalised(newest.T_world_camera * motionFromVector(found.pose_change));
   // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
   const WindowFrame& before = draft.window[draft.window.size() - 2];
   newest.row_information = before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
   motion.covariance_by_rows = found.pose_covariance_by_motion;
-  readouts_.updateLeft(found.readout, 1.0);
 }
 
-/// Updates the right camera's readout by the rows of its image, with the motion that is known.
-void VisualTrack::estimateRightReadout(const Draft& draft) {
-  const WindowFrame& newest = draft.window.back();
+/// Removes the error that the velocities about all exposures of the window share. Rows measure velocities
+/// relative to those that moved the landmarks to their places: only the poses tell the level.
+void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
+  Vector6d sum = Vector6d::Zero();
+  double time = 0.0;
+  for (std::size_t i = 1; i < window.size(); ++i) {
+    if (window[i - 1].row_information.information.isZero()) continue;
+    sum += excessMotion(window[i - 1], window[i]);
+    time += seconds(window[i].exposure_ns - window[i - 1].exposure_ns);
+  }
+  if (time < kLevelTime) return;
+  const Vector6d error = kLevelGain / time * sum;
+  for (WindowFrame& frame : window)
+    frame.row_information.gradient -= frame.row_information.information.leftCols<6>() * error;
+  updateMotions(poses, window);
+}
+
+/// Updates the readouts by the rows of a pair in the middle of the window.
+void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
+  const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
+  const WindowFrame& frame = draft.window[position];
+  if (roughness_.isRough() || !frame.motion || position < kReadoutNeighbours) return;
+  const bool right_is_due = frame.index % kReadoutInterval == 0;
+  const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
+  if (frame.index % left_interval != 0) return;
+  const ExposureMotion expected =
+      motionByPolynomial(poses, position, position - kReadoutNeighbours, position + kReadoutNeighbours);
+  buildRowProblem(draft, position, expected, roughness_.variances(poses, position, last_stddev_));
+  row_problem_.start = expected;
+  if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
+    readouts_.updateLeft(found.readout, left_interval);
+  if (!right_is_due) return;
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
-  RowMotionProblem& problem = row_problem_;
-  problem.expected = problem.start =
-      motionAbout(*newest.motion, newest.offset, T_left_right, timing_.range());
-  problem.readout_stddev = readouts_.rightStddev();
-  const RigCorrection rig = rig_.correction();
-  addRowPoints(draft, newest.T_world_camera * newest.motion->at(newest.offset) * T_left_right, false,
-               [&](const Observation& last, RowPoint& point) {
-                 if (!last.stereo) return false;
-                 point.pixel = correctedRight(camera_, rig, last.right());
-                 point.instant = timing_.right(last.right());
-                 point.share = timing_.rightShare(last.right());
-                 return true;
-               });
-  if (const RowMotion found = row_motion_.estimate(problem); found.converged)
-    readouts_.updateRight(found.readout, kRightReadoutInterval);
+  row_problem_.expected = row_problem_.start =
+      motionAbout(expected, frame.offset, T_left_right, timing_.range());
+  row_problem_.readout_stddev = readouts_.rightStddev();
+  addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
+               RigSide::right);
+  if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
+    readouts_.updateRight(found.readout, kReadoutInterval);
 }
 
-/// Motions about all exposures of the window, from its poses and from the rows.
+/// Motions about all exposures of the window: those of the poses, unless the rows contradict them.
 void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
     const ExposureMotion expected = motionByPoses(poses, i);
-    window[i].rows.emplace(window[i].row_information, expected, roughness_.variances(poses, i, last_stddev_));
-    window[i].motion = window[i].rows->of(expected);
+    const RowInformation::Vector variances = roughness_.variances(poses, i, last_stddev_);
+    MotionBlend& rows = window[i].rows.emplace(window[i].row_information, expected, variances);
+    if (!roughness_.isRough() && !rows.significant) rows = MotionBlend(variances);
+    window[i].motion = rows.of(expected);
   }
 }
 

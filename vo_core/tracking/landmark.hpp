@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -60,6 +61,12 @@ struct Landmark {
 
   const Observation& anchor() const { return observations.front(); }
   const Observation& last() const { return observations.back(); }
+  /// The observation by the pair with this index, or nullptr.
+  const Observation* find(std::int64_t frame) const {
+    const auto found = std::find_if(observations.begin(), observations.end(),
+                                    [&](const Observation& seen) { return seen.frame == frame; });
+    return found == observations.end() ? nullptr : &*found;
+  }
   bool hasDepth() const { return information > 0.0; }
 };
 

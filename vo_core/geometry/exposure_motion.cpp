@@ -9,7 +9,6 @@ namespace cartvo::vo {
 namespace {
 
 constexpr double kVagueVariance = 1e4;  // (m/s)^2, (rad/s)^2 and the same of accelerations
-constexpr double kSignificance = 8.0;   // variances of a difference that may be by chance
 
 }  // namespace
 

@@ -47,6 +47,10 @@ ExposureMotion motionOf(const RowInformation::Vector& components);
 /// The motion that agrees best with the rows and with an expected motion: the share of the expected one, and
 /// what the rows add. In the order of RowInformation.
 struct MotionBlend {
+  /// Mean squared difference from the expected motion, relative to its variance, that is no chance. Errors of
+  /// rows are alike from pair to pair, so that three standard deviations would not do.
+  static constexpr double kSignificance = 8.0;
+
   RowInformation::Matrix expected_share = RowInformation::Matrix::Identity();
   RowInformation::Vector by_rows = RowInformation::Vector::Zero();
   RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of the blended motion

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vo_core/estimation/row_motion.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/shutter.hpp"
 
 namespace cartvo::vo {

@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
-#include "vo_core/estimation/motion_roughness.hpp"
 #include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
-#include "vo_core/estimation/row_motion.hpp"
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 #include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/integrity/standstill.hpp"
 #include "vo_core/integrity/still_regions.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/rolling_shutter/motion_roughness.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 #include "vo_core/self_calibration/readout_filter.hpp"
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
@@ -134,6 +134,7 @@ class VisualTrack {
   void expectMotion(const PreparedPair& pair, Draft& draft);
   void addRowNoise(const Draft& draft);
   void estimateRowMotion(Draft& draft, TrackedMotion& motion);
+  std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
   void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
   void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
                        const RowInformation::Vector& variances);

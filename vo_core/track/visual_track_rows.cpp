@@ -17,8 +17,9 @@ constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
-constexpr double kLevelTime = 0.2;  // s, shortest time that the level of the motions is measured over
-constexpr double kLevelGain = 0.5;  // share of the measured error that is removed
+constexpr std::size_t kCorrectedPairs = 3;  // whose row shifts are computed anew with each pair
+constexpr double kLevelTime = 0.2;          // s, shortest time that the level of the motions is measured over
+constexpr double kLevelGain = 0.5;          // share of the measured error that is removed
 
 constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
 
@@ -177,7 +178,14 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
     updateReadouts(draft, poses);
   }
   timing_.setReadouts(readouts_.left(), readouts_.right());
-  correctRows(camera_, timing_, draft.window, 0, draft.landmarks);
+  correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window), draft.landmarks);
+}
+
+/// Position in the window of the first pair whose row shifts are not up to date: older poses and motions
+/// hardly change, unless the rows tell the motion or the readout.
+std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) const {
+  const bool all_change = roughness_.isRough() || timing_.shutters().areUncertain();
+  return all_change || window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;
 }
 
 void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion) {

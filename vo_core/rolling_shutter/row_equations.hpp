@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 
-#include "vo_core/estimation/row_motion.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 
 // Normal equations of the rows of an image, for pose and motion of its camera.
 

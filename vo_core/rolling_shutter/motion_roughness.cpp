@@ -1,5 +1,5 @@
 // Estimation of the jerk from what the rows of images show.
-#include "vo_core/estimation/motion_roughness.hpp"
+#include "vo_core/rolling_shutter/motion_roughness.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,6 @@ namespace cartvo::vo {
 namespace {
 
 constexpr double kMemory = 0.9;  // weight of the previous estimate, per pair
-// Ratio of the mean squared difference to its expectation that is significant: three standard deviations of
-// the mean over three axes and ten pairs.
-constexpr double kSignificance = 8.0;
 // (m/s^3)^2 and (rad/s^3)^2, of a smooth drive: a cart that takes half a second from no to full acceleration.
 constexpr double kTranslationJerk = 4.0, kRotationJerk = 9.0;
 constexpr double kMaximumJerk = 4e6;          // (m/s^3)^2 and (rad/s^3)^2
@@ -50,7 +47,7 @@ void MotionRoughness::Excess::update(double squared, double expected) {
 }
 
 double MotionRoughness::Excess::excess() const {
-  if (squared_ < kSignificance * expected_) return 0.0;
+  if (squared_ < MotionBlend::kSignificance * expected_) return 0.0;
   return std::min(squared_ - expected_, kMaximumJerk);
 }
 

@@ -1,5 +1,5 @@
 // Normal equations of rows as sums of powers of the instants of points.
-#include "vo_core/estimation/row_equations.hpp"
+#include "vo_core/rolling_shutter/row_equations.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // Tests of the motion about an exposure: row shifts, and its estimation from the rows of a simulated pair.
-#include "vo_core/estimation/row_motion.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 
 #include <random>
 
@@ -103,6 +103,19 @@ TEST(RowMotion, IsExactWithoutNoise) {
   EXPECT_LT(found.pose_change.tail<3>().norm(), 2e-5);
 }
 
+TEST(RowMotion, MeasuresTheJerkOfAVibration) {
+  ExposureMotion shaken = kTurn;
+  shaken.angular_jerk = {600.0, 0.0, -300.0};
+  RowMotionProblem problem = simulatedProblem(shaken, 0.15);
+  problem.start = problem.expected = kTurn;
+  problem.variances.setConstant(1e6);
+  const RowMotion found = RowMotionEstimator().estimate(problem);
+  ASSERT_TRUE(found.converged);
+  const Eigen::Vector3d error = found.motion.angular_jerk - shaken.angular_jerk;
+  EXPECT_LT(error.norm(), 0.5 * shaken.angular_jerk.norm());
+  EXPECT_LT(error.dot(found.covariance.bottomRightCorner<3, 3>().ldlt().solve(error)), 12.0);  // of 3
+}
+
 TEST(RowMotion, StatesItsUncertainty) {
   const RowMotion found = RowMotionEstimator().estimate(simulatedProblem(kTurn, 0.15));
   ASSERT_TRUE(found.converged);
@@ -138,6 +151,32 @@ TEST(RowMotion, NeedsPoints) {
   RowMotionProblem problem = simulatedProblem(kTurn, 0.0);
   problem.points.resize(10);
   EXPECT_FALSE(RowMotionEstimator().estimate(problem).converged);
+}
+
+/// What rows tell that measure each component of a motion with these standard deviations.
+RowInformation rowsAbout(const ExposureMotion& motion, double stddev) {
+  RowInformation rows;
+  rows.information.diagonal().setConstant(1.0 / (stddev * stddev));
+  rows.gradient = rows.information * vectorOf(motion);
+  return rows;
+}
+
+TEST(MotionBlend, TakesADifferenceByChanceForNone) {
+  ExposureMotion seen = kTurn;
+  seen.velocity[4] += 0.03;  // three standard deviations of one component
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8));
+  EXPECT_FALSE(blend.significant);
+  EXPECT_NEAR(blend.of(kTurn).velocity[4], kTurn.velocity[4], 1e-4);
+}
+
+TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
+  ExposureMotion seen = kTurn;
+  seen.velocity.tail<3>() += Eigen::Vector3d(0.2, -0.1, 0.1);
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8));
+  EXPECT_TRUE(blend.significant);
+  const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
+  EXPECT_LT(error.tail<3>().norm(), 0.005);
+  EXPECT_LT(std::sqrt(blend.covariance(3, 3)), 0.011);
 }
 
 }  // namespace

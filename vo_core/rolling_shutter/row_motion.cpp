@@ -1,11 +1,11 @@
 // Gauss-Newton estimation of pose and motion at an exposure from the rows of a picture.
-#include "vo_core/estimation/row_motion.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "vo_core/estimation/row_equations.hpp"
+#include "vo_core/rolling_shutter/row_equations.hpp"
 
 namespace cartvo::vo {
 namespace {

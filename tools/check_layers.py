@@ -33,7 +33,7 @@ LAYERS = {
         "vo_core",
     ],
     "capture": ["capture/frame capture/camera_side capture/camera_source capture/encoded_unit", "capture/codec", "capture/clock",
-                "capture", "capture/rtsp capture/v4l2", "capture/recording", "capture/dataset", "capture/stereo_source"],
+                "capture", "capture/rtsp capture/v4l2", "capture/isapi", "capture/recording", "capture/dataset", "capture/stereo_source"],
     "calib": ["calib/model", "calib/rectification", "calib/board", "calib/format", "calib/solver"],
     "daemon": ["daemon/pipeline", "daemon/publish", "daemon/diagnostics", "daemon/service"],
 }

@@ -1,0 +1,202 @@
+// Client of ISAPI: login, retries, and errors that say what to do.
+#include "capture/isapi/isapi_client.hpp"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/printable_text.hpp"
+
+namespace cartvo::capture {
+namespace {
+
+constexpr const char* kUserCheck = "/ISAPI/Security/userCheck";
+
+bool isSuccess(const HttpResponse& response) {
+  return response.status >= 200 && response.status < 300;
+}
+
+std::string statusText(const HttpResponse& response) {
+  const ResponseStatus status = parseResponseStatus(response.body);
+  std::string text = "HTTP " + std::to_string(response.status);
+  if (!status.text.empty()) text += ", " + status.text;
+  if (!status.sub_code.empty()) text += ", " + status.sub_code;
+  return text;
+}
+
+std::string withLoginState(std::string text, const LoginState& state) {
+  const std::string known = loginStateText(state);
+  return known.empty() ? text : std::move(text) + "; " + known;
+}
+
+}  // namespace
+
+IsapiClient::IsapiClient(const IsapiSettings& settings)
+    : settings_(settings),
+      connection_(settings.address, settings.timeout),
+      authenticator_(settings.credentials, false) {
+  connection_.setKey(settings.key);
+}
+
+LoginState IsapiClient::loginState() {
+  const HttpResponse response = connection_.send({.path = kUserCheck});
+  return parseLoginState(response.body);
+}
+
+/// Throws if the camera would refuse any password.
+void IsapiClient::checkLogin() {
+  if (login_checked_) return;
+  const LoginState state = loginState();
+  if (state.activated == false)
+    throw IsapiError(IsapiError::Kind::not_activated, camera() + ": " + loginStateText(state), state);
+  if (state.isLocked()) {
+    throw IsapiError(IsapiError::Kind::login_locked,
+                     camera() + " accepts no login: " + loginStateText(state) +
+                         "; correct the password meanwhile, and wait: each attempt may lock it anew",
+                     state);
+  }
+  login_checked_ = true;
+}
+
+IsapiError IsapiClient::loginError(const HttpResponse& response) const {
+  const LoginState state = parseLoginState(response.body);
+  const std::string text =
+      camera() + " refused the user or password (user '" + settings_.credentials.user + "')";
+  return {state.isLocked() ? IsapiError::Kind::login_locked : IsapiError::Kind::login_refused,
+          withLoginState(text, state) + "; correct the password before the next attempt", state};
+}
+
+/// Takes the challenge of a 401 answer. `answered_nonce`: of the challenge that the request answered, empty
+/// if it answered none. False if the password was refused.
+bool IsapiClient::acceptChallenge(const HttpResponse& response, const std::string& answered_nonce) {
+  if (settings_.credentials.user.empty()) {
+    throw IsapiError(IsapiError::Kind::login_refused,
+                     camera() + " requires a user and password, and none are configured");
+  }
+  std::vector<Challenge> challenges;
+  for (const std::string& value : response.challenges)
+    for (Challenge& challenge : parseChallenges(value))
+      challenges.push_back(std::move(challenge));
+  const bool is_stale = std::any_of(challenges.begin(), challenges.end(),
+                                    [](const Challenge& challenge) { return challenge.stale; });
+  std::string offered;
+  if (authenticator_.accept(challenges, offered) != Authenticator::Outcome::accepted) {
+    throw IsapiError(IsapiError::Kind::login_refused,
+                     camera() + " offers no Digest authentication (" +
+                         (offered.empty() ? "it names none" : offered) +
+                         "): set its web authentication to 'digest'; Basic would send the password readably");
+  }
+  if (answered_nonce.empty()) return true;
+  // A nonce dies with time and with a reboot. Only of a password that was accepted before that is known.
+  const bool nonce_died = is_stale || logged_in_;
+  return nonce_died && authenticator_.nonce() != answered_nonce;
+}
+
+/// One request with authentication.
+HttpResponse IsapiClient::send(const HttpRequest& request) {
+  constexpr int kMaxChallenges = 3;  // none yet, a dead nonce, one more
+  checkLogin();
+  for (int challenge = 0;; ++challenge) {
+    HttpRequest authorised = request;
+    const std::string nonce = authenticator_.isReady() ? authenticator_.nonce() : std::string();
+    if (authenticator_.isReady())
+      authorised.headers.push_back("Authorization: " +
+                                   authenticator_.authorization(request.method, request.path));
+    HttpResponse response = connection_.send(authorised);
+    if (response.status != 401) {
+      logged_in_ = logged_in_ || authenticator_.isReady();
+      return response;
+    }
+    if (challenge == kMaxChallenges || !acceptChallenge(response, nonce)) {
+      logged_in_ = false;
+      throw loginError(response);
+    }
+  }
+}
+
+/// Whether the same request may succeed soon. A camera answers 500 while it starts, and later to what it does
+/// not take.
+bool IsapiClient::isTransient(const HttpRequest& request, const HttpResponse& response, int retry) const {
+  const ResponseStatus::Code code = parseResponseStatus(response.body).code;
+  if (response.status == 503 || code == ResponseStatus::Code::busy) return true;
+  if (response.status != 500 || request.method != "GET") return false;
+  return !answered_ || retry == 0;
+}
+
+HttpResponse IsapiClient::sendUntilNotBusy(const HttpRequest& request) {
+  for (int retry = 0;; ++retry) {
+    HttpResponse response = send(request);
+    if (!isTransient(request, response, retry)) {
+      answered_ = answered_ || isSuccess(response);
+      return response;
+    }
+    if (retry >= settings_.retries) {
+      throw IsapiError(IsapiError::Kind::busy,
+                       camera() + " is busy or still starting (" + statusText(response) +
+                           "): close its web page and other programs that use it, and "
+                           "try again");
+    }
+    std::this_thread::sleep_for(settings_.retry_pause);
+  }
+}
+
+IsapiError IsapiClient::failure(const HttpRequest& request, const HttpResponse& response) const {
+  const ResponseStatus status = parseResponseStatus(response.body);
+  const std::string text =
+      camera() + " answered " + request.method + " " + request.path + " with " + statusText(response);
+  if (response.status >= 300 && response.status < 400)
+    return {IsapiError::Kind::invalid_answer, text + ": it redirects, probably to HTTPS: use --https"};
+  const bool is_absent = response.status == 404 || response.status == 405 || response.status == 501;
+  if (is_absent || status.isNotSupported()) return {IsapiError::Kind::not_supported, text};
+  if (response.status == 403) {
+    return {IsapiError::Kind::forbidden, text + ": the password is right, but the user '" +
+                                             settings_.credentials.user +
+                                             "' may not do this; give it 'Remote: Parameters Settings' in "
+                                             "the camera, or use its administrator"};
+  }
+  if (response.status >= 400 || request.method != "GET") return {IsapiError::Kind::rejected, text};
+  return {IsapiError::Kind::invalid_answer, text + ": this is no ISAPI answer; is it a Hikvision camera?"};
+}
+
+XmlDocument IsapiClient::get(const std::string& path) {
+  const HttpRequest request{.path = path};
+  const HttpResponse response = sendUntilNotBusy(request);
+  if (!isSuccess(response)) throw failure(request, response);
+  try {
+    return XmlDocument::parse(response.body, camera() + ", " + path);
+  } catch (const std::runtime_error& error) {
+    throw IsapiError(IsapiError::Kind::invalid_answer,
+                     error.what() + std::string("; is it a Hikvision camera?"));
+  }
+}
+
+std::optional<XmlDocument> IsapiClient::getIfSupported(const std::string& path) {
+  try {
+    return get(path);
+  } catch (const IsapiError& error) {
+    const bool is_absent =
+        error.kind() == IsapiError::Kind::not_supported || error.kind() == IsapiError::Kind::rejected;
+    if (!is_absent) throw;
+    return std::nullopt;
+  }
+}
+
+bool IsapiClient::put(const std::string& path, const XmlDocument& document) {
+  const HttpRequest request{.method = "PUT", .path = path, .body = document.toText()};
+  const HttpResponse response = sendUntilNotBusy(request);
+  const ResponseStatus::Code code = parseResponseStatus(response.body).code;
+  const bool is_taken = code == ResponseStatus::Code::ok || code == ResponseStatus::Code::unknown ||
+                        code == ResponseStatus::Code::reboot_required;
+  if (!isSuccess(response) || !is_taken) throw failure(request, response);
+  return code == ResponseStatus::Code::reboot_required;
+}
+
+void IsapiClient::reboot() {
+  const HttpRequest request{.method = "PUT", .path = "/ISAPI/System/reboot"};
+  const HttpResponse response = sendUntilNotBusy(request);
+  if (!isSuccess(response)) throw failure(request, response);
+  answered_ = false;
+}
+
+}  // namespace cartvo::capture

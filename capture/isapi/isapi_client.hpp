@@ -1,0 +1,101 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "capture/isapi/http_connection.hpp"
+#include "capture/isapi/isapi_answers.hpp"
+#include "capture/isapi/xml_document.hpp"
+#include "capture/rtsp/credentials.hpp"
+#include "capture/rtsp/digest_authentication.hpp"
+
+// Client of ISAPI, the HTTP interface of Hikvision cameras.
+
+namespace cartvo::capture {
+
+struct IsapiSettings {
+  HttpAddress address;
+  std::string key;  ///< of the camera's certificate, see HttpConnection::setKey; only with TLS
+  Credentials credentials;
+  std::chrono::milliseconds timeout{5000};  ///< of one request
+
+  // A camera that is busy or starts is asked again.
+  int retries = 5;
+  std::chrono::milliseconds retry_pause{1000};
+};
+
+/// The camera answered, but not as wished. The text names the camera, what it answered and what to do; it
+/// never contains the password.
+class IsapiError : public std::runtime_error {
+ public:
+  enum class Kind : std::uint8_t {
+    login_refused,   ///< wrong user or password, see `login`
+    login_locked,    ///< too many wrong passwords, see `login`; the password was not sent
+    not_activated,   ///< the camera has no password yet
+    forbidden,       ///< the user may not do that
+    not_supported,   ///< the camera does not have what was asked for
+    rejected,        ///< the camera does not take the document
+    busy,            ///< still, after the retries
+    invalid_answer,  ///< no ISAPI
+  };
+  IsapiError(Kind kind, const std::string& what, LoginState login = {})
+      : std::runtime_error(what), kind_(kind), login_(login) {}
+  Kind kind() const { return kind_; }
+  const LoginState& login() const { return login_; }
+
+ private:
+  Kind kind_;
+  LoginState login_;
+};
+
+/// One camera's ISAPI. One request at a time, with Digest authentication only. Before the first password is
+/// sent, the camera is asked whether it has locked the login; a refused password is never sent twice. Not
+/// thread-safe.
+class IsapiClient {
+ public:
+  explicit IsapiClient(const IsapiSettings& settings);
+
+  /// As HttpConnection::setInterruption.
+  void setInterruption(const std::atomic<bool>& interrupted) { connection_.setInterruption(interrupted); }
+
+  /// State of the login, asked without a password. Empty where the camera does not tell. Throws HttpError.
+  LoginState loginState();
+
+  /// The document at a path, for example "/ISAPI/System/time". Throws IsapiError and HttpError.
+  XmlDocument get(const std::string& path);
+
+  /// As `get`; nothing if the camera does not have it.
+  std::optional<XmlDocument> getIfSupported(const std::string& path);
+
+  /// Writes a document. True if the camera wants a reboot before it takes effect. Throws IsapiError and
+  /// HttpError.
+  bool put(const std::string& path, const XmlDocument& document);
+
+  /// Reboots the camera. Throws IsapiError and HttpError.
+  void reboot();
+
+  const HttpAddress& address() const { return connection_.address(); }
+
+ private:
+  HttpResponse send(const HttpRequest& request);
+  HttpResponse sendUntilNotBusy(const HttpRequest& request);
+  bool isTransient(const HttpRequest& request, const HttpResponse& response, int retry) const;
+  void checkLogin();
+  bool acceptChallenge(const HttpResponse& response, const std::string& answered_nonce);
+  IsapiError loginError(const HttpResponse& response) const;
+  IsapiError failure(const HttpRequest& request, const HttpResponse& response) const;
+  std::string camera() const { return "the camera at " + connection_.address().url(); }
+
+  IsapiSettings settings_;
+  HttpConnection connection_;
+  Authenticator authenticator_;
+  bool login_checked_ = false;
+  bool logged_in_ = false;  ///< the camera has accepted the password
+  bool answered_ = false;   ///< the camera has answered a request with success since it started
+};
+
+}  // namespace cartvo::capture

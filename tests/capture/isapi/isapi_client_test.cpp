@@ -1,0 +1,194 @@
+// Client of ISAPI against a camera over real HTTP.
+#include "capture/isapi/isapi_client.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/camera/isapi_server.hpp"
+
+namespace cartvo::capture {
+namespace {
+
+using test::CameraHabits;
+using test::IsapiServer;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kTime = "/ISAPI/System/time";
+
+IsapiSettings settingsFor(const IsapiServer& server, const std::string& password = "camera-password") {
+  IsapiSettings settings;
+  settings.address = {"127.0.0.1", static_cast<std::uint16_t>(server.port()), false};
+  settings.credentials = {"admin", password};
+  settings.retry_pause = std::chrono::milliseconds(1);
+  return settings;
+}
+
+/// The error of a call; fails the test if it throws none.
+template <typename Call>
+IsapiError errorOf(Call call) {
+  try {
+    call();
+  } catch (const IsapiError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no IsapiError";
+  return {IsapiError::Kind::busy, ""};
+}
+
+TEST(IsapiClient, ReadsWithDigestOnlyAndOneRequestAtATime) {
+  const IsapiServer server;
+  IsapiClient client(settingsFor(server));
+  EXPECT_EQ(client.get(kTime).text("timeMode"), "manual");
+  EXPECT_EQ(client.get("/ISAPI/System/deviceInfo").text("model"), "DS-2CD2143G2-I");
+  EXPECT_EQ(server.mostAtOnce(), 1);
+  EXPECT_THAT(server.received(), Not(HasSubstr("camera-password")));
+  EXPECT_THAT(server.received(), Not(HasSubstr("Basic")));
+}
+
+TEST(IsapiClient, AsksForTheLockBeforeItSendsAPassword) {
+  CameraHabits habits;
+  habits.is_locked = true;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  const IsapiError error = errorOf([&] { client.get(kTime); });
+  EXPECT_EQ(error.kind(), IsapiError::Kind::login_locked);
+  EXPECT_EQ(error.login().unlock_after, std::chrono::seconds(1799));
+  EXPECT_THAT(error.what(), HasSubstr("for another 1799 s"));
+  EXPECT_THAT(server.received(), Not(HasSubstr("Authorization")));
+}
+
+TEST(IsapiClient, SendsARefusedPasswordOnce) {
+  const IsapiServer server;
+  IsapiClient client(settingsFor(server, "canary-wrong"));
+  const IsapiError error = errorOf([&] { client.get(kTime); });
+  EXPECT_EQ(error.kind(), IsapiError::Kind::login_refused);
+  EXPECT_EQ(error.login().attempts_left, 4);
+  EXPECT_THAT(error.what(), HasSubstr("4 attempts are left"));
+  EXPECT_THAT(error.what(), Not(HasSubstr("canary-wrong")));
+  EXPECT_EQ(server.wrongPasswords(), 1);
+}
+
+TEST(IsapiClient, ReportsACameraThatIsNotActivated) {
+  CameraHabits habits;
+  habits.is_activated = false;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::not_activated);
+}
+
+TEST(IsapiClient, DoesWithoutUserCheck) {
+  CameraHabits habits;
+  habits.knows_user_check = false;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  EXPECT_EQ(client.loginState().locked, std::nullopt);
+  EXPECT_EQ(client.get(kTime).rootName(), "Time");
+}
+
+TEST(IsapiClient, AnswersSha256AndBothAlgorithms) {
+  for (const std::vector<std::string>& algorithms :
+       {std::vector<std::string>{"SHA-256"}, {"MD5", "SHA-256"}, {"SHA-256", "MD5"}}) {
+    CameraHabits habits;
+    habits.algorithms = algorithms;
+    const IsapiServer server(habits);
+    IsapiClient client(settingsFor(server));
+    EXPECT_EQ(client.get(kTime).rootName(), "Time");
+    EXPECT_THAT(server.received(), HasSubstr("algorithm=SHA-256"));
+  }
+}
+
+TEST(IsapiClient, TakesANewNonceWhenOneDies) {
+  for (const bool says_stale : {true, false}) {
+    CameraHabits habits;
+    habits.nonce_uses = 2;
+    habits.says_stale = says_stale;
+    IsapiServer server(habits);
+    IsapiClient client(settingsFor(server));
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(client.get(kTime).rootName(), "Time");
+    server.forgetNonces();
+    EXPECT_EQ(client.get(kTime).rootName(), "Time");
+    EXPECT_EQ(server.wrongPasswords(), 0);
+  }
+}
+
+TEST(IsapiClient, WaitsForACameraThatStartsOrIsBusy) {
+  CameraHabits habits;
+  habits.booting_answers = 3;
+  habits.busy_answers = 2;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  EXPECT_EQ(client.get(kTime).rootName(), "Time");
+}
+
+TEST(IsapiClient, GivesUpOnACameraThatStaysBusy) {
+  CameraHabits habits;
+  habits.busy_answers = 1000;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::busy);
+  EXPECT_EQ(server.requests().size(), 1U + 1U + 5U) << "user check, first attempt, five more";
+}
+
+TEST(IsapiClient, TellsMissingPermissionFromAWrongPassword) {
+  CameraHabits habits;
+  habits.may_write = false;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  const XmlDocument time = client.get(kTime);
+  const IsapiError error = errorOf([&] { client.put(kTime, time); });
+  EXPECT_EQ(error.kind(), IsapiError::Kind::forbidden);
+  EXPECT_THAT(error.what(), HasSubstr("the password is right"));
+  EXPECT_THAT(error.what(), HasSubstr("Remote: Parameters Settings"));
+}
+
+TEST(IsapiClient, LeavesOutWhatACameraDoesNotHave) {
+  const IsapiServer server;
+  IsapiClient client(settingsFor(server));
+  EXPECT_FALSE(client.getIfSupported("/ISAPI/Missing").has_value());
+  EXPECT_EQ(errorOf([&] { client.get("/ISAPI/Missing"); }).kind(), IsapiError::Kind::not_supported);
+}
+
+TEST(IsapiClient, WritesAndSaysWhenARebootIsNeeded) {
+  for (const bool wants_reboot : {false, true}) {
+    CameraHabits habits;
+    habits.wants_reboot = wants_reboot;
+    const IsapiServer server(habits);
+    IsapiClient client(settingsFor(server));
+    XmlDocument time = client.get(kTime);
+    time.setTexts("timeMode", "NTP");
+    EXPECT_EQ(client.put(kTime, time), wants_reboot);
+    EXPECT_THAT(server.document(kTime), HasSubstr("<timeMode>NTP</timeMode>"));
+  }
+}
+
+TEST(IsapiClient, SurvivesAReboot) {
+  const IsapiServer server;
+  IsapiClient client(settingsFor(server));
+  client.reboot();
+  EXPECT_EQ(client.get(kTime).rootName(), "Time");
+}
+
+TEST(IsapiClient, NamesAnAddressWhereNothingAnswers) {
+  int port = 0;
+  {
+    const IsapiServer server;
+    port = server.port();
+  }
+  IsapiSettings settings;
+  settings.address = {"127.0.0.1", static_cast<std::uint16_t>(port), false};
+  IsapiClient client(settings);
+  try {
+    client.get(kTime);
+    ADD_FAILURE();
+  } catch (const HttpError& error) {
+    EXPECT_EQ(error.kind(), HttpError::Kind::unreachable);
+    EXPECT_THAT(error.what(), HasSubstr("http://127.0.0.1:" + std::to_string(port) + " cannot be reached"));
+  }
+}
+
+}  // namespace
+}  // namespace cartvo::capture

@@ -1,0 +1,71 @@
+// XML documents of cameras.
+#include "capture/isapi/xml_document.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/error_message.hpp"
+
+namespace cartvo::capture {
+namespace {
+
+using testing::HasSubstr;
+
+XmlDocument parse(const std::string& text) {
+  return XmlDocument::parse(text, "camera");
+}
+
+TEST(XmlDocument, FindsElementsByLocalNames) {
+  const XmlDocument document = parse("<p:A xmlns:p='urn:x'><p:B> 1 \n</p:B><p:B>2</p:B></p:A>");
+  EXPECT_EQ(document.rootName(), "A");
+  EXPECT_EQ(document.text("B"), "1");
+  EXPECT_THAT(document.texts("B"), testing::ElementsAre("1", "2"));
+  EXPECT_EQ(document.text("C"), std::nullopt);
+  EXPECT_EQ(document.text("B/C"), std::nullopt);
+  EXPECT_EQ(document.anyText("B"), "1");
+}
+
+TEST(XmlDocument, KeepsWhatIsNotChanged) {
+  const std::string text = "<A xmlns=\"urn:x\" version=\"2.0\"><B>1</B><!-- note --><C d=\"e\">&lt; </C></A>";
+  XmlDocument document = parse(text);
+  EXPECT_THAT(document.toText(), HasSubstr(text));
+  EXPECT_TRUE(document.setTexts("B", "<2>"));
+  EXPECT_THAT(document.toText(), HasSubstr("<B>&lt;2&gt;</B><!-- note --><C d=\"e\">&lt; </C>"));
+  EXPECT_FALSE(document.setTexts("missing", "2"));
+}
+
+TEST(XmlDocument, TakesNamespacesAlongWithAPart) {
+  const XmlDocument document = parse("<p:A xmlns:p='urn:x' xmlns='urn:y'><p:B><C>1</C></p:B></p:A>");
+  const std::string part = document.part("B").toText();
+  EXPECT_THAT(part, HasSubstr("xmlns:p=\"urn:x\""));
+  EXPECT_THAT(part, HasSubstr("xmlns=\"urn:y\""));
+  EXPECT_EQ(parse(part).text("C"), "1");
+}
+
+TEST(XmlDocument, AddsAMissingElementWithThePrefixOfItsParent) {
+  XmlDocument document = parse("<p:A xmlns:p='urn:x'><p:B/></p:A>");
+  EXPECT_TRUE(document.setOrAppend("B/C", "1"));
+  EXPECT_THAT(document.toText(), HasSubstr("<p:B><p:C>1</p:C></p:B>"));
+  EXPECT_FALSE(document.setOrAppend("D/E", "1"));
+}
+
+TEST(XmlDocument, RejectsWhatIsNoXmlWithoutRepeatingIt) {
+  for (const std::string text : {"", "secret", "<A>secret", "<?xml version='1.0'?>"}) {
+    const std::string message = test::messageOf([&] { parse(text); });
+    EXPECT_THAT(message, HasSubstr("camera: expected XML")) << text;
+    EXPECT_THAT(message, testing::Not(HasSubstr("secret")));
+  }
+  EXPECT_THAT(test::messageOf([] { parse("<A>" + std::string(XmlDocument::kMaxBytes, 'x') + "</A>"); }),
+              HasSubstr("at most 512 KiB"));
+}
+
+TEST(XmlDocument, ReadsNoExternalEntities) {
+  const XmlDocument document =
+      parse("<!DOCTYPE A [<!ENTITY e SYSTEM 'file:///etc/passwd'>]><A><B>&e;</B></A>");
+  EXPECT_EQ(document.text("B"), "&e;");
+}
+
+}  // namespace
+}  // namespace cartvo::capture

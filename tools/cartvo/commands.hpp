@@ -11,6 +11,7 @@ void addReplayCommand(CLI::App& cartvo);
 void addRecordingCommand(CLI::App& cartvo);
 void addEvaluateCommand(CLI::App& cartvo);
 void addWatchCommand(CLI::App& cartvo);
+void addCameraCommand(CLI::App& cartvo);
 void addCalibrateCommand(CLI::App& cartvo);
 void addBenchmarkCommand(CLI::App& cartvo);
 

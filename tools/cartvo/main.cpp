@@ -33,6 +33,7 @@ void addCommands(CLI::App& cartvo) {
   cartvo::addRecordingCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);
+  cartvo::addCameraCommand(cartvo);
   cartvo::addCalibrateCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);
 }

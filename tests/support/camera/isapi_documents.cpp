@@ -109,4 +109,10 @@ IsapiDocuments oldFirmwareDocuments() {
   return documents;
 }
 
+IsapiDocuments withSerialNumber(IsapiDocuments documents, const std::string& serial_number) {
+  std::string& device = documents.at("/ISAPI/System/deviceInfo");
+  device = std::regex_replace(device, std::regex("(<([a-z]+:)?serialNumber>)[^<]*"), "$1" + serial_number);
+  return documents;
+}
+
 }  // namespace cartvo::test

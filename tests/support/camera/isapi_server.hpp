@@ -26,8 +26,11 @@ using IsapiDocuments = std::map<std::string, std::string>;
 IsapiDocuments factoryDocuments(const std::string& root_attributes =
                                     "version=\"2.0\" xmlns=\"http://www.hikvision.com/ver20/XMLSchema\"");
 
-/// The same with a prefix on each element, blanks around all values, and without what only newer firmwares
-/// have.
+/// The documents with another serial number.
+IsapiDocuments withSerialNumber(IsapiDocuments documents, const std::string& serial_number);
+
+/// The factory's documents with a prefix on each element, blanks around all values, and without what only
+/// newer firmwares have.
 IsapiDocuments oldFirmwareDocuments();
 
 /// How a camera behaves.

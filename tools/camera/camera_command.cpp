@@ -1,0 +1,304 @@
+// `cartvo camera`: shows, checks and changes the settings of the configured cameras.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tools/camera/camera_access.hpp"
+#include "tools/camera/camera_report.hpp"
+#include "tools/camera/settings_change.hpp"
+#include "tools/cartvo/commands.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kNotAsNeeded = 3;
+constexpr int kRebootNeeded = 4;
+
+struct Options {
+  AccessOptions access;
+  std::vector<std::string> settings;
+  bool json = false, verbose = false;
+  bool all = false, yes = false, dry_run = false;
+  double wait = 0.0;  // s
+};
+
+[[noreturn]] void exitWith(int code) {
+  std::fflush(stdout);
+  throw CLI::RuntimeError(code);
+}
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+}
+
+ReportedCamera read(CameraAccess& access) {
+  ReportedCamera camera{access.side, access.client->address().url(), std::nullopt, {}};
+  try {
+    camera.documents = readCamera(*access.client, access.channels);
+  } catch (const capture::IsapiError& error) {
+    camera.error = error.what();
+  } catch (const capture::HttpError& error) {
+    camera.error = error.what();
+  }
+  return camera;
+}
+
+ReportedPair readAll(std::vector<CameraAccess>& cameras) {
+  ReportedPair pair;
+  for (CameraAccess& access : cameras)
+    pair.push_back(read(access));
+  return pair;
+}
+
+bool allRead(const ReportedPair& cameras) {
+  return std::all_of(cameras.begin(), cameras.end(),
+                     [](const ReportedCamera& camera) { return camera.documents.has_value(); });
+}
+
+/// Prints the errors of cameras that could not be read to standard error; the report has them, too.
+void requireAllRead(const ReportedPair& cameras) {
+  if (!allRead(cameras)) exitWith(EXIT_FAILURE);
+}
+
+/// The wish "NAME=VALUE" or "NAME".
+Selection selectionOf(const Options& options) {
+  Selection selection;
+  selection.all = options.all;
+  for (const std::string& word : options.settings) {
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (equals == std::string::npos) {
+      selection.settings[name] = std::nullopt;
+    } else {
+      selection.settings[name] = word.substr(equals + 1);
+    }
+  }
+  return selection;
+}
+
+void show(const Options& options) {
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
+  std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
+  const ReportedPair pair = readAll(cameras);
+  const OdometryNeeds needs = needsOf(configuration);
+  print(options.json ? showJson(pair, needs).dump(2) + "\n" : showText(pair, needs));
+  requireAllRead(pair);
+}
+
+void check(const Options& options) {
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
+  std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
+  const ReportedPair pair = readAll(cameras);
+  const CheckReport report = checkReport(pair, needsOf(configuration));
+  print(options.json ? checkJson(report).dump(2) + "\n" : checkText(report, options.verbose));
+  requireAllRead(pair);
+  if (!report.isGood()) exitWith(kNotAsNeeded);
+}
+
+/// Asks the user. Without a terminal nothing is changed.
+void requireConsent(const Options& options, const std::string& question) {
+  if (options.yes) return;
+  if (isatty(STDIN_FILENO) == 0)
+    throw std::runtime_error(
+        "nothing was changed: standard input is no terminal to ask at; --yes agrees beforehand");
+  print(question + " [y/N] ");
+  std::fflush(stdout);
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (answer == "y" || answer == "Y" || answer == "yes") return;
+  print("nothing was changed\n");
+  exitWith(EXIT_FAILURE);
+}
+
+/// Makes the planned changes and prints how each ended. True if a camera needs a reboot.
+bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
+  bool needs_reboot = false;
+  for (CameraAccess& access : cameras) {
+    const ApplyResult result =
+        applyChanges(*access.client, access.channels, plan.changes[access.side == "right" ? 1 : 0]);
+    for (const ChangeResult& one : result.results) {
+      print(access.side + " camera: " + one.change.setting.name + " " +
+            (one.is_taken ? "is " + one.change.to : "is not changed: " + one.problem) + "\n");
+    }
+    if (result.needs_reboot)
+      print(access.side + " camera: it needs a reboot: cartvo camera reboot --camera " + access.side + "\n");
+    needs_reboot = needs_reboot || result.needs_reboot;
+  }
+  return needs_reboot;
+}
+
+/// Prints what is left. True if all that was selected is as it should be on all cameras.
+bool reportRest(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Selection& selection) {
+  const ReportedPair pair = readAll(cameras);
+  requireAllRead(pair);
+  const ChangePlan rest = planChanges(pairOf(pair), needs, selection);
+  if (rest.isEmpty() && rest.problems[0].empty() && rest.problems[1].empty()) return true;
+  print("left over:\n" + planText(pair, rest));
+  return false;
+}
+
+void apply(const Options& options) {
+  const Selection selection = selectionOf(options);
+  if (!selection.all && selection.settings.empty())
+    throw CLI::ValidationError("SETTING", "name at least one setting, or --all");
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
+  const OdometryNeeds needs = needsOf(configuration);
+  std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
+  const ReportedPair pair = readAll(cameras);
+  for (const ReportedCamera& camera : pair) {
+    if (!camera.documents)
+      throw std::runtime_error("nothing was changed, because both cameras must end alike: " + camera.error);
+  }
+  const ChangePlan plan = planChanges(pairOf(pair), needs, selection);
+  print(planText(pair, plan));
+  const bool has_problems = !plan.problems[0].empty() || !plan.problems[1].empty();
+  if (options.dry_run || plan.isEmpty()) {
+    if (has_problems) exitWith(kNotAsNeeded);
+    return;
+  }
+  requireConsent(options, "Change this?");
+  const bool needs_reboot = change(cameras, plan);
+  const bool is_done = reportRest(cameras, needs, selection);
+  if (needs_reboot) exitWith(kRebootNeeded);
+  if (!is_done) exitWith(kNotAsNeeded);
+}
+
+/// Waits until a camera that was told to reboot has gone down and answers again.
+void waitForReboot(CameraAccess& access, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  bool was_down = false;
+  while (Clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    try {
+      access.client->get("/ISAPI/System/deviceInfo");
+      if (was_down) return;
+    } catch (const capture::HttpError&) {
+      was_down = true;
+    } catch (const capture::IsapiError& error) {
+      if (error.kind() != capture::IsapiError::Kind::busy) throw;
+      was_down = true;
+    }
+  }
+  throw std::runtime_error("the " + access.side + " camera does not answer " +
+                           std::to_string(static_cast<int>(seconds)) + " s after its reboot");
+}
+
+void reboot(const Options& options) {
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
+  std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
+  for (const CameraAccess& access : cameras)
+    print(access.side + " camera, " + access.client->address().url() + "\n");
+  requireConsent(options, "Reboot? There are no pictures for about a minute.");
+  for (CameraAccess& access : cameras) {
+    access.client->reboot();
+    print("the " + access.side + " camera reboots\n");
+  }
+  if (options.wait <= 0.0) return;
+  for (CameraAccess& access : cameras) {
+    waitForReboot(access, options.wait);
+    print("the " + access.side + " camera answers again\n");
+  }
+}
+
+void addAccessOptions(CLI::App& command, const std::shared_ptr<Options>& options) {
+  AccessOptions& access = options->access;
+  command
+      .add_option("--config", access.configuration,
+                  "cartvod's configuration file, which names cameras and passwords")
+      ->capture_default_str();
+  command.add_option("--camera", access.side, "Which camera")
+      ->check(CLI::IsMember({"left", "right", "both"}))
+      ->capture_default_str();
+  command
+      .add_option("--http-port", access.http_port,
+                  "Port of the cameras' web page (default 80, with --https 443)")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("PORT");
+  command.add_flag(
+      "--https", access.https,
+      "Use TLS. The key of each camera's certificate is kept at the first use and required from then on");
+  command.add_option("--known-cameras", access.known_cameras,
+                     "File of the kept keys (default: known-cameras beside the configuration)");
+  command
+      .add_option("--channel", access.channel,
+                  "Number of the stream (default: the one of the camera's URL, else 101)")
+      ->check(CLI::Range(101, 9999))
+      ->type_name("NUMBER");
+  command.add_option("--timeout", access.timeout, "Limit for each request, s")
+      ->check(CLI::Range(0.1, 60.0))
+      ->capture_default_str()
+      ->type_name("SECONDS");
+}
+
+CLI::App* addAction(CLI::App& command, const std::string& name, const std::string& description,
+                    void (*work)(const Options&), std::shared_ptr<Options>& options) {
+  CLI::App* action = command.add_subcommand(name, description);
+  options = std::make_shared<Options>();
+  addAccessOptions(*action, options);
+  action->callback([options, work] { work(*options); });
+  return action;
+}
+
+void addApply(CLI::App& command) {
+  std::shared_ptr<Options> options;
+  CLI::App* action = addAction(command, "apply", "Change settings to what odometry needs", apply, options);
+  action->add_option("SETTING", options->settings, "Settings to change: NAME, or NAME=VALUE")
+      ->type_name("SETTING");
+  action->add_flag("--all", options->all,
+                   "Change all settings that are not as needed, except size, flip and time server");
+  action->add_flag("--dry-run", options->dry_run, "Only show the changes");
+  action->add_flag("--yes", options->yes, "Do not ask");
+  action->footer(
+      "Both cameras end alike. Each change is read back. Exit codes: 0 all is as selected, 1 failure or not "
+      "agreed,\n"
+      "2 wrong command line, 3 something selected is not as it should be, 4 a camera needs a reboot.");
+}
+
+}  // namespace
+
+void addCameraCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("camera", "Show, check and change the settings of Hikvision cameras (ISAPI)");
+  command->require_subcommand(1);
+  std::shared_ptr<Options> options;
+  addAction(*command, "show", "Show what the cameras are and are set to", show, options)
+      ->add_flag("--json", options->json, "Print JSON");
+  CLI::App* action =
+      addAction(*command, "check", "Compare the settings with those that odometry needs", check, options);
+  action->add_flag("--json", options->json, "Print JSON");
+  action->add_flag("--verbose", options->verbose, "Also print what is good");
+  action->footer(
+      "Exit codes: 0 all is good, 1 a camera could not be read, 2 wrong command line, 3 a setting is not as "
+      "needed.");
+  addApply(*command);
+  action = addAction(*command, "reboot", "Reboot the cameras", reboot, options);
+  action->add_flag("--yes", options->yes, "Do not ask");
+  action
+      ->add_option("--wait", options->wait,
+                   "Wait so long for the cameras to answer again, s (default: do not wait)")
+      ->check(CLI::Range(0.0, 600.0))
+      ->type_name("SECONDS");
+  command->footer(
+      "Examples:\n"
+      "  cartvo camera check\n"
+      "  cartvo camera apply --all --dry-run\n"
+      "  cartvo camera apply wdr frame-rate=18 time-server=192.168.1.10\n"
+      "See cartvo-camera(1) for the settings and why they matter.");
+}
+
+}  // namespace cartvo

@@ -1,0 +1,111 @@
+// Plans changes of settings.
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "tools/camera/settings_change.hpp"
+
+namespace cartvo {
+namespace {
+
+using Findings = std::array<const Finding*, 2>;  // of one setting; nothing: no such camera
+
+bool canBeSet(const Finding* finding) {
+  return finding != nullptr && !finding->value.empty() && finding->verdict != Verdict::not_reported;
+}
+
+void checkNames(const Selection& selection, const std::vector<Setting>& settings) {
+  for (const auto& [name, value] : selection.settings) {
+    const bool is_known = std::any_of(settings.begin(), settings.end(),
+                                      [&name = name](const Setting& one) { return one.name == name; });
+    if (is_known) continue;
+    std::string names;
+    for (const Setting& setting : settings)
+      names += (names.empty() ? "" : ", ") + setting.name;
+    throw std::runtime_error("there is no setting '" + name + "'; the settings are " + names);
+  }
+}
+
+/// Size and flip belong to the calibration, and only the user knows the time server: they are changed by name
+/// only.
+bool isChangedByAll(const Setting& setting) {
+  const std::array by_name{"width", "height", "flip"};
+  return std::find(by_name.begin(), by_name.end(), setting.name) == by_name.end();
+}
+
+/// The value that all cameras get; nothing if none is known.
+std::optional<std::string> target(const Setting& setting, const Findings& findings, const CameraPair& cameras,
+                                  const std::optional<std::string>& wish) {
+  if (wish) return wish;
+  std::vector<const CameraDocuments*> able;
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    if (canBeSet(findings[i])) able.push_back(cameras[i]);
+  // A good value of one camera stays, so that as little as possible changes.
+  for (const Finding* finding : findings) {
+    if (!canBeSet(finding) || !fits(setting, finding->value)) continue;
+    const bool is_offered = std::all_of(able.begin(), able.end(), [&](const CameraDocuments* camera) {
+      return offerProblem(setting, *camera, finding->value).empty();
+    });
+    if (is_offered) return finding->value;
+  }
+  return bestValue(setting, able);
+}
+
+void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& cameras,
+             const std::optional<std::string>& wish, bool is_named) {
+  const Setting& setting = (findings[0] != nullptr ? findings[0] : findings[1])->setting;
+  const bool switches_off = isSwitch(setting) && (!wish || fits(setting, *wish));
+  const std::optional<std::string> common = target(setting, findings, cameras, wish);
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const Finding* finding = findings[i];
+    if (finding == nullptr) continue;
+    const std::optional<std::string> value = switches_off ? bestValue(setting, {cameras[i]}) : common;
+    if (!canBeSet(finding)) {
+      if (is_named)
+        plan.problems[i].push_back(setting.name +
+                                   ": the camera does not report it, or it does not count now");
+    } else if (!value) {
+      if (!finding->isGood()) {
+        const auto offered = offeredValues(setting, *cameras[i]);
+        plan.problems[i].push_back(fmt::format(
+            "{}: is {}, must be {}{}", setting.name, finding->value, wantedText(setting),
+            offered.empty() ? "" : fmt::format("; the camera offers {}", fmt::join(offered, ", "))));
+      }
+    } else if (const std::string problem = offerProblem(setting, *cameras[i], *value); !problem.empty()) {
+      plan.problems[i].push_back(setting.name + ": cannot be " + *value + ": " + problem);
+    } else if (!sameValue(finding->value, *value)) {
+      plan.changes[i].push_back({setting, finding->value, *value});
+    }
+  }
+}
+
+}  // namespace
+
+ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, const Selection& selection) {
+  // A wanted frame rate also changes the key frame interval that is needed.
+  OdometryNeeds wanted = needs;
+  if (const auto rate = selection.settings.find("frame-rate");
+      rate != selection.settings.end() && rate->second)
+    wanted.frame_rate = std::atof(rate->second->c_str());
+  const auto findings = checkCameras(cameras, wanted);
+  const std::vector<Setting> settings = cameraSettings(wanted, frameRateOf(wanted, cameras));
+  checkNames(selection, settings);
+  ChangePlan plan;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    const Setting& setting = settings[i];
+    const auto named = selection.settings.find(setting.name);
+    const bool is_named = named != selection.settings.end();
+    if (!is_named && !(selection.all && isChangedByAll(setting))) continue;
+    const Findings pair{findings[0].empty() ? nullptr : &findings[0][i],
+                        findings[1].empty() ? nullptr : &findings[1][i]};
+    const bool is_good =
+        (pair[0] == nullptr || pair[0]->isGood()) && (pair[1] == nullptr || pair[1]->isGood());
+    const std::optional<std::string> wish = is_named ? named->second : std::nullopt;
+    if (is_good && !is_named) continue;
+    planOne(plan, pair, cameras, wish, is_named);
+  }
+  return plan;
+}
+
+}  // namespace cartvo

@@ -15,6 +15,7 @@
 
 #include "tools/camera/camera_access.hpp"
 #include "tools/camera/camera_report.hpp"
+#include "tools/camera/discover_command.hpp"
 #include "tools/camera/settings_change.hpp"
 #include "tools/cartvo/commands.hpp"
 
@@ -260,7 +261,7 @@ void addApply(CLI::App& command) {
   action->add_option("SETTING", options->settings, "Settings to change: NAME, or NAME=VALUE")
       ->type_name("SETTING");
   action->add_flag("--all", options->all,
-                   "Change all settings that are not as needed, except size, flip and time server");
+                   "Change all settings that are not as needed, except picture size and flip");
   action->add_flag("--dry-run", options->dry_run, "Only show the changes");
   action->add_flag("--yes", options->yes, "Do not ask");
   action->footer(
@@ -273,7 +274,7 @@ void addApply(CLI::App& command) {
 
 void addCameraCommand(CLI::App& cartvo) {
   CLI::App* command =
-      cartvo.add_subcommand("camera", "Show, check and change the settings of Hikvision cameras (ISAPI)");
+      cartvo.add_subcommand("camera", "Find cameras; show, check and change settings of Hikvision cameras");
   command->require_subcommand(1);
   std::shared_ptr<Options> options;
   addAction(*command, "show", "Show what the cameras are and are set to", show, options)
@@ -293,8 +294,10 @@ void addCameraCommand(CLI::App& cartvo) {
                    "Wait so long for the cameras to answer again, s (default: do not wait)")
       ->check(CLI::Range(0.0, 600.0))
       ->type_name("SECONDS");
+  addDiscoverAction(*command);
   command->footer(
       "Examples:\n"
+      "  cartvo camera discover\n"
       "  cartvo camera check\n"
       "  cartvo camera apply --all --dry-run\n"
       "  cartvo camera apply wdr frame-rate=18 time-server=192.168.1.10\n"

@@ -27,8 +27,7 @@ void checkNames(const Selection& selection, const std::vector<Setting>& settings
   }
 }
 
-/// Size and flip belong to the calibration, and only the user knows the time server: they are changed by name
-/// only.
+/// Size and flip belong to the calibration: they are changed by name only.
 bool isChangedByAll(const Setting& setting) {
   const std::array by_name{"width", "height", "flip"};
   return std::find(by_name.begin(), by_name.end(), setting.name) == by_name.end();

@@ -190,11 +190,15 @@ class RtspCamera::Receiver {
       disconnect();
       if (error.kind() == RtspError::Kind::interrupted) return;
       const bool refused = error.kind() == RtspError::Kind::refused;
-      const milliseconds pause = refused ? refusedPause() : failurePause();
+      const RefusedLogin refusal =
+          refused && settings_.ask_about_refusal ? settings_.ask_about_refusal(interrupted_) : RefusedLogin();
+      if (interrupted_) return;
+      const milliseconds pause = refused ? refusedPause(refusal) : failurePause();
       retryAfter(pause);
       const std::lock_guard lock(mutex_);
       health_.state = refused ? CameraState::refused : CameraState::connecting;
       health_.last_error = error.what();
+      if (!refusal.text.empty()) health_.last_error += "; " + refusal.text;
       if (refused) health_.last_error += "; trying again in " + inSeconds(pause);
       return;
     }
@@ -306,8 +310,12 @@ class RtspCamera::Receiver {
   void retryAfter(milliseconds pause) { next_attempt_ = Clock::now() + pause; }
 
   milliseconds failurePause() { return backoff(settings_.first_retry, failures_++, settings_.longest_retry); }
-  milliseconds refusedPause() {
-    return backoff(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
+  /// A login while the camera has locked it may lock it anew. A camera that states no lock is asked less and
+  /// less often.
+  milliseconds refusedPause(const RefusedLogin& refusal) {
+    const milliseconds pause = backoff(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
+    if (!refusal.locked_for) return pause;
+    return std::min(*refusal.locked_for + kLockMargin, kMaxLock);
   }
 
   static milliseconds backoff(milliseconds first, int times, milliseconds longest) {
@@ -323,6 +331,8 @@ class RtspCamera::Receiver {
   }
 
   static constexpr std::size_t kMaxQueuedFrames = 16;
+  static constexpr milliseconds kLockMargin{1000};
+  static constexpr milliseconds kMaxLock{24 * 60 * 60 * 1000};
 
   const RtspCameraSettings settings_;
   StreamObserver* observer_ = nullptr;

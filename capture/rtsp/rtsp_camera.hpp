@@ -1,8 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "capture/camera_source.hpp"
@@ -16,6 +19,13 @@ namespace cartvo::capture {
 
 /// Transport of the RTP packets.
 enum class RtspTransport : std::uint8_t { tcp, udp };
+
+/// What a camera says about a login that it refused.
+struct RefusedLogin {
+  std::optional<std::chrono::milliseconds>
+      locked_for;    ///< until it accepts a login again; nothing: not known
+  std::string text;  ///< printable, for messages; may be empty
+};
 
 /// Settings of one IP camera.
 struct RtspCameraSettings {
@@ -38,6 +48,11 @@ struct RtspCameraSettings {
   std::chrono::milliseconds refused_retry{30000};
   std::chrono::milliseconds longest_refused_retry{30 * 60 * 1000};
 
+  /// Asks the camera about a refused login, without a password. The camera waits as long as the answer says.
+  /// Must not throw, and return within `answer_timeout`, or within a second once the flag is true. Empty: not
+  /// asked.
+  std::function<RefusedLogin(const std::atomic<bool>& interrupted)> ask_about_refusal;
+
   std::int64_t max_pixels = 64'000'000;  ///< larger pictures are refused
 
   int decoder_threads =
@@ -48,7 +63,8 @@ struct RtspCameraSettings {
 /// `read` receives and decodes in the caller's thread.
 ///
 /// `read` checks its time-out between packets. On a stalled connection it takes up to `stall_timeout`; while
-/// connecting, up to `answer_timeout` plus `connect_timeout`. `interrupt` takes effect within 0.1 s.
+/// connecting, up to `answer_timeout` plus `connect_timeout`, after a refused login another `answer_timeout`.
+/// `interrupt` takes effect within 0.1 s, while a camera is asked about a refused login within a second.
 class RtspCamera : public CameraSource {
  public:
   /// Validates the settings; the first `read` connects. Throws std::invalid_argument if the URL is not an

@@ -7,7 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/camera_password.hpp"
+#include "daemon/service/refused_login.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -18,6 +20,8 @@ constexpr std::chrono::seconds kMaxOpenTime{3};
 // Pictures up to these sizes are decoded, so that the message about a wrong size can tell it.
 constexpr std::int64_t kMaxPixelRatio = 4;          // of the rig's
 constexpr std::int64_t kRefusedPixels = 9'000'000;  // 4K
+
+constexpr std::uint16_t kHttpPort = 80;
 
 constexpr double kDefaultV4l2Rate = 18.0;  // Hz
 
@@ -37,6 +41,11 @@ capture::RtspCameraSettings rtspSettings(const Configuration& configuration,
   settings.answer_timeout = configuration.answer_timeout;
   settings.connect_timeout = configuration.connect_timeout;
   settings.stall_timeout = configuration.stall_timeout;
+  const capture::HttpAddress address{capture::parseRtspUrl(camera.url).host, kHttpPort, false};
+  settings.ask_about_refusal = [address,
+                                timeout = settings.answer_timeout](const std::atomic<bool>& interrupted) {
+    return askAboutRefusedLogin(address, timeout, interrupted);
+  };
   return settings;
 }
 
@@ -79,7 +88,7 @@ void LiveCamera::connect(const capture::RtspCameraSettings& settings, capture::C
   rtsp_ = camera.get();
   source_ = std::move(camera);
   reader_timeout_ =
-      twice(std::max(settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
+      twice(std::max(2 * settings.answer_timeout + settings.connect_timeout, settings.stall_timeout));
 }
 
 bool LiveCamera::observe(capture::StreamObserver& observer) {

@@ -46,6 +46,27 @@ TEST(RtspConnection, ReportsWrongPasswordWithoutShowingIt) {
   EXPECT_EQ(camera.health().state, CameraState::refused);
 }
 
+TEST(RtspConnection, WaitsAsLongAsTheCameraHasLockedTheLogin) {
+  const auto server = test::startCamera(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials.password = "hunter2";
+  settings.refused_retry = milliseconds(1);
+  settings.longest_refused_retry = milliseconds(1);
+  int questions = 0;
+  settings.ask_about_refusal = [&](const std::atomic<bool>& interrupted) {
+    EXPECT_FALSE(interrupted);
+    ++questions;
+    return RefusedLogin{std::chrono::seconds(1799), "the camera has locked this login"};
+  };
+  RtspCamera camera(settings);
+  EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+  EXPECT_THAT(camera.health().last_error,
+              HasSubstr("; the camera has locked this login; trying again in 1800 s"));
+  Frame frame;
+  EXPECT_EQ(camera.read(frame, milliseconds(50)), ReadOutcome::timed_out);
+  EXPECT_EQ(questions, 1);
+}
+
 TEST(RtspConnection, ReportsMissingPassword) {
   const auto server = test::startCamera(test::leftStream());
   RtspCameraSettings settings = test::settingsFor(server->port());

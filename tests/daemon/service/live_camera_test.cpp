@@ -40,8 +40,8 @@ TEST(LiveCamera, IsRtspOrV4l2CameraByUrl) {
 TEST(LiveCamera, ReaderTimeoutIsTwiceTheCameraTimeouts) {
   Configuration configuration = rtspAndV4l2();
   capture::StereoTimestamper clock(capture::ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 12.0)
-      << "twice the answer and connection time-outs";
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 14.0)
+      << "twice the connection time-out and the answer time-outs of RTSP and, after a refusal, of HTTP";
   configuration.stall_timeout = std::chrono::seconds(60);
   EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 120.0)
       << "twice the stall time-out, which is longer";
@@ -58,8 +58,8 @@ TEST(LiveCamera, UsesConfiguredTimeouts) {
   EXPECT_EQ(settings.connect_timeout, configuration.connect_timeout);
   EXPECT_EQ(settings.stall_timeout, configuration.stall_timeout);
   capture::StereoTimestamper clock(capture::ClockChoice::automatic);
-  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 2.0)
-      << "twice the answer and connection time-outs";
+  EXPECT_EQ(LiveCamera(configuration, capture::CameraSide::left, {}, clock).readerTimeout(), 2.6)
+      << "twice the connection time-out and both answer time-outs";
 }
 
 TEST(LiveCamera, V4l2CameraUsesRigSizeUnlessConfigured) {

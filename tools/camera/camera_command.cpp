@@ -66,7 +66,7 @@ bool allRead(const ReportedPair& cameras) {
                      [](const ReportedCamera& camera) { return camera.documents.has_value(); });
 }
 
-/// Prints the errors of cameras that could not be read to standard error; the report has them, too.
+/// Ends the command with failure if a camera could not be read; the printed report says why.
 void requireAllRead(const ReportedPair& cameras) {
   if (!allRead(cameras)) exitWith(EXIT_FAILURE);
 }
@@ -78,6 +78,8 @@ Selection selectionOf(const Options& options) {
   for (const std::string& word : options.settings) {
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
+    if (name.empty() || equals + 1 == word.size())
+      throw CLI::ValidationError("SETTING", "expected NAME or NAME=VALUE, found '" + word + "'");
     if (equals == std::string::npos) {
       selection.settings[name] = std::nullopt;
     } else {

@@ -234,6 +234,8 @@ std::vector<std::string> offeredValues(const Setting& setting, const CameraDocum
 }
 
 std::string offerProblem(const Setting& setting, const CameraDocuments& camera, const std::string& value) {
+  if (setting.rule == Rule::number && !numberOf(value)) return "expected a number";
+  if (setting.rule == Rule::shutter && !exposureOf(value)) return "expected an exposure such as 1/500";
   const std::vector<std::string> offered = offeredValues(setting, camera);
   const bool is_offered =
       offered.empty() || std::any_of(offered.begin(), offered.end(),

@@ -84,9 +84,12 @@ void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& camer
 ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, const Selection& selection) {
   // A wanted frame rate also changes the key frame interval that is needed.
   OdometryNeeds wanted = needs;
-  if (const auto rate = selection.settings.find("frame-rate");
-      rate != selection.settings.end() && rate->second)
-    wanted.frame_rate = std::atof(rate->second->c_str());
+  const auto rate = selection.settings.find("frame-rate");
+  if (rate != selection.settings.end() && rate->second) {
+    constexpr double kHighestRate = 240.0;  // Hz
+    const double hertz = std::atof(rate->second->c_str());
+    if (hertz >= 1.0 && hertz <= kHighestRate) wanted.frame_rate = hertz;
+  }
   const auto findings = checkCameras(cameras, wanted);
   const std::vector<Setting> settings = cameraSettings(wanted, frameRateOf(wanted, cameras));
   checkNames(selection, settings);

@@ -155,6 +155,7 @@ TEST_F(CameraCommand, KeepsTheKeyOfACameraWithTls) {
 
 TEST_F(CameraCommand, WantsToKnowWhatToApply) {
   EXPECT_EQ(run("apply").exit_code, 2);
+  EXPECT_EQ(run("apply wdr=").exit_code, 2);
   EXPECT_EQ(run("apply nonsense").exit_code, 1);
   EXPECT_THAT(run("apply nonsense").output, HasSubstr("there is no setting 'nonsense'"));
 }

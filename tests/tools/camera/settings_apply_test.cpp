@@ -164,11 +164,13 @@ TEST(SettingsPlan, NamesWhatACameraDoesNotOffer) {
   Selection selection;
   selection.settings["frame-rate"] = "17";
   selection.settings["hlc"] = std::nullopt;
+  selection.settings["bit-rate"] = "much";
   const ChangePlan plan = planFor(server, selection);
   EXPECT_TRUE(plan.isEmpty());
   EXPECT_THAT(plan.problems[0],
               testing::UnorderedElementsAre(HasSubstr("frame-rate: cannot be 17: the camera offers 6"),
-                                            HasSubstr("hlc: the camera does not report it")));
+                                            HasSubstr("hlc: the camera does not report it"),
+                                            HasSubstr("bit-rate: cannot be much: expected a number")));
 }
 
 TEST(SettingsPlan, RejectsUnknownNames) {

@@ -59,6 +59,7 @@ void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& camer
   for (std::size_t i = 0; i < findings.size(); ++i) {
     const Finding* finding = findings[i];
     if (finding == nullptr) continue;
+    if (switches_off && finding->verdict == Verdict::good) continue;
     const std::optional<std::string> value = switches_off ? bestValue(setting, {cameras[i]}) : common;
     if (!canBeSet(finding)) {
       if (is_named)

@@ -159,6 +159,15 @@ TEST(SettingsPlan, LeavesGoodSettingsAndTheCalibrationAlone) {
     EXPECT_THAT(change.setting.name, testing::Not(testing::AnyOf("flip", "width", "height", "codec", "blc")));
 }
 
+TEST(SettingsPlan, LeavesASwitchThatIsOffByAnyName) {
+  const IsapiServer server({},
+                           test::replaced(test::factoryDocuments(), "<mode>open</mode>", "<mode>off</mode>"));
+  Selection selection;
+  selection.settings["wdr"] = "off";
+  selection.settings["blc"] = std::nullopt;
+  EXPECT_TRUE(planFor(server, selection).isEmpty());
+}
+
 TEST(SettingsPlan, NamesWhatACameraDoesNotOffer) {
   const IsapiServer server;
   Selection selection;

@@ -43,6 +43,7 @@ BELOW = {
     "vo_core": {"common"},
     "capture": {"common"},
     "calib": {"common", "vo_core/simd"},
+    "client": set(),
     "daemon": {"common", "vo_core", "capture", "calib", "cartvo"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)

@@ -1,33 +1,44 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <cstdio>
 #include <string>
+#include <thread>
 
-#include "tools/subscribers/latest_odometry.hpp"
+#include <cartvo/client.hpp>
+
+// The control loop of the two example controllers. Needs cartvo_client only.
 
 namespace cartvo {
 
-/// Current system time, us since the Unix epoch.
-inline std::int64_t nowUtime() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+constexpr std::chrono::milliseconds kControlPeriod{25};  // 40 Hz
+
+/// Why there is no usable message, for the operator.
+inline std::string faultText(const client::OdometryClient& odometry, const client::ControllerInput& input) {
+  if (input.two_publishers) return "two daemons publish";
+  if (odometry.newest().kept() > 0)
+    return std::string("last message ") + client::verdictText(input.verdict) + ", reasons " +
+           std::to_string(odometry.newest().message().reasons);
+  return odometry.undecodable() > 0 ? "messages come, but cannot be decoded: cartvod is of another release"
+                                    : "no message, cartvod is not running";
 }
 
-/// Why no usable odometry came within the time of silence.
-inline std::string silenceText(const LatestOdometry& odometry, std::uint64_t undecodable_before) {
-  if (odometry.undecodable() > undecodable_before)
-    return "messages come, but cannot be decoded: cartvod is of another release";
-  return "no message, cartvod is not running";
+/// Prints one line: state, authority and `command`, each time the state changes and five times a second.
+inline void printInput(const client::OdometryClient& odometry, const client::ControllerInput& input,
+                       double command, const char* unit) {
+  std::printf("%-8s  authority %4.2f  command %+8.3f %s  speed %6.2f m/s  age %4.0f ms  lost %lld",
+              stateText(input.state), input.authority, command, unit, input.motion.velocity[0],
+              1e-3 * static_cast<double>(input.age_us), static_cast<long long>(odometry.newest().lost()));
+  if (input.state != client::InputState::measured) std::printf("  %s", faultText(odometry, input).c_str());
+  std::printf("\n");
 }
 
-/// Endless control loop: waits for odometry and prints one line per message: `command(message)` if the
-/// message is usable, else `fallback`, the action without odometry. `command` has type `std::string(const
-/// odometry_t&)`. Returns, with the program's exit code, only if LCM cannot be reached.
-template <typename Command>
-int runController(const std::string& lcm_url, const char* fallback, Command command) {
-  constexpr int kSilenceTimeout_ms = 500;  // nine frames at 18 fps
+/// Endless control loop at 40 Hz. `wanted` computes the command from the motion, `double(const
+/// client::Motion&)`; without odometry the command goes to zero within 0.5 s. `unit`: the command's, for the
+/// printed line. Returns, with the program's exit code, only if LCM cannot be reached.
+template <typename Wanted>
+int runController(const std::string& lcm_url, const char* unit, Wanted wanted) {
+  constexpr int kCyclesPerLine = 8;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   lcm::LCM lcm(lcm_url);
   if (!lcm.good()) {
@@ -35,26 +46,17 @@ int runController(const std::string& lcm_url, const char* fallback, Command comm
                  lcm_url.c_str());
     return 1;
   }
-  LatestOdometry odometry(lcm);
-  for (;;) {
-    const std::uint64_t undecodable = odometry.undecodable();
-    if (!odometry.update(kSilenceTimeout_ms)) {
-      std::printf("%s (%d ms); %s\n", silenceText(odometry, undecodable).c_str(), kSilenceTimeout_ms,
-                  fallback);
-      continue;
-    }
-    const odometry_t& message = odometry.message();
-    const std::int64_t now = nowUtime();
-    const double age_ms = static_cast<double>(ageUs(message, now)) * 1e-3;
-    const OdometryVerdict verdict = odometry.verdict(now);
-    if (verdict == OdometryVerdict::usable) {
-      std::printf("%s  age %5.1f ms  lost %lld\n", command(message).c_str(), age_ms,
-                  static_cast<long long>(odometry.lost()));
-    } else {
-      std::printf("unusable: %s%s; status %d, reasons %d, age %.1f ms; %s\n", verdictText(verdict),
-                  odometry.hasTwoPublishers() ? " (two daemons publish)" : "", message.status,
-                  message.reasons, age_ms, fallback);
-    }
+  client::OdometryClient odometry(lcm);
+  auto next = client::SteadyClock::now();
+  auto state = client::InputState::waiting;
+  for (int cycle = 0;; ++cycle) {
+    odometry.update(0);
+    const client::ControllerInput input = odometry.input();
+    const double command = input.command(wanted(input.motion));  // to be sent to the actuator
+    if (input.state != state || cycle % kCyclesPerLine == 0) printInput(odometry, input, command, unit);
+    state = input.state;
+    next += kControlPeriod;
+    std::this_thread::sleep_until(next);
   }
 }
 

@@ -1,22 +1,13 @@
-// Example of a steering controller: speed and yaw rate from CARTVO_ODOMETRY, used only while valid and fresh.
-// Usage: steering_subscriber [LCM-URL]
-
-#include <array>
+// Example of a steering controller: damps the yaw rate that CARTVO_ODOMETRY measures, extrapolated to now.
+// Without odometry its correction goes to zero within 0.5 s. Usage: steering_subscriber [LCM-URL]
 
 #include "tools/subscribers/controller_loop.hpp"
 
-namespace {
-
-std::string command(const cartvo::odometry_t& message) {
-  std::array<char, 128> line{};
-  std::snprintf(line.data(), line.size(), "speed %6.2f m/s  yaw rate %+7.4f rad/s", message.velocity_body[0],
-                message.angular_velocity_body[2]);
-  return line.data();
-}
-
-}  // namespace
-
 int main(int argument_count, char** arguments) {
-  const std::string lcm_url = argument_count > 1 ? arguments[1] : "udpm://239.255.76.67:7667?ttl=0";
-  return cartvo::runController(lcm_url, "hold the steering angle and slow down", command);
+  constexpr double kGain = 4.0;  // degrees of the steering wheel per deg/s
+  constexpr double kDegrees = 57.29577951308232;
+  const std::string lcm_url = argument_count > 1 ? arguments[1] : cartvo::client::kDefaultLcmUrl;
+  return cartvo::runController(lcm_url, "deg", [](const cartvo::client::Motion& motion) {
+    return -kGain * kDegrees * motion.angular_velocity[2];
+  });
 }

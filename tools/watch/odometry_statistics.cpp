@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include <cartvo/client.hpp>
+
 #include "common/statistics.hpp"
-#include "tools/subscribers/odometry_check.hpp"
 
 namespace cartvo {
 namespace {
@@ -39,7 +40,7 @@ bool hasPossibleNumbers(const odometry_t& message) {
 }  // namespace
 
 bool isUsableWhenFresh(const odometry_t& message) {
-  return isConsistent(message) && hasPossibleMotion(message);
+  return client::isConsistent(message) && client::hasPossibleMotion(message);
 }
 
 std::optional<double> latencyMs(const odometry_t& message) {

@@ -36,7 +36,7 @@ constexpr Keys kOdometryKeys = {"estimator",
                                 "online_rig_refinement",
                                 "maximum_offset",
                                 "maximum_offset_uncertainty"};
-constexpr Keys kLcmKeys = {"url", "time_to_live"};
+constexpr Keys kLcmKeys = {"url", "time_to_live", "pose_channel", "pose_velocity"};
 constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
 constexpr Keys kLoggingKeys = {"level"};
 
@@ -61,6 +61,8 @@ constexpr std::array<std::pair<const char*, capture::ClockChoice>, 4> kClocks{
      {"ntp", capture::ClockChoice::ntp},
      {"arrival", capture::ClockChoice::arrival},
      {"visual", capture::ClockChoice::visual}}};
+constexpr std::array<std::pair<const char*, PoseVelocity>, 2> kPoseVelocities{
+    {{"local", PoseVelocity::local}, {"body", PoseVelocity::body}}};
 constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
     {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
 constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{
@@ -216,6 +218,21 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
 }
 
+/// Both keys or none: a default of the velocity's axes would be wrong for half of the programs that use it.
+void readPose(const StrictYaml& lcm, Configuration& configuration) {
+  if (!lcm.has("pose_channel") && !lcm.has("pose_velocity")) return;
+  static const std::regex kChannel("[A-Za-z0-9_.-]{1,63}");
+  if (lcm.has("pose_velocity")) configuration.pose_velocity = choice(lcm["pose_velocity"], kPoseVelocities);
+  configuration.pose_channel = lcm["pose_channel"].text();
+  const bool is_own =
+      configuration.pose_channel == kOdometryChannel || configuration.pose_channel == kHealthChannel;
+  if (is_own || !std::regex_match(configuration.pose_channel, kChannel))
+    lcm["pose_channel"].failExpecting(
+        "a channel such as POSE_BODY, of letters, digits, '_', '.' and '-', not one of cartvod's");
+  if (!lcm.has("pose_velocity"))
+    lcm["pose_channel"].fail("needs pose_velocity, the axes of the velocity: local or body");
+}
+
 void readLcm(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLcmKeys);
   if (yaml.has("url")) {
@@ -231,6 +248,7 @@ void readLcm(const StrictYaml& yaml, Configuration& configuration) {
     }
   }
   if (yaml.has("time_to_live")) configuration.time_to_live = duration(yaml["time_to_live"], 0.01, 10.0);
+  readPose(yaml, configuration);
 }
 
 void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
@@ -334,7 +352,12 @@ std::string effectiveConfiguration(const Configuration& configuration) {
        << configuration.odometry.validity.maximum_offset_uncertainty;
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
   yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
-  yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live) << YAML::EndMap;
+  yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live);
+  if (!configuration.pose_channel.empty()) {
+    yaml << YAML::Key << "pose_channel" << configuration.pose_channel;
+    yaml << YAML::Key << "pose_velocity" << nameOf(configuration.pose_velocity, kPoseVelocities);
+  }
+  yaml << YAML::EndMap;
   emitRecording(yaml, configuration);
   yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
        << nameOf(configuration.log_level, kLogLevels);

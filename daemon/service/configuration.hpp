@@ -14,6 +14,7 @@
 #include "capture/recording/recording_quota.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
+#include "daemon/publish/pose_publisher.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 // Configuration file of cartvod.
@@ -61,6 +62,8 @@ struct Configuration {
 
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   std::chrono::milliseconds time_to_live{250};
+  std::string pose_channel;  ///< of bot_core.pose_t; empty: not published
+  PoseVelocity pose_velocity = PoseVelocity::local;
 
   std::filesystem::path recording_directory;  ///< absolute; empty: no recording
   /// `recordings` (the folder whose old recordings may be deleted) is set by cartvod, not by the file.

@@ -32,6 +32,7 @@
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
+#include "daemon/publish/pose_publisher.hpp"
 #include "daemon/service/camera_password.hpp"
 #include "daemon/service/live_camera.hpp"
 #include "daemon/service/service_manager.hpp"
@@ -104,6 +105,7 @@ class Daemon::Implementation {
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
+  PosePublisher pose_publisher_;
   ForeignOdometry foreign_;
   HealthMonitor health_;
   ServiceManager service_;
@@ -126,6 +128,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
                  AbsentReadout::unknown),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
+      pose_publisher_(*lcm_, configuration.pose_channel, configuration.pose_velocity),
       foreign_(configuration.lcm_url),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -187,6 +190,7 @@ void Daemon::Implementation::run() {
 
 void Daemon::Implementation::onPair(const PairResult& result) {
   const odometry_t& message = publisher_.publish(result);
+  pose_publisher_.publish(message);
   foreign_.addOwn(message);
   health_.addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();

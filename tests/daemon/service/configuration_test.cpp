@@ -107,6 +107,26 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
       AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
 }
 
+TEST_F(ConfigurationFile, ReadsThePoseChannelOnlyWithTheAxesOfItsVelocity) {
+  EXPECT_EQ(read(kMinimal).pose_channel, "");
+  const Configuration configuration =
+      read(std::string(kMinimal) + "lcm: {pose_channel: POSE_BODY, pose_velocity: body}\n");
+  EXPECT_EQ(configuration.pose_channel, "POSE_BODY");
+  EXPECT_EQ(configuration.pose_velocity, PoseVelocity::body);
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_THAT(text, AllOf(HasSubstr("pose_channel: POSE_BODY"), HasSubstr("pose_velocity: body")));
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {pose_channel: POSE_BODY}\n"),
+              HasSubstr("needs pose_velocity"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {pose_velocity: local}\n"),
+              HasSubstr("lcm.pose_channel"));
+  for (const char* channel : {"CARTVO_ODOMETRY", "''", "a b", "'#'"}) {
+    EXPECT_THAT(
+        errorOf(std::string(kMinimal) + "lcm: {pose_velocity: local, pose_channel: " + channel + "}\n"),
+        HasSubstr("a channel such as POSE_BODY"));
+  }
+}
+
 TEST_F(ConfigurationFile, ErrorExplainsThatMonitorWasRemoved) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {online_rig_refinement: monitor}\n"),
               AllOf(HasSubstr("cartvod.yaml:7: odometry.online_rig_refinement"),

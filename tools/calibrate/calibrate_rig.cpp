@@ -46,7 +46,7 @@ struct Options {
   double free_scaling = 0.0;
   bool json = false;
   bool unusual_geometry = false;
-  std::optional<PageAddress> page;
+  std::optional<ListenAddress> page;
 };
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -251,7 +251,7 @@ std::filesystem::path viewsFolder(const Options& options) {
   return folder.replace_extension().concat("-views");
 }
 
-std::unique_ptr<LivePage> servePage(const PageAddress& address, const calib::BoardSpec& board) {
+std::unique_ptr<LivePage> servePage(const ListenAddress& address, const calib::BoardSpec& board) {
   auto page = std::make_unique<LivePage>(address, board);
   std::fprintf(stderr, "cartvo: the page is at %s\n", page->url().c_str());
   if (!address.isLoopback())
@@ -352,7 +352,7 @@ void checkOptions(Options& options, bool has_page, const std::string& page) {
     throw CLI::ValidationError("--page",
                                "works with live cameras or a recording only; for images use --report");
   try {
-    options.page = page.empty() ? PageAddress{} : PageAddress::parse(page);
+    options.page = page.empty() ? ListenAddress{.port = kDefaultPagePort} : ListenAddress::parse(page);
   } catch (const std::invalid_argument& error) {
     throw CLI::ValidationError("--page", error.what());
   }

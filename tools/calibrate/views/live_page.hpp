@@ -5,21 +5,12 @@
 #include <string>
 
 #include "calib/board/board_spec.hpp"
+#include "common/http/listen_address.hpp"
 #include "tools/calibrate/views/stream_views.hpp"
 
 namespace cartvo {
 
-/// Address and port at which the page is served.
-struct PageAddress {
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 8600;  ///< 0: any free port
-
-  /// Parses PORT or ADDRESS:PORT with a numeric address (an IPv6 one in brackets). Throws
-  /// std::invalid_argument naming the text.
-  static PageAddress parse(const std::string& text);
-
-  bool isLoopback() const;
-};
+constexpr std::uint16_t kDefaultPagePort = 8600;
 
 /// Web page that shows a live calibration: both pictures with the corners found, the cells without corners,
 /// the views taken and rejected, advice on the next view, and finally the result. A browser polls it five
@@ -30,7 +21,7 @@ struct PageAddress {
 class LivePage {
  public:
   /// Starts the server. Throws std::runtime_error if it cannot listen at the address.
-  LivePage(const PageAddress& address, const calib::BoardSpec& board);
+  LivePage(const ListenAddress& address, const calib::BoardSpec& board);
   ~LivePage();
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;

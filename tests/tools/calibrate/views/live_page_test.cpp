@@ -106,19 +106,5 @@ TEST_F(CalibrationPage, ReportsAPortThatIsTaken) {
               HasSubstr("is the port taken?"));
 }
 
-TEST(PageAddress, IsAPortOrAddressAndPort) {
-  EXPECT_EQ(PageAddress::parse("81").port, 81);
-  EXPECT_TRUE(PageAddress::parse("81").isLoopback());
-  EXPECT_EQ(PageAddress::parse("0.0.0.0:81").address, "0.0.0.0");
-  EXPECT_FALSE(PageAddress::parse("0.0.0.0:81").isLoopback());
-  EXPECT_EQ(PageAddress::parse("[::1]:81").address, "::1");
-  EXPECT_TRUE(PageAddress::parse("[::1]:81").isLoopback());
-  for (const char* const wrong : {"", "live", "70000", "-1", "cart:80", "127.0.0.1:", "1.2.3:80", "80 "}) {
-    EXPECT_THAT(test::messageOf([&] { PageAddress::parse(wrong); }),
-                HasSubstr("is neither PORT nor ADDRESS:PORT"))
-        << wrong;
-  }
-}
-
 }  // namespace
 }  // namespace cartvo

@@ -1,5 +1,5 @@
-// Reads and writes cartvod's configuration file. config/cartvod.yaml explains each key; a test compares it
-// with the keys here.
+// Reads cartvod's configuration file. config/cartvod.yaml explains each key; a test compares it with the keys
+// here.
 
 #include "daemon/service/configuration.hpp"
 
@@ -10,19 +10,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "calib/model/rig_validation.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
 #include "daemon/publish/lcm_connection.hpp"
+#include "daemon/service/configuration_names.hpp"
 
 namespace cartvo::daemon {
 namespace {
 
 using Keys = std::initializer_list<const char*>;
-constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "logging"};
+constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "metrics", "logging"};
 constexpr Keys kCamerasKeys = {"left",           "right",           "transport",
                                "clock",          "authentication",  "frame_rate",
                                "answer_timeout", "connect_timeout", "stall_timeout"};
@@ -38,35 +37,8 @@ constexpr Keys kOdometryKeys = {"estimator",
                                 "maximum_offset_uncertainty"};
 constexpr Keys kLcmKeys = {"url", "time_to_live", "pose_channel", "pose_velocity"};
 constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
+constexpr Keys kMetricsKeys = {"listen"};
 constexpr Keys kLoggingKeys = {"level"};
-
-constexpr double kGigabyte = 1e9;
-constexpr double kDay = 86400.0;
-
-using LogLevel = spdlog::level::level_enum;
-constexpr std::array<std::pair<const char*, LogLevel>, 4> kLogLevels{{{"debug", LogLevel::debug},
-                                                                      {"info", LogLevel::info},
-                                                                      {"warning", LogLevel::warn},
-                                                                      {"error", LogLevel::err}}};
-constexpr std::array<std::pair<const char*, capture::RtspTransport>, 2> kTransports{
-    {{"tcp", capture::RtspTransport::tcp}, {"udp", capture::RtspTransport::udp}}};
-constexpr std::array<std::pair<const char*, bool>, 2> kAuthentications{{{"digest", false}, {"basic", true}}};
-constexpr std::array<std::pair<const char*, capture::PixelFormat>, 4> kFormats{
-    {{"grey", capture::PixelFormat::grey},
-     {"nv12", capture::PixelFormat::nv12},
-     {"yuyv", capture::PixelFormat::yuyv},
-     {"mjpeg", capture::PixelFormat::mjpeg}}};
-constexpr std::array<std::pair<const char*, capture::ClockChoice>, 4> kClocks{
-    {{"auto", capture::ClockChoice::automatic},
-     {"ntp", capture::ClockChoice::ntp},
-     {"arrival", capture::ClockChoice::arrival},
-     {"visual", capture::ClockChoice::visual}}};
-constexpr std::array<std::pair<const char*, PoseVelocity>, 2> kPoseVelocities{
-    {{"local", PoseVelocity::local}, {"body", PoseVelocity::body}}};
-constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
-    {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
-constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{
-    {{"reprojection", vo::Estimator::reprojection}, {"thesis", vo::Estimator::thesis}}};
 
 /// Parses one of the named values; the error lists them.
 template <typename Value, std::size_t count>
@@ -77,14 +49,6 @@ Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Val
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
   yaml.failExpecting("one of " + names);
-}
-
-template <typename Value, std::size_t count>
-const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, count>& choices) {
-  for (const auto& [name, named] : choices) {
-    if (named == value) return name;
-  }
-  return "";
 }
 
 std::chrono::milliseconds duration(const StrictYaml& seconds, double minimum, double maximum) {
@@ -266,25 +230,22 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
   if (yaml.has("keep_free")) quota.keep_free_bytes = bytes(yaml["keep_free"], 0.0);
 }
 
+void readMetrics(const StrictYaml& yaml, Configuration& configuration) {
+  yaml.allowOnly(kMetricsKeys);
+  if (!yaml.has("listen")) return;
+  try {
+    configuration.metrics = ListenAddress::parse(yaml["listen"].text());
+  } catch (const std::invalid_argument& error) {
+    yaml["listen"].fail(error.what());
+  }
+  if (!configuration.metrics->isLoopback() || configuration.metrics->port == 0)
+    yaml["listen"].failExpecting("a port of this computer such as 9464 or 127.0.0.1:9464");
+}
+
 void readLogging(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLoggingKeys);
   if (!yaml.has("level")) return;
   configuration.log_level = choice(yaml["level"], kLogLevels);
-}
-
-void emitRecording(YAML::Emitter& yaml, const Configuration& configuration) {
-  const capture::RecordingQuota& quota = configuration.recording_quota;
-  yaml << YAML::Key << "recording" << YAML::BeginMap;
-  if (!configuration.recording_directory.empty())
-    yaml << YAML::Key << "directory" << configuration.recording_directory.string();
-  yaml << YAML::Key << "maximum_size" << static_cast<double>(quota.maximum_bytes) / kGigabyte;
-  if (quota.maximum_age.count() > 0)
-    yaml << YAML::Key << "maximum_age" << static_cast<double>(quota.maximum_age.count()) / kDay;
-  yaml << YAML::Key << "keep_free" << static_cast<double>(quota.keep_free_bytes) / kGigabyte << YAML::EndMap;
-}
-
-double seconds(std::chrono::milliseconds duration) {
-  return std::chrono::duration<double>(duration).count();
 }
 
 Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::path& folder, RigKey rig) {
@@ -297,6 +258,7 @@ Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::
   if (yaml.has("odometry")) readOdometry(yaml["odometry"], configuration);
   if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
   if (yaml.has("recording")) readRecording(yaml["recording"], folder, configuration);
+  if (yaml.has("metrics")) readMetrics(yaml["metrics"], configuration);
   if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
   return configuration;
 }
@@ -310,59 +272,6 @@ Configuration readConfiguration(const std::filesystem::path& file, RigKey rig) {
 Configuration parseConfiguration(const std::string& text, const std::filesystem::path& name) {
   return buildConfiguration(StrictYaml::parse(text, name), std::filesystem::absolute(name).parent_path(),
                             RigKey::required);
-}
-
-std::string effectiveConfiguration(const Configuration& configuration) {
-  YAML::Emitter yaml;
-  const auto camera = [&yaml](const char* side, const CameraConfiguration& settings) {
-    yaml << YAML::Key << side << YAML::BeginMap << YAML::Key << "url" << settings.url;
-    if (!settings.username.empty()) yaml << YAML::Key << "username" << settings.username;
-    if (!settings.password_file.empty())
-      yaml << YAML::Key << "password_file" << settings.password_file.string();
-    if (!settings.password_credential.empty())
-      yaml << YAML::Key << "password_credential" << settings.password_credential;
-    if (!settings.size.empty()) yaml << YAML::Key << "size" << sizeText(settings.size);
-    if (settings.format) yaml << YAML::Key << "format" << nameOf(*settings.format, kFormats);
-    if (settings.exposure) yaml << YAML::Key << "exposure" << *settings.exposure;
-    if (settings.gain) yaml << YAML::Key << "gain" << *settings.gain;
-    if (settings.readout) yaml << YAML::Key << "readout" << *settings.readout;
-    yaml << YAML::EndMap;
-  };
-  yaml << YAML::BeginMap << YAML::Key << "cameras" << YAML::BeginMap;
-  camera("left", configuration.left);
-  camera("right", configuration.right);
-  yaml << YAML::Key << "transport" << nameOf(configuration.transport, kTransports);
-  yaml << YAML::Key << "authentication" << nameOf(configuration.basic_authentication, kAuthentications);
-  yaml << YAML::Key << "clock" << nameOf(configuration.clock, kClocks);
-  if (configuration.frame_rate) yaml << YAML::Key << "frame_rate" << *configuration.frame_rate;
-  yaml << YAML::Key << "answer_timeout" << seconds(configuration.answer_timeout);
-  yaml << YAML::Key << "connect_timeout" << seconds(configuration.connect_timeout);
-  yaml << YAML::Key << "stall_timeout" << seconds(configuration.stall_timeout) << YAML::EndMap;
-  yaml << YAML::Key << "rig" << configuration.rig.string();
-  if (!configuration.tables.empty()) yaml << YAML::Key << "tables" << configuration.tables.string();
-  yaml << YAML::Key << "odometry" << YAML::BeginMap << YAML::Key << "estimator"
-       << nameOf(configuration.odometry.estimator, kEstimators);
-  yaml << YAML::Key << "features" << configuration.odometry.features;
-  yaml << YAML::Key << "seed" << configuration.odometry.seed;
-  yaml << YAML::Key << "online_rig_refinement"
-       << nameOf(configuration.odometry.rig_refinement, kRigRefinements);
-  yaml << YAML::Key << "maximum_offset"  // shortest: 0.1, not 0.10000000000000001
-       << fmt::format("{}", configuration.odometry.validity.maximum_offset);
-  yaml << YAML::Key << "maximum_offset_uncertainty"
-       << configuration.odometry.validity.maximum_offset_uncertainty;
-  yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
-  yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
-  yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live);
-  if (!configuration.pose_channel.empty()) {
-    yaml << YAML::Key << "pose_channel" << configuration.pose_channel;
-    yaml << YAML::Key << "pose_velocity" << nameOf(configuration.pose_velocity, kPoseVelocities);
-  }
-  yaml << YAML::EndMap;
-  emitRecording(yaml, configuration);
-  yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
-       << nameOf(configuration.log_level, kLogLevels);
-  yaml << YAML::EndMap << YAML::EndMap;
-  return std::string(yaml.c_str()) + "\n";
 }
 
 calib::Rig withConfiguredReadouts(calib::Rig rig, const Configuration& configuration) {
@@ -384,6 +293,7 @@ std::vector<std::string> configurationKeys() {
   add("odometry", kOdometryKeys);
   add("lcm", kLcmKeys);
   add("recording", kRecordingKeys);
+  add("metrics", kMetricsKeys);
   add("logging", kLoggingKeys);
   return keys;
 }

@@ -14,6 +14,7 @@
 #include "capture/recording/recording_quota.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
+#include "common/http/listen_address.hpp"
 #include "daemon/publish/pose_publisher.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -68,6 +69,7 @@ struct Configuration {
   std::filesystem::path recording_directory;  ///< absolute; empty: no recording
   /// `recordings` (the folder whose old recordings may be deleted) is set by cartvod, not by the file.
   capture::RecordingQuota recording_quota{{}, 20'000'000'000, std::chrono::seconds{0}, 1'000'000'000};
+  std::optional<ListenAddress> metrics;  ///< on loopback; empty: not served
   spdlog::level::level_enum log_level = spdlog::level::info;
 };
 

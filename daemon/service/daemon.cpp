@@ -26,6 +26,7 @@
 #include "daemon/diagnostics/frame_rate_check.hpp"
 #include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/diagnostics/log.hpp"
+#include "daemon/diagnostics/metrics_server.hpp"
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
 #include "daemon/pipeline/pipeline.hpp"
@@ -108,6 +109,7 @@ class Daemon::Implementation {
   PosePublisher pose_publisher_;
   ForeignOdometry foreign_;
   HealthMonitor health_;
+  std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured
   ServiceManager service_;
   RepeatedWarnings warnings_;
   Clock::time_point next_health_;
@@ -137,6 +139,10 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
   spdlog::info("LCM: {} through {}", configuration.lcm_url, route.interface);
   if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
   if (!calib::hasMount(rig_)) spdlog::warn("{}: {}", configuration.rig.string(), calib::kNoMountText);
+  if (configuration.metrics) {
+    metrics_ = std::make_unique<MetricsServer>(*configuration.metrics);
+    spdlog::info("metrics: http://{}/metrics and /healthz", metrics_->address());
+  }
   if (!configuration.recording_directory.empty()) startRecording();
 }
 
@@ -193,6 +199,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   pose_publisher_.publish(message);
   foreign_.addOwn(message);
   health_.addPair(result, message);
+  if (metrics_) metrics_->addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();
   validity_.log(message);
   tick();
@@ -202,6 +209,7 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   const odometry_t& message = publisher_.publish(no_pair);
   foreign_.addOwn(message);
   health_.addMissedPair();
+  if (metrics_) metrics_->addMissedPair(message);
   validity_.log(message);
   tick();
 }
@@ -209,9 +217,10 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
 /// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes
 /// the health message when it is due.
 void Daemon::Implementation::tick() {
-  if (const std::string stalled =
-          stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
-      stalled.empty()) {
+  const std::string stalled =
+      stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
+  if (metrics_) metrics_->setStalled(stalled);
+  if (stalled.empty()) {
     service_.feedWatchdog();
   } else {
     warnings_.warn("the " + stalled + " makes no progress; systemd's watchdog is not fed");
@@ -237,6 +246,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
+  if (metrics_) metrics_->setHealth(message);
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);

@@ -3,9 +3,7 @@
 #include "daemon/service/configuration.hpp"
 
 #include <fstream>
-#include <map>
 #include <regex>
-#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -125,6 +123,21 @@ TEST_F(ConfigurationFile, ReadsThePoseChannelOnlyWithTheAxesOfItsVelocity) {
         errorOf(std::string(kMinimal) + "lcm: {pose_velocity: local, pose_channel: " + channel + "}\n"),
         HasSubstr("a channel such as POSE_BODY"));
   }
+}
+
+TEST_F(ConfigurationFile, ServesMetricsToThisComputerOnly) {
+  EXPECT_FALSE(read(kMinimal).metrics);
+  const Configuration configuration = read(std::string(kMinimal) + "metrics: {listen: 9464}\n");
+  ASSERT_TRUE(configuration.metrics);
+  EXPECT_EQ(configuration.metrics->text(), "127.0.0.1:9464");
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  for (const char* address : {"0.0.0.0:9464", "192.168.1.2:9464", "'[::]:9464'", "127.0.0.1:0"}) {
+    EXPECT_THAT(errorOf(std::string(kMinimal) + "metrics: {listen: " + address + "}\n"),
+                AllOf(HasSubstr("metrics.listen"), HasSubstr("a port of this computer")));
+  }
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "metrics: {listen: http}\n"),
+              HasSubstr("neither PORT nor ADDRESS:PORT"));
 }
 
 TEST_F(ConfigurationFile, ErrorExplainsThatMonitorWasRemoved) {
@@ -305,83 +318,6 @@ TEST_F(ConfigurationFile, ReadsEachListedKey) {
     std::string dumped = YAML::Dump(document);
     EXPECT_THAT(errorOf(dumped), HasSubstr(key)) << dumped;
   }
-}
-
-/// Keys of the shipped file, active or commented out, with the comment above each.
-std::map<std::string, std::string> documentedKeys() {
-  static const std::regex kKey("^( *)(# )?([a-z_]+):( .*)?$");
-  std::map<std::string, std::string> documented;
-  std::ifstream stream(kShipped);
-  std::vector<std::string> sections;
-  std::string comment;
-  for (std::string line; std::getline(stream, line);) {
-    std::smatch parts;
-    const bool is_key =
-        std::regex_match(line, parts, kKey) && (!parts[2].matched || line.find(". ") == std::string::npos);
-    if (!is_key) {
-      const std::size_t text = line.find("# ");
-      comment = line.empty() ? "" : comment + " " + (text == std::string::npos ? "" : line.substr(text + 2));
-      continue;
-    }
-    sections.resize(static_cast<std::size_t>(parts[1].length()) / 2);
-    std::string key;
-    for (const std::string& section : sections)
-      key += section + ".";
-    documented[key + parts[3].str()] = comment;
-    sections.push_back(parts[3]);
-    comment.clear();
-  }
-  return documented;
-}
-
-TEST_F(ConfigurationFile, ShippedFileLoads) {
-  const Configuration configuration = readConfiguration(kShipped);
-  EXPECT_EQ(configuration.left.password_credential, "left-camera-password");
-}
-
-TEST_F(ConfigurationFile, DemoFileLoads) {
-  const Configuration configuration = readConfiguration(test::sourceFolder() / "config/demo.yaml");
-  EXPECT_EQ(configuration.left.url, "rtsp://127.0.0.1:8554/Streaming/Channels/101");
-}
-
-TEST_F(ConfigurationFile, ShippedFileDocumentsExactlyTheReadKeys) {
-  const std::map<std::string, std::string> documented = documentedKeys();
-  const std::vector<std::string> known = configurationKeys();
-  for (const std::string& key : known)
-    EXPECT_TRUE(documented.contains(key)) << key << " is not in cartvod.yaml";
-  for (const auto& [key, comment] : documented)
-    EXPECT_THAT(known, testing::Contains(key));
-}
-
-TEST_F(ConfigurationFile, ShippedFileStatesDefaultsOfTheCode) {
-  static const std::regex kDefault("default (udpm:[^ ]+|[^ :]+)");
-  const YAML::Node effective = YAML::Load(effectiveConfiguration(read(kMinimal)));
-  static const std::set<std::string> kSections = {"cameras", "cameras.left", "cameras.right", "odometry",
-                                                  "lcm",     "recording",    "logging"};
-  int checked = 0;
-  for (const auto& [key, comment] : documentedKeys()) {
-    const std::size_t dot = key.rfind('.');
-    const std::string name = key.substr(dot == std::string::npos ? 0 : dot + 1);
-    YAML::Node section;
-    section.reset(effective);
-    std::istringstream parts(key);
-    std::string part;
-    while (std::getline(parts, part, '.') && section.IsDefined() && part != name) {
-      const YAML::Node next = section[part];
-      section.reset(next);
-    }
-    const YAML::Node value = section.IsDefined() ? section[name] : YAML::Node(YAML::NodeType::Undefined);
-    if (kSections.contains(key)) continue;
-    if (comment.find("required") != std::string::npos || comment.find("As left") != std::string::npos)
-      continue;
-    std::smatch stated;
-    const std::string tail = comment;
-    ASSERT_TRUE(std::regex_search(tail, stated, std::regex("default (udpm:[^ ]+|[^ :]+)")))
-        << key << ":" << comment;
-    EXPECT_EQ(stated[1].str(), value.IsDefined() ? value.Scalar() : "none") << key;
-    ++checked;
-  }
-  EXPECT_GT(checked, 10);
 }
 
 }  // namespace

@@ -35,6 +35,9 @@ class OdometryPublisher {
   const odometry_t& publish(const PairResult& result);
   const odometry_t& publish(const NoPair& no_pair);
 
+  /// Of the messages from now on.
+  void setTimeToLive(std::chrono::milliseconds time_to_live) { time_to_live_ = time_to_live; }
+
   /// Number of messages that the operating system refused to send.
   std::uint64_t failures() const { return failures_; }
 

@@ -33,6 +33,11 @@ bot_core::pose_t poseMessage(const odometry_t& message, PoseVelocity velocity) {
 PosePublisher::PosePublisher(lcm::LCM& lcm, std::string channel, PoseVelocity velocity)
     : lcm_(lcm), channel_(std::move(channel)), velocity_(velocity) {}
 
+void PosePublisher::setChannel(const std::string& channel, PoseVelocity velocity) {
+  channel_ = channel;
+  velocity_ = velocity;
+}
+
 void PosePublisher::publish(const odometry_t& message) {
   if (channel_.empty() || message.status != odometry_t::VALID) return;
   const bot_core::pose_t pose = poseMessage(message, velocity_);

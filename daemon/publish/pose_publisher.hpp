@@ -27,6 +27,9 @@ class PosePublisher {
   /// `lcm` is borrowed and must outlive the publisher. `channel` empty: never publishes.
   PosePublisher(lcm::LCM& lcm, std::string channel, PoseVelocity velocity);
 
+  /// For the messages from now on.
+  void setChannel(const std::string& channel, PoseVelocity velocity);
+
   void publish(const odometry_t& message);
 
  private:

@@ -6,20 +6,26 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "common/standard_output.hpp"
 #include "daemon/diagnostics/log.hpp"
+#include "daemon/service/awaited_signals.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/daemon.hpp"
-#include "daemon/service/stop_signals.hpp"
 
 namespace {
+
+using cartvo::daemon::Configuration;
 
 constexpr int kStopped = 0;
 constexpr int kFailed = 1;
@@ -43,19 +49,53 @@ void describe(CLI::App& app, CommandLine& command_line) {
                  "Record both streams as received into this folder (overrides recording.directory)");
 }
 
-/// Recording folder named by the start time (UTC), so that a restarted service does not fail on the folder of
-/// its previous run.
-std::filesystem::path folderOfThisStart(const std::filesystem::path& recordings) {
+/// Name of the recording folder: the start time (UTC), so that a restarted service does not fail on the
+/// folder of its previous run.
+std::string nameOfThisStart() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return recordings / fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+  return fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
 }
 
-/// Stops the daemon at the first signal; returns when `end` is requested.
-void watchSignals(const std::stop_token& end, const cartvo::daemon::StopSignals& signals,
-                  cartvo::daemon::Daemon& daemon) {
+/// Reads and checks the configuration. `start`: name of this start's recording folder.
+Configuration loadConfiguration(const CommandLine& command_line, const std::string& start) {
+  Configuration configuration = cartvo::daemon::readConfiguration(command_line.configuration);
+  if (!command_line.recording_directory.empty()) {
+    // With --record nothing in that folder is deleted to free disk space.
+    configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
+  } else if (!configuration.recording_directory.empty()) {
+    configuration.recording_quota.recordings = configuration.recording_directory;
+    configuration.recording_directory /= start;
+  }
+  cartvo::daemon::checkConfiguration(configuration);
+  return configuration;
+}
+
+/// Signals of the daemon. In a terminal SIGHUP, which closing it sends, ends the program as it does others.
+std::vector<int> signalsToAwait() {
+  std::vector<int> signals{SIGTERM, SIGINT};
+  if (isatty(STDIN_FILENO) == 0) signals.push_back(SIGHUP);
+  return signals;
+}
+
+/// Reads the configuration again; a broken one leaves the old one in force.
+void reload(const CommandLine& command_line, const std::string& start, cartvo::daemon::Daemon& daemon) {
+  try {
+    daemon.reload(loadConfiguration(command_line, start));
+  } catch (const std::exception& error) {
+    spdlog::error("the configuration was not read again, the old one stays in force: {}", error.what());
+  }
+}
+
+/// Stops the daemon at SIGTERM or SIGINT, reloads at SIGHUP; returns when `end` is requested.
+void watchSignals(const std::stop_token& end, const cartvo::daemon::AwaitedSignals& signals,
+                  cartvo::daemon::Daemon& daemon, const std::function<void()>& reload_configuration) {
   while (!end.stop_requested()) {
     const std::optional<int> signal = signals.wait(std::chrono::milliseconds(50));
     if (!signal) continue;
+    if (*signal == SIGHUP) {
+      reload_configuration();
+      continue;
+    }
     spdlog::info("received {}", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
     daemon.stop();
     return;
@@ -63,18 +103,11 @@ void watchSignals(const std::stop_token& end, const cartvo::daemon::StopSignals&
 }
 
 int run(const CommandLine& command_line) {
-  const cartvo::daemon::StopSignals signals;
-  cartvo::daemon::Configuration configuration;
+  const cartvo::daemon::AwaitedSignals signals(signalsToAwait());
+  const std::string start = nameOfThisStart();
+  Configuration configuration;
   try {
-    configuration = cartvo::daemon::readConfiguration(command_line.configuration);
-    if (!command_line.recording_directory.empty()) {
-      // With --record nothing in that folder is deleted to free disk space.
-      configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
-    } else if (!configuration.recording_directory.empty()) {
-      configuration.recording_quota.recordings = configuration.recording_directory;
-      configuration.recording_directory = folderOfThisStart(configuration.recording_directory);
-    }
-    cartvo::daemon::checkConfiguration(configuration);
+    configuration = loadConfiguration(command_line, start);
   } catch (const std::exception& error) {
     spdlog::error(error.what());
     return kWrongConfiguration;
@@ -88,7 +121,9 @@ int run(const CommandLine& command_line) {
   try {
     cartvo::daemon::setUpLog(configuration.log_level);
     cartvo::daemon::Daemon daemon(configuration);
-    const std::jthread signal_watch([&](const std::stop_token& end) { watchSignals(end, signals, daemon); });
+    const auto reload_configuration = [&] { reload(command_line, start, daemon); };
+    const std::jthread signal_watch(
+        [&](const std::stop_token& end) { watchSignals(end, signals, daemon, reload_configuration); });
     daemon.run();
   } catch (const std::exception& error) {
     spdlog::error(error.what());

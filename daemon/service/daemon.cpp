@@ -7,6 +7,8 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -35,6 +37,7 @@
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/pose_publisher.hpp"
 #include "daemon/service/camera_password.hpp"
+#include "daemon/service/configuration_change.hpp"
 #include "daemon/service/live_camera.hpp"
 #include "daemon/service/service_manager.hpp"
 
@@ -82,6 +85,7 @@ class Daemon::Implementation {
   explicit Implementation(const Configuration& configuration);
   void run();
   void stop() noexcept { pipeline_.stop(); }
+  void reload(const Configuration& next);
 
  private:
   void startRecording();
@@ -89,10 +93,13 @@ class Daemon::Implementation {
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
   void tick();
+  void applyReload();
   void publishHealth(Clock::time_point now);
   std::string statusLine(const health_t& health);
 
   Configuration configuration_;
+  std::mutex reload_mutex_;
+  std::optional<Configuration> reloaded_;  ///< not applied yet
   calib::Rig rig_;
   std::unique_ptr<lcm::LCM> lcm_;
   std::unique_ptr<capture::StreamRecorder> recorder_;  ///< must outlive the cameras that feed it
@@ -214,9 +221,30 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   tick();
 }
 
+void Daemon::Implementation::reload(const Configuration& next) {
+  const std::lock_guard lock(reload_mutex_);
+  reloaded_ = next;
+}
+
+void Daemon::Implementation::applyReload() {
+  std::unique_lock lock(reload_mutex_);
+  const std::optional<Configuration> next = std::exchange(reloaded_, std::nullopt);
+  lock.unlock();
+  if (!next) return;
+  spdlog::info("configuration read again: {}", compareConfigurations(configuration_, *next).text());
+  configuration_.time_to_live = next->time_to_live;
+  configuration_.pose_channel = next->pose_channel;
+  configuration_.pose_velocity = next->pose_velocity;
+  configuration_.log_level = next->log_level;
+  publisher_.setTimeToLive(next->time_to_live);
+  pose_publisher_.setChannel(next->pose_channel, next->pose_velocity);
+  spdlog::set_level(next->log_level);
+}
+
 /// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes
 /// the health message when it is due.
 void Daemon::Implementation::tick() {
+  applyReload();
   const std::string stalled =
       stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
   if (metrics_) metrics_->setStalled(stalled);
@@ -280,6 +308,9 @@ Daemon::Daemon(const Configuration& configuration)
 Daemon::~Daemon() = default;
 void Daemon::run() {
   implementation_->run();
+}
+void Daemon::reload(const Configuration& next) {
+  implementation_->reload(next);
 }
 void Daemon::stop() noexcept {
   implementation_->stop();

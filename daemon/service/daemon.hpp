@@ -19,6 +19,10 @@ class Daemon {
   /// Runs until `stop`. Throws the error that ended the run.
   void run();
 
+  /// Changes what can be changed while running (ConfigurationChange) with the next odometry message, and logs
+  /// what changed and what needs a restart. May be called from any thread.
+  void reload(const Configuration& next);
+
   /// Ends `run`. May be called from any thread.
   void stop() noexcept;
 

@@ -17,7 +17,7 @@
 #include "common/units.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
-#include "daemon/service/stop_signals.hpp"
+#include "daemon/service/awaited_signals.hpp"
 
 namespace cartvo {
 namespace {
@@ -183,7 +183,7 @@ std::string delayText(const OdometrySummary& summary) {
 }  // namespace
 
 OdometryStatistics watchOdometry(const WatchSettings& settings) {
-  const daemon::StopSignals signals;
+  const daemon::AwaitedSignals signals({SIGTERM, SIGINT});
   const std::unique_ptr<lcm::LCM> lcm = daemon::connectLcm(settings.url);
   if (const std::string warning = daemon::multicastWarning(daemon::findMulticastRoute(settings.url));
       !warning.empty()) {

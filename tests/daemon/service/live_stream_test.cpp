@@ -265,6 +265,19 @@ TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
   EXPECT_EQ(log.linesWith("right camera: connecting: "), 1);
 }
 
+TEST_F(LiveStream, ReloadChangesTheTimeToLiveOfARunningDaemon) {
+  Subscriber subscriber;
+  Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
+  Daemon daemon(configuration);
+  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
+  const StopAtExit stop(daemon);
+  ASSERT_TRUE(subscriber.receiveUntil([&] { return !subscriber.odometry.empty(); }));
+  EXPECT_EQ(subscriber.odometry.back().time_to_live_us, 250'000);
+  configuration.time_to_live = std::chrono::milliseconds(400);
+  daemon.reload(configuration);
+  EXPECT_TRUE(subscriber.receiveUntil([&] { return subscriber.odometry.back().time_to_live_us == 400'000; }));
+}
+
 /// Publishes with `publish` until the problem is found; returns the problem.
 std::string foreignProblem(ForeignOdometry& foreign, const std::function<void()>& publish) {
   const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;

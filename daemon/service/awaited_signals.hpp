@@ -4,17 +4,18 @@
 #include <csignal>
 #include <ctime>
 #include <optional>
+#include <vector>
 
 namespace cartvo::daemon {
 
-/// Waits for SIGTERM and SIGINT without a signal handler. Both are blocked from construction on, also in
-/// threads started later.
-class StopSignals {
+/// Waits for signals, such as SIGTERM and SIGINT, without a signal handler. They are blocked from
+/// construction on, also in threads started later.
+class AwaitedSignals {
  public:
-  StopSignals() {
+  explicit AwaitedSignals(const std::vector<int>& signals) {
     sigemptyset(&signals_);
-    sigaddset(&signals_, SIGTERM);
-    sigaddset(&signals_, SIGINT);
+    for (const int signal : signals)
+      sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   }
 

@@ -139,11 +139,11 @@ class Program:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
     def subcommands(self, *chain):
-        text = self.help(*chain).partition("\nSubcommands:\n")[2]
+        text = self.help(*chain).partition("\nSubcommands:\n")[2].partition("\n\n")[0]  # without the footer
         return set(re.findall(r"^  ([a-z][\w-]*)(?: |$)", text, re.M))
 
     def options(self, *chain):
-        lines = re.findall(r"^ +(-\S+)", self.help(*chain), re.M)
+        lines = re.findall(r"^ {2,4}(-\S+)", self.help(*chain), re.M)
         return {name for names in lines for name in re.split(r"[,=]", names)}
 
     def takes_positionals(self, *chain):

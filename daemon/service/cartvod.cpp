@@ -17,6 +17,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "common/command_line/bash_completion.hpp"
 #include "common/standard_output.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/awaited_signals.hpp"
@@ -47,6 +48,7 @@ void describe(CLI::App& app, CommandLine& command_line) {
                "Check the configuration, the rig file and the passwords, then exit");
   app.add_option("--record", command_line.recording_directory,
                  "Record both streams as received into this folder (overrides recording.directory)");
+  cartvo::addBashCompletionFlag(app, "cartvod");
 }
 
 /// Name of the recording folder: the start time (UTC), so that a restarted service does not fail on the

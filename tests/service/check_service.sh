@@ -12,7 +12,8 @@ DESTDIR=$root cmake --install "$build" --prefix /usr >"$root/install.log" 2>&1 |
 
 units=$root/usr/lib/systemd/system
 for file in usr/bin/cartvod usr/bin/cartvo etc/cartvo/cartvod.yaml usr/lib/sysusers.d/cartvo.conf \
-  usr/share/man/man8/cartvod.8 usr/share/man/man5/cartvod.yaml.5 usr/share/man/man1/cartvo-watch.1; do
+  usr/share/man/man8/cartvod.8 usr/share/man/man5/cartvod.yaml.5 usr/share/man/man1/cartvo-watch.1 \
+  usr/share/bash-completion/completions/cartvo usr/share/bash-completion/completions/cartvod; do
   [ -e "$root/$file" ] || fail "$file is not installed"
 done
 

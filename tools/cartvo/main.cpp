@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/bash_completion.hpp"
 #include "common/printable_text.hpp"
 #include "common/standard_output.hpp"
 #include "tools/cartvo/command_line.hpp"
@@ -69,6 +70,7 @@ int main(int argument_count, char** arguments) {
   cartvo.failure_message(cartvo::commandLineError);
   cartvo.footer("'cartvo COMMAND --help' or 'cartvo help COMMAND' explains each command.");
   addCommands(cartvo);
+  cartvo::addBashCompletionFlag(cartvo, "cartvo");
 
   const int code =
       run(cartvo,

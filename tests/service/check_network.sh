@@ -2,12 +2,13 @@
 # check_network.sh FOLDER: the example files of the cameras' network in FOLDER do what they say. In network namespaces
 # systemd-networkd configures two ports with them: each has its address also without a camera, no default route appears, the
 # computer counts as online, a camera that asks by DHCP gets the one address and no gateway. chronyd, if it is installed, and
-# sysctl accept theirs. Exits with 77 (skipped) without root or systemd-networkd.
+# sysctl accept theirs. Exits with 77 (skipped) without root, namespaces or systemd-networkd.
 set -euo pipefail
 files=$(realpath "$1")
 networkd=/lib/systemd/systemd-networkd
-if [ "$(id -u)" -ne 0 ] || [ ! -x $networkd ]; then
-  echo "check_network: skipped: needs root and systemd-networkd"
+namespaces=(unshare --mount --net --pid --fork --mount-proc --kill-child)
+if [ "$(id -u)" -ne 0 ] || [ ! -x $networkd ] || ! "${namespaces[@]}" true; then
+  echo "check_network: skipped: needs root, namespaces and systemd-networkd"
   exit 77
 fi
 
@@ -18,7 +19,7 @@ if [ "${2-}" != inside ]; then
     exit 1
   }
   # A process number space of its own: when this script ends, so do all programs that it has started.
-  exec unshare --mount --net --pid --fork --mount-proc --kill-child "$0" "$files" inside
+  exec "${namespaces[@]}" "$0" "$files" inside
 fi
 fail() {
   echo "check_network: $*" >&2
@@ -58,9 +59,9 @@ ip link add enp2s0 type veth peer name camera
 ip link add enp3s0 type veth peer name other # stays down: a camera that is off
 
 run_networkd /run/networkd.log
-await 10 has_address enp2s0 192.168.101.1/24 || fail "the left port has no address"
-await 10 has_address enp3s0 192.168.102.1/24 || fail "the right port has no address"
-/lib/systemd/systemd-networkd-wait-online --timeout=10 || fail "starting the computer would wait for a camera"
+await 30 has_address enp2s0 192.168.101.1/24 || fail "the left port has no address"
+await 30 has_address enp3s0 192.168.102.1/24 || fail "the right port has no address"
+/lib/systemd/systemd-networkd-wait-online --timeout=30 || fail "starting the computer would wait for a camera"
 
 # The camera, in namespaces of its own.
 export -f run_networkd own_folders
@@ -68,9 +69,9 @@ export networkd
 unshare --mount --net bash -c 'cp -r /run/camera-files /tmp/camera-files.$$; own_folders /tmp/camera-files.$$; rm -r /tmp/camera-files.$$
   mount -t tmpfs tmpfs /run; run_networkd /run/networkd.log; echo ready; wait' >/run/camera &
 camera_pid=$!
-await 10 grep -qs ready /run/camera || fail "the camera does not start"
+await 30 grep -qs ready /run/camera || fail "the camera does not start"
 ip link set camera netns $camera_pid
-await 15 camera_has_address 192.168.101.64/24 || fail "the camera gets no address by DHCP"
+await 30 camera_has_address 192.168.101.64/24 || fail "the camera gets no address by DHCP"
 camera grep -qr '^NTP=192.168.101.1$' /run/systemd/netif || fail "the camera is not told the time server"
 [ -z "$(camera ip route show default)" ] || fail "the camera got a gateway"
 [ -z "$(ip route show default)" ] || fail "a default route leads through a camera's port"

@@ -113,8 +113,7 @@ accepts_a_rig() {
 is_verified() { [ -z "$(inside dpkg --verify cartvo)" ]; }
 chrony_accepts_its_file() {
   install_packages chrony
-  inside cp /usr/share/cartvo/network/cartvo-cameras.conf /etc/chrony/conf.d/
-  inside chronyd -p | grep -qx 'allow 192.168.101.0/24'
+  inside chronyd -p -f /usr/share/cartvo/network/cartvo-cameras.conf | grep -qx 'allow 192.168.101.0/24'
 }
 
 # --- upgraded, removed

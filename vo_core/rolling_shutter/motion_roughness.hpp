@@ -24,13 +24,16 @@ class MotionRoughness {
   void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev, const MotionBlend& rows);
 
   /// Whether the motion is rougher than the parabola follows.
-  bool isRough() const { return translation_.excess() > 0.0 || rotation_.excess() > 0.0; }
+  bool isRough() const { return exceeds(MotionBlend::kSignificance); }
+  /// Whether the rows show no more than what is expected of a smooth drive, not even by chance.
+  bool isSmooth() const { return !exceeds(1.0); }
 
  private:
   /// Mean of squared jerks, and of what was expected of them without an excess, of the last pairs.
   class Excess {
    public:
     void update(double squared, double expected);
+    bool exceeds(double significance) const { return squared_ > significance * expected_; }
     double excess() const;  ///< 0 unless it is significant
 
    private:
@@ -38,6 +41,9 @@ class MotionRoughness {
   };
 
   Vector6d jerk() const;
+  bool exceeds(double significance) const {
+    return translation_.exceeds(significance) || rotation_.exceeds(significance);
+  }
 
   Excess translation_;  ///< (m/s^3)^2
   Excess rotation_;     ///< (rad/s^3)^2

@@ -215,11 +215,12 @@ void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFr
   updateMotions(poses, window);
 }
 
-/// Updates the readouts by the rows of a pair in the middle of the window.
+/// Updates the readouts by the rows of a pair in the middle of the window. Only a smooth drive tells them:
+/// times a motion that is known badly, a readout would be measured wrongly.
 void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
-  if (roughness_.isRough() || !frame.motion || position < kReadoutNeighbours) return;
+  if (!roughness_.isSmooth() || !frame.motion || position < kReadoutNeighbours) return;
   const bool right_is_due = frame.index % kReadoutInterval == 0;
   const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;

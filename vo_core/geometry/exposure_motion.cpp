@@ -46,6 +46,12 @@ MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expec
   blend(rows, agreed);
 }
 
+void MotionBlend::leaveRowsOut(const RowInformation::Vector& variances) {
+  expected_share.setIdentity();
+  by_rows.setZero();
+  covariance = variances.asDiagonal();
+}
+
 void MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& variances) {
   const RowInformation::Vector information = variances.cwiseInverse();
   RowInformation::Matrix sum = rows.information;

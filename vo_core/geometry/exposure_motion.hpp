@@ -62,12 +62,13 @@ struct MotionBlend {
   bool significant = false;  ///< whether translations or rotations contradict the expected motion
 
   MotionBlend() = default;
-  /// The expected motion alone; `variances`: of its difference from the motion.
-  explicit MotionBlend(const RowInformation::Vector& variances) : covariance(variances.asDiagonal()) {}
   /// `variances`: of the difference between the motion and the expected one. Components that contradict the
   /// expected motion lose it, as at a kerb or on a shaken mount.
   MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
               const RowInformation::Vector& variances);
+
+  /// Makes the blended motion the expected one; `variances`: of its difference from the motion.
+  void leaveRowsOut(const RowInformation::Vector& variances);
 
   ExposureMotion of(const ExposureMotion& expected) const;
 

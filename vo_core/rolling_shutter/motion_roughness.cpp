@@ -47,7 +47,7 @@ void MotionRoughness::Excess::update(double squared, double expected) {
 }
 
 double MotionRoughness::Excess::excess() const {
-  if (!exceeds(MotionBlend::kSignificance)) return 0.0;
+  if (ratio() < MotionBlend::kSignificance) return 0.0;
   return std::min(squared_ - expected_, kMaximumJerk);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "vo_core/geometry/exposure_motion.hpp"
@@ -24,16 +25,17 @@ class MotionRoughness {
   void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev, const MotionBlend& rows);
 
   /// Whether the motion is rougher than the parabola follows.
-  bool isRough() const { return exceeds(MotionBlend::kSignificance); }
-  /// Whether the rows show no more than what is expected of a smooth drive, not even by chance.
-  bool isSmooth() const { return !exceeds(1.0); }
+  bool isRough() const { return ratio() > MotionBlend::kSignificance; }
+  /// Mean squared difference between the rows and the parabola, relative to what is expected of a smooth
+  /// drive: the larger of translations and rotations.
+  double ratio() const { return std::max(translation_.ratio(), rotation_.ratio()); }
 
  private:
   /// Mean of squared jerks, and of what was expected of them without an excess, of the last pairs.
   class Excess {
    public:
     void update(double squared, double expected);
-    bool exceeds(double significance) const { return squared_ > significance * expected_; }
+    double ratio() const { return expected_ > 0.0 ? squared_ / expected_ : 0.0; }
     double excess() const;  ///< 0 unless it is significant
 
    private:
@@ -41,10 +43,6 @@ class MotionRoughness {
   };
 
   Vector6d jerk() const;
-  bool exceeds(double significance) const {
-    return translation_.exceeds(significance) || rotation_.exceeds(significance);
-  }
-
   Excess translation_;  ///< (m/s^3)^2
   Excess rotation_;     ///< (rad/s^3)^2
 };

@@ -17,6 +17,7 @@ constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
+constexpr double kLargestRatio = 2.0;       // MotionRoughness::ratio() up to which a readout is measured
 constexpr std::size_t kCorrectedPairs = 3;  // whose row shifts are computed anew with each pair
 constexpr double kLevelTime = 0.2;          // s, shortest time that the level of the motions is measured over
 constexpr double kLevelGain = 0.5;          // share of the measured error that is removed
@@ -220,7 +221,8 @@ void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFr
 void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
-  if (!roughness_.isSmooth() || !frame.motion || position < kReadoutNeighbours) return;
+  if (roughness_.ratio() > kLargestRatio || !frame.motion || position < kReadoutNeighbours) return;
+  const double weight = 1.0 / std::max(1.0, std::pow(roughness_.ratio(), 2));
   const bool right_is_due = frame.index % kReadoutInterval == 0;
   const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;
@@ -229,7 +231,7 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   buildRowProblem(draft, position, expected, roughness_.variances(poses, position, last_stddev_));
   row_problem_.start = expected;
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    readouts_.updateLeft(found.readout, left_interval);
+    readouts_.updateLeft(found.readout, weight * left_interval);
   if (!right_is_due) return;
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   row_problem_.expected = row_problem_.start =
@@ -238,7 +240,7 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
                RigSide::right);
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    readouts_.updateRight(found.readout, kReadoutInterval);
+    readouts_.updateRight(found.readout, weight * kReadoutInterval);
 }
 
 /// Motions about all exposures of the window: those of the poses, unless the rows contradict them.
@@ -247,7 +249,7 @@ void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame
     const ExposureMotion expected = motionByPoses(poses, i);
     const RowInformation::Vector variances = roughness_.variances(poses, i, last_stddev_);
     MotionBlend& rows = window[i].rows.emplace(window[i].row_information, expected, variances);
-    if (!roughness_.isRough() && !rows.significant) rows = MotionBlend(variances);
+    if (!roughness_.isRough() && !rows.significant) rows.leaveRowsOut(variances);
     window[i].motion = rows.of(expected);
   }
 }

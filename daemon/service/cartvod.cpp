@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "common/command_line/bash_completion.hpp"
-#include "common/standard_output.hpp"
+#include "common/command_line/standard_output.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/awaited_signals.hpp"
 #include "daemon/service/configuration.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/standard_output.hpp"
 #include "common/printable_text.hpp"
-#include "common/standard_output.hpp"
 #include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/commands.hpp"
 

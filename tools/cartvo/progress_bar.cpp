@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "common/terminal.hpp"
+#include "common/command_line/terminal.hpp"
 
 namespace cartvo {
 namespace {

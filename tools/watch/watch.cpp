@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/command_line/terminal.hpp"
 #include "common/host_clock.hpp"
-#include "common/terminal.hpp"
 #include "common/units.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/terminal.hpp"
+#include "common/command_line/terminal.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/watch/odometry_statistics.hpp"
 #include "tools/watch/watch.hpp"

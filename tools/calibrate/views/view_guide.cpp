@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "common/terminal.hpp"
+#include "common/command_line/terminal.hpp"
 
 namespace cartvo {
 namespace {

@@ -1,5 +1,5 @@
 // Checks that standard output received everything.
-#include "common/standard_output.hpp"
+#include "common/command_line/standard_output.hpp"
 
 #include <cerrno>
 #include <cstdio>

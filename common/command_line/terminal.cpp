@@ -1,5 +1,5 @@
 // Width of terminals and of text on them.
-#include "common/terminal.hpp"
+#include "common/command_line/terminal.hpp"
 
 #include <algorithm>
 #include <cstdlib>

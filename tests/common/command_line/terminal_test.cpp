@@ -1,5 +1,5 @@
 // Tests of the width of terminals and text.
-#include "common/terminal.hpp"
+#include "common/command_line/terminal.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -65,6 +65,7 @@ bool ControllerOdometry::add(const odometry_t& message, std::int64_t now_utime,
   // A picture that was exposed before the one in use is of no use, even if its message came later.
   if (canUse(now_utime, reception) && message.utime < usable_.utime) return true;
   usable_ = message;
+  usable_epoch_ = newest_.epoch();
   has_usable_ = true;
   return true;
 }
@@ -91,12 +92,13 @@ ControllerInput ControllerOdometry::input(std::int64_t now_utime, SteadyClock::t
   moveAuthority(usable, now);
   if (usable) {
     motion_ = extrapolate(usable_, now_utime, settings_.noise);
+    motion_epoch_ = usable_epoch_;
     was_measured_ = true;
   }
 
   ControllerInput input;
   input.authority = authority_;
-  input.epoch = newest_.epoch();
+  input.epoch = motion_epoch_;
   input.age_us = was_measured_ ? ageUs(usable_, now_utime) : 0;
   input.verdict = judge(newest_.message(), now_utime, settings_.limits);
   input.two_publishers = newest_.hasTwoPublishers(now);

@@ -256,6 +256,26 @@ TEST_F(ControllerOdometryTest, SaysWhenThePoseBeganAgain) {
   EXPECT_EQ(input().epoch, before + 1);
 }
 
+TEST_F(ControllerOdometryTest, TheEpochIsThatOfTheMotion) {
+  drive();
+  const ControllerInput before = input();
+  for (int i = 0; i < 3; ++i) {
+    advance(kCycle_us);
+    odometry_t message = invalidMessage(i, now_, odometry_t::REASON_FIRST_PAIR);
+    message.reset_counter = 7;
+    EXPECT_TRUE(add(message)) << "of a daemon that has restarted";
+    const ControllerInput between = input();
+    EXPECT_EQ(between.state, InputState::measured);
+    EXPECT_EQ(between.epoch, before.epoch) << "the motion is still that of the run before";
+  }
+  EXPECT_EQ(odometry_.newest().epoch(), before.epoch + 1);
+  advance(kCycle_us);
+  odometry_t message = validMessage(3, now_);
+  message.reset_counter = 7;
+  add(message);
+  EXPECT_EQ(input().epoch, before.epoch + 1);
+}
+
 TEST_F(ControllerOdometryTest, RampsOfNoLengthSwitchAtOnce) {
   ControllerSettings settings;
   settings.ramp_down = settings.ramp_up = milliseconds(0);

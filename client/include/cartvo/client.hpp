@@ -166,7 +166,7 @@ struct ControllerInput {
   double authority = 0.0;
   Motion motion;            ///< covariances are NaN where velocities are
   std::int64_t age_us = 0;  ///< of the message that the motion is from; 0 before the first
-  std::int64_t epoch = 0;   ///< see NewestOdometry: forget poses of the epoch before
+  std::int64_t epoch = 0;   ///< of `motion`, see NewestOdometry: forget poses of the epoch before
   OdometryVerdict verdict = OdometryVerdict::invalid;  ///< on the newest message, which may be another
   bool two_publishers = false;                         ///< another program publishes too: nothing is usable
 
@@ -200,10 +200,12 @@ class ControllerOdometry {
 
   ControllerSettings settings_;
   NewestOdometry newest_;
-  odometry_t usable_{};  ///< the last usable message
+  odometry_t usable_{};            ///< the last usable message
+  std::int64_t usable_epoch_ = 0;  ///< its epoch
   bool has_usable_ = false;
   bool was_measured_ = false;  ///< an input was `measured` before
   Motion motion_;              ///< of the last input that was `measured`
+  std::int64_t motion_epoch_ = 0;
   double authority_ = 0.0;
   SteadyClock::time_point last_input_{};
 };

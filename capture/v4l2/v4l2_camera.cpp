@@ -4,21 +4,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <ctime>
 #include <mutex>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
-
-#include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include "capture/frozen_picture_detector.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
 #include "common/host_clock.hpp"
+#include "common/wake_event.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -33,30 +28,6 @@ void validate(const V4l2CameraSettings& settings) {
       settings.retry.count() <= 0)
     throw std::invalid_argument("a camera's time-outs must be positive");
 }
-
-/// Event that wakes a thread that waits for file descriptors; stays set.
-class WakeEvent {
- public:
-  WakeEvent() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-  }
-  ~WakeEvent() { close(descriptor_); }
-  WakeEvent(const WakeEvent&) = delete;
-  WakeEvent& operator=(const WakeEvent&) = delete;
-
-  void wake() noexcept { eventfd_write(descriptor_, 1); }
-  int descriptor() const { return descriptor_; }
-
-  void waitUntil(Clock::time_point instant) const {
-    const auto left = std::chrono::ceil<milliseconds>(instant - Clock::now()).count();
-    if (left <= 0) return;
-    pollfd waiting{descriptor_, POLLIN, 0};
-    poll(&waiting, 1, static_cast<int>(std::min<std::int64_t>(left, 60'000)));
-  }
-
- private:
-  int descriptor_;
-};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Thread pool and restrictions of HTTP servers.
+// HTTP server with a thread pool, and the restrictions of its requests.
 #include "common/http/http_service.hpp"
 
 #include <chrono>
@@ -20,8 +20,17 @@ bool isAllowedHost(std::string host) {
 
 BoundedTaskQueue::BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs)
     : max_queued_jobs_(max_queued_jobs) {
-  for (std::size_t i = 0; i < threads; ++i)
-    threads_.emplace_back([this] { work(); });
+  try {
+    for (std::size_t i = 0; i < threads; ++i)
+      threads_.emplace_back([this] { work(); });
+  } catch (...) {
+    BoundedTaskQueue::shutdown();
+    throw;
+  }
+}
+
+BoundedTaskQueue::~BoundedTaskQueue() {
+  BoundedTaskQueue::shutdown();
 }
 
 void BoundedTaskQueue::enqueue(std::function<void()> job) {
@@ -39,6 +48,7 @@ void BoundedTaskQueue::shutdown() {
   changed_.notify_all();
   for (std::thread& thread : threads_)
     thread.join();
+  threads_.clear();
 }
 
 void BoundedTaskQueue::work() {
@@ -56,31 +66,51 @@ void BoundedTaskQueue::work() {
   }
 }
 
-void restrictServer(httplib::Server& server, std::size_t threads) {
+HttpService::HttpService(std::size_t threads, const HttpLimits& limits) : threads_(threads), limits_(limits) {
   using httplib::Request, httplib::Response;
-  server.new_task_queue = [threads] {  // the server deletes it
-    return new BoundedTaskQueue(threads, threads);
-  };
-  server.set_read_timeout(std::chrono::seconds(2));
-  server.set_write_timeout(std::chrono::seconds(2));
-  server.set_keep_alive_timeout(1);
-  server.set_payload_max_length(1024);
-  server.set_tcp_nodelay(true);
-  server.set_socket_options([](int socket) {  // the library's default shares the port with other programs
+  set_tcp_nodelay(true);
+  set_socket_options([](int socket) {  // the library's default shares the port with other programs
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
-  server.set_pre_routing_handler([](const Request& request, Response& response) {
+  set_pre_routing_handler([](const Request& request, Response& response) {
     if (request.method == "GET" && isAllowedHost(request.get_header_value("Host")))
-      return httplib::Server::HandlerResponse::Unhandled;
+      return HandlerResponse::Unhandled;
     response.status = 403;
-    return httplib::Server::HandlerResponse::Handled;
+    return HandlerResponse::Handled;
   });
 }
 
-int bindServer(httplib::Server& server, const ListenAddress& address) {
-  if (address.port == 0) return server.bind_to_any_port(address.address);
-  return server.bind_to_port(address.address, address.port) ? address.port : -1;
+HttpService::~HttpService() {
+  if (!listener_.joinable()) return;
+  stop_.wake();
+  stop();
+  listener_.join();
+}
+
+int HttpService::bind(const ListenAddress& address) {
+  if (address.port == 0) return bind_to_any_port(address.address);
+  return bind_to_port(address.address, address.port) ? address.port : -1;
+}
+
+void HttpService::start() {
+  queue_ = std::make_unique<BoundedTaskQueue>(threads_, threads_);
+  new_task_queue = [this] { return queue_.release(); };  // the library deletes it
+  listener_ = std::thread([this] {
+    listen_after_bind();
+    has_ended_ = true;
+  });
+  while (!is_running() && !has_ended_)  // before, the library ignores stop()
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+bool HttpService::process_and_close_socket(socket_t socket) {
+  BoundedStream stream(socket, stop_, limits_);
+  bool connection_closed = false;
+  const auto ignore_ranges = [](httplib::Request& request) {
+    request.ranges.clear();  // thousands of ranges of one file are an answer without bound
+  };
+  return process_request(stream, true, connection_closed, ignore_ranges);
 }
 
 }  // namespace cartvo

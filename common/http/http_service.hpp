@@ -1,16 +1,20 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 #include <httplib.h>
 
+#include "common/http/bounded_stream.hpp"
 #include "common/http/listen_address.hpp"
+#include "common/wake_event.hpp"
 
 // What the small HTTP servers share. Library cartvo_http. Include it after Eigen: <resolv.h>, which httplib
 // includes, defines the macro _res.
@@ -20,7 +24,11 @@ namespace cartvo {
 /// Thread pool of a server with a bounded queue: further connections wait until there is room.
 class BoundedTaskQueue : public httplib::TaskQueue {
  public:
+  /// Throws std::system_error if a thread cannot be made.
   BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs);
+  ~BoundedTaskQueue() override;
+  BoundedTaskQueue(const BoundedTaskQueue&) = delete;
+  BoundedTaskQueue& operator=(const BoundedTaskQueue&) = delete;
 
   void enqueue(std::function<void()> job) override;
   void shutdown() override;
@@ -36,12 +44,38 @@ class BoundedTaskQueue : public httplib::TaskQueue {
   bool is_over_ = false;
 };
 
-/// Makes `server` answer only GET requests whose Host header is a numeric address or localhost, so that no
-/// other site can make a browser read it ("DNS rebinding"). Keeps the port from being shared with other
-/// programs. Bounds requests in time and size, and clients by `threads` and as many again that wait.
-void restrictServer(httplib::Server& server, std::size_t threads);
+/// HTTP server with threads of its own. It answers only GET requests whose Host header is a numeric address
+/// or localhost, so that no other site can make a browser read it ("DNS rebinding"). It does not share its
+/// port with other programs. Each connection is for one request, limited by HttpLimits; at most `threads`
+/// clients are served at a time, and as many again wait.
+class HttpService : private httplib::Server {
+ public:
+  explicit HttpService(std::size_t threads, const HttpLimits& limits = {});
 
-/// Binds `server` and returns the port; -1 if that fails, for example because the port is taken.
-int bindServer(httplib::Server& server, const ListenAddress& address);
+  /// Stops: disconnects all clients and ends the threads.
+  ~HttpService() override;
+  HttpService(const HttpService&) = delete;
+  HttpService& operator=(const HttpService&) = delete;
+
+  using httplib::Server::Get;
+  using httplib::Server::set_default_headers;
+
+  /// Binds the address and returns the port; -1 if that fails, for example because the port is taken.
+  int bind(const ListenAddress& address);
+
+  /// Begins to answer at the bound address. Call it once, after the paths are defined: what they use must
+  /// outlive the server. Throws std::system_error if a thread cannot be made.
+  void start();
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+
+  std::size_t threads_;
+  HttpLimits limits_;
+  WakeEvent stop_;
+  std::unique_ptr<BoundedTaskQueue> queue_;  ///< until the listener takes it
+  std::atomic<bool> has_ended_ = false;      ///< the listener
+  std::thread listener_;
+};
 
 }  // namespace cartvo

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
 #include "common/http/http_service.hpp"
 
@@ -29,15 +28,12 @@ struct MetricsServer::Implementation {
   DaemonState state;
   PairTotals totals;
 
-  httplib::Server server;
   std::string address;
-  std::thread listener;
+  HttpService server{kServerThreads};  ///< last, because its threads use the others
 };
 
 void MetricsServer::Implementation::route() {
   using httplib::Request, httplib::Response;
-  restrictServer(server, kServerThreads);
-  server.set_keep_alive_max_count(1);  // a client that stays connected does not keep a thread
   server.Get("/metrics", [this](const Request&, Response& response) {
     std::unique_lock lock(mutex);
     const health_t health = state.health;
@@ -61,22 +57,17 @@ MetricsServer::MetricsServer(const ListenAddress& address)
   server.state.last_message = Clock::now();
   server.state.last_valid = server.state.last_message - std::chrono::hours(1);
   server.route();
-  const int port = bindServer(server.server, address);
+  const int port = server.server.bind(address);
   if (port < 0) {
     throw std::runtime_error(
         "metrics.listen: cannot listen at " + address.text() +
         ": is the port taken? As a service, another port than 9464 needs SocketBindAllow=");
   }
   server.address = ListenAddress{address.address, static_cast<std::uint16_t>(port)}.text();
-  server.listener = std::thread([&server] { server.server.listen_after_bind(); });
-  while (!server.server.is_running())
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  server.server.start();
 }
 
-MetricsServer::~MetricsServer() {
-  implementation_->server.stop();
-  implementation_->listener.join();
-}
+MetricsServer::~MetricsServer() = default;
 
 const std::string& MetricsServer::address() const {
   return implementation_->address;

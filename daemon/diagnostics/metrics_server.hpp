@@ -10,11 +10,11 @@ namespace cartvo::daemon {
 
 /// Serves /metrics (Prometheus) and /healthz over HTTP, with threads of its own: the odometry's thread only
 /// copies numbers under a lock, whatever clients do. At most four clients are served at a time, the next
-/// wait; one that sends or takes nothing for two seconds is disconnected. See restrictServer for the requests
-/// that are answered.
+/// wait; one whose request is not complete after two seconds is disconnected. See HttpService for the
+/// requests that are answered.
 class MetricsServer {
  public:
-  /// Throws std::runtime_error if it cannot listen at the address.
+  /// Throws std::runtime_error if it cannot listen at the address or start threads.
   explicit MetricsServer(const ListenAddress& address);
   ~MetricsServer();
   MetricsServer(const MetricsServer&) = delete;

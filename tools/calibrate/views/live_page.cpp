@@ -6,7 +6,6 @@
 #include <functional>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "common/http/http_service.hpp"
@@ -74,14 +73,12 @@ struct LivePage::Implementation {
   bool result_was_read = false;
   Clock::time_point last_request;
 
-  httplib::Server server;
   std::string url;
-  std::thread listener;
+  HttpService server{kServerThreads};  ///< last, because its threads use the others
 };
 
 void LivePage::Implementation::route() {
   using httplib::Request, httplib::Response;
-  restrictServer(server, kServerThreads);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"X-Frame-Options", "DENY"},
@@ -117,21 +114,16 @@ LivePage::LivePage(const ListenAddress& address, const calib::BoardSpec& board)
   Implementation& page = *implementation_;
   page.board = calib::boardSpecText(board);
   page.route();
-  const int port = bindServer(page.server, address);
+  const int port = page.server.bind(address);
   if (port < 0) {
     throw std::runtime_error("the page cannot be served at " + address.text() +
                              ": is the port taken? Choose another with --page");
   }
   page.url = "http://" + ListenAddress{address.address, static_cast<std::uint16_t>(port)}.text() + "/";
-  page.listener = std::thread([&page] { page.server.listen_after_bind(); });
-  while (!page.server.is_running())
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  page.server.start();
 }
 
-LivePage::~LivePage() {
-  implementation_->server.stop();
-  implementation_->listener.join();
-}
+LivePage::~LivePage() = default;
 
 std::string LivePage::url() const {
   return implementation_->url;

@@ -2,11 +2,13 @@
 
 #include "daemon/service/configuration_change.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
 namespace cartvo::daemon {
@@ -38,12 +40,15 @@ std::map<std::string, std::string> valuesOf(const Configuration& configuration) 
 
 }  // namespace
 
-std::string ConfigurationChange::text() const {
-  if (at_run_time.empty() && at_restart.empty()) return "no value of the configuration has changed";
-  std::string now = at_run_time.empty() ? "" : fmt::format("changed: {}", fmt::join(at_run_time, ", "));
-  if (at_restart.empty()) return now;
-  return fmt::format("{}{}changes with the next restart: {}", now, now.empty() ? "" : "; ",
-                     fmt::join(at_restart, ", "));
+void ConfigurationChange::logAndSetLevel(spdlog::level::level_enum next) const {
+  spdlog::set_level(std::min(spdlog::get_level(), next));
+  if (at_run_time.empty() && at_restart.empty())
+    spdlog::info("configuration read again: no value has changed");
+  if (!at_run_time.empty())
+    spdlog::info("configuration read again: changed: {}", fmt::join(at_run_time, ", "));
+  if (!at_restart.empty())
+    spdlog::warn("configuration read again: changes with the next restart: {}", fmt::join(at_restart, ", "));
+  spdlog::set_level(next);
 }
 
 ConfigurationChange compareConfigurations(const Configuration& running, const Configuration& next) {

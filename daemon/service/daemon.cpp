@@ -231,14 +231,13 @@ void Daemon::Implementation::applyReload() {
   const std::optional<Configuration> next = std::exchange(reloaded_, std::nullopt);
   lock.unlock();
   if (!next) return;
-  spdlog::info("configuration read again: {}", compareConfigurations(configuration_, *next).text());
+  compareConfigurations(configuration_, *next).logAndSetLevel(next->log_level);
   configuration_.time_to_live = next->time_to_live;
   configuration_.pose_channel = next->pose_channel;
   configuration_.pose_velocity = next->pose_velocity;
   configuration_.log_level = next->log_level;
   publisher_.setTimeToLive(next->time_to_live);
   pose_publisher_.setChannel(next->pose_channel, next->pose_velocity);
-  spdlog::set_level(next->log_level);
 }
 
 /// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes

@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include "support/log_text.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -23,7 +26,9 @@ TEST(ConfigurationChange, IsEmptyWithoutADifference) {
   const ConfigurationChange change = compareConfigurations(parse(""), parse("lcm: {time_to_live: 0.25}\n"));
   EXPECT_THAT(change.at_run_time, IsEmpty());
   EXPECT_THAT(change.at_restart, IsEmpty());
-  EXPECT_EQ(change.text(), "no value of the configuration has changed");
+  const test::LogText log;
+  change.logAndSetLevel(spdlog::level::info);
+  EXPECT_EQ(log.linesWith("configuration read again: no value has changed"), 1);
 }
 
 TEST(ConfigurationChange, SeparatesWhatChangesNowFromWhatNeedsARestart) {
@@ -33,9 +38,27 @@ TEST(ConfigurationChange, SeparatesWhatChangesNowFromWhatNeedsARestart) {
             "metrics: {listen: 9464}\n"));
   EXPECT_THAT(change.at_run_time, ElementsAre("lcm.time_to_live", "logging.level"));
   EXPECT_THAT(change.at_restart, ElementsAre("metrics.listen", "odometry.features"));
-  EXPECT_EQ(change.text(),
-            "changed: lcm.time_to_live, logging.level; changes with the next restart: metrics.listen, "
-            "odometry.features");
+  const test::LogText log;
+  change.logAndSetLevel(spdlog::level::debug);
+  EXPECT_EQ(log.linesWith("[info] configuration read again: changed: lcm.time_to_live, logging.level"), 1);
+  EXPECT_EQ(
+      log.linesWith("[warning] configuration read again: changes with the next restart: metrics.listen, "
+                    "odometry.features"),
+      1);
+}
+
+TEST(ConfigurationChange, IsLoggedAtTheMoreVerboseOfTheOldAndTheNewLevel) {
+  using spdlog::level::level_enum, spdlog::level::info, spdlog::level::warn;
+  const auto lines = [](level_enum before, level_enum next) {
+    const test::LogText log;
+    spdlog::set_level(before);
+    ConfigurationChange{{"logging.level"}, {"rig"}}.logAndSetLevel(next);
+    EXPECT_EQ(spdlog::get_level(), next);
+    return log.linesWith("configuration read again: ");
+  };
+  EXPECT_EQ(lines(warn, info), 2);
+  EXPECT_EQ(lines(info, warn), 2);
+  EXPECT_EQ(lines(warn, warn), 1) << "what needs a restart";
 }
 
 TEST(ConfigurationChange, FindsKeysThatWereRemoved) {

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <future>
 #include <mutex>
-#include <sstream>
 #include <thread>
 
 #include <cartvo/health_t.hpp>
@@ -13,14 +12,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "calib/format/rig_file.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/daemon.hpp"
 #include "support/capture/synthetic_cameras.hpp"
+#include "support/log_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_timeout.hpp"
 #include "tools/simulate/server/simulated_camera.hpp"
@@ -221,33 +219,8 @@ TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   run.wait();
 }
 
-/// Captures the log during its lifetime.
-class LogText {
- public:
-  LogText() : before_(spdlog::default_logger()) {
-    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text_);
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", std::move(sink)));
-  }
-  ~LogText() { spdlog::set_default_logger(before_); }
-  LogText(const LogText&) = delete;
-  LogText& operator=(const LogText&) = delete;
-
-  /// Number of lines that contain `part`. Call it only after all logging has ended.
-  int linesWith(const std::string& part) const {
-    std::istringstream lines(text_.str());
-    int count = 0;
-    for (std::string line; std::getline(lines, line);)
-      count += line.find(part) != std::string::npos ? 1 : 0;
-    return count;
-  }
-
- private:
-  std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> before_;
-};
-
 TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
-  const LogText log;
+  const test::LogText log;
   right_.reset();
   Subscriber subscriber;
   Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));

@@ -19,6 +19,7 @@
 
 #define PERIOD_NS 25000000          /* 40 Hz */
 #define RAMP_S 0.5                  /* authority from 1 to 0, and from 0 to 1 */
+#define LONGEST_CYCLE_S 0.1         /* raises the authority by no more, so that a stall is no jump */
 #define MAX_AGE_US 1000000          /* the controller's own limit, whatever the time to live */
 #define MAX_FUTURE_US 10000         /* difference between the clocks of two computers */
 #define MAX_MESSAGES_PER_CYCLE 1000 /* a flood does not keep the control loop */
@@ -32,6 +33,7 @@ typedef struct {
   cartvo_odometry_t usable; /* the last usable one */
   bool has_newest, has_usable;
   int64_t lost, ignored, epoch;
+  int64_t usable_epoch; /* of the last usable one: poses of two epochs are not related */
   int64_t reception_us; /* of the newest, by a clock that is never set */
 } odometry;
 
@@ -106,6 +108,7 @@ static void on_message(const lcm_recv_buf_t* buffer, const char* channel, const 
   if (!is_usable(m, now)) return;
   if (o->has_usable && is_usable(&o->usable, now) && m->utime < o->usable.utime) return;
   o->usable = *m;
+  o->usable_epoch = o->epoch;
   o->has_usable = true;
 }
 
@@ -127,13 +130,28 @@ static motion extrapolate(const cartvo_odometry_t* m, int64_t now) {
   return now_motion;
 }
 
+/* b - a */
+static double seconds_between(const struct timespec* a, const struct timespec* b) {
+  return (double)(b->tv_sec - a->tv_sec) + 1e-9 * (double)(b->tv_nsec - a->tv_nsec);
+}
+
+/* After a stall the next cycle begins now: missed ones are not made up for. */
 static void sleep_until_next_cycle(struct timespec* next) {
+  struct timespec now;
   next->tv_nsec += PERIOD_NS;
   if (next->tv_nsec >= 1000000000) {
     next->tv_nsec -= 1000000000;
     ++next->tv_sec;
   }
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (seconds_between(next, &now) > 0.0) *next = now;
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, next, NULL);
+}
+
+/* The share of odometry in the command, `cycle_s` later: falls to 0 and rises to 1 in RAMP_S. */
+static double next_authority(double authority, bool usable, double cycle_s) {
+  if (usable) return fmin(authority + fmin(cycle_s, LONGEST_CYCLE_S) / RAMP_S, 1.0);
+  return fmax(authority - cycle_s / RAMP_S, 0.0);
 }
 
 int main(int argument_count, char** arguments) {
@@ -148,18 +166,20 @@ int main(int argument_count, char** arguments) {
   memset(&o, 0, sizeof o);
   cartvo_odometry_t_subscribe(lcm, "CARTVO_ODOMETRY", on_message, &o);
 
-  const double step = PERIOD_NS * 1e-9 / RAMP_S; /* of the authority in one cycle */
   double authority = 0.0;
   motion last = {0};
-  struct timespec next;
+  struct timespec next, last_cycle, this_cycle;
   clock_gettime(CLOCK_MONOTONIC, &next);
+  last_cycle = next;
   for (int cycle = 0;; ++cycle) {
     for (int i = 0; i < MAX_MESSAGES_PER_CYCLE && lcm_handle_timeout(lcm, 0) > 0; ++i) {
     }
     const int64_t now = microseconds(CLOCK_REALTIME);
     const bool usable = o.has_usable && is_usable(&o.usable, now);
     if (usable) last = extrapolate(&o.usable, now);
-    authority = usable ? fmin(authority + step, 1.0) : fmax(authority - step, 0.0);
+    clock_gettime(CLOCK_MONOTONIC, &this_cycle);
+    authority = next_authority(authority, usable, seconds_between(&last_cycle, &this_cycle));
+    last_cycle = this_cycle;
     const double command = -authority * YAW_GAIN * last.yaw_rate; /* rad, to be sent to the actuator */
     if (cycle % 8 == 0) {
       const char* state = usable            ? "measured"
@@ -171,7 +191,7 @@ int main(int argument_count, char** arguments) {
           "deg  "
           "lost %" PRId64 "  epoch %" PRId64 "\n",
           state, authority, command * DEGREES, last.speed, last.speed_stddev, last.x, last.y,
-          last.yaw * DEGREES, o.lost, o.epoch);
+          last.yaw * DEGREES, o.lost, o.usable_epoch);
     }
     sleep_until_next_cycle(&next);
   }

@@ -48,12 +48,15 @@ are_the_same_bytes() {
   done
 }
 names_no_folder() { ! grep -alF "$work" "$1"/usr/bin/*; }
-types_compile() {
-  rm -rf "$work/types"
-  dpkg-deb -x "$packages"/cartvo-dev_*.deb "$work/types"
-  echo '#include <cartvo/health_t.hpp>
-#include <cartvo/odometry_t.hpp>
-cartvo::odometry_t odometry; cartvo::health_t health;' | g++ -x c++ -fsyntax-only -I "$work/types/usr/include" -
+controller_compiles() {
+  rm -rf "$work/unpacked"
+  dpkg-deb -x "$packages"/cartvo-dev_*.deb "$work/unpacked"
+  echo '#include <cartvo/client.hpp>
+#include <cartvo/health_t.hpp>
+cartvo::health_t health;
+int main() { return cartvo::client::ControllerOdometry().newest().kept() != 0; }' |
+    g++ -x c++ -std=c++17 -I "$work/unpacked/usr/include" -o "$work/controller" - \
+      -x none "$work"/unpacked/usr/lib/*/libcartvo_client.a -llcm && "$work/controller"
 }
 
 # --- a bare Debian
@@ -149,7 +152,7 @@ fi
 packages=$(realpath "$packages")
 version=$(dpkg-parsechangelog -S Version)
 check "lintian has no errors and no warnings" lintian --allow-root --fail-on error,warning "$packages"/*.changes
-check "the types of cartvo-dev compile" types_compile
+check "a controller compiles with cartvo-dev" controller_compiles
 
 check "a bare Debian 12" make_debian
 check "apt install ./cartvo.deb" install_packages "/packages/cartvo_${version}_$(dpkg --print-architecture).deb"

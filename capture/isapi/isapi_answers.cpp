@@ -46,7 +46,7 @@ LoginState parseLoginState(std::string_view body) {
   if (const auto lock = document->anyText("lockStatus")) state.locked = lowerCase(*lock).starts_with("lock");
   if (const auto seconds = number(document->anyText("unlockTime"))) {
     if (*seconds > 0 && !state.locked) state.locked = true;
-    if (state.isLocked()) state.unlock_after = std::chrono::seconds(*seconds);
+    if (*seconds > 0 && state.isLocked()) state.unlock_after = std::chrono::seconds(*seconds);
   }
   state.attempts_left = number(document->anyText("retryLoginTime"));
   state.activated = truth(document->anyText("isActivated"));

@@ -13,7 +13,7 @@ namespace cartvo::capture {
 /// State of the login at a camera, from the body of a 401 answer or of /ISAPI/Security/userCheck.
 struct LoginState {
   std::optional<bool> locked;                        ///< nothing: the camera does not say
-  std::optional<std::chrono::seconds> unlock_after;  ///< of a locked login
+  std::optional<std::chrono::seconds> unlock_after;  ///< of a locked login, positive; nothing: not known
   std::optional<int> attempts_left;                  ///< until the camera locks the login
   std::optional<bool> activated;  ///< false: the camera has no password yet and does nothing else
 

@@ -310,12 +310,13 @@ class RtspCamera::Receiver {
   void retryAfter(milliseconds pause) { next_attempt_ = Clock::now() + pause; }
 
   milliseconds failurePause() { return backoff(settings_.first_retry, failures_++, settings_.longest_retry); }
-  /// A login while the camera has locked it may lock it anew. A camera that states no lock is asked less and
-  /// less often.
+
+  /// A camera is asked less and less often, and not while it states a lock: that may lock it anew. A stated
+  /// lock only lengthens the pause, so that no answer of a camera leads to quick logins.
   milliseconds refusedPause(const RefusedLogin& refusal) {
     const milliseconds pause = backoff(settings_.refused_retry, refusals_++, settings_.longest_refused_retry);
     if (!refusal.locked_for) return pause;
-    return std::min(*refusal.locked_for + kLockMargin, kMaxLock);
+    return std::max(pause, std::min(*refusal.locked_for, kMaxLock - kLockMargin) + kLockMargin);
   }
 
   static milliseconds backoff(milliseconds first, int times, milliseconds longest) {
@@ -332,7 +333,7 @@ class RtspCamera::Receiver {
 
   static constexpr std::size_t kMaxQueuedFrames = 16;
   static constexpr milliseconds kLockMargin{1000};
-  static constexpr milliseconds kMaxLock{24 * 60 * 60 * 1000};
+  static constexpr milliseconds kMaxLock{2 * 60 * 60 * 1000};
 
   const RtspCameraSettings settings_;
   StreamObserver* observer_ = nullptr;

@@ -48,9 +48,9 @@ struct RtspCameraSettings {
   std::chrono::milliseconds refused_retry{30000};
   std::chrono::milliseconds longest_refused_retry{30 * 60 * 1000};
 
-  /// Asks the camera about a refused login, without a password. The camera waits as long as the answer says.
-  /// Must not throw, and return within `answer_timeout`, or within a second once the flag is true. Empty: not
-  /// asked.
+  /// Asks the camera about a refused login, without a password. A lock that the answer states lengthens the
+  /// pause to that time, at most 2 h. Must not throw, and return within `answer_timeout`, or within a second
+  /// once the flag is true. Empty: not asked.
   std::function<RefusedLogin(const std::atomic<bool>& interrupted)> ask_about_refusal;
 
   std::int64_t max_pixels = 64'000'000;  ///< larger pictures are refused

@@ -16,6 +16,14 @@ TEST(LoginState, ReadsALock) {
   EXPECT_EQ(loginStateText(state), "the camera has locked this login for another 1800 s");
 }
 
+TEST(LoginState, DoesNotKnowWhenALockOfZeroSecondsEnds) {
+  const LoginState state =
+      parseLoginState("<userCheck><lockStatus>lock</lockStatus><unlockTime>0</unlockTime></userCheck>");
+  EXPECT_TRUE(state.isLocked());
+  EXPECT_EQ(state.unlock_after, std::nullopt);
+  EXPECT_EQ(loginStateText(state), "the camera has locked this login");
+}
+
 TEST(LoginState, ReadsTheAttemptsThatAreLeft) {
   const LoginState state = parseLoginState(
       "<userCheck><lockStatus>unlock</lockStatus><unlockTime>0</unlockTime><retryLoginTime>1</retryLoginTime>"

@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <cerrno>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -65,6 +67,27 @@ TEST(RtspConnection, WaitsAsLongAsTheCameraHasLockedTheLogin) {
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(50)), ReadOutcome::timed_out);
   EXPECT_EQ(questions, 1);
+}
+
+TEST(RtspConnection, IsNeverHurriedByAStatedLock) {
+  const auto server = test::startCamera(test::leftStream());
+  RtspCameraSettings settings = test::settingsFor(server->port());
+  settings.credentials.password = "hunter2";
+  const std::pair<std::optional<milliseconds>, std::string> pauses[]{
+      {std::nullopt, "30 s"},
+      {milliseconds(0), "30 s"},
+      {std::chrono::seconds(5), "30 s"},
+      {std::chrono::seconds(60), "61 s"},
+      {std::chrono::hours(24), "7200 s"},
+      {std::chrono::seconds(1'000'000'000), "7200 s"}};
+  for (const auto& [locked_for, pause] : pauses) {
+    settings.ask_about_refusal = [lock = locked_for](const std::atomic<bool>&) {
+      return RefusedLogin{lock, {}};
+    };
+    RtspCamera camera(settings);
+    EXPECT_TRUE(readUntilState(camera, CameraState::refused));
+    EXPECT_THAT(camera.health().last_error, testing::EndsWith("; trying again in " + pause));
+  }
 }
 
 TEST(RtspConnection, ReportsMissingPassword) {

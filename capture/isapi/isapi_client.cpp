@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/printable_text.hpp"
-
 namespace cartvo::capture {
 namespace {
 
@@ -50,26 +48,26 @@ void IsapiClient::checkLogin() {
   const LoginState state = loginState();
   if (state.activated == false)
     throw IsapiError(IsapiError::Kind::not_activated, camera() + ": " + loginStateText(state), state);
-  if (state.isLocked()) {
-    throw IsapiError(IsapiError::Kind::login_locked,
-                     camera() + " accepts no login: " + loginStateText(state) +
-                         "; correct the password meanwhile, and wait: each attempt may lock it anew",
-                     state);
-  }
+  if (state.isLocked()) throw lockError(state);
   login_checked_ = true;
 }
 
-IsapiError IsapiClient::loginError(const HttpResponse& response) const {
-  const LoginState state = parseLoginState(response.body);
+IsapiError IsapiClient::lockError(const LoginState& state) const {
+  return {IsapiError::Kind::login_locked,
+          camera() + " accepts no login: " + loginStateText(state) +
+              "; correct the password meanwhile, and wait: each attempt may lock it anew",
+          state};
+}
+
+IsapiError IsapiClient::loginError(const LoginState& state) const {
   const std::string text =
       camera() + " refused the user or password (user '" + settings_.credentials.user + "')";
   return {state.isLocked() ? IsapiError::Kind::login_locked : IsapiError::Kind::login_refused,
           withLoginState(text, state) + "; correct the password before the next attempt", state};
 }
 
-/// Takes the challenge of a 401 answer. `answered_nonce`: of the challenge that the request answered, empty
-/// if it answered none. False if the password was refused.
-bool IsapiClient::acceptChallenge(const HttpResponse& response, const std::string& answered_nonce) {
+/// Takes the challenge of a 401 answer. True if it says that the answered nonce was too old.
+bool IsapiClient::acceptChallenge(const HttpResponse& response) {
   if (settings_.credentials.user.empty()) {
     throw IsapiError(IsapiError::Kind::login_refused,
                      camera() + " requires a user and password, and none are configured");
@@ -78,8 +76,6 @@ bool IsapiClient::acceptChallenge(const HttpResponse& response, const std::strin
   for (const std::string& value : response.challenges)
     for (Challenge& challenge : parseChallenges(value))
       challenges.push_back(std::move(challenge));
-  const bool is_stale = std::any_of(challenges.begin(), challenges.end(),
-                                    [](const Challenge& challenge) { return challenge.stale; });
   std::string offered;
   if (authenticator_.accept(challenges, offered) != Authenticator::Outcome::accepted) {
     throw IsapiError(IsapiError::Kind::login_refused,
@@ -87,31 +83,59 @@ bool IsapiClient::acceptChallenge(const HttpResponse& response, const std::strin
                          (offered.empty() ? "it names none" : offered) +
                          "): set its web authentication to 'digest'; Basic would send the password readably");
   }
-  if (answered_nonce.empty()) return true;
+  return std::any_of(challenges.begin(), challenges.end(),
+                     [](const Challenge& challenge) { return challenge.stale; });
+}
+
+/// Ends the session: the next request asks for the lock and a challenge before the password is sent again.
+void IsapiClient::forgetLogin() {
+  authenticator_ = Authenticator(settings_.credentials, false);
+  login_checked_ = false;
+  logged_in_ = false;
+}
+
+/// Prepares the answer to a 401. `answered_nonce`: of the challenge that the request answered, nothing if it
+/// answered none. `may_retry`: whether another nonce may be answered. Throws if the password is not to be
+/// sent again.
+void IsapiClient::answerChallenge(const HttpResponse& response,
+                                  const std::optional<std::string>& answered_nonce, bool may_retry) {
+  const LoginState state = parseLoginState(response.body);
+  const bool was_accepted = logged_in_;
+  if (state.isLocked() && (!answered_nonce || was_accepted)) {
+    forgetLogin();
+    throw lockError(state);
+  }
+  const bool is_stale = !state.isLocked() && acceptChallenge(response);
+  if (!answered_nonce) return;
   // A nonce dies with time and with a reboot. Only of a password that was accepted before that is known.
-  const bool nonce_died = is_stale || logged_in_;
-  return nonce_died && authenticator_.nonce() != answered_nonce;
+  const bool nonce_died = (is_stale || was_accepted) && authenticator_.nonce() != *answered_nonce;
+  if (nonce_died && may_retry) return;
+  refusal_ = loginError(state);
+  throw IsapiError(*refusal_);
 }
 
 /// One request with authentication.
 HttpResponse IsapiClient::send(const HttpRequest& request) {
-  constexpr int kMaxChallenges = 3;  // none yet, a dead nonce, one more
+  constexpr int kUnauthorized = 401, kServerError = 500;
+  if (refusal_) throw IsapiError(*refusal_);
   checkLogin();
-  for (int challenge = 0;; ++challenge) {
+  int answers = 0;  // challenges that this request has answered
+  for (;;) {
     HttpRequest authorised = request;
-    const std::string nonce = authenticator_.isReady() ? authenticator_.nonce() : std::string();
-    if (authenticator_.isReady())
+    std::optional<std::string> nonce;
+    if (authenticator_.isReady()) {
+      ++answers;
+      nonce = authenticator_.nonce();
       authorised.headers.push_back("Authorization: " +
                                    authenticator_.authorization(request.method, request.path));
+    }
     HttpResponse response = connection_.send(authorised);
-    if (response.status != 401) {
-      logged_in_ = logged_in_ || authenticator_.isReady();
+    if (response.status != kUnauthorized) {
+      // A camera that starts or is busy has not looked at the password.
+      logged_in_ = logged_in_ || (nonce && response.status < kServerError);
       return response;
     }
-    if (challenge == kMaxChallenges || !acceptChallenge(response, nonce)) {
-      logged_in_ = false;
-      throw loginError(response);
-    }
+    answerChallenge(response, nonce, answers < 2);
   }
 }
 

@@ -34,7 +34,7 @@ class IsapiError : public std::runtime_error {
  public:
   enum class Kind : std::uint8_t {
     login_refused,   ///< wrong user or password, see `login`
-    login_locked,    ///< too many wrong passwords, see `login`; the password was not sent
+    login_locked,    ///< too many wrong passwords, see `login`
     not_activated,   ///< the camera has no password yet
     forbidden,       ///< the user may not do that
     not_supported,   ///< the camera does not have what was asked for
@@ -52,9 +52,12 @@ class IsapiError : public std::runtime_error {
   LoginState login_;
 };
 
-/// One camera's ISAPI. One request at a time, with Digest authentication only. Before the first password is
-/// sent, the camera is asked whether it has locked the login; a refused password is never sent twice. Not
-/// thread-safe.
+/// One camera's ISAPI. One request at a time, with Digest authentication only. Not thread-safe.
+///
+/// Before the first password is sent, the camera is asked whether it has locked the login, and no challenge
+/// is answered that states a lock. A request answers a second challenge only where the camera says that the
+/// nonce was too old, or has accepted the password before. After a refused password all requests throw that
+/// error again and send nothing: correct the password and make another client.
 class IsapiClient {
  public:
   explicit IsapiClient(const IsapiSettings& settings);
@@ -85,8 +88,12 @@ class IsapiClient {
   HttpResponse sendUntilNotBusy(const HttpRequest& request);
   bool isTransient(const HttpRequest& request, const HttpResponse& response, int retry) const;
   void checkLogin();
-  bool acceptChallenge(const HttpResponse& response, const std::string& answered_nonce);
-  IsapiError loginError(const HttpResponse& response) const;
+  bool acceptChallenge(const HttpResponse& response);
+  void answerChallenge(const HttpResponse& response, const std::optional<std::string>& answered_nonce,
+                       bool may_retry);
+  void forgetLogin();
+  IsapiError lockError(const LoginState& state) const;
+  IsapiError loginError(const LoginState& state) const;
   IsapiError failure(const HttpRequest& request, const HttpResponse& response) const;
   std::string camera() const { return "the camera at " + connection_.address().url(); }
 
@@ -94,8 +101,9 @@ class IsapiClient {
   HttpConnection connection_;
   Authenticator authenticator_;
   bool login_checked_ = false;
-  bool logged_in_ = false;  ///< the camera has accepted the password
-  bool answered_ = false;   ///< the camera has answered a request with success since it started
+  std::optional<IsapiError> refusal_;  ///< of the password
+  bool logged_in_ = false;             ///< the camera has accepted the password
+  bool answered_ = false;              ///< the camera has answered a request with success since it started
 };
 
 }  // namespace cartvo::capture

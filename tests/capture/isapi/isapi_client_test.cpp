@@ -69,6 +69,55 @@ TEST(IsapiClient, SendsARefusedPasswordOnce) {
   EXPECT_THAT(error.what(), HasSubstr("4 attempts are left"));
   EXPECT_THAT(error.what(), Not(HasSubstr("canary-wrong")));
   EXPECT_EQ(server.wrongPasswords(), 1);
+  const std::string before = server.received();
+  EXPECT_STREQ(errorOf([&] { client.get(kTime); }).what(), error.what());
+  EXPECT_EQ(server.received(), before) << "the same client sends nothing more";
+}
+
+TEST(IsapiClient, SendsAPasswordTwiceAtMostToACameraThatCallsEachNonceOld) {
+  CameraHabits habits;
+  habits.always_stale = true;
+  const IsapiServer server(habits);
+  IsapiClient client(settingsFor(server, "canary-wrong"));
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::login_refused);
+  EXPECT_EQ(server.wrongPasswords(), 2);
+}
+
+TEST(IsapiClient, SendsAPasswordThatChangedTwiceAtMost) {
+  CameraHabits habits;
+  IsapiServer server(habits);
+  IsapiClient client(settingsFor(server));
+  client.get(kTime);
+  habits.password = "another";
+  server.setHabits(habits);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::login_refused);
+  EXPECT_EQ(server.wrongPasswords(), 2);
+}
+
+TEST(IsapiClient, AnswersNoChallengeThatStatesALock) {
+  for (const bool knows_user_check : {true, false}) {
+    CameraHabits habits;
+    habits.knows_user_check = knows_user_check;
+    IsapiServer server(habits);
+    IsapiClient client(settingsFor(server));
+    client.get(kTime);
+    CameraHabits locked = habits;
+    locked.is_locked = true;
+    server.setHabits(locked);
+    server.forgetNonces();
+    const std::size_t before = server.received().size();
+    for (int i = 0; i < 3; ++i) {
+      const IsapiError error = errorOf([&] { client.get(kTime); });
+      EXPECT_EQ(error.kind(), IsapiError::Kind::login_locked);
+      EXPECT_EQ(error.login().unlock_after, std::chrono::seconds(1799));
+    }
+    const std::string sent = server.received().substr(before);
+    EXPECT_EQ(sent.find("Authorization"), sent.rfind("Authorization")) << "the one of the running session";
+    server.setHabits(habits);
+    EXPECT_EQ(client.get(kTime).rootName(), "Time") << "unlocked";
+  }
 }
 
 TEST(IsapiClient, ReportsACameraThatIsNotActivated) {

@@ -197,7 +197,7 @@ bool IsapiServer::authenticate(const httplib::Request& request, httplib::Respons
     return true;
   ++wrong_passwords_;
   habits_.is_locked = habits_.is_locked || wrong_passwords_ >= 5;
-  challenge(response, false);
+  challenge(response, habits_.always_stale);
   return false;
 }
 

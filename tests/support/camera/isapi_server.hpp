@@ -43,11 +43,12 @@ struct CameraHabits {
   bool ignores_image_changes = false;          ///< PUT of the whole image is accepted without effect
   bool wants_reboot = false;                   ///< each change takes effect only after one
   bool is_locked = false, is_activated = true, knows_user_check = true;
-  bool may_write = true;    ///< else PUT is forbidden (lowPrivilege)
-  int booting_answers = 0;  ///< so many requests get 500 first
-  int busy_answers = 0;     ///< so many requests with a password get "busy" first
-  int nonce_uses = 0;       ///< requests until a nonce is stale; 0: no limit
-  bool says_stale = true;   ///< else a dead nonce is refused like a wrong password
+  bool may_write = true;      ///< else PUT is forbidden (lowPrivilege)
+  int booting_answers = 0;    ///< so many requests get 500 first
+  int busy_answers = 0;       ///< so many requests with a password get "busy" first
+  int nonce_uses = 0;         ///< requests until a nonce is stale; 0: no limit
+  bool says_stale = true;     ///< else a dead nonce is refused like a wrong password
+  bool always_stale = false;  ///< a wrong password is called a dead nonce
   bool tls = false;
 };
 

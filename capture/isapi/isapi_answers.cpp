@@ -11,14 +11,6 @@
 namespace cartvo::capture {
 namespace {
 
-std::optional<XmlDocument> parsed(std::string_view body) {
-  try {
-    return XmlDocument::parse(body, "answer");
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
-  }
-}
-
 /// A number from 0 to 10^9 at the begin of a text.
 std::optional<int> number(const std::optional<std::string>& text) {
   constexpr int kMax = 1'000'000'000;
@@ -29,19 +21,11 @@ std::optional<int> number(const std::optional<std::string>& text) {
   return std::min(value, kMax);
 }
 
-std::optional<bool> truth(const std::optional<std::string>& text) {
-  if (!text) return std::nullopt;
-  const std::string word = lowerCase(*text);
-  if (word == "true" || word == "1") return true;
-  if (word == "false" || word == "0") return false;
-  return std::nullopt;
-}
-
 }  // namespace
 
 LoginState parseLoginState(std::string_view body) {
   LoginState state;
-  const std::optional<XmlDocument> document = parsed(body);
+  const std::optional<XmlDocument> document = XmlDocument::parseIfXml(body);
   if (!document) return state;
   if (const auto lock = document->anyText("lockStatus")) state.locked = lowerCase(*lock).starts_with("lock");
   if (const auto seconds = number(document->anyText("unlockTime"))) {
@@ -49,7 +33,7 @@ LoginState parseLoginState(std::string_view body) {
     if (*seconds > 0 && state.isLocked()) state.unlock_after = std::chrono::seconds(*seconds);
   }
   state.attempts_left = number(document->anyText("retryLoginTime"));
-  state.activated = truth(document->anyText("isActivated"));
+  state.activated = document->anyTruth("isActivated");
   return state;
 }
 
@@ -76,7 +60,7 @@ bool ResponseStatus::isNotSupported() const {
 
 ResponseStatus parseResponseStatus(std::string_view body) {
   ResponseStatus status;
-  const std::optional<XmlDocument> document = parsed(body);
+  const std::optional<XmlDocument> document = XmlDocument::parseIfXml(body);
   if (!document) return status;
   const int code = number(document->anyText("statusCode")).value_or(0);
   constexpr int kLast = static_cast<int>(ResponseStatus::Code::reboot_required);

@@ -23,8 +23,8 @@ struct LoginState {
 /// Unknown and damaged bodies give an empty state.
 LoginState parseLoginState(std::string_view body);
 
-/// "the camera has locked this user's login for another 1800 s", "3 attempts are left"; empty if nothing is
-/// known.
+/// "the camera has locked this login for another 1800 s", "3 attempts are left before the camera locks the
+/// login"; empty if nothing is known.
 std::string loginStateText(const LoginState& state);
 
 /// Result of a request (ResponseStatus).

@@ -1,7 +1,9 @@
 // XML documents of cameras, on pugixml.
 #include "capture/isapi/xml_document.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -37,9 +39,8 @@ std::string textOf(const pugi::xml_node& element) {
   return std::string(trimmed(element.text().get()));
 }
 
-/// The node after `node` in document order, below `root`.
-pugi::xml_node nextNode(pugi::xml_node node, const pugi::xml_node& root) {
-  if (pugi::xml_node child = node.first_child()) return child;
+/// The node after `node` and all that is in it, in document order, below `root`.
+pugi::xml_node nodeBehind(pugi::xml_node node, const pugi::xml_node& root) {
   while (node && node != root) {
     if (pugi::xml_node sibling = node.next_sibling()) return sibling;
     node = node.parent();
@@ -47,13 +48,29 @@ pugi::xml_node nextNode(pugi::xml_node node, const pugi::xml_node& root) {
   return {};
 }
 
-/// Copies an element's namespace declarations to another one that does not have them.
-void copyNamespaces(const pugi::xml_node& from, pugi::xml_node to) {
-  for (const pugi::xml_attribute& attribute : from.attributes()) {
-    const std::string_view name = attribute.name();
-    const bool declares = name == "xmlns" || name.starts_with("xmlns:");
-    if (declares && !to.attribute(attribute.name())) to.append_copy(attribute);
+/// The node after `node` in document order, below `root`.
+pugi::xml_node nextNode(const pugi::xml_node& node, const pugi::xml_node& root) {
+  if (pugi::xml_node child = node.first_child()) return child;
+  return nodeBehind(node, root);
+}
+
+/// Whether no element is deeper than so many levels; the root is on the first one.
+bool isWithinDepth(const pugi::xml_node& root, int levels) {
+  int depth = 1;
+  for (pugi::xml_node node = root; node;) {
+    if (depth > levels) return false;
+    if (const pugi::xml_node child = node.first_child()) {
+      node = child;
+      ++depth;
+      continue;
+    }
+    while (node && node != root && !node.next_sibling()) {
+      node = node.parent();
+      --depth;
+    }
+    node = node == root ? pugi::xml_node() : node.next_sibling();
   }
+  return true;
 }
 
 }  // namespace
@@ -65,6 +82,22 @@ struct XmlDocument::Tree {
   pugi::xml_node first(std::string_view path) const {
     const std::vector<pugi::xml_node> found = elementsOf(root, path);
     return found.empty() ? pugi::xml_node() : found.front();
+  }
+
+  /// Tree whose root is a copy of the element, with the namespaces that are declared above it.
+  static std::unique_ptr<Tree> copyOf(const pugi::xml_node& element) {
+    auto tree = std::make_unique<Tree>();
+    tree->root = tree->document.append_copy(element);
+    std::set<std::string_view> known;
+    for (const pugi::xml_attribute& attribute : element.attributes())
+      known.insert(attribute.name());
+    for (pugi::xml_node above = element.parent(); above; above = above.parent())
+      for (const pugi::xml_attribute& attribute : above.attributes()) {
+        const std::string_view name = attribute.name();
+        const bool declares = name == "xmlns" || name.starts_with("xmlns:");
+        if (declares && known.insert(name).second) tree->root.append_copy(attribute);
+      }
+    return tree;
   }
 };
 
@@ -86,7 +119,19 @@ XmlDocument XmlDocument::parse(std::string_view text, const std::string& name) {
                              ": expected XML: " + (result ? "it has no element" : result.description()) +
                              " at byte " + std::to_string(result.offset));
   }
+  if (!isWithinDepth(tree->root, kMaxDepth)) {
+    throw std::runtime_error(name + ": expected XML of at most " + std::to_string(kMaxDepth) +
+                             " levels, found more");
+  }
   return XmlDocument(std::move(tree));
+}
+
+std::optional<XmlDocument> XmlDocument::parseIfXml(std::string_view text) {
+  try {
+    return parse(text, "text");
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
 }
 
 XmlDocument XmlDocument::copy() const {
@@ -120,6 +165,13 @@ std::optional<std::string> XmlDocument::anyText(std::string_view name) const {
   return std::nullopt;
 }
 
+std::optional<bool> XmlDocument::anyTruth(std::string_view name) const {
+  const std::string word = lowerCase(anyText(name).value_or(""));
+  if (word == "true" || word == "1") return true;
+  if (word == "false" || word == "0") return false;
+  return std::nullopt;
+}
+
 std::optional<std::string> XmlDocument::attribute(std::string_view path, const char* name) const {
   const pugi::xml_attribute found = tree_->first(path).attribute(name);
   if (!found) return std::nullopt;
@@ -148,23 +200,15 @@ bool XmlDocument::setOrAppend(std::string_view path, const std::string& value) {
 }
 
 XmlDocument XmlDocument::part(std::string_view path) const {
-  auto tree = std::make_unique<Tree>();
-  const pugi::xml_node element = tree_->first(path);
-  tree->root = tree->document.append_copy(element);
-  for (pugi::xml_node above = element.parent(); above; above = above.parent())
-    copyNamespaces(above, tree->root);
-  return XmlDocument(std::move(tree));
+  return XmlDocument(Tree::copyOf(tree_->first(path)));
 }
 
 std::vector<XmlDocument> XmlDocument::parts(std::string_view name) const {
   std::vector<XmlDocument> found;
-  for (pugi::xml_node node = tree_->root; node; node = nextNode(node, tree_->root)) {
-    if (node.type() != pugi::node_element || localName(node.name()) != name) continue;
-    auto tree = std::make_unique<Tree>();
-    tree->root = tree->document.append_copy(node);
-    for (pugi::xml_node above = node.parent(); above; above = above.parent())
-      copyNamespaces(above, tree->root);
-    found.push_back(XmlDocument(std::move(tree)));
+  for (pugi::xml_node node = tree_->root; node && found.size() < kMaxParts;) {
+    const bool matches = node.type() == pugi::node_element && localName(node.name()) == name;
+    if (matches) found.push_back(XmlDocument(Tree::copyOf(node)));
+    node = matches ? nodeBehind(node, tree_->root) : nextNode(node, tree_->root);
   }
   return found;
 }

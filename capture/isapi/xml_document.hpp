@@ -18,10 +18,15 @@ namespace cartvo::capture {
 class XmlDocument {
  public:
   static constexpr std::size_t kMaxBytes = 512 * 1024;
+  static constexpr int kMaxDepth = 64;  ///< levels of elements and their texts
+  static constexpr std::size_t kMaxParts = 64;
 
   /// Throws std::runtime_error "NAME: ...", without the content, unless `text` is XML of at most kMaxBytes
-  /// with a root element. Document types and external entities are never read.
+  /// and kMaxDepth with a root element. Document types and external entities are never read.
   static XmlDocument parse(std::string_view text, const std::string& name);
+
+  /// As `parse`; nothing where that throws.
+  static std::optional<XmlDocument> parseIfXml(std::string_view text);
 
   ~XmlDocument();
   XmlDocument(XmlDocument&& other) noexcept;
@@ -43,6 +48,9 @@ class XmlDocument {
   /// Text of the first element of that local name, wherever it is.
   std::optional<std::string> anyText(std::string_view name) const;
 
+  /// The same text as a truth: "true", "1", "false" or "0" in any case; nothing for other texts.
+  std::optional<bool> anyTruth(std::string_view name) const;
+
   /// An attribute's value, for example `opt` of an element in a camera's list of capabilities.
   std::optional<std::string> attribute(std::string_view path, const char* name) const;
 
@@ -56,7 +64,8 @@ class XmlDocument {
   /// Document whose root is the element, with the namespaces that are declared above it. The path must exist.
   XmlDocument part(std::string_view path) const;
 
-  /// Documents of all elements of that local name, wherever they are.
+  /// Documents of the first kMaxParts elements of that local name, wherever they are but in each other, as
+  /// `part`.
   std::vector<XmlDocument> parts(std::string_view name) const;
 
   /// The document as XML with a declaration.

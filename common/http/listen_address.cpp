@@ -17,8 +17,12 @@ bool isAddress(int family, const std::string& text) {
 
 }  // namespace
 
+bool isIpv4Address(const std::string& text) {
+  return isAddress(AF_INET, text);
+}
+
 bool isNumericAddress(const std::string& text) {
-  return isAddress(AF_INET, text) || isAddress(AF_INET6, text);
+  return isIpv4Address(text) || isAddress(AF_INET6, text);
 }
 
 ListenAddress ListenAddress::parse(const std::string& text) {
@@ -40,7 +44,7 @@ ListenAddress ListenAddress::parse(const std::string& text) {
 }
 
 bool ListenAddress::isLoopback() const {
-  return address == "::1" || (isAddress(AF_INET, address) && address.starts_with("127."));
+  return address == "::1" || (isIpv4Address(address) && address.starts_with("127."));
 }
 
 std::string ListenAddress::text() const {

@@ -5,6 +5,9 @@
 
 namespace cartvo {
 
+/// Whether the text is an IPv4 address of four numbers.
+bool isIpv4Address(const std::string& text);
+
 /// Whether the text is an IPv4 or IPv6 address.
 bool isNumericAddress(const std::string& text);
 

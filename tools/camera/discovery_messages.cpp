@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <sstream>
-#include <stdexcept>
 
 #include "capture/isapi/xml_document.hpp"
 #include "common/ascii_text.hpp"
+#include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
 
 namespace cartvo {
@@ -14,26 +14,15 @@ namespace {
 
 using capture::XmlDocument;
 
-std::optional<XmlDocument> parsed(std::string_view datagram) {
+std::optional<XmlDocument> documentOf(std::string_view datagram) {
   // Some devices put a binary head before the XML.
   const std::size_t begin = datagram.find('<');
   if (begin == std::string_view::npos) return std::nullopt;
-  try {
-    return XmlDocument::parse(datagram.substr(begin), "datagram");
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
-  }
+  return XmlDocument::parseIfXml(datagram.substr(begin));
 }
 
 std::string textOf(const XmlDocument& document, const char* name) {
   return printableExcerpt(document.anyText(name).value_or(""), 120);
-}
-
-std::optional<bool> truthOf(const XmlDocument& document, const char* name) {
-  const std::string word = lowerCase(document.anyText(name).value_or(""));
-  if (word == "true") return true;
-  if (word == "false") return false;
-  return std::nullopt;
 }
 
 /// Host of "http://HOST[:PORT]/PATH"; empty for other text.
@@ -44,11 +33,6 @@ std::string hostOf(const std::string& url) {
   const std::string rest = url.substr(begin + kBefore.size());
   if (rest.starts_with('[')) return rest.substr(1, rest.find(']') - 1);
   return rest.substr(0, rest.find_first_of(":/"));
-}
-
-bool isIpv4(const std::string& host) {
-  return std::count(host.begin(), host.end(), '.') == 3 &&
-         host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
 /// Value of a scope such as onvif://www.onvif.org/hardware/DS-2CD2143G2-I.
@@ -86,11 +70,11 @@ std::string onvifProbe(const std::string& uuid) {
 }
 
 std::optional<DiscoveredDevice> parseSadpAnswer(std::string_view datagram) {
-  const std::optional<XmlDocument> document = parsed(datagram);
+  const std::optional<XmlDocument> document = documentOf(datagram);
   if (!document || document->rootName() != "ProbeMatch") return std::nullopt;
   DiscoveredDevice device;
   device.address = textOf(*document, "IPv4Address");
-  if (!isIpv4(device.address)) return std::nullopt;
+  if (!isIpv4Address(device.address)) return std::nullopt;
   device.model = textOf(*document, "DeviceDescription");
   device.serial_number = textOf(*document, "DeviceSN");
   device.mac_address = lowerCase(textOf(*document, "MAC"));
@@ -101,22 +85,22 @@ std::optional<DiscoveredDevice> parseSadpAnswer(std::string_view datagram) {
   device.gateway = textOf(*document, "IPv4Gateway");
   if (device.gateway.empty()) device.gateway = textOf(*document, "Gateway");
   device.http_port = textOf(*document, "HttpPort");
-  device.dhcp = truthOf(*document, "DHCP");
-  device.activated = truthOf(*document, "Activated");
+  device.dhcp = document->anyTruth("DHCP");
+  device.activated = document->anyTruth("Activated");
   device.protocols = {"SADP"};
   return device;
 }
 
 std::vector<DiscoveredDevice> parseOnvifAnswer(std::string_view datagram) {
   std::vector<DiscoveredDevice> devices;
-  const std::optional<XmlDocument> document = parsed(datagram);
+  const std::optional<XmlDocument> document = documentOf(datagram);
   if (!document) return devices;
   for (const XmlDocument& match : document->parts("ProbeMatch")) {
     DiscoveredDevice device;
     std::istringstream addresses(match.anyText("XAddrs").value_or(""));
-    for (std::string url; addresses >> url && !isIpv4(device.address);)
+    for (std::string url; addresses >> url && !isIpv4Address(device.address);)
       device.address = hostOf(url);
-    if (!isIpv4(device.address)) continue;
+    if (!isIpv4Address(device.address)) continue;
     const std::string scopes = match.anyText("Scopes").value_or("");
     device.model = printableExcerpt(scopeOf(scopes, "hardware"));
     device.mac_address = lowerCase(printableExcerpt(scopeOf(scopes, "MAC")));

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/ascii_text.hpp"
+#include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
 #include "tools/camera/camera_settings.hpp"
 
@@ -72,12 +73,8 @@ std::optional<std::string> timeServerOf(const XmlDocument& document) {
   return std::nullopt;
 }
 
-bool isIpv4(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
-}
-
 bool setTimeServer(XmlDocument& document, const std::string& value) {
-  const bool is_address = isIpv4(value);
+  const bool is_address = isIpv4Address(value);
   for (const std::string root : kServerRoots) {
     if (!document.has(root + "addressingFormatType")) continue;
     document.setTexts(root + "addressingFormatType", is_address ? "ipaddress" : "hostname");

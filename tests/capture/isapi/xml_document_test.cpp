@@ -61,6 +61,43 @@ TEST(XmlDocument, RejectsWhatIsNoXmlWithoutRepeatingIt) {
               HasSubstr("at most 512 KiB"));
 }
 
+TEST(XmlDocument, RejectsDeepDocuments) {
+  const auto nested = [](int depth) {
+    std::string text;
+    for (int i = 0; i < depth; ++i)
+      text += "<A>";
+    for (int i = 0; i < depth; ++i)
+      text += "</A>";
+    return text;
+  };
+  EXPECT_EQ(parse(nested(XmlDocument::kMaxDepth)).rootName(), "A");
+  EXPECT_EQ(test::messageOf([&] { parse(nested(XmlDocument::kMaxDepth + 1)); }),
+            "camera: expected XML of at most 64 levels, found more");
+  EXPECT_FALSE(XmlDocument::parseIfXml(nested(70'000)).has_value());
+  EXPECT_TRUE(XmlDocument::parseIfXml("<A><B/><B><C/></B>" + nested(60) + "<D/></A>").has_value());
+}
+
+TEST(XmlDocument, TakesPartsThatAreNotInEachOther) {
+  const XmlDocument document = parse("<A xmlns:p='urn:x'><p:B>1<B>2</B></p:B><C><B>3</B></C></A>");
+  const std::vector<XmlDocument> parts = document.parts("B");
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_THAT(parts[0].toText(), HasSubstr("xmlns:p=\"urn:x\""));
+  EXPECT_EQ(parts[0].text("B"), "2");
+  EXPECT_EQ(parts[1].text(""), "3");
+  std::string many;
+  for (int i = 0; i < 1000; ++i)
+    many += "<B/>";
+  EXPECT_EQ(parse("<A>" + many + "</A>").parts("B").size(), XmlDocument::kMaxParts);
+}
+
+TEST(XmlDocument, ReadsTruths) {
+  const XmlDocument document = parse("<A><B>True</B><C>0</C><D>yes</D></A>");
+  EXPECT_EQ(document.anyTruth("B"), true);
+  EXPECT_EQ(document.anyTruth("C"), false);
+  EXPECT_EQ(document.anyTruth("D"), std::nullopt);
+  EXPECT_EQ(document.anyTruth("E"), std::nullopt);
+}
+
 TEST(XmlDocument, ReadsNoExternalEntities) {
   const XmlDocument document =
       parse("<!DOCTYPE A [<!ENTITY e SYSTEM 'file:///etc/passwd'>]><A><B>&e;</B></A>");

@@ -80,8 +80,11 @@ TEST(CameraSettings, SetATimeServerByAddressAndByName) {
   EXPECT_TRUE(setValue(setting, document, "192.168.1.10"));
   EXPECT_EQ(document.text("NTPServer/addressingFormatType"), "ipaddress");
   EXPECT_EQ(valueOf(setting, camera), "192.168.1.10");
-  EXPECT_TRUE(setValue(setting, document, "cart.local"));
-  EXPECT_EQ(valueOf(setting, camera), "cart.local");
+  for (const char* name : {"cart.local", "1.2.3"}) {
+    EXPECT_TRUE(setValue(setting, document, name));
+    EXPECT_EQ(document.text("NTPServer/addressingFormatType"), "hostname");
+    EXPECT_EQ(valueOf(setting, camera), name);
+  }
 }
 
 }  // namespace

@@ -47,10 +47,32 @@ TEST(DiscoveryMessages, ReadSadpAnswers) {
 TEST(DiscoveryMessages, IgnoreOtherDatagrams) {
   for (const std::string& datagram :
        {std::string(), std::string("<Probe/>"), sadpProbe("X"), std::string("<ProbeMatch/>"),
-        std::string("<ProbeMatch><IPv4Address>;rm</IPv4Address></ProbeMatch>")}) {
+        std::string("<ProbeMatch><IPv4Address>;rm</IPv4Address></ProbeMatch>"),
+        std::string("<ProbeMatch><IPv4Address>1.2.3.</IPv4Address></ProbeMatch>"),
+        std::string("<ProbeMatch><XAddrs>http://1.2.3.456/</XAddrs></ProbeMatch>")}) {
     EXPECT_FALSE(parseSadpAnswer(datagram)) << datagram;
     EXPECT_THAT(parseOnvifAnswer(datagram), testing::IsEmpty()) << datagram;
   }
+}
+
+TEST(DiscoveryMessages, IgnoreDatagramsOfNestedAnswers) {
+  constexpr std::size_t kMaxDatagram = 65507;
+  std::string nested;
+  while (nested.size() + 40 < kMaxDatagram)
+    nested += "<ProbeMatch xmlns:a" + std::to_string(nested.size()) + "=''>";
+  EXPECT_THAT(parseOnvifAnswer(nested), testing::IsEmpty()) << "not closed";
+  std::string closed;
+  for (int i = 0; i < 2000; ++i)
+    closed = "<ProbeMatch>" + closed + "</ProbeMatch>";
+  EXPECT_THAT(parseOnvifAnswer(closed), testing::IsEmpty());
+  EXPECT_FALSE(parseSadpAnswer(closed));
+}
+
+TEST(DiscoveryMessages, ReadNoAnswerInAnother) {
+  const std::string match =
+      "<ProbeMatch><XAddrs>http://192.168.1.64/x</XAddrs><ProbeMatch><XAddrs>http://192.168.1.65/x</XAddrs>"
+      "</ProbeMatch></ProbeMatch>";
+  EXPECT_THAT(parseOnvifAnswer("<A>" + match + match + "</A>"), testing::SizeIs(2));
 }
 
 TEST(DiscoveryMessages, ReadOnvifAnswers) {

@@ -13,10 +13,12 @@
 
 namespace cartvo::capture {
 
+constexpr std::uint16_t kHttpPort = 80, kHttpsPort = 443;
+
 /// Where a camera answers HTTP.
 struct HttpAddress {
   std::string host;  ///< name or address; IPv6 without brackets
-  std::uint16_t port = 80;
+  std::uint16_t port = kHttpPort;
   bool tls = false;
 
   /// "http://host:port"

@@ -21,8 +21,6 @@ constexpr std::chrono::seconds kMaxOpenTime{3};
 constexpr std::int64_t kMaxPixelRatio = 4;          // of the rig's
 constexpr std::int64_t kRefusedPixels = 9'000'000;  // 4K
 
-constexpr std::uint16_t kHttpPort = 80;
-
 constexpr double kDefaultV4l2Rate = 18.0;  // Hz
 
 double twice(std::chrono::milliseconds duration) {
@@ -41,7 +39,7 @@ capture::RtspCameraSettings rtspSettings(const Configuration& configuration,
   settings.answer_timeout = configuration.answer_timeout;
   settings.connect_timeout = configuration.connect_timeout;
   settings.stall_timeout = configuration.stall_timeout;
-  const capture::HttpAddress address{capture::parseRtspUrl(camera.url).host, kHttpPort, false};
+  const capture::HttpAddress address{capture::parseRtspUrl(camera.url).host, capture::kHttpPort, false};
   settings.ask_about_refusal = [address,
                                 timeout = settings.answer_timeout](const std::atomic<bool>& interrupted) {
     return askAboutRefusedLogin(address, timeout, interrupted);

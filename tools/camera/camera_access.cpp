@@ -14,8 +14,6 @@
 namespace cartvo {
 namespace {
 
-constexpr int kHttpPort = 80, kHttpsPort = 443;
-
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(std::llround(1e3 * seconds));
 }
@@ -38,7 +36,7 @@ CameraAccess openCamera(const std::string& side, const daemon::CameraConfigurati
                              "): it has no ISAPI; its exposure and gain are set in the configuration");
   }
   capture::IsapiSettings settings;
-  const int port = options.http_port.value_or(options.https ? kHttpsPort : kHttpPort);
+  const int port = options.http_port.value_or(options.https ? capture::kHttpsPort : capture::kHttpPort);
   settings.address = {capture::parseRtspUrl(camera.url).host, static_cast<std::uint16_t>(port),
                       options.https};
   settings.timeout = milliseconds(options.timeout);

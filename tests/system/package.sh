@@ -180,11 +180,13 @@ check "the upgrade kept the rig" rig_is_mine
 check "apt remove" inside apt-get remove -y cartvo
 check "removing removed the programs" not exists usr/bin/cartvod
 check "removing kept the configuration" configuration_is_mine
+inside touch /etc/cartvo/known-cameras
 check "apt purge" inside apt-get purge -y cartvo
 check "purging kept the recording, for root" keeps_the_recording_for_root
 check "purging kept the rig" rig_is_mine
 check "purging removed the configuration" not exists etc/cartvo/cartvod.yaml
 check "purging removed the passwords" not exists etc/cartvo/credentials
+check "purging removed the keys of cameras" not exists etc/cartvo/known-cameras
 check "purging removed the cache" not exists var/cache/cartvo
 check "purging removed the user" has_no_user
 check "installing again" install_packages "/packages/cartvo_${version}_$(dpkg --print-architecture).deb"

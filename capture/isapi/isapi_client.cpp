@@ -10,6 +10,7 @@ namespace cartvo::capture {
 namespace {
 
 constexpr const char* kUserCheck = "/ISAPI/Security/userCheck";
+constexpr int kMaxAttempts = 2;  // to challenges of one request
 
 bool isSuccess(const HttpResponse& response) {
   return response.status >= 200 && response.status < 300;
@@ -95,10 +96,10 @@ void IsapiClient::forgetLogin() {
 }
 
 /// Prepares the answer to a 401. `answered_nonce`: of the challenge that the request answered, nothing if it
-/// answered none. `may_retry`: whether another nonce may be answered. Throws if the password is not to be
-/// sent again.
+/// answered none. `attempts`: challenges that the request has answered so far. Throws if the password is not
+/// to be sent again.
 void IsapiClient::answerChallenge(const HttpResponse& response,
-                                  const std::optional<std::string>& answered_nonce, bool may_retry) {
+                                  const std::optional<std::string>& answered_nonce, int attempts) {
   const LoginState state = parseLoginState(response.body);
   const bool was_accepted = logged_in_;
   if (state.isLocked() && (!answered_nonce || was_accepted)) {
@@ -109,7 +110,7 @@ void IsapiClient::answerChallenge(const HttpResponse& response,
   if (!answered_nonce) return;
   // A nonce dies with time and with a reboot. Only of a password that was accepted before that is known.
   const bool nonce_died = (is_stale || was_accepted) && authenticator_.nonce() != *answered_nonce;
-  if (nonce_died && may_retry) return;
+  if (nonce_died && attempts < kMaxAttempts) return;
   refusal_ = loginError(state);
   throw IsapiError(*refusal_);
 }
@@ -119,12 +120,12 @@ HttpResponse IsapiClient::send(const HttpRequest& request) {
   constexpr int kUnauthorized = 401, kServerError = 500;
   if (refusal_) throw IsapiError(*refusal_);
   checkLogin();
-  int answers = 0;  // challenges that this request has answered
+  int attempts = 0;  // challenges that this request has answered
   for (;;) {
     HttpRequest authorised = request;
     std::optional<std::string> nonce;
     if (authenticator_.isReady()) {
-      ++answers;
+      ++attempts;
       nonce = authenticator_.nonce();
       authorised.headers.push_back("Authorization: " +
                                    authenticator_.authorization(request.method, request.path));
@@ -135,7 +136,7 @@ HttpResponse IsapiClient::send(const HttpRequest& request) {
       logged_in_ = logged_in_ || (nonce && response.status < kServerError);
       return response;
     }
-    answerChallenge(response, nonce, answers < 2);
+    answerChallenge(response, nonce, attempts);
   }
 }
 
@@ -221,6 +222,15 @@ void IsapiClient::reboot() {
   const HttpResponse response = sendUntilNotBusy(request);
   if (!isSuccess(response)) throw failure(request, response);
   answered_ = false;
+}
+
+bool IsapiClient::answers() {
+  try {
+    return isSuccess(send({.path = "/ISAPI/System/deviceInfo"}));
+  } catch (const HttpError& error) {
+    if (error.kind() != HttpError::Kind::unreachable) throw;
+    return false;
+  }
 }
 
 }  // namespace cartvo::capture

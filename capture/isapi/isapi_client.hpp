@@ -81,6 +81,10 @@ class IsapiClient {
   /// Reboots the camera. Throws IsapiError and HttpError.
   void reboot();
 
+  /// Whether the camera answers a request with success now, asked once. Throws IsapiError if it refuses the
+  /// login, and HttpError if it has another key.
+  bool answers();
+
   const HttpAddress& address() const { return connection_.address(); }
 
  private:
@@ -90,7 +94,7 @@ class IsapiClient {
   void checkLogin();
   bool acceptChallenge(const HttpResponse& response);
   void answerChallenge(const HttpResponse& response, const std::optional<std::string>& answered_nonce,
-                       bool may_retry);
+                       int attempts);
   void forgetLogin();
   IsapiError lockError(const LoginState& state) const;
   IsapiError loginError(const LoginState& state) const;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/camera/isapi_server.hpp"
+#include "support/closed_port.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -217,25 +218,25 @@ TEST(IsapiClient, WritesAndSaysWhenARebootIsNeeded) {
 TEST(IsapiClient, SurvivesAReboot) {
   const IsapiServer server;
   IsapiClient client(settingsFor(server));
+  EXPECT_TRUE(client.answers());
   client.reboot();
+  EXPECT_FALSE(client.answers()) << "it starts";
   EXPECT_EQ(client.get(kTime).rootName(), "Time");
 }
 
 TEST(IsapiClient, NamesAnAddressWhereNothingAnswers) {
-  int port = 0;
-  {
-    const IsapiServer server;
-    port = server.port();
-  }
+  const test::ClosedPort closed;
   IsapiSettings settings;
-  settings.address = {"127.0.0.1", static_cast<std::uint16_t>(port), false};
+  settings.address = {"127.0.0.1", closed.port(), false};
   IsapiClient client(settings);
+  EXPECT_FALSE(client.answers());
   try {
     client.get(kTime);
     ADD_FAILURE();
   } catch (const HttpError& error) {
     EXPECT_EQ(error.kind(), HttpError::Kind::unreachable);
-    EXPECT_THAT(error.what(), HasSubstr("http://127.0.0.1:" + std::to_string(port) + " cannot be reached"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("http://127.0.0.1:" + std::to_string(closed.port()) + " cannot be reached"));
   }
 }
 

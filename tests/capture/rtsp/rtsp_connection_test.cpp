@@ -17,6 +17,7 @@
 #include "tests/support/capture/live_camera.hpp"
 #include "tests/support/capture/silent_server.hpp"
 #include "tests/support/capture/tcp_proxy.hpp"
+#include "tests/support/closed_port.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -129,12 +130,8 @@ TEST(RtspConnection, ReconnectsAfterStall) {
 }
 
 TEST(RtspConnection, ReportsClosedPort) {
-  std::uint16_t closed_port = 0;
-  {
-    const test::TcpProxy server(1);
-    closed_port = server.port();
-  }
-  RtspCamera camera(test::settingsFor(closed_port));
+  const test::ClosedPort closed;
+  RtspCamera camera(test::settingsFor(closed.port()));
   Frame frame;
   EXPECT_EQ(camera.read(frame, milliseconds(200)), ReadOutcome::timed_out);
   EXPECT_THAT(camera.health().last_error, HasSubstr("Connection refused"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/camera/isapi_server.hpp"
+#include "support/closed_port.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -35,15 +36,12 @@ TEST(RefusedLogin, TellsHowManyAttemptsAreLeft) {
 }
 
 TEST(RefusedLogin, IsEmptyForOtherDevices) {
-  int port = 0;
-  {
-    test::CameraHabits habits;
-    habits.knows_user_check = false;
-    const test::IsapiServer server(habits);
-    port = server.port();
-    EXPECT_EQ(ask(port).text, "");
-  }
-  EXPECT_EQ(ask(port).text, "") << "nothing answers";
+  test::CameraHabits habits;
+  habits.knows_user_check = false;
+  const test::IsapiServer server(habits);
+  EXPECT_EQ(ask(server.port()).text, "");
+  const test::ClosedPort closed;
+  EXPECT_EQ(ask(closed.port()).text, "") << "nothing answers";
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "tools/camera/discovery.hpp"
 
 #include <array>
+#include <atomic>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -10,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "support/error_message.hpp"
@@ -99,7 +102,7 @@ TEST(DiscoveryMessages, KeepTwoNewCamerasAtOneAddressApart) {
   EXPECT_EQ(devices.size(), 2U);
 }
 
-/// Answers the first datagram that reaches it, on a free port of loopback.
+/// Answers all datagrams that reach it, on a free port of loopback, until it is destroyed.
 class Responder {
  public:
   explicit Responder(std::string answer)
@@ -108,6 +111,8 @@ class Responder {
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
+    const timeval wait{0, 20'000};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
     if (::bind(socket_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
         ::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
       throw std::runtime_error("Responder: cannot bind");
@@ -115,6 +120,7 @@ class Responder {
     thread_ = std::thread([this] { serve(); });
   }
   ~Responder() {
+    is_done_ = true;
     thread_.join();
     ::close(socket_);
   }
@@ -122,43 +128,51 @@ class Responder {
   Responder& operator=(const Responder&) = delete;
 
   std::uint16_t port() const { return port_; }
-  /// The question; call it after the search.
-  const std::string& question() const { return question_; }
+  /// The last question.
+  std::string question() const {
+    const std::lock_guard lock(mutex_);
+    return question_;
+  }
 
  private:
   void serve() {
     std::array<char, 4096> buffer{};
-    sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const ssize_t count =
-        ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-    question_.assign(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    ::sendto(socket_, answer_.data(), answer_.size(), 0, reinterpret_cast<const sockaddr*>(&from), size);
+    while (!is_done_) {
+      sockaddr_in from{};
+      socklen_t size = sizeof from;
+      const ssize_t count =
+          ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+      if (count <= 0) continue;
+      {
+        const std::lock_guard lock(mutex_);
+        question_.assign(buffer.data(), static_cast<std::size_t>(count));
+      }
+      ::sendto(socket_, answer_.data(), answer_.size(), 0, reinterpret_cast<const sockaddr*>(&from), size);
+    }
   }
 
-  std::string answer_, question_;
+  const std::string answer_;
+  mutable std::mutex mutex_;
+  std::string question_;
+  std::atomic<bool> is_done_ = false;
   int socket_;
   std::uint16_t port_ = 0;
   std::thread thread_;
 };
 
 TEST(Discovery, CollectsTheAnswersOfBothProtocols) {
+  const Responder sadp(kSadpAnswer), onvif(kOnvifAnswer);
   DiscoverySettings settings;
-  std::vector<DiscoveredDevice> devices;
-  std::string question;
-  {
-    const Responder sadp(kSadpAnswer), onvif(kOnvifAnswer);
-    settings.interfaces = {"lo"};
-    settings.duration = std::chrono::milliseconds(600);
-    settings.group = "127.0.0.1";
-    settings.sadp_port = sadp.port();
-    settings.onvif_port = onvif.port();
-    devices = discoverDevices(settings);
-    question = sadp.question();
-  }
+  settings.interfaces = {"lo"};
+  settings.duration = std::chrono::milliseconds(600);
+  settings.group = "127.0.0.1";
+  settings.sadp_port = sadp.port();
+  settings.onvif_port = onvif.port();
+  const std::vector<DiscoveredDevice> devices = discoverDevices(settings);
   ASSERT_EQ(devices.size(), 1U);
   EXPECT_THAT(devices[0].protocols, testing::UnorderedElementsAre("SADP", "ONVIF"));
-  EXPECT_THAT(question, testing::MatchesRegex(".*<Uuid>[0-9A-F-]{36}</Uuid><Types>inquiry</Types></Probe>"));
+  EXPECT_THAT(sadp.question(),
+              testing::MatchesRegex(".*<Uuid>[0-9A-F-]{36}</Uuid><Types>inquiry</Types></Probe>"));
 }
 
 TEST(Discovery, NamesAMissingInterface) {

@@ -125,6 +125,16 @@ void requireConsent(const Options& options, const std::string& question) {
   exitWith(EXIT_FAILURE);
 }
 
+/// The error of a camera that failed while it was changed. `untouched`: the camera after it, if any.
+std::runtime_error changeError(const CameraAccess& failed, const std::string& failure,
+                               const CameraAccess* untouched) {
+  std::string text = "the " + failed.side + " camera failed while it was changed: " + failure;
+  if (untouched != nullptr) text += "; the " + untouched->side + " camera was not touched";
+  return std::runtime_error(text +
+                            "; what was changed is printed above; run the same `cartvo camera apply` again "
+                            "once that is mended");
+}
+
 /// Makes the planned changes and prints how each ended. True if a camera needs a reboot.
 bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
   bool needs_reboot = false;
@@ -133,10 +143,12 @@ bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
         applyChanges(*access.client, access.channels, plan.changes[access.side == "right" ? 1 : 0]);
     for (const ChangeResult& one : result.results) {
       print(access.side + " camera: " + one.change.setting.name + " " +
-            (one.is_taken ? "is " + one.change.to : "is not changed: " + one.problem) + "\n");
+            (one.is_taken ? "is " + one.change.to : "is not confirmed: " + one.problem) + "\n");
     }
     if (result.needs_reboot)
       print(access.side + " camera: it needs a reboot: cartvo camera reboot --camera " + access.side + "\n");
+    if (!result.failure.empty())
+      throw changeError(access, result.failure, &access == &cameras.back() ? nullptr : &cameras.back());
     needs_reboot = needs_reboot || result.needs_reboot;
   }
   return needs_reboot;
@@ -145,7 +157,10 @@ bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
 /// Prints what is left. True if all that was selected is as it should be on all cameras.
 bool reportRest(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Selection& selection) {
   const ReportedPair pair = readAll(cameras);
-  requireAllRead(pair);
+  for (const ReportedCamera& camera : pair) {
+    if (!camera.documents)
+      throw std::runtime_error("the changes above were made, but what is left is not known: " + camera.error);
+  }
   const ChangePlan rest = planChanges(pairOf(pair), needs, selection);
   if (rest.isEmpty() && rest.problems[0].empty() && rest.problems[1].empty()) return true;
   print("left over:\n" + planText(pair, rest));
@@ -156,6 +171,8 @@ void apply(const Options& options) {
   const Selection selection = selectionOf(options);
   if (!selection.all && selection.settings.empty())
     throw CLI::ValidationError("SETTING", "name at least one setting, or --all");
+  if (const std::string problem = nameProblem(selection); !problem.empty())
+    throw CLI::ValidationError("SETTING", problem);
   const daemon::Configuration configuration =
       daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
   const OdometryNeeds needs = needsOf(configuration);
@@ -179,25 +196,38 @@ void apply(const Options& options) {
   if (!is_done) exitWith(kNotAsNeeded);
 }
 
-/// Waits until a camera that was told to reboot has gone down and answers again.
-void waitForReboot(CameraAccess& access, double seconds) {
+/// A camera that was told to reboot.
+struct RebootingCamera {
+  CameraAccess* access = nullptr;
+  bool was_down = false, is_back = false;
+};
+
+/// Waits until all cameras that were told to reboot have gone down and answer again. They are asked in turn,
+/// so that none goes down and comes back unseen.
+void waitForReboots(std::vector<CameraAccess>& cameras, double seconds) {
   using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kPause{200};
+  std::vector<RebootingCamera> rebooting;
+  for (CameraAccess& access : cameras)
+    rebooting.push_back({&access});
+  const auto is_back = [](const RebootingCamera& camera) { return camera.is_back; };
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  bool was_down = false;
-  while (Clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    try {
-      access.client->get("/ISAPI/System/deviceInfo");
-      if (was_down) return;
-    } catch (const capture::HttpError&) {
-      was_down = true;
-    } catch (const capture::IsapiError& error) {
-      if (error.kind() != capture::IsapiError::Kind::busy) throw;
-      was_down = true;
+  while (!std::all_of(rebooting.begin(), rebooting.end(), is_back) && Clock::now() < end) {
+    for (RebootingCamera& camera : rebooting) {
+      if (camera.is_back) continue;
+      const bool answers = camera.access->client->answers();
+      camera.is_back = camera.was_down && answers;
+      camera.was_down = camera.was_down || !answers;
+      if (camera.is_back) print("the " + camera.access->side + " camera answers again\n");
     }
+    std::this_thread::sleep_for(kPause);
   }
-  throw std::runtime_error("the " + access.side + " camera does not answer " +
-                           std::to_string(static_cast<int>(seconds)) + " s after its reboot");
+  for (const RebootingCamera& camera : rebooting) {
+    if (camera.is_back) continue;
+    throw std::runtime_error("the " + camera.access->side + " camera " +
+                             (camera.was_down ? "does not answer " : "has not gone down ") +
+                             std::to_string(static_cast<int>(seconds)) + " s after it was told to reboot");
+  }
 }
 
 void reboot(const Options& options) {
@@ -211,11 +241,7 @@ void reboot(const Options& options) {
     access.client->reboot();
     print("the " + access.side + " camera reboots\n");
   }
-  if (options.wait <= 0.0) return;
-  for (CameraAccess& access : cameras) {
-    waitForReboot(access, options.wait);
-    print("the " + access.side + " camera answers again\n");
-  }
+  if (options.wait > 0.0) waitForReboots(cameras, options.wait);
 }
 
 void addAccessOptions(CLI::App& command, const std::shared_ptr<Options>& options) {

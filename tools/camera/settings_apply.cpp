@@ -31,6 +31,8 @@ class DocumentWriter {
   }
 
   bool needsReboot() const { return needs_reboot_; }
+  /// Whether what the camera is set to is not known, after an exception.
+  bool isUnread() const { return is_unread_; }
 
  private:
   XmlDocument changedDocument(const std::vector<ChangeResult*>& changes) {
@@ -42,9 +44,11 @@ class DocumentWriter {
 
   /// Writes a document. The camera's reason if it does not take it.
   std::string put(const std::string& path, const XmlDocument& document) {
+    const bool was_unread = std::exchange(is_unread_, true);
     try {
       needs_reboot_ = client_.put(path, document) || needs_reboot_;
     } catch (const IsapiError& error) {
+      is_unread_ = was_unread;
       const bool may_go_otherwise =
           error.kind() == IsapiError::Kind::rejected || error.kind() == IsapiError::Kind::not_supported;
       if (!may_go_otherwise) throw;
@@ -105,6 +109,7 @@ class DocumentWriter {
     CameraDocuments camera;
     camera.channels = channels_;
     camera.of(document_) = client_.get(path_);
+    is_unread_ = false;
     for (ChangeResult* change : changes) {
       const Change& wanted = change->change;
       const std::optional<std::string> value = valueOf(wanted.setting, camera);
@@ -125,28 +130,42 @@ class DocumentWriter {
   Document document_;
   std::string path_;
   bool needs_reboot_ = false;
+  bool is_unread_ = false;  ///< something was sent, and not read back since
 };
 
-}  // namespace
-
-bool ApplyResult::allTaken() const {
-  return std::all_of(results.begin(), results.end(),
-                     [](const ChangeResult& result) { return result.is_taken; });
+/// Writes the changes of one document. Why that ended early; empty if it did not.
+std::string writeDocument(DocumentWriter& writer, std::vector<ChangeResult*>& changes) {
+  std::string failure;
+  try {
+    writer.write(changes);
+    return failure;
+  } catch (const IsapiError& error) {
+    failure = error.what();
+  } catch (const capture::HttpError& error) {
+    failure = error.what();
+  }
+  for (ChangeResult* change : changes)
+    if (!change->is_taken && writer.isUnread())
+      change->problem = "it was sent, but whether the camera took it is not known";
+  return failure;
 }
+
+}  // namespace
 
 ApplyResult applyChanges(IsapiClient& client, const CameraChannels& channels,
                          const std::vector<Change>& changes) {
   ApplyResult result;
   for (const Change& change : changes)
-    result.results.push_back({change, false, {}});
+    result.results.push_back({change, false, "it was not changed"});
   for (const Document document : kDocuments) {
     std::vector<ChangeResult*> part;
     for (ChangeResult& one : result.results)
       if (one.change.setting.document == document) part.push_back(&one);
     if (part.empty()) continue;
     DocumentWriter writer(client, channels, document);
-    writer.write(part);
+    result.failure = writeDocument(writer, part);
     result.needs_reboot = result.needs_reboot || writer.needsReboot();
+    if (!result.failure.empty()) break;
   }
   return result;
 }

@@ -34,6 +34,9 @@ struct ChangePlan {
   bool isEmpty() const { return changes[0].empty() && changes[1].empty(); }
 };
 
+/// Why a name of the selection is no setting; empty if all are.
+std::string nameProblem(const Selection& selection);
+
 /// Plans changes. A setting that must be alike gets one value on both: the wanted one, else the best that
 /// both offer, else the left camera's. Settings that are good and alike are left alone unless the user wants
 /// another value. Throws std::runtime_error for a name that is no setting.
@@ -49,13 +52,12 @@ struct ChangeResult {
 struct ApplyResult {
   std::vector<ChangeResult> results;
   bool needs_reboot = false;  ///< the camera says that something takes effect only then
-
-  bool allTaken() const;
+  std::string failure;        ///< why the changes ended early; empty if all were tried
 };
 
 /// Makes the changes, document by document, and reads each back. Each document is read anew, changed and
 /// written as a whole, so that all other settings stay; what a firmware does not take so is written to its
-/// sub-resource. Throws IsapiError if the user may not write, and HttpError.
+/// sub-resource. Ends early, with `failure`, if the user may not write or the camera does not answer.
 ApplyResult applyChanges(capture::IsapiClient& client, const CameraChannels& channels,
                          const std::vector<Change>& changes);
 

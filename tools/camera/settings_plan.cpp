@@ -15,18 +15,6 @@ bool canBeSet(const Finding* finding) {
   return finding != nullptr && !finding->value.empty() && finding->verdict != Verdict::not_reported;
 }
 
-void checkNames(const Selection& selection, const std::vector<Setting>& settings) {
-  for (const auto& [name, value] : selection.settings) {
-    const bool is_known = std::any_of(settings.begin(), settings.end(),
-                                      [&name = name](const Setting& one) { return one.name == name; });
-    if (is_known) continue;
-    std::string names;
-    for (const Setting& setting : settings)
-      names += (names.empty() ? "" : ", ") + setting.name;
-    throw std::runtime_error("there is no setting '" + name + "'; the settings are " + names);
-  }
-}
-
 /// Size and flip belong to the calibration: they are changed by name only.
 bool isChangedByAll(const Setting& setting) {
   const std::array by_name{"width", "height", "flip"};
@@ -82,7 +70,22 @@ void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& camer
 
 }  // namespace
 
+std::string nameProblem(const Selection& selection) {
+  const std::vector<Setting> settings = cameraSettings({}, 1.0);  // the names are always the same
+  for (const auto& [name, value] : selection.settings) {
+    const bool is_known = std::any_of(settings.begin(), settings.end(),
+                                      [&name = name](const Setting& one) { return one.name == name; });
+    if (is_known) continue;
+    std::string names;
+    for (const Setting& setting : settings)
+      names += (names.empty() ? "" : ", ") + setting.name;
+    return "there is no setting '" + name + "'; the settings are " + names;
+  }
+  return {};
+}
+
 ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, const Selection& selection) {
+  if (const std::string problem = nameProblem(selection); !problem.empty()) throw std::runtime_error(problem);
   // A wanted frame rate also changes the key frame interval that is needed.
   OdometryNeeds wanted = needs;
   const auto rate = selection.settings.find("frame-rate");
@@ -93,7 +96,6 @@ ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, co
   }
   const auto findings = checkCameras(cameras, wanted);
   const std::vector<Setting> settings = cameraSettings(wanted, frameRateOf(wanted, cameras));
-  checkNames(selection, settings);
   ChangePlan plan;
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const Setting& setting = settings[i];

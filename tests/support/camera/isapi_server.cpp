@@ -239,7 +239,9 @@ void IsapiServer::answer(const httplib::Request& request, httplib::Response& res
 void IsapiServer::put(const httplib::Request& request, httplib::Response& response) {
   const std::string done =
       habits_.wants_reboot ? status(7, "Reboot Required", "rebootRequired") : status(1, "OK", "ok");
-  if (!habits_.may_write) return respond(response, 403, status(4, "Invalid Operation", "lowPrivilege"));
+  if (!habits_.may_write || habits_.puts_left == 0)
+    return respond(response, 403, status(4, "Invalid Operation", "lowPrivilege"));
+  if (habits_.puts_left > 0) --habits_.puts_left;
   if (request.path == "/ISAPI/System/reboot") {
     nonces_.clear();
     habits_.booting_answers = 2;

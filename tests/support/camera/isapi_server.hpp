@@ -44,6 +44,7 @@ struct CameraHabits {
   bool wants_reboot = false;                   ///< each change takes effect only after one
   bool is_locked = false, is_activated = true, knows_user_check = true;
   bool may_write = true;      ///< else PUT is forbidden (lowPrivilege)
+  int puts_left = -1;         ///< PUT is forbidden after so many; -1: no limit
   int booting_answers = 0;    ///< so many requests get 500 first
   int busy_answers = 0;       ///< so many requests with a password get "busy" first
   int nonce_uses = 0;         ///< requests until a nonce is stale; 0: no limit

@@ -134,6 +134,26 @@ TEST_F(CameraCommand, SaysWhenARebootIsNeededAndReboots) {
   EXPECT_THAT(left_->requests(), Not(testing::Contains("PUT /ISAPI/System/reboot")));
 }
 
+TEST_F(CameraCommand, WaitsForBothCamerasToReboot) {
+  const CommandResult reboot = run("reboot --yes --wait 60");
+  EXPECT_EQ(reboot.exit_code, 0) << reboot.output;
+  EXPECT_THAT(reboot.output, HasSubstr("the left camera answers again"));
+  EXPECT_THAT(reboot.output, HasSubstr("the right camera answers again"));
+}
+
+TEST_F(CameraCommand, ReportsAFailureInTheMiddleOfChanges) {
+  CameraHabits failing = withPassword();
+  failing.puts_left = 1;
+  start(failing, withPassword());
+  const CommandResult result = run("apply --all --yes");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("left camera: bit-rate-mode is CBR"));
+  EXPECT_THAT(result.output, HasSubstr("left camera: wdr is not confirmed: it was not changed"));
+  EXPECT_THAT(result.output, HasSubstr("the right camera was not touched"));
+  EXPECT_THAT(result.output, HasSubstr("run the same `cartvo camera apply` again"));
+  EXPECT_THAT(right_->requests(), Not(testing::Contains(testing::StartsWith("PUT"))));
+}
+
 TEST_F(CameraCommand, KeepsTheKeyOfACameraWithTls) {
   CameraHabits habits = withPassword();
   habits.tls = true;
@@ -156,8 +176,10 @@ TEST_F(CameraCommand, KeepsTheKeyOfACameraWithTls) {
 TEST_F(CameraCommand, WantsToKnowWhatToApply) {
   EXPECT_EQ(run("apply").exit_code, 2);
   EXPECT_EQ(run("apply wdr=").exit_code, 2);
-  EXPECT_EQ(run("apply nonsense").exit_code, 1);
-  EXPECT_THAT(run("apply nonsense").output, HasSubstr("there is no setting 'nonsense'"));
+  const CommandResult unknown = run("apply nonsense --yes");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.output, HasSubstr("there is no setting 'nonsense'"));
+  EXPECT_EQ(left_->received() + right_->received(), "") << "no camera was asked";
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ TEST(SettingsApply, ReportsWhatACameraDoesNotTake) {
   Selection selection;
   selection.settings["wdr"] = std::nullopt;
   const ApplyResult result = applyTo(server, selection);
-  EXPECT_FALSE(result.allTaken());
+  EXPECT_FALSE(result.results[0].is_taken);
   EXPECT_THAT(result.results[0].problem, HasSubstr("404"));
 }
 
@@ -127,9 +127,24 @@ TEST(SettingsApply, StopsWithoutPermission) {
   CameraHabits habits;
   habits.may_write = false;
   const IsapiServer server(habits);
-  EXPECT_THAT(test::messageOf([&] { applyTo(server, everything()); }),
-              HasSubstr("Remote: Parameters Settings"));
+  const ApplyResult result = applyTo(server, everything());
+  EXPECT_THAT(result.failure, HasSubstr("Remote: Parameters Settings"));
+  for (const ChangeResult& one : result.results)
+    EXPECT_EQ(one.problem, "it was not changed");
   EXPECT_THAT(server.requests(), testing::Contains(testing::StartsWith("PUT")).Times(1));
+}
+
+TEST(SettingsApply, ReportsWhatWasChangedBeforeAFailure) {
+  CameraHabits habits;
+  habits.puts_left = 1;
+  const IsapiServer server(habits);
+  const ApplyResult result = applyTo(server, everything());
+  EXPECT_THAT(result.failure, HasSubstr("Remote: Parameters Settings"));
+  for (const ChangeResult& one : result.results) {
+    const bool is_first = one.change.setting.document == Document::stream;
+    EXPECT_EQ(one.is_taken, is_first) << one.change.setting.name;
+    EXPECT_EQ(one.problem, is_first ? "" : "it was not changed") << one.change.setting.name;
+  }
 }
 
 TEST(SettingsPlan, LeadsBothCamerasToOneValue) {

@@ -23,7 +23,7 @@ ExposureMotion motionOf(const RowInformation::Vector& components) {
 }
 
 MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-                         const RowInformation::Vector& variances) {
+                         const RowInformation::Vector& variances, bool use_rows) {
   // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
   // hide that the velocity differs.
   RowInformation::Vector vague = RowInformation::Vector::Constant(kVagueVariance);
@@ -37,16 +37,16 @@ MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expec
     const double difference = squared_difference.segment<3>(first).mean();
     const double prior = variances.segment<3>(first).mean();
     if (difference < kSignificance * (prior + row_variances.segment<3>(first).mean())) continue;
-    significant = true;
+    use_rows = true;
     const double factor = difference / prior;
     agreed.segment<3>(first) *= factor;
     agreed.segment<3>(6 + first) *= factor;
     if (first == 3) agreed.tail<3>() *= factor;
   }
-  blend(rows, agreed);
-}
-
-void MotionBlend::leaveRowsOut(const RowInformation::Vector& variances) {
+  if (use_rows) {
+    blend(rows, agreed);
+    return;
+  }
   expected_share.setIdentity();
   by_rows.setZero();
   covariance = variances.asDiagonal();

@@ -59,16 +59,11 @@ struct MotionBlend {
   RowInformation::Array squared_difference = RowInformation::Array::Zero();
   RowInformation::Array row_variances = RowInformation::Array::Zero();
 
-  bool significant = false;  ///< whether translations or rotations contradict the expected motion
-
   MotionBlend() = default;
-  /// `variances`: of the difference between the motion and the expected one. Components that contradict the
-  /// expected motion lose it, as at a kerb or on a shaken mount.
+  /// `variances`: of the difference between the motion and the expected one. Without `use_rows` the motion is
+  /// the expected one, unless translations or rotations of the rows contradict it, as at a kerb.
   MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-              const RowInformation::Vector& variances);
-
-  /// Makes the blended motion the expected one; `variances`: of its difference from the motion.
-  void leaveRowsOut(const RowInformation::Vector& variances);
+              const RowInformation::Vector& variances, bool use_rows);
 
   ExposureMotion of(const ExposureMotion& expected) const;
 

@@ -17,16 +17,13 @@ constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
+static_assert(kFirstWindow > 2 * kReadoutNeighbours);
 constexpr double kLargestRatio = 2.0;       // MotionRoughness::ratio() up to which a readout is measured
 constexpr std::size_t kCorrectedPairs = 3;  // whose row shifts are computed anew with each pair
 constexpr double kLevelTime = 0.2;          // s, shortest time that the level of the motions is measured over
 constexpr double kLevelGain = 0.5;          // share of the measured error that is removed
 
 constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
-
-double seconds(std::int64_t nanoseconds) {
-  return 1e-9 * static_cast<double>(nanoseconds);
-}
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
 Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
@@ -37,9 +34,8 @@ Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, cons
 }
 
 /// Motion between the exposures of two pairs as their motions about them make it, minus that of their poses
-/// (trapezoidal rule with end correction).
-Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
-  const double time = seconds(to.exposure_ns - from.exposure_ns);
+/// (trapezoidal rule with end correction). `time`: s between them.
+Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to, double time) {
   const Eigen::Isometry3d T_from_to = from.T_world_camera.inverse() * to.T_world_camera;
   const Vector6d step = vectorFromMotion(T_from_to);
   const auto turned = [&](const Vector6d& vector) {
@@ -206,8 +202,9 @@ void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFr
   double time = 0.0;
   for (std::size_t i = 1; i < window.size(); ++i) {
     if (window[i - 1].row_information.information.isZero()) continue;
-    sum += excessMotion(window[i - 1], window[i]);
-    time += seconds(window[i].exposure_ns - window[i - 1].exposure_ns);
+    const double step = 1e-9 * static_cast<double>(window[i].exposure_ns - window[i - 1].exposure_ns);  // s
+    sum += excessMotion(window[i - 1], window[i], step);
+    time += step;
   }
   if (time < kLevelTime) return;
   const Vector6d error = kLevelGain / time * sum;
@@ -221,7 +218,7 @@ void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFr
 void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
-  if (roughness_.ratio() > kLargestRatio || !frame.motion || position < kReadoutNeighbours) return;
+  if (roughness_.ratio() > kLargestRatio) return;
   const double weight = 1.0 / std::max(1.0, std::pow(roughness_.ratio(), 2));
   const bool right_is_due = frame.index % kReadoutInterval == 0;
   const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
@@ -248,9 +245,8 @@ void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
     const ExposureMotion expected = motionByPoses(poses, i);
     const RowInformation::Vector variances = roughness_.variances(poses, i, last_stddev_);
-    MotionBlend& rows = window[i].rows.emplace(window[i].row_information, expected, variances);
-    if (!roughness_.isRough() && !rows.significant) rows.leaveRowsOut(variances);
-    window[i].motion = rows.of(expected);
+    window[i].rows.emplace(window[i].row_information, expected, variances, roughness_.isRough());
+    window[i].motion = window[i].rows->of(expected);
   }
 }
 

@@ -164,16 +164,16 @@ RowInformation rowsAbout(const ExposureMotion& motion, double stddev) {
 TEST(MotionBlend, TakesADifferenceByChanceForNone) {
   ExposureMotion seen = kTurn;
   seen.velocity[4] += 0.03;  // three standard deviations of one component
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8));
-  EXPECT_FALSE(blend.significant);
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), false);
+  EXPECT_TRUE(blend.expected_share.isIdentity());
   EXPECT_NEAR(blend.of(kTurn).velocity[4], kTurn.velocity[4], 1e-4);
 }
 
 TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
   ExposureMotion seen = kTurn;
   seen.velocity.tail<3>() += Eigen::Vector3d(0.2, -0.1, 0.1);
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8));
-  EXPECT_TRUE(blend.significant);
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), false);
+  EXPECT_FALSE(blend.expected_share.isIdentity());
   const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
   EXPECT_LT(error.tail<3>().norm(), 0.005);
   EXPECT_LT(std::sqrt(blend.covariance(3, 3)), 0.011);

@@ -25,7 +25,23 @@ struct ExposureMotion {
     step.tail<3>() += instant * instant * instant / 6.0 * angular_jerk;
     return step;
   }
-  Eigen::Isometry3d at(double instant) const { return motionFromVector(step(instant)); }
+  /// T_exposure_instant. Rotations up to 0.1 rad by the first terms of their series, exact to 1e-10.
+  Eigen::Isometry3d at(double instant) const {
+    constexpr double kSmallSquare = 0.01;  // rad^2
+    const Vector6d moved = step(instant);
+    const Eigen::Vector3d turn = moved.tail<3>();
+    const double square = turn.squaredNorm();
+    if (square > kSmallSquare) return motionFromVector(moved);
+    const double first = 1.0 - square / 6.0 * (1.0 - square / 20.0);
+    const double second = 0.5 - square / 24.0 * (1.0 - square / 30.0);
+    Eigen::Isometry3d motion;
+    motion.linear() = second * turn * turn.transpose();
+    motion.linear().diagonal().array() += 1.0 - second * square;
+    motion.linear() += first * skew(turn);
+    motion.translation() = moved.head<3>();
+    motion.makeAffine();
+    return motion;
+  }
 };
 
 /// What the rows of a pair's images tell of the motion about its left exposure: velocity, acceleration,

@@ -11,6 +11,7 @@ namespace cartvo::vo {
 namespace {
 
 constexpr int kIterations = 3;
+constexpr double kSmallDecrease = 0.01;  // of the cost, by a step that is far below the noise
 constexpr int kMotionSize = RowInformation::kSize;
 constexpr int kMotion = RowUnknowns::kMotion, kDepths = RowUnknowns::kDepths;
 constexpr int kReadout = RowUnknowns::kReadout, kUnknowns = RowUnknowns::kSize;
@@ -96,7 +97,9 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     const Eigen::LDLT<StateMatrix> factor(all.hessian);
     const StateVector step = factor.solve(all.gradient);
     if (factor.info() != Eigen::Success || !step.allFinite()) return result;
-    if (iteration + 1 == kIterations) {
+    const bool last =
+        iteration + 1 == kIterations || (iteration > 0 && step.dot(all.gradient) < kSmallDecrease);
+    if (last) {
       concludeReadout(with_motion, state.readout_change, result);
       sums.addPrior(kReadout, readout_information, -state.readout_change);
       conclude(sums, factor, state.motion, result);
@@ -104,6 +107,7 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     state.change = orthonormalised(state.change * motionFromVector(step.head<6>()));
     state.motion = motionOf(vectorOf(state.motion) + step.segment<kMotionSize>(kMotion));
     state.readout_change += step[kReadout];
+    if (last) break;
   }
   result.pose_change = vectorFromMotion(state.change);
   result.motion = state.motion;

@@ -5,7 +5,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
+
+#include "daemon/diagnostics/journal.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -71,7 +72,10 @@ void CameraLog::addMissedFaultLine(const capture::CameraHealth& health, Clock::t
 
 void CameraLog::log(const capture::CameraHealth& health) {
   for (const Line& line : due(health, Clock::now()))
-    spdlog::log(line.level, line.text);
+    logEvent(line.level, line.text,
+             {{"CARTVO_EVENT", "camera_state"},
+              {"CARTVO_CAMERA", name_.substr(0, name_.find(' '))},
+              {"CARTVO_CAMERA_STATE", stateName(health.state)}});
 }
 
 }  // namespace cartvo::daemon

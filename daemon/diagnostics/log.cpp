@@ -6,17 +6,17 @@
 #include <memory>
 #include <string>
 
-#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "daemon/diagnostics/journal.hpp"
+
 namespace cartvo::daemon {
 namespace {
 
-/// True if standard error goes to the journal, which adds the time to each line (systemd.exec(5),
-/// $JOURNAL_STREAM).
+/// True if standard error goes to the journal (systemd.exec(5), $JOURNAL_STREAM).
 bool logsToJournal() {
   const char* stream = std::getenv("JOURNAL_STREAM");
   struct stat status {};
@@ -27,33 +27,14 @@ bool logsToJournal() {
 constexpr std::chrono::minutes kRepeatPeriod{1};
 constexpr std::size_t kMaxTexts = 64;
 
-/// Priority prefix such as "<4>", by which journalctl -p filters (syslog(3)).
-class PriorityFlag : public spdlog::custom_flag_formatter {
- public:
-  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
-    const char* priority = "<6>";
-    if (message.level <= spdlog::level::debug) priority = "<7>";
-    if (message.level == spdlog::level::warn) priority = "<4>";
-    if (message.level >= spdlog::level::err) priority = "<3>";
-    line.append(priority, priority + 3);
-  }
-  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
-    return std::make_unique<PriorityFlag>();
-  }
-};
-
 }  // namespace
 
 void setUpLog(spdlog::level::level_enum level) {
-  auto logger =
-      std::make_shared<spdlog::logger>("cartvod", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  if (logsToJournal()) {
-    auto formatter = std::make_unique<spdlog::pattern_formatter>();
-    formatter->add_flag<PriorityFlag>('*').set_pattern("%*%v");
-    logger->set_formatter(std::move(formatter));
-  } else {
-    logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
-  }
+  const bool journal = logsToJournal();
+  spdlog::sink_ptr sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  if (journal) sink = makeJournalSink();
+  auto logger = std::make_shared<spdlog::logger>("cartvod", std::move(sink));
+  if (!journal) logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
   logger->set_level(level);
   logger->flush_on(spdlog::level::trace);
   spdlog::set_default_logger(std::move(logger));

@@ -9,8 +9,8 @@
 
 namespace cartvo::daemon {
 
-/// Sends spdlog's lines to standard error: for the journal with a priority prefix (sd-daemon(3)) and without
-/// the date, which the journal adds; otherwise with date and time.
+/// Sends spdlog's lines to the journal if standard error goes there, see makeJournalSink(); otherwise to
+/// standard error with date and time.
 void setUpLog(spdlog::level::level_enum level);
 
 /// Rate limit for warnings that may repeat with each frame: each text is logged at once the first time, then

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "daemon/diagnostics/journal.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 
 namespace cartvo::daemon {
@@ -45,7 +45,11 @@ std::string ValidityLog::due(const odometry_t& message, Clock::time_point now) {
 
 void ValidityLog::log(const odometry_t& message) {
   const std::string line = due(message, Clock::now());
-  if (!line.empty()) spdlog::info(line);
+  if (line.empty()) return;
+  logEvent(spdlog::level::info, line,
+           {{"CARTVO_EVENT", "odometry_validity"},
+            {"CARTVO_ODOMETRY_STATUS", message.status == odometry_t::VALID ? "valid" : "invalid"},
+            {"CARTVO_REASONS", reasonNames(message.reasons)}});
 }
 
 }  // namespace cartvo::daemon

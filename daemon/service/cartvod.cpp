@@ -19,6 +19,7 @@
 
 #include "common/command_line/bash_completion.hpp"
 #include "common/command_line/standard_output.hpp"
+#include "daemon/diagnostics/journal.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/awaited_signals.hpp"
 #include "daemon/service/configuration.hpp"
@@ -84,7 +85,10 @@ void reload(const CommandLine& command_line, const std::string& start, cartvo::d
   try {
     daemon.reload(loadConfiguration(command_line, start));
   } catch (const std::exception& error) {
-    spdlog::error("the configuration was not read again, the old one stays in force: {}", error.what());
+    cartvo::daemon::logEvent(
+        spdlog::level::err,
+        std::string("the configuration was not read again, the old one stays in force: ") + error.what(),
+        {{"CARTVO_EVENT", "configuration"}});
   }
 }
 

@@ -11,6 +11,8 @@
 #include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
+#include "daemon/diagnostics/journal.hpp"
+
 namespace cartvo::daemon {
 namespace {
 
@@ -38,16 +40,20 @@ std::map<std::string, std::string> valuesOf(const Configuration& configuration) 
   return values;
 }
 
+void logReload(spdlog::level::level_enum level, const std::string& result) {
+  logEvent(level, "configuration read again: " + result, {{"CARTVO_EVENT", "configuration"}});
+}
+
 }  // namespace
 
 void ConfigurationChange::logAndSetLevel(spdlog::level::level_enum next) const {
   spdlog::set_level(std::min(spdlog::get_level(), next));
-  if (at_run_time.empty() && at_restart.empty())
-    spdlog::info("configuration read again: no value has changed");
+  if (at_run_time.empty() && at_restart.empty()) logReload(spdlog::level::info, "no value has changed");
   if (!at_run_time.empty())
-    spdlog::info("configuration read again: changed: {}", fmt::join(at_run_time, ", "));
+    logReload(spdlog::level::info, fmt::format("changed: {}", fmt::join(at_run_time, ", ")));
   if (!at_restart.empty())
-    spdlog::warn("configuration read again: changes with the next restart: {}", fmt::join(at_restart, ", "));
+    logReload(spdlog::level::warn,
+              fmt::format("changes with the next restart: {}", fmt::join(at_restart, ", ")));
   spdlog::set_level(next);
 }
 

@@ -27,6 +27,7 @@
 #include "daemon/diagnostics/camera_log.hpp"
 #include "daemon/diagnostics/frame_rate_check.hpp"
 #include "daemon/diagnostics/health_monitor.hpp"
+#include "daemon/diagnostics/journal.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/diagnostics/metrics_server.hpp"
 #include "daemon/diagnostics/stalled_reader.hpp"
@@ -167,12 +168,14 @@ void Daemon::Implementation::startRecording() {
     recorder_ = std::make_unique<capture::StreamRecorder>(settings);
   } catch (const std::exception& error) {
     recording_refused_ = std::string("not recording: ") + error.what();
-    spdlog::error(recording_refused_);
+    logEvent(spdlog::level::err, recording_refused_,
+             {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "refused"}});
     return;
   }
   left_.observe(recorder_->left());
   right_.observe(recorder_->right());
-  spdlog::info("recording to {}", configuration_.recording_directory.string());
+  logEvent(spdlog::level::info, "recording to " + configuration_.recording_directory.string(),
+           {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "started"}});
 }
 
 /// Recording problem since the last call; empty if none.
@@ -180,7 +183,9 @@ std::string Daemon::Implementation::recordingProblem() {
   if (!recorder_) return recording_refused_;
   const capture::RecorderHealth health = recorder_->health();
   if (health.resumptions > std::exchange(recording_resumptions_, health.resumptions))
-    spdlog::info("recording again, in a new segment in {}", configuration_.recording_directory.string());
+    logEvent(spdlog::level::info,
+             "recording again, in a new segment in " + configuration_.recording_directory.string(),
+             {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "resumed"}});
   if (health.error.empty()) warnings_.forget(recording_error_);
   recording_error_ = health.error;
   if (!health.error.empty()) return health.error;
@@ -282,10 +287,11 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {
-    if (message.self_check.empty())
-      spdlog::info("self-check: no error of the rig file or of the clocks is found any more");
-    else
-      spdlog::warn("self-check: {}", message.self_check);
+    const bool in_order = message.self_check.empty();
+    logEvent(in_order ? spdlog::level::info : spdlog::level::warn,
+             "self-check: " + (in_order ? "no error of the rig file or of the clocks is found any more"
+                                        : message.self_check),
+             {{"CARTVO_EVENT", "self_check"}, {"CARTVO_SELF_CHECK", in_order ? "passed" : "failed"}});
   }
   if (publisher_.failures() > reported_failures_) {
     warnings_.warn(

@@ -47,12 +47,15 @@ void MotionRoughness::Excess::update(double squared, double expected) {
 }
 
 double MotionRoughness::Excess::excess() const {
-  if (ratio() < MotionBlend::kSignificance) return 0.0;
-  return std::min(squared_ - expected_, kMaximumJerk);
+  return ratio() < MotionBlend::kSignificance ? 0.0 : measured();
 }
 
-RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> poses, int index,
-                                                  const Vector6d& motion_stddev) const {
+double MotionRoughness::Excess::measured() const {
+  return std::clamp(squared_ - expected_, 0.0, kMaximumJerk);
+}
+
+RowInformation::Vector MotionRoughness::variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses,
+                                                      int index, const Vector6d& motion_stddev) {
   RowInformation::Vector variances;
   const Sensitivity by = sensitivityOf(poses, index);
   if (!by.known) {
@@ -60,14 +63,14 @@ RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> pos
     const double velocity = near == 0.0 ? kUnknownVelocity : 0.5 * std::abs(near) * kUnknownAcceleration;
     variances.head<6>().setConstant(velocity * velocity);
     variances.segment<6>(6).setConstant(kUnknownAcceleration * kUnknownAcceleration);
-    variances.tail<3>() = jerk().tail<3>();
+    variances.tail<3>() = jerk.tail<3>();
     return variances;
   }
   variances.head<6>() =
-      by.velocity * by.velocity * jerk() + by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
-  variances.segment<6>(6) = by.acceleration * by.acceleration * jerk() +
+      by.velocity * by.velocity * jerk + by.velocity_noise * by.velocity_noise * motion_stddev.cwiseAbs2();
+  variances.segment<6>(6) = by.acceleration * by.acceleration * jerk +
                             by.acceleration_noise * by.acceleration_noise * motion_stddev.cwiseAbs2();
-  variances.tail<3>() = jerk().tail<3>();
+  variances.tail<3>() = jerk.tail<3>();
   return variances;
 }
 
@@ -78,11 +81,28 @@ RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
   return variances;
 }
 
-Vector6d MotionRoughness::jerk() const {
+namespace {
+
+Vector6d withExcess(double translation, double rotation) {
   Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation_.excess()),
-      Eigen::Vector3d::Constant(kRotationJerk + rotation_.excess());
+  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation),
+      Eigen::Vector3d::Constant(kRotationJerk + rotation);
   return jerk;
+}
+
+}  // namespace
+
+Vector6d MotionRoughness::jerk() const {
+  return withExcess(translation_.excess(), rotation_.excess());
+}
+
+Vector6d MotionRoughness::measuredJerk() const {
+  return withExcess(translation_.measured(), rotation_.measured());
+}
+
+void MotionRoughness::compare(const Vector6d& difference, const Vector6d& variances) {
+  inconsistency_ =
+      kMemory * inconsistency_ + (1.0 - kMemory) * difference.cwiseAbs2().cwiseQuotient(variances);
 }
 
 void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev,

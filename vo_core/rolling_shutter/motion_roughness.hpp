@@ -15,7 +15,14 @@ class MotionRoughness {
   /// Variances of the difference between the motion about poses[index] and motionByPoses(). `motion_stddev`:
   /// of the motion from pair to pair.
   RowInformation::Vector variances(std::span<const TimedPose> poses, int index,
-                                   const Vector6d& motion_stddev) const;
+                                   const Vector6d& motion_stddev) const {
+    return variancesWith(jerk(), poses, index, motion_stddev);
+  }
+  /// The same for a covariance: with all that the rows have shown, even where it is too little to use them.
+  RowInformation::Vector measuredVariances(std::span<const TimedPose> poses, int index,
+                                           const Vector6d& motion_stddev) const {
+    return variancesWith(measuredJerk(), poses, index, motion_stddev);
+  }
 
   /// Variances of the difference between the velocity and acceleration `time_step` seconds after an exposure
   /// and those extrapolated from it.
@@ -23,6 +30,13 @@ class MotionRoughness {
 
   /// Updates with what the rows show of the velocity at the newest of the poses.
   void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev, const MotionBlend& rows);
+
+  /// Updates with the difference between the motion between two poses as the motions about their exposures
+  /// make it, and that of the poses themselves, and with the variances that it is said to have.
+  void compare(const Vector6d& difference, const Vector6d& variances);
+  /// Factor on the covariances of motions by rows, at least 1: the mean of the squared differences of the
+  /// last pairs over their variances, along the axis where it is the largest.
+  double varianceFactor() const { return std::max(1.0, inconsistency_.maxCoeff()); }
 
   /// Whether the motion is rougher than the parabola follows.
   bool isRough() const { return ratio() > MotionBlend::kSignificance; }
@@ -36,15 +50,20 @@ class MotionRoughness {
    public:
     void update(double squared, double expected);
     double ratio() const { return expected_ > 0.0 ? squared_ / expected_ : 0.0; }
-    double excess() const;  ///< 0 unless it is significant
+    double excess() const;    ///< 0 unless it is significant
+    double measured() const;  ///< the same, significant or not
 
    private:
     double squared_ = 0.0, expected_ = 0.0;
   };
 
+  static RowInformation::Vector variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses,
+                                              int index, const Vector6d& motion_stddev);
   Vector6d jerk() const;
+  Vector6d measuredJerk() const;
   Excess translation_;  ///< (m/s^3)^2
   Excess rotation_;     ///< (rad/s^3)^2
+  Vector6d inconsistency_ = Vector6d::Zero();
 };
 
 }  // namespace cartvo::vo

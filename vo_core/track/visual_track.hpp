@@ -136,6 +136,8 @@ class VisualTrack {
   void estimateRowMotion(Draft& draft, TrackedMotion& motion);
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
   void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
+  void updateRowConsistency(const std::vector<WindowFrame>& window);
+  void concludeRowMotion(const TimedPoses& poses, const WindowFrame& pair, TrackedMotion& motion);
   void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
                        const RowInformation::Vector& variances);
   void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);

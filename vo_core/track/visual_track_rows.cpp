@@ -160,7 +160,7 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
   const TimedPoses before = timedPoses(draft.window);
   const int newest = static_cast<int>(before.size()) - 1;
   buildRowProblem(draft, newest, motionByPoses(before, newest),
-                  roughness_.variances(before, newest, last_stddev_));
+                  roughness_.measuredVariances(before, newest, last_stddev_));
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
   const bool use = found.converged && draft.window.size() >= kFirstWindow;
@@ -170,12 +170,37 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
   if (use) {
     roughness_.update(poses, last_stddev_, *draft.window.back().rows);
     if (roughness_.isRough()) removeLevelError(poses, draft.window);
-    const WindowFrame& pair = draft.window.back();
-    motion.twist = ExposureTwist{pair.motion->velocity, pair.rows->covariance.topLeftCorner<6, 6>()};
+    updateRowConsistency(draft.window);
+    concludeRowMotion(poses, draft.window.back(), motion);
     updateReadouts(draft, poses);
   }
   timing_.setReadouts(readouts_.left(), readouts_.right());
   correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window), draft.landmarks);
+}
+
+/// Compares the motions about the last two exposures with the motion between their poses: the errors that the
+/// rows of several pictures have in common are not part of their covariances.
+void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
+  const WindowFrame &from = window[window.size() - 2], &to = window.back();
+  if (!from.rows) return;
+  const double step = 1e-9 * static_cast<double>(to.exposure_ns - from.exposure_ns);  // s
+  const Vector6d velocity_variances =
+      from.rows->covariance.diagonal().head<6>() + to.rows->covariance.diagonal().head<6>();
+  roughness_.compare(excessMotion(from, to, step),
+                     0.25 * step * step * velocity_variances + last_stddev_.cwiseAbs2());
+}
+
+/// Sets the twist at the newest exposure, and widens its covariance and what the motion about the exposure
+/// adds to that of the pose, as far as the rows have been inconsistent.
+void VisualTrack::concludeRowMotion(const TimedPoses& poses, const WindowFrame& pair, TrackedMotion& motion) {
+  const int newest = static_cast<int>(poses.size()) - 1;
+  Matrix6d covariance = pair.rows->covariance.topLeftCorner<6, 6>();
+  covariance.diagonal() += (roughness_.measuredVariances(poses, newest, last_stddev_) -
+                            roughness_.variances(poses, newest, last_stddev_))
+                               .head<6>();
+  const double factor = roughness_.varianceFactor();
+  motion.twist = ExposureTwist{pair.motion->velocity, factor * covariance};
+  motion.covariance_by_rows *= factor;
 }
 
 /// Position in the window of the first pair whose row shifts are not up to date: older poses and motions

@@ -1,4 +1,6 @@
 // Tests of the odometry with rolling shutters, on a drive through a rendered corridor.
+#include <Eigen/Cholesky>
+
 #include <gtest/gtest.h>
 
 #include "support/vo_core/corridor_world.hpp"
@@ -42,9 +44,11 @@ struct Drive {
   }
 };
 
-/// RMS errors of the motions (m, rad) and of the rates (rad/s), and what is estimated of the readouts.
+/// RMS errors of the motions (m, rad) and of the rates (rad/s), squared errors of the motions relative to
+/// their covariances (1 on average if these are true), and what is estimated of the readouts.
 struct Errors {
   double translation = 0.0, rotation = 0.0, rates = 0.0;
+  double consistency = 0.0;
   int valid = 0;
   std::optional<ReadoutEstimates> readouts;
 };
@@ -67,6 +71,7 @@ Errors errorsOf(const Drive& drive, const StereoShutters& shutters) {
         vectorFromMotion(estimate.T_previous_current.inverse() * drive.pose(time - kPeriod).inverse() * now);
     errors.translation += error.head<3>().squaredNorm();
     errors.rotation += error.tail<3>().squaredNorm();
+    errors.consistency += error.dot(estimate.motion_covariance.ldlt().solve(error)) / 6.0;
     if (!estimate.twist) continue;
     constexpr double kStep = 1e-4;  // s
     const Vector6d truth =
@@ -75,6 +80,7 @@ Errors errorsOf(const Drive& drive, const StereoShutters& shutters) {
   }
   for (double* sum : {&errors.translation, &errors.rotation, &errors.rates})
     *sum = std::sqrt(*sum / errors.valid);
+  errors.consistency /= errors.valid;
   return errors;
 }
 
@@ -90,6 +96,7 @@ TEST(RollingShutter, IsAsAccurateAsAGlobalOne) {
     EXPECT_LT(rolling.translation, 1.4 * global.translation);  // ignored: 8 times
     EXPECT_LT(rolling.rotation, 1.6 * global.rotation);        // ignored: 12 times
     EXPECT_LT(rolling.rates, 0.02);
+    EXPECT_LT(rolling.consistency, 1.5);
   }
 }
 
@@ -116,6 +123,7 @@ TEST(RollingShutter, ShowsAShakenMountByItsRows) {
   EXPECT_LT(rolling.translation, 0.3 * ignored.translation);
   EXPECT_LT(rolling.rotation, 0.3 * ignored.rotation);
   EXPECT_LT(rolling.rates, 0.1);  // of 0.11 rad/s RMS
+  EXPECT_LT(rolling.consistency, 2.0);
 }
 
 TEST(RollingShutter, RefusesReadoutsThatNoCameraHas) {

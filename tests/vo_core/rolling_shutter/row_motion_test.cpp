@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/vo_core/landmark_scene.hpp"
+#include "vo_core/rolling_shutter/motion_roughness.hpp"
 #include "vo_core/shutter.hpp"
 
 namespace cartvo::vo {
@@ -177,6 +178,20 @@ TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
   const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
   EXPECT_LT(error.tail<3>().norm(), 0.005);
   EXPECT_LT(std::sqrt(blend.covariance(3, 3)), 0.011);
+}
+
+TEST(MotionRoughness, WidensCovariancesWhereMotionsAndPosesDisagree) {
+  MotionRoughness agreeing, disagreeing;
+  const Vector6d variances = Vector6d::Constant(1e-6);
+  Vector6d difference = Vector6d::Constant(0.5e-3);
+  for (int i = 0; i < 50; ++i) {
+    agreeing.compare(difference, variances);
+    difference[3] = i % 2 == 0 ? 4e-3 : -4e-3;
+    disagreeing.compare(difference, variances);
+    difference[3] = 0.5e-3;
+  }
+  EXPECT_EQ(agreeing.varianceFactor(), 1.0);
+  EXPECT_NEAR(disagreeing.varianceFactor(), 16.0, 0.2);
 }
 
 }  // namespace

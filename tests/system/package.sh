@@ -58,6 +58,21 @@ int main() { return cartvo::client::ControllerOdometry().newest().kept() != 0; }
     g++ -x c++ -std=c++17 -I "$work/unpacked/usr/include" -o "$work/controller" - \
       -x none "$work"/unpacked/usr/lib/*/libcartvo_client.a -llcm && "$work/controller"
 }
+has_java_types() { # made with the packages' own tools
+  rm -rf "$work/java"
+  dpkg-deb -x "$packages"/cartvo-java_*.deb "$work/java"
+  local jars=/usr/share/java/lcm.jar:$work/java/usr/share/java/cartvo-types.jar
+  echo 'class Decoding {
+    public static void main(String[] arguments) throws Exception {
+      cartvo.odometry_t sent = new cartvo.odometry_t();
+      sent.utime = 42;
+      lcm.lcm.LCMDataOutputStream out = new lcm.lcm.LCMDataOutputStream();
+      sent.encode(out);
+      System.out.println(new cartvo.odometry_t(new lcm.lcm.LCMDataInputStream(out.toByteArray())).utime);
+    }
+  }' >"$work/Decoding.java"
+  [ "$(java -cp "$jars" "$work/Decoding.java")" = 42 ]
+}
 
 # --- a bare Debian
 
@@ -153,6 +168,7 @@ packages=$(realpath "$packages")
 version=$(dpkg-parsechangelog -S Version)
 check "lintian has no errors and no warnings" lintian --allow-root --fail-on error,warning "$packages"/*.changes
 check "a controller compiles with cartvo-dev" controller_compiles
+check "a program in Java decodes odometry with cartvo-java" has_java_types
 
 check "a bare Debian 12" make_debian
 check "apt install ./cartvo.deb" install_packages "/packages/cartvo_${version}_$(dpkg --print-architecture).deb"

@@ -5,7 +5,7 @@
 
 #include "tools/calibrate/report/calibration_plots.hpp"
 #include "tools/calibrate/report/calibration_summary.hpp"
-#include "tools/calibrate/report/html.hpp"
+#include "tools/report/html.hpp"
 
 namespace cartvo {
 namespace {

@@ -1,5 +1,5 @@
-// HTML elements for the calibration report.
-#include "tools/calibrate/report/html.hpp"
+// HTML elements of reports.
+#include "tools/report/html.hpp"
 
 #include <cstdint>
 #include <stdexcept>

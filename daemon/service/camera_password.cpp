@@ -31,10 +31,13 @@ std::filesystem::path credentialFile(const CameraConfiguration& camera) {
 
 }  // namespace
 
+std::filesystem::path passwordFile(const CameraConfiguration& camera) {
+  return camera.password_file.empty() ? credentialFile(camera) : camera.password_file;
+}
+
 std::string readPassword(const CameraConfiguration& camera) {
   if (camera.username.empty()) return {};
-  return capture::readPasswordFile(camera.password_file.empty() ? credentialFile(camera)
-                                                                : camera.password_file);
+  return capture::readPasswordFile(passwordFile(camera));
 }
 
 }  // namespace cartvo::daemon

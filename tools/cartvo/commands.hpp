@@ -12,6 +12,7 @@ void addRecordingCommand(CLI::App& cartvo);
 void addEvaluateCommand(CLI::App& cartvo);
 void addWatchCommand(CLI::App& cartvo);
 void addCameraCommand(CLI::App& cartvo);
+void addDoctorCommand(CLI::App& cartvo);
 void addCalibrateCommand(CLI::App& cartvo);
 void addBenchmarkCommand(CLI::App& cartvo);
 

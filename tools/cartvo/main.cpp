@@ -35,6 +35,7 @@ void addCommands(CLI::App& cartvo) {
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);
   cartvo::addCameraCommand(cartvo);
+  cartvo::addDoctorCommand(cartvo);
   cartvo::addCalibrateCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);
 }

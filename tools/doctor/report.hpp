@@ -3,8 +3,12 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/doctor/finding.hpp"
 #include "tools/doctor/picture_pair.hpp"
+
+// Texts, JSON and HTML of findings.
 
 namespace cartvo::doctor {
 
@@ -15,6 +19,21 @@ struct ReportHead {
   std::string version;  ///< of cartvo
   std::string source;   ///< the configuration, recording or sequence that was looked at
 };
+
+/// "ok", "look at", "broken", "not checked".
+const char* verdictText(Verdict verdict);
+
+/// The worst verdict; ok if nothing was checked.
+Verdict worstVerdict(const Findings& findings);
+
+/// Lines of one area: its name, and of each finding verdict, subject and what was seen; below a finding that
+/// is not ok what is expected and what to do.
+std::string areaText(const Findings& findings);
+
+/// "2 broken, 1 to look at, 31 ok, 4 not checked".
+std::string countsText(const Findings& findings);
+
+nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& findings);
 
 /// One self-contained HTML page for light and dark displays: the findings, and of the first pair both
 /// pictures.

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/doctor/finding.hpp"
+#include "tools/doctor/picture_pair.hpp"
+
+// All checks of `cartvo doctor`, one after the other.
+
+namespace cartvo::doctor {
+
+struct DoctorSettings {
+  /// A configuration of cartvod, or the folder of a recording or sequence.
+  std::filesystem::path source = "/etc/cartvo/cartvod.yaml";
+  double seconds = 10.0;                 ///< s, duration for which streams are measured
+  bool streams = false;                  ///< also while cartvod receives them
+  std::optional<int> http_port;          ///< of the cameras' web page; nothing: 80
+  std::filesystem::path proc = "/proc";  ///< folder of the kernel's files
+};
+
+/// Receives what happens, in the calling thread.
+struct DoctorObserver {
+  std::function<void(const Findings&)> area;     ///< the findings of one area
+  std::function<void(const std::string&)> step;  ///< what begins now and takes some seconds
+};
+
+/// All findings, and some pairs of pictures if there are any.
+struct Examination {
+  Findings findings;
+  std::vector<PicturePair> pictures;
+};
+
+/// Looks at everything. Changes nothing; faults are findings. Ends early within about a second once
+/// `interrupted` is true.
+Examination examine(const DoctorSettings& settings, const DoctorObserver& observer,
+                    const std::atomic<bool>& interrupted);
+
+}  // namespace cartvo::doctor

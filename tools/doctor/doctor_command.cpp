@@ -1,0 +1,132 @@
+// Command line of `cartvo doctor`.
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "common/atomic_file.hpp"
+#include "daemon/service/awaited_signals.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/result_files.hpp"
+#include "tools/cartvo/time_option.hpp"
+#include "tools/doctor/doctor.hpp"
+#include "tools/doctor/report.hpp"
+
+namespace cartvo {
+namespace {
+
+constexpr int kLookAt = 3, kBroken = 4;
+
+struct Options {
+  doctor::DoctorSettings doctor;
+  bool json = false;
+  std::filesystem::path report;
+};
+
+/// Sets a flag at SIGINT or SIGTERM.
+class Interruption {
+ public:
+  Interruption() : thread_([this] { watch(); }) {}
+  ~Interruption() {
+    ended_ = true;
+    thread_.join();
+  }
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  const std::atomic<bool>& flag() const { return interrupted_; }
+
+ private:
+  void watch() {
+    while (!ended_ && !interrupted_)
+      interrupted_ = signals_.wait(std::chrono::milliseconds(50)).has_value();
+  }
+
+  daemon::AwaitedSignals signals_{{SIGINT, SIGTERM}};
+  std::atomic<bool> ended_{false}, interrupted_{false};
+  std::thread thread_;
+};
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+doctor::ReportHead reportHead(const Options& options) {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return {host.data(), fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(now)), CARTVO_VERSION,
+          options.doctor.source.string()};
+}
+
+void run(const Options& options) {
+  checkResultFiles({options.report});
+  const doctor::ReportHead head = reportHead(options);
+  const bool shows_steps = isatty(STDERR_FILENO) != 0;
+  const doctor::DoctorObserver observer{[&](const doctor::Findings& area) {
+                                          if (!options.json) print(areaText(area));
+                                        },
+                                        [&](const std::string& step) {
+                                          if (shows_steps)
+                                            std::fprintf(stderr, "cartvo doctor: %s\n", step.c_str());
+                                        }};
+  const Interruption interruption;
+  const doctor::Examination examination = examine(options.doctor, observer, interruption.flag());
+  print(options.json ? findingsJson(head, examination.findings).dump(2) + "\n"
+                     : countsText(examination.findings) + "\n");
+  if (!options.report.empty())
+    writeResultFile(options.report, htmlReport(head, examination.findings, examination.pictures));
+  if (interruption.flag()) throw std::runtime_error("interrupted: not all was checked");
+  const doctor::Verdict worst = worstVerdict(examination.findings);
+  if (worst == doctor::Verdict::broken) throw CLI::RuntimeError(kBroken);
+  if (worst == doctor::Verdict::look_at) throw CLI::RuntimeError(kLookAt);
+}
+
+}  // namespace
+
+void addDoctorCommand(CLI::App& cartvo) {
+  CLI::App* command = cartvo.add_subcommand(
+      "doctor", "Look at everything that goes wrong in the field, and say what to do about it");
+  const auto options = std::make_shared<Options>();
+  doctor::DoctorSettings& settings = options->doctor;
+  command
+      ->add_option("SOURCE", settings.source,
+                   "cartvod's configuration file, or the folder of a recording or sequence")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print the findings as JSON");
+  command->add_option("--report", options->report, "File for a report with pictures (one HTML page)");
+  command->add_option("--seconds", settings.seconds, "Time for which the streams are measured, s")
+      ->transform(positiveTimeInSeconds())
+      ->capture_default_str();
+  command->add_flag("--streams", settings.streams,
+                    "Open streams of its own also while cartvod receives them; a camera may not permit that");
+  command->add_option("--http-port", settings.http_port, "Port of the cameras' web page (default 80)")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("PORT");
+  command->footer(
+      "Each line is ok, look at (cartvod works, but worse or not for long), broken (cartvod does not work, "
+      "or not\n"
+      "safely) or not checked, with what was seen, what is expected and what to do. It changes nothing, and "
+      "does not\n"
+      "disturb a running cartvod, whose numbers it uses. As root it can read the passwords.\n"
+      "Exit codes: 0 all that was checked is ok, 1 failure or interrupted, 2 wrong command line, 3 something "
+      "to look\n"
+      "at, 4 something is broken.\n"
+      "Examples:\n"
+      "  sudo cartvo doctor\n"
+      "  sudo cartvo doctor --report doctor.html\n"
+      "  cartvo doctor /var/lib/cartvo/recordings/2026-05-04T10-00-00Z");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

@@ -1,0 +1,77 @@
+// The HTML report of findings.
+#include <fmt/format.h>
+
+#include "tools/doctor/report.hpp"
+#include "tools/report/html.hpp"
+
+namespace cartvo::doctor {
+namespace {
+
+constexpr const char* kStyle =
+    ":root{color-scheme:light dark;--line:#8886;--ok:#183;--look:#a60;--bad:#c22}"
+    "@media(prefers-color-scheme:dark){:root{--ok:#5c7;--look:#eb4;--bad:#f77}}"
+    "body{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}"
+    "table{border-collapse:collapse;width:100%}"
+    "th,td{border:1px solid var(--line);padding:.3em .6em;text-align:left;vertical-align:top;"
+    "overflow-wrap:anywhere}td:first-child{white-space:nowrap}"
+    ".ok{color:var(--ok)}.look{color:var(--look);font-weight:bold}.broken{color:var(--bad);font-weight:bold}"
+    ".pictures{display:flex;flex-wrap:wrap;gap:1em}figure{margin:0;flex:1 1 500px}img{width:100%}";
+
+const char* cssClass(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "ok";
+    case Verdict::look_at:
+      return "look";
+    case Verdict::broken:
+      return "broken";
+    case Verdict::not_checked:
+      break;
+  }
+  return "unchecked";
+}
+
+std::string row(const Finding& finding) {
+  return fmt::format("<tr><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                     cssClass(finding.verdict), verdictText(finding.verdict), escaped(finding.subject),
+                     escaped(finding.seen), escaped(finding.expected), escaped(finding.advice));
+}
+
+/// A table for each area, in their order.
+std::string tables(const Findings& findings) {
+  std::string html, area;
+  for (const Finding& finding : findings) {
+    if (html.empty() || finding.area != area) {
+      html += (html.empty() ? "" : "</table>\n") + fmt::format("<h2>{}</h2>\n", escaped(finding.area)) +
+              "<table><tr><th>verdict</th><th>what</th><th>seen</th><th>expected</th><th>do</th></tr>\n";
+      area = finding.area;
+    }
+    html += row(finding);
+  }
+  return html.empty() ? html : html + "</table>\n";
+}
+
+std::string figure(const cv::Mat& image, const std::string& caption) {
+  return "<figure>" + imageElement(image, caption) + "<figcaption>" + escaped(caption) +
+         "</figcaption></figure>\n";
+}
+
+std::string pictureSection(const PicturePair& pair) {
+  return "<h2>pictures</h2>\n<div class=\"pictures\">\n" + figure(pair.left, "left camera") +
+         figure(pair.right, "right camera") + "</div>\n";
+}
+
+}  // namespace
+
+std::string htmlReport(const ReportHead& head, const Findings& findings,
+                       const std::vector<PicturePair>& pictures) {
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta name=\"viewport\" content=\"width=device-width\"><title>cartvo doctor</title>\n<style>" +
+         std::string(kStyle) + "</style></head><body>\n<h1>cartvo doctor</h1>\n" +
+         fmt::format("<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n", escaped(head.source),
+                     escaped(head.host), escaped(head.time), escaped(head.version),
+                     cssClass(worstVerdict(findings)), countsText(findings)) +
+         tables(findings) + (pictures.empty() ? "" : pictureSection(pictures.front())) + "</body></html>\n";
+}
+
+}  // namespace cartvo::doctor

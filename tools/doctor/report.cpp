@@ -1,0 +1,104 @@
+// Texts and JSON of findings.
+#include "tools/doctor/report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace cartvo::doctor {
+namespace {
+
+/// Name of a verdict in JSON.
+const char* verdictKey(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "ok";
+    case Verdict::look_at:
+      return "look_at";
+    case Verdict::broken:
+      return "broken";
+    case Verdict::not_checked:
+      break;
+  }
+  return "not_checked";
+}
+
+std::string detailLine(const char* name, const std::string& text) {
+  constexpr const char* kIndent = "               ";
+  return text.empty() ? "" : fmt::format("{}{:<10}{}\n", kIndent, name, text);
+}
+
+std::string findingText(const Finding& finding) {
+  std::string text =
+      fmt::format("  {:<13}{}: {}\n", verdictText(finding.verdict), finding.subject, finding.seen);
+  if (finding.verdict == Verdict::ok) return text;
+  return text + detailLine("expected", finding.expected) + detailLine("do", finding.advice);
+}
+
+std::ptrdiff_t count(const Findings& findings, Verdict verdict) {
+  return std::count_if(findings.begin(), findings.end(),
+                       [verdict](const Finding& finding) { return finding.verdict == verdict; });
+}
+
+}  // namespace
+
+const char* verdictText(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "ok";
+    case Verdict::look_at:
+      return "look at";
+    case Verdict::broken:
+      return "broken";
+    case Verdict::not_checked:
+      break;
+  }
+  return "not checked";
+}
+
+Verdict worstVerdict(const Findings& findings) {
+  Verdict worst = Verdict::ok;
+  for (const Finding& finding : findings)
+    worst = std::max(worst, finding.verdict);
+  return worst;
+}
+
+std::string areaText(const Findings& findings) {
+  if (findings.empty()) return {};
+  std::string text = findings.front().area + "\n";
+  for (const Finding& finding : findings)
+    text += findingText(finding);
+  return text;
+}
+
+std::string countsText(const Findings& findings) {
+  return fmt::format("{} broken, {} to look at, {} ok, {} not checked", count(findings, Verdict::broken),
+                     count(findings, Verdict::look_at), count(findings, Verdict::ok),
+                     count(findings, Verdict::not_checked));
+}
+
+nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Finding& finding : findings) {
+    list.push_back({{"area", finding.area},
+                    {"subject", finding.subject},
+                    {"verdict", verdictKey(finding.verdict)},
+                    {"seen", finding.seen},
+                    {"expected", finding.expected},
+                    {"advice", finding.advice}});
+  }
+  return {{"version", head.version},
+          {"time", head.time},
+          {"host", head.host},
+          {"source", head.source},
+          {"verdict", verdictKey(worstVerdict(findings))},
+          {"counts",
+           {{"broken", count(findings, Verdict::broken)},
+            {"look_at", count(findings, Verdict::look_at)},
+            {"ok", count(findings, Verdict::ok)},
+            {"not_checked", count(findings, Verdict::not_checked)}}},
+          {"findings", std::move(list)}};
+}
+
+}  // namespace cartvo::doctor

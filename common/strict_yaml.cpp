@@ -141,6 +141,14 @@ StrictYaml StrictYaml::operator[](const std::string& key) const {
   return {file_, full_key, node_[key]};
 }
 
+std::vector<StrictYaml> StrictYaml::items(std::size_t max, const std::string& expected) const {
+  if (!node_.IsSequence() || node_.size() > max) failExpecting(expected);
+  std::vector<StrictYaml> values;
+  for (std::size_t i = 0; i < node_.size(); ++i)
+    values.push_back(StrictYaml(file_, key_ + "[" + std::to_string(i) + "]", node_[i]));
+  return values;
+}
+
 std::string StrictYaml::text() const {
   if (!node_.IsScalar()) failExpecting("text");
   if (!isPrintable(node_.Scalar())) fail("expected text of printable characters in UTF-8; it holds others");

@@ -30,6 +30,12 @@ class StrictYaml {
   /// The value of a key. Throws "FILE:LINE: KEY is missing" if the map does not have it.
   StrictYaml operator[](const std::string& key) const;
 
+  bool isSequence() const { return node_.IsSequence(); }
+  bool isText() const { return node_.IsScalar(); }
+
+  /// The values of a sequence of at most `max` values. Otherwise throws as failExpecting(expected).
+  std::vector<StrictYaml> items(std::size_t max, const std::string& expected) const;
+
   /// Text of printable UTF-8 characters, see isPrintable.
   std::string text() const;
   std::int64_t integer(std::int64_t min, std::int64_t max) const;

@@ -32,11 +32,12 @@ double secondsSince(const VisualTrack& track, std::int64_t exposure_ns) {
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings,
-                       const StereoShutters& shutters)
+                       const StereoShutters& shutters, const StereoMasks& masks)
       : camera_(camera),
         settings_(settings),
         timing_(camera, shutters),
-        left_pyramids_(settings.tracking.levels),
+        left_pyramids_(settings.tracking.levels, ImageMask(masks.left)),
+        right_pyramids_(kLandmarkLevels, ImageMask(masks.right)),
         pitch_reinitialiser_(camera) {}
 
   OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
@@ -65,7 +66,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   OdometrySettings settings_;
   RowTiming timing_;
   PyramidPool left_pyramids_;
-  PyramidPool right_pyramids_{kLandmarkLevels};
+  PyramidPool right_pyramids_;
   PyramidLease left_lease_, right_lease_;   ///< buffers that the caller writes the next pair into
   PitchReinitialiser pitch_reinitialiser_;  ///< for first pairs of tracks: while lost, every pair is one
   std::optional<VisualTrack> track_;
@@ -317,8 +318,9 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
 
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
                                                          const OdometrySettings& settings,
-                                                         const StereoShutters& shutters) {
-  return std::make_unique<ReprojectionOdometry>(camera, settings, shutters);
+                                                         const StereoShutters& shutters,
+                                                         const StereoMasks& masks) {
+  return std::make_unique<ReprojectionOdometry>(camera, settings, shutters, masks);
 }
 
 }  // namespace cartvo::vo

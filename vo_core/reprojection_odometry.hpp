@@ -6,6 +6,7 @@
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/shutter.hpp"
 #include "vo_core/stereo_camera.hpp"
+#include "vo_core/stereo_masks.hpp"
 
 namespace cartvo::vo {
 
@@ -13,6 +14,7 @@ namespace cartvo::vo {
 /// images, each at its own exposure instant.
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
                                                          const OdometrySettings& settings,
-                                                         const StereoShutters& shutters);
+                                                         const StereoShutters& shutters,
+                                                         const StereoMasks& masks);
 
 }  // namespace cartvo::vo

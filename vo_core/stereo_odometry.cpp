@@ -21,9 +21,9 @@ void checkImage(const cv::Mat& image, const StereoCamera& camera, const char* na
 }
 
 std::unique_ptr<OdometryMethod> makeMethod(const StereoCamera& camera, const OdometrySettings& settings,
-                                           const StereoShutters& shutters) {
-  if (settings.estimator == Estimator::thesis) return makeThesisOdometry(camera, settings);
-  return makeReprojectionOdometry(camera, settings, shutters);
+                                           const StereoShutters& shutters, const StereoMasks& masks) {
+  if (settings.estimator == Estimator::thesis) return makeThesisOdometry(camera, settings, masks);
+  return makeReprojectionOdometry(camera, settings, shutters, masks);
 }
 
 /// Estimate of a pair that is ignored: the last pose, as if the pair had not arrived.
@@ -41,16 +41,18 @@ OdometryEstimate rejected(const OdometryEstimate& last, const StereoImages& imag
 }  // namespace
 
 StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings,
-                               const StereoShutters& shutters)
+                               const StereoShutters& shutters, const StereoMasks& masks)
     : camera_(camera),
       settings_(settings),
       shutters_(shutters),
+      masks_{masks.left.clone(), masks.right.clone()},
       repeated_images_(std::make_unique<RepeatedImageDetector>()) {
   validate(camera);
   validate(settings);
   validate(shutters);
+  validate(masks, camera);
   stereo_geometry_ = std::make_unique<StereoGeometryCheck>(camera);
-  method_ = makeMethod(camera, settings, shutters);
+  method_ = makeMethod(camera, settings, shutters, masks_);
 }
 
 StereoOdometry::~StereoOdometry() = default;
@@ -91,7 +93,7 @@ OdometryEstimate StereoOdometry::rejectWrongGeometry(const StereoImages& images,
   estimate.stereo_fault = fault;
   estimate.rig.reset();
   if (method_is_new_) return estimate;
-  method_ = makeMethod(camera_, settings_, shutters_);
+  method_ = makeMethod(camera_, settings_, shutters_, masks_);
   method_is_new_ = true;
   first_epoch_ = last_.reset_counter + 1;
   return estimate;

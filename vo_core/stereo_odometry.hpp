@@ -7,6 +7,7 @@
 #include "vo_core/shutter.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/stereo_camera.hpp"
+#include "vo_core/stereo_masks.hpp"
 
 namespace cartvo::vo {
 
@@ -32,10 +33,10 @@ class StereoGeometryCheck;
 /// Internally it uses OpenCV's thread pool (cv::setNumThreads).
 class StereoOdometry {
  public:
-  /// Throws std::invalid_argument that names the value if the camera, the settings or the shutters are out of
-  /// range.
+  /// Throws std::invalid_argument that names the value if the camera, the settings, the shutters or the masks
+  /// are out of range.
   StereoOdometry(const StereoCamera& camera, const OdometrySettings& settings,
-                 const StereoShutters& shutters = {});
+                 const StereoShutters& shutters = {}, const StereoMasks& masks = {});
   ~StereoOdometry();
   StereoOdometry(StereoOdometry&&) noexcept;
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
@@ -61,6 +62,7 @@ class StereoOdometry {
   StereoCamera camera_;
   OdometrySettings settings_;
   StereoShutters shutters_;
+  StereoMasks masks_;
   std::unique_ptr<OdometryMethod> method_;
   std::unique_ptr<RepeatedImageDetector> repeated_images_;
   std::unique_ptr<StereoGeometryCheck> stereo_geometry_;

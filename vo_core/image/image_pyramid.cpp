@@ -251,6 +251,7 @@ std::shared_ptr<ImagePyramid> PyramidPool::findFree(const cv::Size& size) {
   if (free == pyramids_.end()) {
     const auto sizes = levelSizes(size, std::max(grey_levels_, kFinestDog + kDogLevels));
     free = pyramids_.insert(free, emptyPyramid(sizes, grey_levels_));
+    (*free)->mask = mask_;
     for (std::size_t level = (*free)->grey.size() + halves_.size(); level < sizes.size(); ++level)
       halves_.emplace_back(sizes[level]);
   }

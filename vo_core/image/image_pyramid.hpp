@@ -13,6 +13,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "vo_core/image/image_mask.hpp"
+
 namespace cartvo::vo {
 
 /// Size of a pixel of this level in px of the full image.
@@ -70,6 +72,7 @@ struct ImagePyramid {
   std::vector<PyramidLevel> grey;  ///< Gaussian pyramid, for KLT and NCC
   /// Differences of Gaussians, offset by 128, for SAD: kDogLevels levels from kFinestDog on.
   std::vector<PyramidLevel> dog;
+  ImageMask mask;  ///< where patches may be taken from the image
 };
 
 /// Whether both have this grey level; small images have fewer levels.
@@ -109,7 +112,9 @@ class PyramidLease {
 /// owner has released it. Not thread-safe.
 class PyramidPool {
  public:
-  explicit PyramidPool(int grey_levels) : grey_levels_(grey_levels) {}
+  explicit PyramidPool(int grey_levels) : PyramidPool(grey_levels, ImageMask()) {}
+  /// `mask`: that of each pyramid.
+  PyramidPool(int grey_levels, ImageMask mask) : grey_levels_(grey_levels), mask_(std::move(mask)) {}
 
   /// Leases memory for an image of `size`.
   PyramidLease lease(const cv::Size& size);
@@ -124,6 +129,7 @@ class PyramidPool {
   void fill(ImagePyramid& pyramid);
 
   int grey_levels_;
+  ImageMask mask_;
   std::vector<std::shared_ptr<ImagePyramid>> pyramids_;
   std::vector<PyramidLevel> halves_;     ///< grey levels that only the differences of Gaussians need
   std::vector<std::uint16_t> row_sums_;  ///< five rows after the horizontal filter

@@ -73,6 +73,7 @@ void FeatureSet::track(const ImagePyramid& left, std::int64_t frame, const Frame
     results[i] = track_in_levels(predicted ? std::min(kLevelsIfPredicted, all_levels) : all_levels);
     // A lost feature is searched only where it is predicted; one of the previous pair may move by itself.
     if (!results[i].found && predicted && before == window.newest()) results[i] = track_in_levels(all_levels);
+    if (results[i].found) results[i].found = left.mask.allows(results[i].position, 0);
     // Without a depth the position of a lost feature cannot be predicted: hardly any is found again.
     const int search_again = feature.last().matched() ? settings_.tracking.search_again : 0;
     dropped[i] = !results[i].found && frame - feature.last().frame > search_again ? 1 : 0;
@@ -100,7 +101,7 @@ void FeatureSet::enforceMinimumDistance(SpacingGrid& spacing) {
   });
 }
 
-void FeatureSet::detect(const cv::Mat& left, SpacingGrid& spacing) {
+void FeatureSet::detect(const DetectionImage& left, SpacingGrid& spacing) {
   std::vector<Eigen::Vector2d> alive;
   for (const Feature& feature : features_)
     if (isSeen(feature)) alive.push_back(feature.last().left);
@@ -121,7 +122,7 @@ void FeatureSet::matchStereo(const ImagePyramid& left, const ImagePyramid& right
     if (!isSeen(feature)) return;
     FeatureObservation& observation = feature.last();
     const auto match = cartvo::vo::matchStereo(left, right, observation.left, settings_.stereo);
-    if (!match) return;
+    if (!match || !right.mask.allows(match->right, 0)) return;
     observation.disparity = match->disparity;
   });
 }

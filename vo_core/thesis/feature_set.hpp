@@ -33,7 +33,7 @@ class FeatureSet {
   /// Drops the younger one of two seen features that are closer than the minimum distance.
   void enforceMinimumDistance(SpacingGrid& spacing);
   /// Adds new corners up to the target number (thesis 4.9).
-  void detect(const cv::Mat& left, SpacingGrid& spacing);
+  void detect(const DetectionImage& left, SpacingGrid& spacing);
   /// Measures the disparities of all seen features.
   void matchStereo(const ImagePyramid& left, const ImagePyramid& right);
   /// Computes the points of all seen features that have a disparity (thesis 4.14).

@@ -14,9 +14,11 @@ namespace {
 
 class ThesisOdometry final : public OdometryMethod {
  public:
-  ThesisOdometry(const StereoCamera& camera, const OdometrySettings& settings)
+  ThesisOdometry(const StereoCamera& camera, const OdometrySettings& settings, const StereoMasks& masks)
       : camera_(camera),
         settings_(settings),
+        left_mask_(masks.left),
+        right_mask_(masks.right),
         features_(camera, settings),
         window_(std::max(settings.tracking.search_again + 1, settings.refinement.frames)),
         meter_(camera, settings) {}
@@ -37,6 +39,7 @@ class ThesisOdometry final : public OdometryMethod {
 
   StereoCamera camera_;
   OdometrySettings settings_;
+  ImageMask left_mask_, right_mask_;
   FeatureSet features_;
   FrameWindow window_;  ///< the pairs before the current one
   MotionMeter meter_;
@@ -62,6 +65,8 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, const Image
     const StageScope stage(observer, Stage::pyramid);
     left = buildPyramid(images.left, settings_.tracking.levels);
     right = buildPyramid(images.right, 1);
+    left.mask = left_mask_;
+    right.mask = right_mask_;
   }
   {
     const StageScope stage(observer, Stage::optical_flow);
@@ -76,7 +81,7 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, const Image
   }
   {
     const StageScope stage(observer, Stage::detect);
-    features_.detect(images.left, spacing);
+    features_.detect({images.left, &left_mask_}, spacing);
     counts_.detected = features_.seenCount();
   }
   {
@@ -194,8 +199,9 @@ OdometryEstimate ThesisOdometry::finishPair() {
 }  // namespace
 
 std::unique_ptr<OdometryMethod> makeThesisOdometry(const StereoCamera& camera,
-                                                   const OdometrySettings& settings) {
-  return std::make_unique<ThesisOdometry>(camera, settings);
+                                                   const OdometrySettings& settings,
+                                                   const StereoMasks& masks) {
+  return std::make_unique<ThesisOdometry>(camera, settings, masks);
 }
 
 }  // namespace cartvo::vo

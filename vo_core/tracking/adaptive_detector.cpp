@@ -86,16 +86,20 @@ int AdaptiveDetector::windowAt(double x, double y) const {
   return row_of_[pixel_y] * settings_.window_columns + column_of_[pixel_x];
 }
 
-void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>& wanted) {
+void AdaptiveDetector::findCorners(const DetectionImage& image, const std::vector<int>& wanted) {
   for (int i = 0; i < windowCount(); ++i) {
     window_thresholds_.set(windows_[i], wanted[i] > 0 ? static_cast<std::uint8_t>(threshold(i)) : kNoCorners);
     corners_[i].clear();
   }
+  const auto is_masked = [&](const Corner& corner) {
+    return image.mask != nullptr &&
+           !image.mask->allows(scale_ * Eigen::Vector2d(corner.x, corner.y), image.level);
+  };
   forEachIndex(finders_.size(), [&](std::size_t row) {
     const std::size_t first = row * settings_.window_columns;
     const cv::Range rows(windows_[first].y, windows_[first].br().y);
-    for (const Corner& corner : finders_[row].find(image, rows, window_thresholds_))
-      corners_[windowAt(corner.x, corner.y)].push_back(corner);
+    for (const Corner& corner : finders_[row].find(image.pixels, rows, window_thresholds_))
+      if (!is_masked(corner)) corners_[windowAt(corner.x, corner.y)].push_back(corner);
     for (std::size_t i = first; i < first + settings_.window_columns; ++i)
       std::make_heap(corners_[i].begin(), corners_[i].end(), kWeaker);
   });
@@ -103,7 +107,7 @@ void AdaptiveDetector::findCorners(const cv::Mat& image, const std::vector<int>&
     if (wanted[i] > 0) adaptThreshold(i, static_cast<int>(corners_[i].size()));
 }
 
-const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
+const std::vector<Corner>& AdaptiveDetector::detect(const DetectionImage& image,
                                                     const std::vector<Eigen::Vector2d>& alive,
                                                     SpacingGrid& spacing) {
   // Rounds cumulatively, so that the numbers add up exactly.
@@ -117,8 +121,9 @@ const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image,
   return detect(image, wanted_, std::max(features_ - static_cast<int>(alive.size()), 0), spacing);
 }
 
-const std::vector<Corner>& AdaptiveDetector::detect(const cv::Mat& image, const std::vector<int>& wanted,
-                                                    int room, SpacingGrid& spacing) {
+const std::vector<Corner>& AdaptiveDetector::detect(const DetectionImage& image,
+                                                    const std::vector<int>& wanted, int room,
+                                                    SpacingGrid& spacing) {
   for (; initial_passes_ > 0; --initial_passes_)
     findCorners(image, wanted);
   findCorners(image, wanted);

@@ -2,11 +2,19 @@
 
 #include <vector>
 
+#include "vo_core/image/image_mask.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/tracking/fast_corners.hpp"
 #include "vo_core/tracking/spacing_grid.hpp"
 
 namespace cartvo::vo {
+
+/// A level of an image pyramid in which corners are detected.
+struct DetectionImage {
+  cv::Mat pixels;                   ///< CV_8UC1
+  const ImageMask* mask = nullptr;  ///< no corner is detected where it allows no patch; nullptr: everywhere
+  int level = 0;
+};
 
 /// FAST in windows, each with its own threshold, which adapts from image to image so that dark and bright,
 /// rough and smooth parts of the image all give features: too few corners lower a window's threshold, too
@@ -21,11 +29,11 @@ class AdaptiveDetector {
   /// with the same share for all windows, then the strongest of those left. `alive`: features that the image
   /// has already, all in `spacing`; new ones keep its distance and are inserted into it. Adapts the
   /// thresholds for the next image. Valid until the next call.
-  const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<Eigen::Vector2d>& alive,
+  const std::vector<Corner>& detect(const DetectionImage& image, const std::vector<Eigen::Vector2d>& alive,
                                     SpacingGrid& spacing);
 
   /// As above, with `wanted` corners per window and at most `room` in all.
-  const std::vector<Corner>& detect(const cv::Mat& image, const std::vector<int>& wanted, int room,
+  const std::vector<Corner>& detect(const DetectionImage& image, const std::vector<int>& wanted, int room,
                                     SpacingGrid& spacing);
 
   /// Sets the target number of features from the next image on.
@@ -44,7 +52,7 @@ class AdaptiveDetector {
  private:
   /// Finds the corners of each window that wants some, as heaps with the strongest first; adapts the
   /// thresholds.
-  void findCorners(const cv::Mat& image, const std::vector<int>& wanted);
+  void findCorners(const DetectionImage& image, const std::vector<int>& wanted);
   /// Moves up to `wanted` of the strongest corners that keep the distance from the heap to chosen_; returns
   /// their number.
   int chooseFrom(std::vector<Corner>& heap, int wanted, SpacingGrid& spacing);

@@ -128,7 +128,7 @@ const std::vector<LandmarkCorner>& LandmarkDetector::detect(const ImagePyramid& 
     }
     const double scale = levelScale(index);
     for (const Corner& corner :
-         level.detector.detect(imageOf(image.grey[index]), level.wanted, room, spacing))
+         level.detector.detect({imageOf(image.grey[index]), &image.mask, index}, level.wanted, room, spacing))
       corners_.push_back(
           {scale * Eigen::Vector2d(corner.x, corner.y), index, static_cast<float>(corner.score)});
   }

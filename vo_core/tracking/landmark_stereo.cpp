@@ -117,7 +117,8 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
     const double row_residual = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
         std::abs(row_residual) > kMaximumRowResidual * levelScale(landmark.level) ||
-        !isConsistentBackward(aligned, settings_.tracking))
+        !isConsistentBackward(aligned, settings_.tracking) ||
+        !view.right.mask.allows(aligned.position, landmark.level))
       return;
     Observation& observation = landmark.observations.back();
     landmark.stereo_warp = aligned.warp;

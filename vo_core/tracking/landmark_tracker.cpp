@@ -229,7 +229,7 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const auto& aligned = attempts[i].aligned;
     results[i] = SearchResult::lost;
-    if (!aligned) continue;
+    if (!aligned || !scene.left.mask.allows(aligned->position, landmarks[i].level)) continue;
     const bool near = (aligned->position - attempts[i].expected).norm() <= kMaximumPredictionError;
     results[i] = near || !landmarks[i].hasDepth() ? SearchResult::near : SearchResult::far;
     landmarks[i].warp = aligned->warp;

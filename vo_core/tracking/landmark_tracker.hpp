@@ -48,7 +48,8 @@ class LandmarkTracker {
   /// Searches each landmark of `previous` in the left image of a pair: first by a shift of the last pair's
   /// patch, then by an alignment with the anchor's patch. `tracked`: those found, each with an observation
   /// appended. A landmark whose anchor's patch no longer fits, or whose anchor is older than
-  /// `image.oldest_anchor`, gets the last pair as its new anchor.
+  /// `image.oldest_anchor`, gets the last pair as its new anchor. A landmark that has come to lie where the
+  /// image is masked counts as not found.
   ///
   /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
   /// far from them, the prediction is corrected by those found or by the shift of the whole image, and the
@@ -60,7 +61,8 @@ class LandmarkTracker {
   /// age first, and fills up with new corners.
   void replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
 
-  /// Matches the landmarks' last observations, which must be in this pair, in the right image.
+  /// Matches the landmarks' last observations, which must be in this pair, in the right image, where it is
+  /// not masked.
   /// `right_from_left` is the predicted transform between the left and the right camera at their own exposure
   /// times, `T_world_camera` the predicted pose.
   void matchStereo(std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,

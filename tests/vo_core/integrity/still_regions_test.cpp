@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/vo_core/corridor_world.hpp"
-#include "support/vo_core/synthetic_texture.hpp"
+#include "support/vo_core/still_overlay.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace cartvo::vo {
@@ -15,20 +15,7 @@ constexpr std::int64_t kPeriod = 50'000'000;  // ns
 constexpr double kStep = 0.1;                 // m per pair
 constexpr int kPairs = 40;
 const cv::Rect kBonnet(60, 160, 280, 64);
-
-/// Part of the cart, 1.3 m before both cameras.
-void drawBonnet(StereoImages& images) {
-  constexpr int kDisparity = 40;  // px
-  const test::WaveTexture texture(7);
-  const auto paint = [&](cv::Mat& image, int shift) {
-    image = image.clone();
-    test::draw(kBonnet.width, kBonnet.height, [&](double x, double y) {
-      return texture(x, y);
-    }).copyTo(image(kBonnet - cv::Point(shift, 0)));
-  };
-  paint(images.left, 0);
-  paint(images.right, kDisparity);
-}
+constexpr int kDisparity = 40;  // px, of the bonnet: 1.3 m before both cameras
 
 /// Estimates of a straight drive.
 std::vector<OdometryEstimate> driven(bool with_bonnet) {
@@ -42,7 +29,7 @@ std::vector<OdometryEstimate> driven(bool with_bonnet) {
   for (int i = 0; i < kPairs; ++i) {
     const Eigen::Isometry3d pose(Eigen::Translation3d(0.0, 0.0, kStep * i));
     StereoImages images = world.render(kCamera, pose, i * kPeriod);
-    if (with_bonnet) drawBonnet(images);
+    if (with_bonnet) test::drawStillOverlay(images, kBonnet, kDisparity);
     estimates.push_back(odometry.process(images, observer));
   }
   return estimates;

@@ -28,7 +28,7 @@ TEST(AdaptiveDetector, DarkAndBrightHalvesConvergeToTheirTargets) {
   AdaptiveDetector detector(settings, 400, image.size());
   for (int i = 0; i < 30; ++i) {
     SpacingGrid spacing(640, 320, 5.0);
-    detector.detect(image, {}, spacing);
+    detector.detect({image}, {}, spacing);
   }
   double dark = 0.0;
   double bright = 0.0;
@@ -54,7 +54,7 @@ TEST(AdaptiveDetector, TooFewCornersLowerTheThresholdToItsMinimum) {
   SpacingGrid spacing(320, 240, 5.0);
   int before = detector.threshold(0);
   for (int i = 0; i < 10 && before > settings.minimum_threshold; ++i) {
-    EXPECT_TRUE(detector.detect(plain, {}, spacing).empty());
+    EXPECT_TRUE(detector.detect({plain}, {}, spacing).empty());
     EXPECT_LT(detector.threshold(0), before);
     before = detector.threshold(0);
   }
@@ -70,7 +70,7 @@ TEST(AdaptiveDetector, FillsUpToTheTargetAndKeepsTheDistance) {
   std::vector<Eigen::Vector2d> alive{{100, 100}, {120, 100}, {300, 200}};
   for (const auto& point : alive)
     ASSERT_TRUE(spacing.insert(point));
-  const auto corners = detector.detect(image, alive, spacing);
+  const auto corners = detector.detect({image}, alive, spacing);
   EXPECT_EQ(corners.size(), 297U);
   for (const Corner& corner : corners)
     alive.emplace_back(corner.x, corner.y);

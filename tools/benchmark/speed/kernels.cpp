@@ -94,7 +94,7 @@ void detect(State& state) {
   vo::AdaptiveDetector detector(vo::DetectionSettings{}, 1000, size);
   for (auto _ : state) {
     vo::SpacingGrid spacing(size.width, size.height, vo::TrackingSettings{}.minimum_distance);
-    ::benchmark::DoNotOptimize(detector.detect(kImage, {}, spacing));
+    ::benchmark::DoNotOptimize(detector.detect({kImage}, {}, spacing));
   }
 }
 BENCHMARK(detect)->Unit(::benchmark::kMicrosecond);

@@ -88,7 +88,7 @@ void addPair(const cv::Mat& left, const cv::Mat& right, const TrueDepth& true_de
   vo::AdaptiveDetector detector(settings.detection, features, left.size());
   vo::SpacingGrid spacing(left.cols, left.rows, settings.tracking.minimum_distance);
   const double focal_times_baseline = rectification.focal_length * rectification.baseline;
-  for (const vo::Corner& corner : detector.detect(left, {}, spacing)) {
+  for (const vo::Corner& corner : detector.detect({left}, {}, spacing)) {
     const std::optional<double> truth = true_depth.at(corner.x, corner.y);
     if (!truth || *truth > kMaxDepth) continue;
     ++samples.features;

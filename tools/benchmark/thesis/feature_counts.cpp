@@ -37,7 +37,7 @@ FeatureCountSeries countFeatures(const std::filesystem::path& folder, const vo::
   for (const std::filesystem::path& file : images) {
     const cv::Mat image = capture::readGreyImage(file);
     vo::SpacingGrid spacing(image.cols, image.rows, vo::TrackingSettings{}.minimum_distance);
-    series.features.push_back(static_cast<int>(detector.detect(image, {}, spacing).size()));
+    series.features.push_back(static_cast<int>(detector.detect({image}, {}, spacing).size()));
     std::vector<int> windows;
     for (int window = 0; window < detector.windowCount(); ++window) {
       windows.push_back(detector.cornerCount(window));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/format/kalibr_rig.hpp"
+#include "calib/format/mask_key.hpp"
 #include "calib/format/matlab_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_parts.hpp"
@@ -15,12 +16,16 @@
 #include "calib/model/rotation.hpp"
 #include "common/atomic_file.hpp"
 #include "common/exact_text.hpp"
+#include "common/input_file.hpp"
 #include "common/strict_yaml.hpp"
 
 namespace cartvo::calib {
 namespace {
 
+using Folder = std::optional<std::filesystem::path>;
+
 constexpr int kFormatVersion = 1;
+
 LensModel readLens(const StrictYaml& yaml) {
   const std::string name = yaml.text();
   if (name == "wide") return LensModel::wide;
@@ -34,8 +39,8 @@ bool readFlag(const StrictYaml& yaml) {
   return flag == "true";
 }
 
-CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
-  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion", "readout"});
+CameraModel readCamera(const StrictYaml& yaml, cv::Size size, const Folder& folder) {
+  yaml.allowOnly({"fx", "fy", "cx", "cy", "lens", "distortion", "readout", "mask"});
   CameraModel camera;
   camera.size = size;
   camera.fx = yaml["fx"].number(kMinFocalLength, kMaxFocalLength);
@@ -46,6 +51,7 @@ CameraModel readCamera(const StrictYaml& yaml, cv::Size size) {
   const std::vector<double> distortion = yaml["distortion"].numbers(distortionCount(camera.lens));
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
   if (yaml.has("readout")) camera.readout = yaml["readout"].number(-kMaxReadout, kMaxReadout);
+  if (yaml.has("mask")) camera.mask = readMask(yaml["mask"], size, folder);
   return camera;
 }
 
@@ -70,9 +76,10 @@ Rig requireUsual(Rig rig, const std::filesystem::path& name, const char* advice)
   throw std::runtime_error(name.string() + ": " + finding + " If the rig is really so, " + advice);
 }
 
-Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name) {
+Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name, const Folder& folder) {
   if (yaml.has("cartvo_rig"))
-    return requireUsual(parseCartvoRig(yaml), name, "add the line 'unusual_geometry: true' to the file");
+    return requireUsual(parseCartvoRig(yaml, folder), name,
+                        "add the line 'unusual_geometry: true' to the file");
   if (const std::optional<Rig> rig = parseForeignRig(yaml, name, {}))
     return requireUsual(*rig, name,
                         "'cartvo calibrate convert --unusual-geometry' makes a rig.yaml that says so");
@@ -92,18 +99,23 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-std::string cameraText(const CameraModel& camera) {
+std::string cameraText(const CameraModel& camera, const Folder& folder) {
   const std::string lens = camera.lens == LensModel::wide ? "\n  lens: wide" : "";
   const std::string readout =
       camera.readout ? "  readout: " + exactText(*camera.readout) +
                            "  # s, exposure of the raw image's lower edge minus that of its upper edge\n"
                      : "";
+  const std::string mask =
+      camera.mask.empty()
+          ? ""
+          : "  # Parts of the raw image that never show the scene, and are not used.\n  mask: " +
+                maskText(camera.mask, folder) + "\n";
   const auto coefficients = camera.distortion.begin();
   const auto count = static_cast<std::ptrdiff_t>(distortionCount(camera.lens));
   return "  fx: " + exactText(camera.fx) + "\n  fy: " + exactText(camera.fy) +
          "\n  cx: " + exactText(camera.cx) + "\n  cy: " + exactText(camera.cy) + lens +
          "\n  distortion: " + exactText(std::vector<double>{coefficients, coefficients + count}) + "\n" +
-         readout;
+         readout + mask;
 }
 
 std::string transformText(const Eigen::Isometry3d& transform) {
@@ -142,9 +154,47 @@ std::string mountText(const Rig& rig) {
          transformText(rig.T_body_camera);
 }
 
+std::string textOf(const Rig& rig, const Folder& folder) {
+  return "# A stereo rig: what the two cameras are, how they stand to each other, how they sit on the cart.\n"
+         "cartvo_rig: " +
+         std::to_string(kFormatVersion) +
+         "  # version of this format\n"
+         "name: " +
+         quoted(rig.name) +
+         "\n"
+         "# Width and height of the raw images that this calibration holds for, px. Other sizes are "
+         "refused.\n"
+         "image_size: [" +
+         std::to_string(rig.left.size.width) + ", " + std::to_string(rig.left.size.height) +
+         "]\n"
+         "# Focal lengths and principal point in px, pixel centres at integers; distortion k1 k2 p1 p2 k3 k4 "
+         "k5 k6 of\n"
+         "# Brown's model or, with 'lens: wide', k1 k2 k3 k4 of Kannala and Brandt's, both as in OpenCV.\n"
+         "left:\n" +
+         cameraText(rig.left, folder) + "right:\n" + cameraText(rig.right, folder) +
+         "# Takes a point from the left camera's axes to the right's (x right, y down, z forward; m), row by "
+         "row.\n"
+         "# Side by side, the translation is about [-baseline, 0, 0].\n"
+         "T_right_left:\n" +
+         transformText(rig.T_right_left) + mountText(rig) +
+         "# How much of the raw images the rectified ones keep: 0 crops until each pixel has a source, 1 "
+         "keeps "
+         "all.\n"
+         "free_scaling: " +
+         exactText(rig.rectification.free_scaling) +
+         "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
+         "together, as "
+         "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
+         exactText(rig.scale_stddev) + "\n" +
+         (rig.unusual_geometry
+              ? "# Confirms numbers above that are unusual for a stereo pair on a vehicle, and "
+                "are refused without this line.\nunusual_geometry: true\n"
+              : "");
+}
+
 }  // namespace
 
-Rig parseCartvoRig(const StrictYaml& yaml) {
+Rig parseCartvoRig(const StrictYaml& yaml, const Folder& folder) {
   yaml.allowOnly({"cartvo_rig", "name", "image_size", "left", "right", "T_right_left", "T_body_camera",
                   "free_scaling", "scale_deviation", "unusual_geometry"});
   yaml["cartvo_rig"].integer(kFormatVersion, kFormatVersion);
@@ -157,8 +207,8 @@ Rig parseCartvoRig(const StrictYaml& yaml) {
   const cv::Size image_size(static_cast<int>(size[0]), static_cast<int>(size[1]));
   Rig rig;
   rig.name = yaml["name"].text();
-  rig.left = readCamera(yaml["left"], image_size);
-  rig.right = readCamera(yaml["right"], image_size);
+  rig.left = readCamera(yaml["left"], image_size, folder);
+  rig.right = readCamera(yaml["right"], image_size, folder);
   rig.T_right_left = readTransform(yaml["T_right_left"]);
   if (rig.baseline() < kMinBaseline || rig.baseline() > kMaxBaseline) {
     yaml["T_right_left"]["translation"].failExpecting("a baseline of 0.005 m to 10 m");
@@ -180,54 +230,27 @@ std::optional<Rig> parseForeignRig(const StrictYaml& yaml, const std::filesystem
 }
 
 Rig readRig(const std::filesystem::path& file) {
-  return parseAnyRig(readYamlOrXml(file), file);
+  return parseAnyRig(readYamlOrXml(file), file, file.parent_path());
 }
 
 Rig parseRig(const std::string& text, const std::filesystem::path& name) {
-  return parseAnyRig(StrictYaml::parse(text, name), name);
+  return parseAnyRig(StrictYaml::parse(text, name), name, std::nullopt);
 }
 
 std::string rigText(const Rig& rig) {
-  return "# A stereo rig: what the two cameras are, how they stand to each other, how they sit on the cart.\n"
-         "cartvo_rig: " +
-         std::to_string(kFormatVersion) +
-         "  # version of this format\n"
-         "name: " +
-         quoted(rig.name) +
-         "\n"
-         "# Width and height of the raw images that this calibration holds for, px. Other sizes are "
-         "refused.\n"
-         "image_size: [" +
-         std::to_string(rig.left.size.width) + ", " + std::to_string(rig.left.size.height) +
-         "]\n"
-         "# Focal lengths and principal point in px, pixel centres at integers; distortion k1 k2 p1 p2 k3 k4 "
-         "k5 k6 of\n"
-         "# Brown's model or, with 'lens: wide', k1 k2 k3 k4 of Kannala and Brandt's, both as in OpenCV.\n"
-         "left:\n" +
-         cameraText(rig.left) + "right:\n" + cameraText(rig.right) +
-         "# Takes a point from the left camera's axes to the right's (x right, y down, z forward; m), row by "
-         "row.\n"
-         "# Side by side, the translation is about [-baseline, 0, 0].\n"
-         "T_right_left:\n" +
-         transformText(rig.T_right_left) + mountText(rig) +
-         "# How much of the raw images the rectified ones keep: 0 crops until each pixel has a source, 1 "
-         "keeps "
-         "all.\n"
-         "free_scaling: " +
-         exactText(rig.rectification.free_scaling) +
-         "\n# Standard deviation of the scale, as a share: all lengths may be too long or too short "
-         "together, as "
-         "the\n# baseline is. 0: not known, counts as exact.\nscale_deviation: " +
-         exactText(rig.scale_stddev) + "\n" +
-         (rig.unusual_geometry
-              ? "# Confirms numbers above that are unusual for a stereo pair on a vehicle, and "
-                "are refused without this line.\nunusual_geometry: true\n"
-              : "");
+  return textOf(rig, std::nullopt);
+}
+
+std::string portableRigText(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxBytes = 1U << 20U;
+  const Rig rig = readRig(file);
+  if (rig.left.mask.file.empty() && rig.right.mask.file.empty()) return readInputText(file, kMaxBytes);
+  return rigText(rig);
 }
 
 void writeRig(const std::filesystem::path& file, const Rig& rig) {
   validateRig(rig);
-  writeResultFile(file, rigText(rig));
+  writeResultFile(file, textOf(rig, file.parent_path()));
 }
 
 }  // namespace cartvo::calib

@@ -47,7 +47,7 @@ void requireText(const fs::path& file) {
 Rig readOneFile(const fs::path& file, const RigReading& reading) {
   requireText(file);
   const StrictYaml yaml = readYamlOrXml(file);
-  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml);
+  if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml, file.parent_path());
   if (isKittiRig(yaml) && !isOpenCvRig(yaml))
     return parseKittiRig(yaml, file, reading.image_size, reading.cameras);
   if (const std::optional<Rig> rig = parseForeignRig(yaml, file, reading.image_size)) return *rig;

@@ -8,6 +8,8 @@
 
 #include <opencv2/core/types.hpp>
 
+#include "calib/model/static_mask.hpp"
+
 namespace cartvo::calib {
 
 /// Lens model; see BrownDistortion and WideDistortion.
@@ -16,7 +18,7 @@ enum class LensModel : std::uint8_t {
   wide,   ///< Kannala and Brandt's fisheye: k1 k2 k3 k4, then zeros, as in OpenCV's fisheye module
 };
 
-/// Intrinsics of a camera, and its shutter.
+/// Intrinsics of a camera, its shutter, and what of its image is used.
 struct CameraModel {
   cv::Size size;                                  ///< image size that the model is valid for, px
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< px; pixel centres at integer coordinates
@@ -25,6 +27,7 @@ struct CameraModel {
   /// s, mid-exposure of the lower edge of the raw image minus that of its upper edge: rows times line time.
   /// Negative if the rows are exposed from bottom to top, 0: a global shutter, empty: unknown.
   std::optional<double> readout;
+  StaticMask mask;  ///< parts of the raw image that are not used
 };
 
 /// Number of coefficients of a lens model. They are the first ones of CameraModel::distortion.

@@ -36,6 +36,8 @@ void validateCamera(const CameraModel& camera, const std::string& side) {
     check(i < distortionCount(camera.lens) || camera.distortion[i] == 0.0,
           "distortion has more coefficients than its lens model");
   }
+  check(camera.mask.empty() || (camera.mask.used.size() == camera.size && camera.mask.used.type() == CV_8UC1),
+        "mask must have the size of the image");
   check(std::abs(camera.readout.value_or(0.0)) <= kMaxReadout, "readout must lie in -0.2 to 0.2 s");
 }
 

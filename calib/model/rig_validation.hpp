@@ -22,8 +22,8 @@ constexpr double maxCentre(int length) {
 }
 
 /// Throws std::invalid_argument, naming the value, if an image size, focal length, principal point,
-/// distortion, readout, rotation or translation is out of range, or the baseline is not within 5 mm to 10 m
-/// (a larger one is a calibration in millimetres).
+/// distortion, readout, mask, rotation or translation is out of range, or the baseline is not within 5 mm to
+/// 10 m (a larger one is a calibration in millimetres).
 void validateRig(const Rig& rig);
 
 /// What of a valid rig cannot be the geometry of a stereo pair on a vehicle unless the rig is an unusual one,

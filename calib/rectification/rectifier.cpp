@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calib/rectification/rectified_mask.hpp"
 #include "calib/rectification/remap.hpp"
 #include "common/image_size.hpp"
 
@@ -14,6 +15,8 @@ Rectifier::Rectifier(const Rig& rig, const RectificationSettings& settings, Rect
   if (tables_.size != rectification_.size || tables_.fingerprint != tablesFingerprint(rig, settings)) {
     throw std::invalid_argument("rectifier: the tables are not those of rig '" + rig.name + "'");
   }
+  left_mask_ = rectifiedMask(rig.left.mask, tables_.left);
+  right_mask_ = rectifiedMask(rig.right.mask, tables_.right);
 }
 
 void Rectifier::rectifyLeft(const cv::Mat& raw, cv::Mat& rectified) const {

@@ -19,6 +19,11 @@ class Rectifier {
 
   const Rectification& rectification() const { return rectification_; }
 
+  /// The masks of the rig as they lie in the rectified images: 0 where a pixel is interpolated from one that
+  /// must not be used, 255 elsewhere. Empty without a mask.
+  const cv::Mat& leftMask() const { return left_mask_; }
+  const cv::Mat& rightMask() const { return right_mask_; }
+
   /// Rectifies a raw image (CV_8UC1) of the left or right camera. The memory of `rectified` is reused if it
   /// has the right size and type and is not shared with `raw`. If the rig is already rectified, the result is
   /// `raw` without a copy. Throws std::runtime_error for an image of another size or type, stating both sizes
@@ -32,6 +37,7 @@ class Rectifier {
   std::string rig_name_;
   Rectification rectification_;
   RectificationTables tables_;
+  cv::Mat left_mask_, right_mask_;  ///< never written after construction
 };
 
 }  // namespace cartvo::calib

@@ -44,7 +44,8 @@ class PairProcessor::Implementation {
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
         scale_stddev_(rig.scale_stddev),
         odometry_(stereoCamera(rectifier_.rectification()), settings,
-                  stereoShutters(rig, rectifier_.rectification(), absent_readout)),
+                  stereoShutters(rig, rectifier_.rectification(), absent_readout),
+                  {rectifier_.leftMask(), rectifier_.rightMask()}),
         features_(settings.features) {}
 
   PairResult process(const capture::FramePair& pair) {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -72,11 +70,6 @@ calib::Rig readConfiguredRig(const Configuration& configuration) {
       configuration.rig.string() +
       ": does not exist; are the cameras not calibrated yet? 'cartvo calibrate' writes this "
       "file, which the key rig: of the configuration names");
-}
-
-std::string fileText(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
@@ -163,7 +156,7 @@ void Daemon::Implementation::startRecording() {
     capture::RecordingSettings settings;
     settings.folder = configuration_.recording_directory;
     settings.configuration = effectiveConfiguration(configuration_);
-    settings.rig = fileText(configuration_.rig);
+    settings.rig = calib::portableRigText(configuration_.rig);
     settings.quota = configuration_.recording_quota;
     recorder_ = std::make_unique<capture::StreamRecorder>(settings);
   } catch (const std::exception& error) {

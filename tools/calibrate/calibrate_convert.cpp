@@ -43,6 +43,13 @@ void warnOfLostScaleUncertainty(const calib::Rig& rig, calib::RigFormat format) 
       calib::rigFormatNames()[static_cast<std::size_t>(format)].c_str(), rig.scale_stddev);
 }
 
+void warnOfLostMasks(const calib::Rig& rig, calib::RigFormat format) {
+  if (format == calib::RigFormat::cartvo || (rig.left.mask.empty() && rig.right.mask.empty())) return;
+  std::fprintf(stderr,
+               "cartvo: the format %s cannot store masks; when read back, all of the pictures is used\n",
+               calib::rigFormatNames()[static_cast<std::size_t>(format)].c_str());
+}
+
 void run(const Options& options) {
   calib::RigReading reading;
   if (!options.image_size.empty()) reading.image_size = parseSize(options.image_size);
@@ -55,6 +62,7 @@ void run(const Options& options) {
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
   warnOfLostScaleUncertainty(rig, format);
+  warnOfLostMasks(rig, format);
   if (format == calib::RigFormat::cartvo) printNextStep(rig, options.output);
 }
 

@@ -89,8 +89,8 @@ std::optional<calib::Rig> rigBefore(const std::filesystem::path& output) {
   }
 }
 
-/// The calibrated rig, with the name, the mounting and the readouts of the rig file that it replaces. Throws
-/// std::runtime_error if its geometry is unusual and --unusual-geometry was not given.
+/// The calibrated rig, with the name, the mounting, the readouts and the masks of the rig file that it
+/// replaces. Throws std::runtime_error if its geometry is unusual and --unusual-geometry was not given.
 calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional<calib::Rig>& before,
                       const Options& options) {
   calib::Rig rig = calibration.rig();
@@ -99,6 +99,10 @@ calib::Rig rigToWrite(const calib::Calibration& calibration, const std::optional
   if (before) {
     rig.left.readout = before->left.readout;
     rig.right.readout = before->right.readout;
+    if (before->left.size == rig.left.size) {
+      rig.left.mask = before->left.mask;
+      rig.right.mask = before->right.mask;
+    }
   }
   rig.rectification.free_scaling = options.free_scaling;
   rig.scale_stddev = calib::scaleStddev(calibration);

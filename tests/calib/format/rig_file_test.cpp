@@ -192,8 +192,8 @@ INSTANTIATE_TEST_SUITE_P(
               "3: nmae: expected one of the keys cartvo_rig, name, image_size, left, right, T_right_left, "
               "T_body_camera, free_scaling, scale_deviation, unusual_geometry, found 'nmae'"},
         Fault{"UnknownKeyInside", "  fx: 500.5", "  fx: 500.5\n  skew: 0",
-              "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, readout, found "
-              "'skew'"},
+              "10: left.skew: expected one of the keys fx, fy, cx, cy, lens, distortion, readout, mask, "
+              "found 'skew'"},
         Fault{"UnknownLens", "  fx: 500.5", "  lens: narrow\n  fx: 500.5",
               "9: left.lens: expected brown or wide, found 'narrow'"},
         Fault{"WideWithBrownsCoefficients", "  fx: 500.5", "  lens: wide\n  fx: 500.5",

@@ -61,6 +61,35 @@ TEST(Rectifier, MakesADistantSceneEqualInBothImages) {
   EXPECT_LT(largest, 1.6);
 }
 
+TEST(Rectifier, RectifiesTheMasksLikeTheImages) {
+  Rig rig = test::cartRig();
+  rig.left.mask = maskOfPolygons({{{100, 300}, {250, 310}, {240, 400}}}, rig.left.size);
+  const Rectifier rectifier = rectifierFor(rig);
+  EXPECT_TRUE(rectifier.rightMask().empty());
+  cv::Mat image;
+  rectifier.rectifyLeft(rig.left.mask.used, image);
+  ASSERT_EQ(rectifier.leftMask().size(), image.size());
+  // A pixel is masked as soon as a part of it is: it is then darker than white.
+  int masked = 0, differing = 0;
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      const bool is_masked = rectifier.leftMask().at<std::uint8_t>(row, column) == 0;
+      const std::uint8_t value = image.at<std::uint8_t>(row, column);
+      EXPECT_TRUE(is_masked || value == 255) << column << ", " << row;
+      masked += is_masked ? 1 : 0;
+      differing += is_masked && value == 255 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(masked, 5000);
+  EXPECT_LT(differing, masked / 20);  // interpolated with a weight of nearly 0
+}
+
+TEST(Rectifier, TakesTheMasksOfRectifiedImagesAsTheyAre) {
+  Rig rig = test::rectifiedRig();
+  rig.right.mask = maskOfPolygons({{{0, 0}, {90, 0}, {90, 90}}}, rig.right.size);
+  EXPECT_EQ(cv::norm(rectifierFor(rig).rightMask(), rig.right.mask.used, cv::NORM_INF), 0.0);
+}
+
 TEST(Rectifier, PassesRectifiedImagesThroughWithoutACopy) {
   const Rectifier rectifier = rectifierFor(test::rectifiedRig());
   const cv::Mat raw(480, 640, CV_8UC1, cv::Scalar(7));

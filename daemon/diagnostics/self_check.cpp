@@ -22,6 +22,8 @@ constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger one
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
 constexpr double kMinShownStddev = 0.01;                      // deg
 constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
+// A vehicle ahead at the same speed keeps its place for seconds, too.
+constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
 
 /// Time offset, then the angles.
 std::array<vo::EstimateWithStddev, 4> asArray(const vo::RigCalibrationError& rig) {
@@ -46,9 +48,20 @@ void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   if (estimate.readouts) changed_ = readouts_.update(*estimate.readouts) || changed_;
   const bool were_missing = matches_.matchesMissing();
   matches_.update(estimate);
-  changed_ = changed_ || matches_.matchesMissing() != were_missing ||
-             estimate.still_regions.empty() != still_regions_.empty();
-  still_regions_ = estimate.still_regions;
+  changed_ = changed_ || matches_.matchesMissing() != were_missing;
+  updateStillRegions(estimate);
+}
+
+void SelfCheck::updateStillRegions(const vo::OdometryEstimate& estimate) {
+  if (!estimate.valid) return;  // of some invalid pairs the regions are not known
+  const bool were_shown = !still_regions_.empty();
+  if (estimate.still_regions.empty())
+    still_since_ns_.reset();
+  else if (!still_since_ns_)
+    still_since_ns_ = estimate.exposure_ns;
+  const bool are_shown = still_since_ns_ && estimate.exposure_ns - *still_since_ns_ >= kMinStillTime_ns;
+  still_regions_ = are_shown ? estimate.still_regions : vo::ImageRegions();
+  changed_ = changed_ || are_shown != were_shown;
 }
 
 void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
@@ -107,7 +120,7 @@ std::string SelfCheck::stillRegionsMessage() const {
       still_regions_.size() > 1 ? fmt::format(" and {} more", still_regions_.size() - 1) : std::string();
   return fmt::format(
       "the left picture stands still at x {} to {}, y {} to {} px{}, not used: lettering, dirt, or the cart "
-      "itself",
+      "itself; 'cartvo calibrate mask' masks it",
       region.x, region.x + region.width, region.y, region.y + region.height, others);
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -14,8 +15,8 @@ namespace cartvo::daemon {
 
 /// Reports gross faults of the rig, errors of the rig calibration and of the time offset that the odometry
 /// has estimated, readouts that are not those of the rig, missing stereo matches, and regions of the picture
-/// that do not move with the scene. An error is reported while it is significant (3 standard deviations) and
-/// large enough to matter, until it is clearly smaller. Not thread-safe.
+/// that have not moved with the scene for 20 s. An error is reported while it is significant (3 standard
+/// deviations) and large enough to matter, until it is clearly smaller. Not thread-safe.
 class SelfCheck {
  public:
   /// `readouts`: of the rig file or the configuration.
@@ -40,6 +41,7 @@ class SelfCheck {
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
 
   void updateRig(const vo::RigCalibrationError& rig);
+  void updateStillRegions(const vo::OdometryEstimate& estimate);
   bool anglesCauseMissingMatches() const;
   std::string anglesMessage() const;
   std::string stillRegionsMessage() const;
@@ -48,7 +50,8 @@ class SelfCheck {
   std::array<bool, kQuantities> faulty_{};
   ReadoutCheck readouts_;
   StereoMatchMonitor matches_;
-  vo::ImageRegions still_regions_;
+  vo::ImageRegions still_regions_;              ///< to report
+  std::optional<std::int64_t> still_since_ns_;  ///< exposure of the first pair that had some; empty: none
   vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named
   bool changed_ = false;
 };

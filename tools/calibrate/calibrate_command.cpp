@@ -3,6 +3,7 @@
 #include "tools/calibrate/calibrate_convert.hpp"
 #include "tools/calibrate/calibrate_rig.hpp"
 #include "tools/calibrate/check/calibrate_check.hpp"
+#include "tools/calibrate/mask/calibrate_mask.hpp"
 #include "tools/calibrate/mount/calibrate_mount.hpp"
 #include "tools/calibrate/plan/calibrate_plan.hpp"
 #include "tools/calibrate/readout/calibrate_readout.hpp"
@@ -32,6 +33,7 @@ void addCalibrateCommand(CLI::App& cartvo) {
   addCalibrateBoard(*command);
   addCalibrateCheck(*command);
   addCalibrateConvert(*command);
+  addCalibrateMask(*command);
   addCalibrateMount(*command);
   addCalibratePlan(*command);
   addCalibrateReadout(*command);

@@ -34,6 +34,46 @@ std::string messageFor(const vo::RigCalibrationError& rig) {
   return check.message();
 }
 
+/// Valid estimate at this time with two still regions.
+vo::OdometryEstimate withStillRegions(double seconds) {
+  vo::OdometryEstimate estimate;
+  estimate.valid = true;
+  estimate.exposure_ns = static_cast<std::int64_t>(1e9 * seconds);
+  estimate.still_regions.push_back({.x = 1280, .y = 1000, .width = 1280, .height = 920});
+  estimate.still_regions.push_back({.x = 0, .y = 0, .width = 300, .height = 40});
+  return estimate;
+}
+
+TEST(SelfCheck, NamesStillRegionsAndHowToMaskThem) {
+  constexpr std::size_t kLongestMessage = 200;  // bytes, of health_t
+  SelfCheck check;
+  check.update(withStillRegions(5.0));
+  check.update({});  // an invalid pair says nothing
+  EXPECT_EQ(check.message(), "");
+  check.update(withStillRegions(25.0));
+  EXPECT_TRUE(check.consumeChange());
+  EXPECT_EQ(check.message(),
+            "the left picture stands still at x 1280 to 2560, y 1000 to 1920 px and 1 more, not used: "
+            "lettering, dirt, or the cart itself; 'cartvo calibrate mask' masks it");
+  EXPECT_LE(check.message().size(), kLongestMessage);
+}
+
+TEST(SelfCheck, ForgetsStillRegionsThatMoveOn) {
+  SelfCheck check;
+  check.update(withStillRegions(0.0));
+  vo::OdometryEstimate none = withStillRegions(19.0);
+  none.still_regions.clear();
+  check.update(none);
+  check.update(withStillRegions(21.0));
+  EXPECT_EQ(check.message(), "");
+  check.update(withStillRegions(41.0));
+  EXPECT_NE(check.message(), "");
+  none.exposure_ns = withStillRegions(42.0).exposure_ns;
+  check.update(none);
+  EXPECT_TRUE(check.consumeChange());
+  EXPECT_EQ(check.message(), "");
+}
+
 /// Pair number `pair` at 10 Hz with these numbers of corners and stereo matches.
 vo::OdometryEstimate pairWith(int pair, int corners, int stereo) {
   vo::OdometryEstimate estimate;

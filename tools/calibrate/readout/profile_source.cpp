@@ -6,10 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "capture/dataset/video_file_source.hpp"
-#include "capture/stereo_source.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/live_camera.hpp"
+#include "tools/calibrate/camera_files.hpp"
 
 namespace cartvo::calibrate {
 namespace {
@@ -44,22 +43,10 @@ std::vector<RowProfile> readProfiles(capture::CameraSource& camera, double secon
 
 StereoProfiles profilesOfFiles(const std::filesystem::path& source, const std::filesystem::path& right,
                                double frame_rate) {
+  const CameraFiles cameras = openCameraFiles(source, right, frame_rate);
   StereoProfiles profiles;
-  if (std::filesystem::is_regular_file(source)) {
-    capture::VideoFileTime time;
-    time.frame_rate = frame_rate;
-    capture::VideoFileSource left_video(source, time);
-    profiles.left = readProfiles(left_video, kForever);
-    if (right.empty()) return profiles;
-    capture::VideoFileSource right_video(right, time);
-    profiles.right = readProfiles(right_video, kForever);
-    return profiles;
-  }
-  capture::SourceSettings settings;
-  settings.frame_rate = frame_rate;
-  const capture::StereoSource cameras = capture::openSource(source, settings);
   profiles.left = readProfiles(*cameras.left, kForever);
-  profiles.right = readProfiles(*cameras.right, kForever);
+  if (cameras.right) profiles.right = readProfiles(*cameras.right, kForever);
   return profiles;
 }
 

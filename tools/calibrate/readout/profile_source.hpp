@@ -19,9 +19,7 @@ struct StereoProfiles {
 /// passed by the host's clock. Throws std::runtime_error if the size of its pictures changes.
 std::vector<RowProfile> readProfiles(capture::CameraSource& camera, double seconds);
 
-/// Profiles from a recording, an image folder, or videos: `right` is the right camera's video, and empty if
-/// `source` is not the left camera's of two. A single video counts as the left camera's. `frame_rate`: Hz,
-/// replaces the time stamps; 0: none. Throws what openSource and VideoFileSource throw.
+/// Profiles from what openCameraFiles opens, with its arguments. Throws what it throws.
 StereoProfiles profilesOfFiles(const std::filesystem::path& source, const std::filesystem::path& right,
                                double frame_rate);
 

@@ -1,0 +1,175 @@
+// `cartvo calibrate mask`: finds the parts of the pictures that never show the scene.
+#include "tools/calibrate/mask/calibrate_mask.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/format/mask_key.hpp"
+#include "calib/format/rig_file.hpp"
+#include "capture/stereo_source.hpp"
+#include "common/atomic_file.hpp"
+#include "common/image_size.hpp"
+#include "tools/calibrate/camera_files.hpp"
+#include "tools/calibrate/mask/static_parts.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/result_files.hpp"
+#include "tools/replay/source_rig.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using calibrate::StaticParts;
+
+struct Options {
+  fs::path source, right_video, rig, output;
+  double frame_rate = 0.0;
+  bool json = false;
+};
+
+/// The rig file to change: that of --rig, or the output if it exists, or the source's.
+calib::Rig rigToChange(const Options& options) {
+  if (!options.rig.empty()) return calib::readRig(options.rig);
+  if (fs::exists(options.output)) return calib::readRig(options.output);
+  if (fs::is_regular_file(options.source))
+    throw std::runtime_error(options.output.string() + ": does not exist; give the rig file with --rig FILE");
+  return findRig(capture::openSource(options.source), options.source, {}).rig;
+}
+
+StaticParts find(capture::CameraSource& camera, const std::string& side) {
+  calibrate::StaticPartFinder finder;
+  ProgressBar progress("pictures, " + side);
+  std::size_t pictures = 0;
+  capture::Frame frame;
+  try {
+    while (true) {
+      const capture::ReadOutcome outcome = camera.read(frame, std::chrono::milliseconds(200));
+      if (outcome == capture::ReadOutcome::ended) break;
+      if (outcome != capture::ReadOutcome::frame || frame.status != capture::FrameStatus::good) continue;
+      finder.add(frame.image, frame.exposure_ns);
+      progress.show(++pictures, 0);
+    }
+    return finder.result();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("the " + side + " camera: " + error.what());
+  }
+}
+
+std::string textOf(const char* side, const StaticParts& parts) {
+  constexpr std::size_t kMaxBoxes = 5;
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "%-6s %.1f %% of the picture is static, from %zu pictures\n", side,
+                100.0 * parts.share, parts.pictures);
+  std::string all = text.data();
+  for (std::size_t i = 0; i < std::min(parts.boxes.size(), kMaxBoxes); ++i) {
+    const cv::Rect& box = parts.boxes[i];
+    std::snprintf(text.data(), text.size(), "       x %d to %d, y %d to %d px\n", box.x, box.br().x - 1,
+                  box.y, box.br().y - 1);
+    all += text.data();
+  }
+  if (parts.boxes.size() > kMaxBoxes)
+    all += "       and " + std::to_string(parts.boxes.size() - kMaxBoxes) + " smaller parts\n";
+  return all;
+}
+
+nlohmann::ordered_json jsonOf(const StaticParts& parts) {
+  nlohmann::ordered_json boxes = nlohmann::ordered_json::array();
+  for (const cv::Rect& box : parts.boxes)
+    boxes.push_back({box.x, box.y, box.width, box.height});
+  return {{"share", parts.share}, {"pictures", parts.pictures}, {"boxes", boxes}};
+}
+
+fs::path maskFile(const fs::path& rig, const std::string& side) {
+  return rig.parent_path() / (rig.stem().string() + "-mask-" + side + ".png");
+}
+
+void requireSize(const StaticParts& parts, const std::string& side, const calib::CameraModel& camera) {
+  if (parts.used.size() == camera.size) return;
+  throw std::runtime_error("the " + side + " camera's pictures are " + sizeText(parts.used.size()) +
+                           " but the rig was calibrated at " + sizeText(camera.size));
+}
+
+/// Writes the mask and puts it into the camera; a camera without static parts has no mask.
+void setMask(const StaticParts& parts, const fs::path& file, calib::CameraModel& camera) {
+  camera.mask = {};
+  if (parts.boxes.empty()) return;
+  camera.mask.used = parts.used;
+  camera.mask.file = file;
+  writeResultFile(file, calib::maskPng(camera.mask));
+}
+
+void run(const Options& options) {
+  if (options.right_video.empty() && fs::is_regular_file(options.source))
+    throw std::runtime_error("one video is of one camera: give both videos");
+  const fs::path left_file = maskFile(options.output, "left"), right_file = maskFile(options.output, "right");
+  calib::Rig rig;
+  if (!options.output.empty()) {
+    checkResultFiles({options.output, left_file, right_file});
+    rig = rigToChange(options);
+  }
+  const calibrate::CameraFiles cameras =
+      calibrate::openCameraFiles(options.source, options.right_video, options.frame_rate);
+  const StaticParts left = find(*cameras.left, "left"), right = find(*cameras.right, "right");
+  if (!options.output.empty()) {
+    requireSize(left, "left", rig.left);
+    requireSize(right, "right", rig.right);
+    setMask(left, left_file, rig.left);
+    setMask(right, right_file, rig.right);
+    calib::writeRig(options.output, rig);
+  }
+  const std::string report =
+      options.json ? nlohmann::ordered_json{{"left", jsonOf(left)}, {"right", jsonOf(right)}}.dump(2) + "\n"
+                   : textOf("left", left) + textOf("right", right);
+  std::fputs(report.c_str(), stdout);
+  if (options.output.empty() || options.json) return;
+  std::printf("written to %s\n", options.output.c_str());
+  for (const calib::CameraModel* camera : {&rig.left, &rig.right})
+    if (!camera->mask.empty()) std::printf("written to %s: look at it\n", camera->mask.file.c_str());
+}
+
+}  // namespace
+
+void addCalibrateMask(CLI::App& calibrate) {
+  CLI::App* command = calibrate.add_subcommand(
+      "mask", "Parts of the pictures that never move, such as the roof edge, from a drive");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option("SOURCE", options->source,
+                   "A drive: a recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the "
+                   "left camera's video")
+      ->required();
+  command->add_option("RIGHT", options->right_video, "The right camera's video, if SOURCE is the left one's");
+  command
+      ->add_option("--output", options->output,
+                   "Rig file to write the masks to; the rest of an existing one is kept. The masks are PNG "
+                   "files beside it. Without it they are only described")
+      ->type_name("FILE");
+  command
+      ->add_option("--rig", options->rig,
+                   "Rig file to start from (default: FILE of --output, or the source's)")
+      ->type_name("FILE");
+  command
+      ->add_option("--frame-rate", options->frame_rate,
+                   "Frame rate of the cameras: replaces the time stamps of videos and of a folder; needed "
+                   "for raw streams (.h264)")
+      ->check(CLI::Range(0.5, 1000.0))
+      ->type_name("HZ");
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->footer(
+      "Record a drive of a minute or more, with curves, by daylight. Landmarks in a mask are never used.\n"
+      "The masks can be painted over: black is not used.\n"
+      "Examples:\n"
+      "  cartvo calibrate mask recordings/first --rig rig.yaml --output rig.yaml\n"
+      "  cartvo calibrate mask left.mp4 right.mp4");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

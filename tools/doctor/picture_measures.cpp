@@ -1,0 +1,53 @@
+// Light and sharpness of a picture.
+#include "tools/doctor/picture_measures.hpp"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace cartvo::doctor {
+namespace {
+
+constexpr double kBlurred = 0.25;   // ratio of squared gradients of a very blurred picture to its half's
+constexpr double kMinSquare = 2.0;  // square of grey values per px, mean; less is noise
+constexpr double kBlackGrey = 8.0, kWhiteGrey = 247.0;  // video's limited range reaches neither 0 nor 255
+
+/// Mean squared gradient, (grey values per px)^2.
+double meanSquaredGradient(const cv::Mat& picture, const cv::Mat& used) {
+  cv::Mat x, y;
+  cv::Sobel(picture, x, CV_32F, 1, 0, 1, 0.5);
+  cv::Sobel(picture, y, CV_32F, 0, 1, 1, 0.5);
+  const cv::Mat squares = x.mul(x) + y.mul(y);
+  return cv::mean(squares, used)[0];
+}
+
+double shareOf(const cv::Mat& part, const cv::Mat& used) {
+  return cv::mean(part, used)[0] / 255.0;
+}
+
+}  // namespace
+
+std::optional<double> sharpnessOf(const cv::Mat& picture, const cv::Mat& used) {
+  cv::Mat half, half_used;
+  cv::pyrDown(picture, half);
+  if (!used.empty()) cv::resize(used, half_used, half.size(), 0.0, 0.0, cv::INTER_NEAREST);
+  const double coarse = meanSquaredGradient(half, half_used);
+  if (coarse < kMinSquare) return std::nullopt;
+  return meanSquaredGradient(picture, used) / coarse;
+}
+
+double excessSharpness(double sharpness) {
+  constexpr double kLeast = 0.01;
+  return std::max(sharpness - kBlurred, kLeast);
+}
+
+PictureMeasures measurePicture(const cv::Mat& picture, const cv::Mat& used) {
+  PictureMeasures measures;
+  measures.mean = cv::mean(picture, used)[0];
+  measures.black = shareOf(picture <= kBlackGrey, used);
+  measures.saturated = shareOf(picture >= kWhiteGrey, used);
+  measures.sharpness = sharpnessOf(picture, used);
+  return measures;
+}
+
+}  // namespace cartvo::doctor

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <optional>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "capture/pair_synchroniser.hpp"
+#include "daemon/service/configuration.hpp"
+#include "tools/doctor/cameras/stream_measurement.hpp"
+
+namespace cartvo::doctor {
+
+/// Which streams are opened, and for how long they are measured.
+struct ProbeSettings {
+  std::array<bool, 2> cameras{true, true};  ///< left, right
+  double seconds = 10.0;                    ///< s, from the first picture of each camera
+  cv::Size size;                            ///< px, of the rig; empty: unknown
+};
+
+/// What was received of both cameras.
+struct Probe {
+  std::array<StreamMeasurement, 2> streams;  ///< left, right
+  std::vector<capture::FramePair> pairs;     ///< the last ones, consecutive; at most 40, or 200 MB
+};
+
+/// Receives both cameras' streams at the same time, each once, as cartvod does. A camera that gives no
+/// picture within the configured time-outs is given up. Ends within about a second once `interrupted` is
+/// true.
+Probe probeStreams(const daemon::Configuration& configuration, const ProbeSettings& settings,
+                   const std::atomic<bool>& interrupted);
+
+}  // namespace cartvo::doctor

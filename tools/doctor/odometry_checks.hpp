@@ -1,0 +1,27 @@
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "capture/pair_synchroniser.hpp"
+#include "daemon/pipeline/shutters.hpp"
+#include "tools/doctor/finding_list.hpp"
+#include "vo_core/odometry_settings.hpp"
+
+namespace cartvo::doctor {
+
+/// What the odometry computes with.
+struct OdometrySetup {
+  calib::Rig rig;
+  vo::OdometrySettings settings;
+  int threads = 2;
+  daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
+};
+
+/// Processes consecutive pairs as cartvod does, and compares the time that takes with the frame period; also
+/// checks whether the motion is valid at the end.
+void checkProcessing(const std::vector<capture::FramePair>& pairs, const OdometrySetup& setup,
+                     const std::atomic<bool>& interrupted, FindingList& findings);
+
+}  // namespace cartvo::doctor

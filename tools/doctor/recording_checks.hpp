@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "capture/camera_side.hpp"
+#include "capture/pair_synchroniser.hpp"
+#include "daemon/pipeline/shutters.hpp"
+#include "daemon/service/configuration.hpp"
+#include "tools/doctor/cameras/stream_measurement.hpp"
+#include "tools/doctor/finding_list.hpp"
+
+// Checks of a recording or sequence on disk.
+
+namespace cartvo::doctor {
+
+/// Checks the description of a recording and its completeness. The configuration that it contains, if any.
+std::optional<daemon::Configuration> checkRecording(const std::filesystem::path& folder,
+                                                    FindingList& findings);
+
+/// Measures one camera's stream from the first `seconds` of a recording.
+StreamMeasurement measureRecording(const std::filesystem::path& folder, capture::CameraSide side,
+                                   double seconds, const std::atomic<bool>& interrupted);
+
+/// What is read of a source.
+struct SourceContent {
+  std::optional<calib::Rig> rig;
+  std::vector<capture::FramePair> pairs;  ///< the first ones, consecutive, see keptPairCapacity
+  daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
+};
+
+/// Opens a source and finds its rig; faults are findings.
+SourceContent readSource(const std::filesystem::path& folder, const std::atomic<bool>& interrupted,
+                         FindingList& findings);
+
+}  // namespace cartvo::doctor

@@ -59,7 +59,7 @@ bool hasChanged(const cv::Mat& before, const cv::Mat& now) {
       const cv::Point from(column * now.cols / kBlockColumns, row * now.rows / kBlockRows);
       const cv::Point to((column + 1) * now.cols / kBlockColumns, (row + 1) * now.rows / kBlockRows);
       const cv::Mat a = before(cv::Rect(from, to)), b = now(cv::Rect(from, to));
-      const double squares = std::sqrt(a.dot(a) * b.dot(b));
+      const double squares = std::max(a.dot(a), b.dot(b));  // of the sharper one: the other may be blank
       if (squares < kTexturedMean * kTexturedMean * static_cast<double>(b.total())) continue;
       correlations.push_back(a.dot(b) / squares);
     }

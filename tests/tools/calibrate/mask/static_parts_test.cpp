@@ -84,6 +84,18 @@ TEST(StaticParts, IgnorePicturesOfAStandstill) {
   EXPECT_GT(overlap(finder.result(), partsOf(kBonnet)), 0.8);
 }
 
+TEST(StaticParts, AreFoundAfterABlankBeginning) {
+  Drive drive;
+  drive.showBonnet();
+  StaticPartFinder finder;
+  for (int i = 0; i < 10; ++i)
+    finder.add(cv::Mat(kSize, CV_8UC1, cv::Scalar(0)), i * kPeriod_ns);
+  for (int i = 10; i < 50; ++i)
+    finder.add(drive.next(), i * kPeriod_ns);
+  EXPECT_EQ(finder.pictures(), 41U);
+  EXPECT_GT(overlap(finder.result(), partsOf(kBonnet)), 0.8);
+}
+
 TEST(StaticParts, NeedACartThatDrives) {
   Drive drive;
   StaticPartFinder finder;

@@ -9,6 +9,8 @@
 
 #include <sys/stat.h>
 
+#include "common/core_dump.hpp"
+
 namespace cartvo::capture {
 namespace {
 
@@ -29,6 +31,7 @@ std::string readPasswordFile(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() +
                              ": other users have access to this password; run: chmod o= " + file.string());
   }
+  disableCoreDumps();
   std::ifstream stream(file);
   if (!stream) {
     throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) +

@@ -150,7 +150,8 @@ std::vector<StrictYaml> StrictYaml::items(std::size_t max, const std::string& ex
 }
 
 std::string StrictYaml::text() const {
-  if (!node_.IsScalar()) failExpecting("text");
+  if (!node_.IsScalar())  // without its items: one may be a password
+    fail("expected text, found " + std::string(node_.IsSequence() ? "a sequence" : "a map"));
   if (!isPrintable(node_.Scalar())) fail("expected text of printable characters in UTF-8; it holds others");
   return node_.Scalar();
 }

@@ -47,6 +47,8 @@ class Authenticator {
 
   /// Whether a challenge was accepted.
   bool isReady() const { return challenge_.has_value(); }
+  /// Whether the accepted challenge is answered by the readable password.
+  bool sendsPassword() const { return challenge_ && challenge_->scheme == Challenge::Scheme::basic; }
   /// The accepted challenge's nonce; empty for Basic.
   const std::string& nonce() const { return challenge_->nonce; }
 

@@ -120,6 +120,7 @@ void RtspClient::acceptChallenge(const RtspHead& head) {
   std::string offered;
   switch (authenticator_.accept(challenges, offered)) {
     case Authenticator::Outcome::accepted:
+      if (authenticator_.sendsPassword()) socket_.stopQuoting();
       break;
     case Authenticator::Outcome::basic_only:
       throw refused(
@@ -163,8 +164,10 @@ std::string RtspClient::redirected(const RtspHead& head) const {
   } catch (const std::invalid_argument&) {
     why = "which is no RTSP URL";
   }
-  throw RtspError(RtspError::Kind::unreachable, camera() + " redirects (" + statusText(head) + ") to '" +
-                                                    quotedForMessage(location) + "', " + why);
+  std::string target = "an address";
+  if (socket_.quotes()) target = std::string("'").append(quotedForMessage(location)).append("'");
+  throw RtspError(RtspError::Kind::unreachable,
+                  camera() + " redirects (" + statusText(head) + ") to " + target + ", " + why);
 }
 
 RtspError RtspClient::closedError(std::string_view method, const RtspInput& input) const {

@@ -40,14 +40,6 @@ std::optional<std::size_t> headSize(std::string_view text) {
   return std::nullopt;
 }
 
-/// What a server that does not speak RTSP has sent.
-std::string notRtspText(std::string_view text) {
-  const std::string line = quotedForMessage(text.substr(0, text.find('\n')));
-  if (text.starts_with("HTTP/"))
-    return "answered by HTTP (" + line + "): this is a web server's port; cameras speak RTSP on port 554";
-  return "sent what is not RTSP: '" + line + "'";
-}
-
 }  // namespace
 
 RtspSocket::~RtspSocket() {
@@ -186,14 +178,23 @@ std::optional<RtspInput> RtspSocket::parseBuffered() {
     return input;
   }
   if (may_be_rtsp && size < kMaxRtspHead) return std::nullopt;
-  if (!may_be_rtsp || !text.starts_with("RTSP/")) return invalid(notRtspText(text));
+  if (!may_be_rtsp || !text.starts_with("RTSP/")) return notRtsp(text);
   return invalid("sent more than " + std::to_string(kMaxRtspHead) + " bytes of headers");
+}
+
+/// For a server that does not speak RTSP: what it has sent.
+RtspInput RtspSocket::notRtsp(std::string_view text) const {
+  const std::string line = quotes_ ? quotedForMessage(text.substr(0, text.find('\n'))) : "...";
+  if (text.starts_with("HTTP/"))
+    return invalid("answered by HTTP (" + line +
+                   "): this is a web server's port; cameras speak RTSP on port 554");
+  return invalid("sent what is not RTSP: '" + line + "'");
 }
 
 /// Parses a message whose head is complete; Kind::nothing while its body is not.
 RtspInput RtspSocket::parseMessage(std::string_view text, std::size_t head_size) {
   std::optional<RtspHead> head = parseRtspHead(text.substr(0, head_size));
-  if (!head) return invalid(notRtspText(text));
+  if (!head) return notRtsp(text);
   const std::size_t body_size = head->number("content-length").value_or(0);
   if (body_size > kMaxRtspBody) {
     return invalid("announces an answer of " + std::to_string(body_size) + " bytes; at most " +
@@ -204,6 +205,7 @@ RtspInput RtspSocket::parseMessage(std::string_view text, std::size_t head_size)
   RtspInput input;
   input.kind = RtspInput::Kind::message;
   input.head = std::move(*head);
+  if (!quotes_) input.head.reason.clear();
   input.body = text.substr(head_size, body_size);
   return input;
 }

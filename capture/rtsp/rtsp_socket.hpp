@@ -53,17 +53,24 @@ class RtspSocket {
   /// soon as one of them is readable.
   RtspInput receive(Clock::time_point deadline, std::span<const int> wake = {});
 
+  /// From now on no text of the server gets into reasons: it has received a readable password, which its
+  /// answers may repeat.
+  void stopQuoting() { quotes_ = false; }
+  bool quotes() const { return quotes_; }
+
   /// Address of the server, if connected.
   const sockaddr_storage& peer() const { return peer_; }
 
  private:
   std::optional<RtspInput> parseBuffered();
   RtspInput parseMessage(std::string_view text, std::size_t head_size);
+  RtspInput notRtsp(std::string_view text) const;
   std::optional<RtspInput> fill();
   bool wait(int events, Clock::time_point deadline, std::span<const int> wake) const;
   void close();
 
   const std::atomic<bool>& interrupted_;
+  bool quotes_ = true;
   int descriptor_ = -1;
   sockaddr_storage peer_{};
   std::vector<std::uint8_t> buffer_;

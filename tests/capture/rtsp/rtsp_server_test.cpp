@@ -75,6 +75,25 @@ TEST(RtspServer, GetsNoPasswordByBasicUnlessAllowed) {
   EXPECT_THAT(meet(challenge, true).requests, HasSubstr("Authorization: Basic YWRtaW46aHVudGVyMg=="));
 }
 
+TEST(RtspServer, IsNotQuotedAfterItGotTheReadablePassword) {
+  const char* const kEncoded = "YWRtaW46aHVudGVyMg==";
+  const auto repeating = [&](const std::string& status, const std::string& location) {
+    return meet(
+        [&](const std::string& request) {
+          if (!request.starts_with("DESCRIBE")) return std::string();
+          if (request.find("Authorization") != std::string::npos) return answer(request, status, location);
+          return answer(request, "401 Unauthorized", "WWW-Authenticate: Basic realm=\"x\"\r\n");
+        },
+        true);
+  };
+  const std::string repeated(kEncoded);
+  const Meeting failed = repeating("451 Basic " + repeated, "");
+  EXPECT_THAT(failed.error, HasSubstr("answered DESCRIBE with 451;"));
+  const Meeting redirected = repeating("302 " + repeated, "Location: rtsp://192.0.2.9/" + repeated + "\r\n");
+  EXPECT_THAT(redirected.error, HasSubstr("redirects (302) to an address, which is another server"));
+  EXPECT_THAT(failed.error + redirected.error, Not(HasSubstr(kEncoded)));
+}
+
 TEST(RtspServer, CannotTurnDigestIntoBasic) {
   int count = 0;
   const Meeting meeting = meet([&](const std::string& request) {

@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t kMaxKept = 1000;  // messages; several seconds at any frame rate
 constexpr int kPoll_ms = 200;
+// Another daemon sends at least every 0.5 s, whether its cameras send or not.
+constexpr std::chrono::milliseconds kListening{550};
+constexpr std::chrono::milliseconds kMaxTest{1000};  // by then LCM's test is over, unless nothing comes back
+using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
@@ -23,13 +27,16 @@ struct ForeignOdometry::Receiver {
 
   std::atomic<bool> stopped = false;
   std::atomic<bool> tested = false;  ///< LCM's test is over
-  std::mutex mutex;                  ///< guards the following
+  std::atomic<Clock::time_point> receiving_since{};
+  std::mutex mutex;  ///< guards the following
   std::vector<Identity> received;
   std::size_t undecodable = 0;
 };
 
 ForeignOdometry::ForeignOdometry(const std::string& url)
-    : receiver_(std::make_shared<Receiver>()), thread_([receiver = receiver_, url] { receiver->run(url); }) {}
+    : begin_(Clock::now()),
+      receiver_(std::make_shared<Receiver>()),
+      thread_([receiver = receiver_, url] { receiver->run(url); }) {}
 
 ForeignOdometry::~ForeignOdometry() {
   receiver_->stopped = true;
@@ -43,6 +50,12 @@ ForeignOdometry::~ForeignOdometry() {
 void ForeignOdometry::addOwn(const odometry_t& message) {
   own_.emplace_back(message.sequence, message.publication_utime);
   if (own_.size() > kMaxKept) own_.pop_front();
+}
+
+bool ForeignOdometry::hasListened() const {
+  const Clock::time_point now = Clock::now();
+  if (!receiver_->tested) return now - begin_ > kMaxTest;
+  return now - receiver_->receiving_since.load() > kListening;
 }
 
 std::string ForeignOdometry::consumeProblem() {
@@ -74,6 +87,7 @@ void ForeignOdometry::Receiver::run(const std::string& url) {
   lcm.subscribe(kOdometryChannel, &Receiver::onData, this);
   // Without a descriptor, as after a test that failed, LCM's handleTimeout aborts the process.
   const bool receives = !stopped && lcm.getFileno() >= 0;
+  receiving_since = Clock::now();
   tested = true;
   while (receives && !stopped) {
     if (lcm.handleTimeout(kPoll_ms) < 0) return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -31,6 +32,9 @@ class ForeignOdometry {
   /// Notes a message of this daemon. Called for each, before the next `consumeProblem`.
   void addOwn(const odometry_t& message);
 
+  /// Whether another daemon would have been received by now. Before that, this daemon should not publish.
+  bool hasListened() const;
+
   /// Which foreign messages came since the last call, as text for the operator; empty: none.
   std::string consumeProblem();
 
@@ -38,6 +42,7 @@ class ForeignOdometry {
   using Identity = std::pair<std::int64_t, std::int64_t>;  ///< sequence, publication_utime
   struct Receiver;
 
+  std::chrono::steady_clock::time_point begin_;
   std::deque<Identity> own_;  ///< the last ones
   std::shared_ptr<Receiver> receiver_;
   std::thread thread_;

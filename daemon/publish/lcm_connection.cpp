@@ -109,6 +109,11 @@ void checkLcmUrl(const std::string& url) {
   parseGroupUrl(url);
 }
 
+std::string multicastGroup(const std::string& url) {
+  const GroupUrl group = parseGroupUrl(url);
+  return group.address + ":" + std::to_string(group.port);
+}
+
 MulticastRoute findMulticastRoute(const std::string& url) {
   const GroupUrl group = parseGroupUrl(url);
   MulticastRoute route{group.address, "", false, group.ttl};

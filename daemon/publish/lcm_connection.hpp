@@ -26,6 +26,9 @@ struct MulticastRoute {
 /// multicast GROUP.
 void checkLcmUrl(const std::string& url);
 
+/// GROUP:PORT of an LCM URL. Throws as checkLcmUrl.
+std::string multicastGroup(const std::string& url);
+
 /// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not
 /// udpm://GROUP:PORT[?ttl=N...].
 MulticastRoute findMulticastRoute(const std::string& url);

@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <new>
 #include <optional>
 #include <string>
 #include <thread>
@@ -131,6 +132,9 @@ int run(const CommandLine& command_line) {
     const std::jthread signal_watch(
         [&](const std::stop_token& end) { watchSignals(end, signals, daemon, reload_configuration); });
     daemon.run();
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory: see MemoryMax of the service, and which program uses the memory");
+    return kFailed;
   } catch (const std::exception& error) {
     spdlog::error(error.what());
     return kFailed;

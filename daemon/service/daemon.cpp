@@ -31,6 +31,7 @@
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/publish/channel_reservation.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
@@ -84,6 +85,7 @@ class Daemon::Implementation {
  private:
   void startRecording();
   std::string recordingProblem();
+  bool mayPublish();
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
   void tick();
@@ -95,7 +97,10 @@ class Daemon::Implementation {
   std::mutex reload_mutex_;
   std::optional<Configuration> reloaded_;  ///< not applied yet
   calib::Rig rig_;
+  ChannelReservation reservation_;
   std::unique_ptr<lcm::LCM> lcm_;
+  ForeignOdometry foreign_;
+  bool is_sole_publisher_ = false;
   std::unique_ptr<capture::StreamRecorder> recorder_;  ///< must outlive the cameras that feed it
   std::string recording_refused_;                      ///< why recording could not start
   std::string recording_error_;                        ///< as of the last health message, as are the next two
@@ -108,7 +113,6 @@ class Daemon::Implementation {
   Pipeline pipeline_;
   OdometryPublisher publisher_;
   PosePublisher pose_publisher_;
-  ForeignOdometry foreign_;
   HealthMonitor health_;
   std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured
   ServiceManager service_;
@@ -123,7 +127,9 @@ class Daemon::Implementation {
 Daemon::Implementation::Implementation(const Configuration& configuration)
     : configuration_(configuration),
       rig_(readConfiguredRig(configuration)),
+      reservation_(configuration.lcm_url),
       lcm_(connectLcm(configuration.lcm_url)),
+      foreign_(configuration.lcm_url),
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
@@ -132,7 +138,6 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       publisher_(*lcm_, configuration.time_to_live),
       pose_publisher_(*lcm_, configuration.pose_channel, configuration.pose_velocity),
-      foreign_(configuration.lcm_url),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
   cv::setNumThreads(configuration.threads);
@@ -199,7 +204,18 @@ void Daemon::Implementation::run() {
   spdlog::info("stopped after {} pairs, {} of them skipped to stay current", counts.pairs, counts.skipped);
 }
 
+/// False as long as another publisher may not have been received yet. Throws std::runtime_error if there is
+/// one. Meanwhile the cameras connect.
+bool Daemon::Implementation::mayPublish() {
+  if (is_sole_publisher_) return true;
+  if (const std::string problem = foreign_.consumeProblem(); !problem.empty())
+    throw std::runtime_error("not started: " + problem);
+  is_sole_publisher_ = foreign_.hasListened();
+  return is_sole_publisher_;
+}
+
 void Daemon::Implementation::onPair(const PairResult& result) {
+  if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(result);
   pose_publisher_.publish(message);
   foreign_.addOwn(message);
@@ -211,6 +227,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
 }
 
 void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
+  if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(no_pair);
   foreign_.addOwn(message);
   health_.addMissedPair();

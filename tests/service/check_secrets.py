@@ -288,7 +288,7 @@ wrong_files = []  # that hold the canary themselves
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    with tempfile.TemporaryDirectory(prefix="cartvo-secrets-") as name:
+    with tempfile.TemporaryDirectory(prefix="cartvo-secrets-", ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         check = Check(*map(os.path.abspath, sys.argv[1:3]), folder)
         check.check_the_search()

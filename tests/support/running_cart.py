@@ -40,7 +40,7 @@ class Listener:
     """Receives the datagrams of an LCM group in a thread; decodes CARTVO_ODOMETRY (daemon/messages/odometry_t.lcm)."""
 
     def __init__(self, port=PORT):
-        self.messages, self.datagrams = [], []
+        self.messages, self.datagrams, self.last_odometry = [], [], b""
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
@@ -58,6 +58,7 @@ class Listener:
             if channel != b"CARTVO_ODOMETRY":
                 self.datagrams.append(data)
                 continue
+            self.last_odometry = data
             values = struct.unpack_from(">8xqqqqqqbii3d4d36d3d3d36d", body)
             self.messages.append({
                 "received": time.time(), "utime": values[0], "published": values[2], "sequence": values[4],
@@ -117,7 +118,7 @@ class Cameras:
     def start(self):
         with open(self.log, "w") as log:
             self.process = start(self.command, stdout=log, stderr=subprocess.STDOUT)
-        await_(lambda: "\nready: " in "\n" + self.log.read_text() or self.process.poll() is not None, "cameras", 300)
+        await_(lambda: "\ncontent: " in self.log.read_text() or self.process.poll() is not None, "cameras", 300)
         assert self.process.poll() is None, self.log.read_text()
 
     def stop(self):

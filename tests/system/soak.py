@@ -1,8 +1,8 @@
 """Soak test of cartvod: two simulated cameras, faults between them and the daemon, and the truth. Run by soak.sh."""
 
 import argparse
-import bisect
 import os
+import pathlib
 import random
 import signal
 import socket
@@ -13,13 +13,13 @@ import tempfile
 import threading
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from drive_truth import Truth, wrong_velocities  # noqa: E402
+from running_cart import Listener  # noqa: E402
+
 BUILD = os.environ["CARTVO_BUILD"]
 FRAME_RATE = 18.0
 CONTENT_S = 60.0
-# A VALID velocity is wrong if it differs from the truth by more than this and by more than six standard deviations.
-TOLERANCE = 0.10  # m/s: the truth's differences, and 20 ms of utime at 3 m/s^2
-DEVIATIONS = 6.0
-LOOP_MARGIN_S = 1.5  # around the jump from the content's end to its beginning, where there is no motion to measure
 
 
 class Faults:
@@ -179,64 +179,6 @@ class Proxy:
                 pass
 
 
-class Listener:
-    """Reads CARTVO_ODOMETRY off the wire (daemon/messages/odometry_t.lcm) on a thread."""
-
-    def __init__(self):
-        self.messages = []
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
-        self.socket.bind(("", 7667))
-        group = socket.inet_aton("239.255.76.67") + socket.inet_aton("127.0.0.1")
-        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
-        threading.Thread(target=self.listen, daemon=True).start()
-
-    def listen(self):
-        while True:
-            data = self.socket.recv(65536)
-            if data[:4] != b"LC02":
-                continue
-            channel, body = data[8:].split(b"\0", 1)
-            if channel != b"CARTVO_ODOMETRY":
-                continue
-            values = struct.unpack_from(">8xqqqqqqbii3d4d36d3d3d36d", body)
-            self.messages.append({
-                "received": time.time(), "utime": values[0], "sequence": values[4], "valid": values[6] == 1,
-                "reasons": values[7], "velocity": values[52:55], "rates": values[55:58],
-                "deviation": max(values[58], values[65], values[72], 0.0) ** 0.5})
-
-
-class Truth:
-    """Velocity of the body, in its axes, at an instant; the content repeats."""
-
-    def __init__(self, file):
-        rows = [list(map(float, line.split())) for line in open(file) if not line.startswith("#")]
-        self.begin, self.period = rows[0][0], CONTENT_S
-        self.times, self.velocities = [], []
-        for before, now, after in zip(rows, rows[1:], rows[2:]):
-            x, y, z, w = now[4:8]
-            d = [(b - a) / (after[0] - before[0]) for a, b in zip(before[1:4], after[1:4])]
-            # d in body axes: the rotation's inverse.
-            tx, ty, tz = (2 * (-y * d[2] + z * d[1]), 2 * (-z * d[0] + x * d[2]), 2 * (-x * d[1] + y * d[0]))
-            self.velocities.append((d[0] + w * tx - y * tz + z * ty, d[1] + w * ty - z * tx + x * tz,
-                                    d[2] + w * tz - x * ty + y * tx))
-            self.times.append(now[0] - self.begin)
-
-    def at(self, instant):
-        """The velocity, or None where there is none."""
-        phase = instant - self.begin
-        if phase > self.period:
-            phase %= self.period
-        if not LOOP_MARGIN_S < phase < self.period - LOOP_MARGIN_S:
-            return None
-        i = bisect.bisect(self.times, phase)
-        if i == 0 or i >= len(self.times):
-            return None
-        share = (phase - self.times[i - 1]) / (self.times[i] - self.times[i - 1])
-        return [a + share * (b - a) for a, b in zip(self.velocities[i - 1], self.velocities[i])]
-
-
 def faults(rng):
     """A fault for one camera: its name and what sets it."""
     def set_(**values):
@@ -296,21 +238,6 @@ def resident_mb(pid):
         return next(int(line.split()[1]) / 1024 for line in file if line.startswith("VmRSS"))
 
 
-def wrong_velocities(messages, truth):
-    """VALID messages whose velocity is not the truth's, and the number of those that were compared."""
-    wrong, compared = [], 0
-    for message in messages:
-        true = truth.at(message["utime"] * 1e-6) if message["valid"] else None
-        if true is None:
-            continue
-        compared += 1
-        error = sum((a - b) ** 2 for a, b in zip(message["velocity"], true)) ** 0.5
-        late = message["utime"] * 1e-6 > message["received"]
-        if late or not error <= max(TOLERANCE, DEVIATIONS * message["deviation"]):
-            wrong.append((message, true, error))
-    return wrong, compared
-
-
 def main():
     parser = argparse.ArgumentParser(prog="tests/system/soak.sh", description=__doc__)
     parser.add_argument("--seconds", type=float, default=3600.0, help="duration (default: an hour)")
@@ -327,7 +254,7 @@ def main():
     begin = time.time()
     time.sleep(8.0)
     memory, count, stops = resident_mb(daemon.pid), 0, 0
-    truth = Truth(folder + "/sim/truth.tum")
+    truth = Truth(folder + "/sim/truth.tum", CONTENT_S)
     while time.time() < begin + options.seconds and daemon.poll() is None:
         time.sleep(rng.uniform(1.0, 12.0))
         count += 1

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# tests/system/boot_vm.sh [WORK-FOLDER]: checks the installed service under a real systemd. Creates a Debian 12 disk image
-# with the release build installed, boots it in QEMU (no KVM needed) and runs tests/system/in_vm.sh in it. Prints its PASS
-# and FAIL lines, and exits with 0 only if all checks passed. CARTVO_VM_CHECKS=v4l2, netem or "v4l2 netem" runs only the
-# checks of V4L2 cameras or of bad links, in a third of the time each. See tests/system/README.md.
+# tests/system/boot_vm.sh [WORK-FOLDER]: checks the installed package under a real systemd. Creates a Debian 12 disk image
+# with the package of tools/package installed, boots it in QEMU (no KVM needed) and runs tests/system/in_vm.sh in it. Prints
+# its PASS and FAIL lines, and exits with 0 only if all checks passed. CARTVO_VM_DEB=FILE installs a package that exists
+# already. CARTVO_VM_CHECKS runs only some checks, such as "v4l2 netem" of: package service v4l2 netem. See
+# tests/system/README.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 work=${1:-/var/tmp/cartvo-vm}
@@ -21,36 +22,40 @@ for program in debootstrap qemu-system-x86_64 mke2fs; do
 done
 [ "$(id -u)" -eq 0 ] || { echo "boot_vm.sh: creating a disk image of Debian needs root" >&2; exit 2; }
 
-build_programs() {
+build_programs() { # the package, and what the checks need beside it
   tools/setup
   cmake --preset release >"$work/build.log"
-  cmake --build --preset release --target cartvod --target cartvo --target cartvo_capture_link_tests >>"$work/build.log"
+  cmake --build --preset release --target cartvo --target cartvo_capture_link_tests >>"$work/build.log"
+  [ -n "${CARTVO_VM_DEB:-}" ] || tools/package "$work/package" >>"$work/build.log"
+  package=${CARTVO_VM_DEB:-$(echo "$work"/package/cartvo_*.deb)}
 }
 
-packages_of() { # the Debian packages that own the shared libraries of the programs
-  ldd "$@" | awk '/=> \//{print $3}' | xargs -n1 realpath | sort -u | xargs dpkg-query -S 2>/dev/null | cut -d: -f1 | sort -u
-}
-
-make_debian() { # once: the packages of a cart, and those of the simulated cameras
+make_debian() { # once: a small Debian, and the plugins of the simulated cameras
   [ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" >"$work/debootstrap.log"
   [ ! -e "$root/made-for-cartvo" ] || return 0
   cp /etc/resolv.conf "$root/etc/resolv.conf"
-  mapfile -t libraries < <(packages_of build/release/daemon/cartvod build/release/tools/cartvo/cartvo)
   chroot "$root" apt-get update -qq
   chroot "$root" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends systemd systemd-sysv \
-    dbus udev kmod iproute2 initramfs-tools linux-image-amd64 v4l-utils gstreamer1.0-plugins-{base,good,bad} "${libraries[@]}" \
+    dbus udev kmod iproute2 initramfs-tools linux-image-amd64 v4l-utils gstreamer1.0-plugins-{base,good,bad} \
     >"$work/apt.log" 2>&1
-  chroot "$root" apt-get clean
   touch "$root/made-for-cartvo"
 }
 
-install_cartvo() { # as in the README; removes the previous installation
-  rm -rf "$root/etc/cartvo" "$root"/usr/lib/systemd/system/cartvo*
-  DESTDIR=$root cmake --install build/release --prefix /usr >"$work/install.log"
+install_cartvo() { # as in the README; the previous installation is purged
+  cp /etc/resolv.conf "$root/etc/resolv.conf"
+  rm -rf "$root/etc/cartvo" "$root/usr/bin/cartvo" "$root/usr/bin/cartvod"
+  cp "$package" "$root/cartvo.deb"
+  {
+    chroot "$root" env CARTVO_PURGE_DATA=yes dpkg --purge cartvo
+    chroot "$root" apt-get update -qq
+    chroot "$root" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends --allow-downgrades /cartvo.deb
+    chroot "$root" apt-get clean
+  } >"$work/install.log" 2>&1
+  rm "$root/cartvo.deb"
 }
 
 install_check() {
-  install -m 755 tests/system/in_vm.sh "$root/usr/local/bin/in_vm.sh"
+  install -m 755 tests/system/in_vm.sh tests/system/in_vm_package.sh "$root/usr/local/bin/"
   install -m 755 build/release/tests/capture/cartvo_capture_link_tests "$root/usr/local/bin/cartvo_capture_link_tests"
   install -m 644 tests/system/in-vm.service "$root/etc/systemd/system/in-vm.service"
   ln -sf ../in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"

@@ -1,0 +1,145 @@
+# Checks of the installed package, its network files, its web pages, and of passwords and disks, for in_vm.sh, which sources it.
+# shellcheck shell=bash disable=SC2154  # in_vm.sh sets the places and has the helpers
+
+# --- the package
+
+is_installed_but_off() { # as apt install leaves it
+  [ "$(dpkg-query -W -f "\${db:Status-Status}" cartvo)" = installed ] && ! dpkg --verify cartvo | grep -v ' c /etc/' &&
+    ! systemctl -q is-enabled cartvod && ! systemctl -q is-active cartvod
+}
+has_its_user() {
+  local id
+  id=$(id -u cartvo) && [ "$id" -gt 0 ] && [ "$id" -lt 1000 ] && grep -q '^cartvo:.*:/usr/sbin/nologin$' /etc/passwd
+}
+refuses_to_start_unconfigured() { # the configuration as delivered lacks the rig
+  local code=0
+  cartvod --config "$configuration" --check-config >"$state/unconfigured" 2>&1 || code=$?
+  [ $code -eq 2 ] && grep -q 'not calibrated yet' "$state/unconfigured"
+}
+
+# --- the ports of the cameras, by the example files
+
+has_address() { ip -4 -o addr show dev "$1" | grep -q " $2 "; }
+brings_up_the_ports() { # two ports, one of them without a camera
+  ip link add enp2s0 type veth peer name camera && ip link set camera up && ip link add enp3s0 type veth peer name absent || return 1
+  cp /usr/share/cartvo/network/*.network /etc/systemd/network/
+  systemctl start systemd-networkd
+  await 60 has_address enp2s0 192.168.101.1/24 && await 30 has_address enp3s0 192.168.102.1/24 &&
+    timeout 60 /lib/systemd/systemd-networkd-wait-online && [ -z "$(ip route show default)" ]
+}
+sets_the_buffers() {
+  cp /usr/share/cartvo/network/60-cartvo-buffers.conf /etc/sysctl.d/
+  systemctl restart systemd-sysctl && [ "$(cat /proc/sys/net/core/rmem_max)" = 4194304 ]
+}
+remove_the_ports() {
+  systemctl stop systemd-networkd.socket systemd-networkd
+  rm -f /etc/systemd/network/10-cartvo-*
+  ip link delete enp2s0
+  ip link delete enp3s0
+}
+package_checks() {
+  check "apt installed the package, and nothing runs" is_installed_but_off
+  check "the package created the service's user" has_its_user
+  check "without a calibration the configuration is refused" refuses_to_start_unconfigured
+  check "the example files bring up both ports, also without a camera" brings_up_the_ports
+  check "the example file sets the receive buffers" sets_the_buffers
+  remove_the_ports
+}
+
+# --- /metrics, /healthz, reload, doctor
+
+get() { # get PATH: status line and body
+  local line
+  exec 3<>/dev/tcp/127.0.0.1/9464 || return 1
+  printf 'GET %s HTTP/1.0\r\n\r\n' "$1" >&3
+  while IFS= read -r line <&3; do printf '%s\n' "$line"; done
+  exec 3>&-
+}
+serves_metrics() { get /metrics | grep -E '^cartvo_[a-z_]+(\{[^}]*\})? [0-9]' >/dev/null; }
+answers_health() { get /healthz | head -n 1 | grep " $1 " >/dev/null; }
+reloads() { # reload with an edited configuration
+  sed -i "$1" "$configuration"
+  systemctl reload cartvod
+}
+doctor_knows() { cartvo help 2>&1 | grep '^ *doctor ' >/dev/null; }
+doctor_is_content() { # 3: something to look at, such as the small pictures here
+  local code=0
+  timeout 120 cartvo doctor >"$state/doctor" 2>&1 || code=$?
+  sed 's/^/     | /' "$state/doctor"
+  [ $code -eq 0 ] || [ $code -eq 3 ]
+}
+running_checks() { # with valid odometry
+  check "/metrics has values" await 10 serves_metrics
+  check "/healthz is 200 with valid odometry" await 10 answers_health 200
+  mark
+  check "systemctl reload with another time to live" reloads 's|^  time_to_live: .*|  time_to_live: 0.4|'
+  check "and the change is in force" await 20 logged 'time_to_live'
+  cp "$configuration" "$state/before-the-error"
+  check "systemctl reload with an error" reloads '1i no_such_key: 1'
+  check "and the old configuration stays in force" await 20 logged 'the old one stays in force'
+  cp "$state/before-the-error" "$configuration"
+  check "odometry went on" is_active
+  if doctor_knows; then check "cartvo doctor finds nothing broken" doctor_is_content; fi
+}
+second_daemon_is_refused() {
+  local code=0
+  timeout 30 cartvod --config "$configuration" >"$state/second-daemon" 2>&1 || code=$?
+  [ $code -eq 1 ] && grep -q "another cartvod (process $(pid)) publishes CARTVO_ODOMETRY" "$state/second-daemon"
+}
+
+# --- times
+
+since_boot_ms() { local up; read -r up _ </proc/uptime; echo $((${up/./} * 10)); }
+measure_valid() { # measure_valid DESCRIPTION START-MS SECONDS: waits for the next valid odometry, and prints the time since START-MS
+  await "$3" logged '^odometry is valid' || return 1
+  local valid
+  valid=$(journal -o short-monotonic | sed -n 's/^\[ *\([0-9]*\)\.\([0-9]\{3\}\).*odometry is valid$/\1\2/p' | head -n 1)
+  echo "     | $1: valid after $((valid - $2)) ms (emulated processor)"
+}
+
+# --- a full disk
+
+use_a_small_disk() {
+  mkdir -p /var/lib/cartvo/full
+  mount -t tmpfs -o "size=200k,uid=$(id -u cartvo),mode=700" tmpfs /var/lib/cartvo/full
+  cp "$configuration" "$state/before-full-disk"
+  sed -i -e 's|^  # directory: /var/lib/cartvo/recordings|  directory: /var/lib/cartvo/full|' -e 's|^  keep_free: .*|  keep_free: 0|' "$configuration"
+  systemctl restart --no-block cartvod
+}
+full_disk_checks() {
+  mark
+  check "full disk: cartvod records onto a disk of 200 kB" use_a_small_disk
+  check "full disk: a message names it" await 120 logged 'recording stopped: .*No space left on device'
+  check "full disk: odometry continues" received 30 valid -ge 5
+  check "full disk: no restart" is NRestarts 0
+  systemctl stop cartvod
+  umount /var/lib/cartvo/full
+  cp "$state/before-full-disk" "$configuration"
+}
+
+# --- places where a password could leak
+
+leaks_of() { # leaks_of FILE: names the places where the password in FILE can be read
+  journalctl --no-pager -a -o export | grep -aFf "$1" >/dev/null && echo journal
+  systemctl show cartvod cartvo-multicast | grep -aFf "$1" >/dev/null && echo "properties of the units"
+  grep -alFf "$1" /proc/[0-9]*/cmdline /proc/[0-9]*/environ 2>/dev/null
+}
+finds_decoys() { # checks the search itself with decoys in plain sight
+  local decoy=decoy-$RANDOM$RANDOM found
+  echo "$decoy" >"$state/decoy"
+  DECOY=$decoy sleep 600 &
+  local with_environment=$!
+  bash -c 'sleep 600; :' "$decoy" &
+  local with_argument=$!
+  logger "$decoy"
+  await 10 sh -c "journalctl -n 50 -o cat | grep -qF '$decoy'"
+  found=$(leaks_of "$state/decoy")
+  kill $with_environment $with_argument
+  [[ $found == *journal* && $found == */proc/$with_environment/environ* && $found == */proc/$with_argument/cmdline* ]]
+}
+is_not_leaked() {
+  [ -s "$1" ] && [ "$(wc -c <"$1")" -ge 6 ] || return 1
+  local found
+  found=$(leaks_of "$1")
+  [ -z "$found" ] || { echo "     | password in: ${found//$'\n'/, }"; return 1; }
+}

@@ -41,15 +41,20 @@ class Drive:
         self.cartvo, self.cartvod, self.cache, self.folder = cartvo, cartvod, cache, folder
         self.listener = Listener()
         self.cameras = Cameras(cartvo, folder / "cameras", [*CONTENT, "--cache-dir", cache])
-        self.truths = [self.truth()]
+        self.drives = [[self.truth(), float("inf")]]  # with the time at which its cameras stopped
         self.daemons = []
 
     def truth(self):
         return Truth(self.cameras.folder / "truth.tum", CONTENT_S)
 
+    def stop_cameras(self):
+        self.cameras.stop()
+        self.drives[-1][1] = time.time()
+
     def restart_cameras(self):
+        """The drive begins anew."""
         self.cameras.start()
-        self.truths.append(self.truth())
+        self.drives.append([self.truth(), float("inf")])
 
     def configuration(self, urls=None):
         return (camera_section(urls or self.cameras.urls, self.cameras.password_file, TIMEOUTS) +
@@ -92,9 +97,7 @@ class Drive:
         for daemon in self.daemons:
             daemon.stop()
         self.cameras.stop()
-        # The drive began anew with the cameras.
-        for i, truth in enumerate(self.truths):
-            end = self.truths[i + 1].begin if i + 1 < len(self.truths) else float("inf")
+        for truth, end in self.drives:
             messages = [m for m in self.listener.messages if truth.begin <= m["utime"] * 1e-6 < end]
             wrong, compared = wrong_velocities(messages, truth)
             assert not wrong, f"{len(wrong)} of {compared} VALID messages are wrong: {wrong[:3]}"
@@ -110,7 +113,7 @@ def sequences_have_no_gap(messages):
 def stuck_stage(drive):
     """Each thread of cartvod is stopped in turn: VALID goes on without it, or the watchdog is fed no more."""
     manager = ServiceManager(drive.folder / "notify", WATCHDOG_S)
-    daemon = drive.start_valid(environment=manager.environment())
+    daemon = drive.start_valid(environment=manager.environment(), arguments=["--record", drive.folder / "recording"])
     starved = 0
     for thread in sorted(map(int, os.listdir(f"/proc/{daemon.process.pid}/task"))):
         begin = time.time()
@@ -135,7 +138,7 @@ def out_of_memory(drive):
     with open(f"/proc/{daemon.process.pid}/statm") as statm:
         size = int(statm.read().split()[0]) * os.sysconf("SC_PAGESIZE")
     subprocess.run(["prlimit", f"--pid={daemon.process.pid}", f"--as={size}"], check=True)
-    drive.cameras.stop()  # connecting again needs memory
+    drive.stop_cameras()  # connecting again needs memory
     drive.restart_cameras()
     code = daemon.wait()
     assert code == 1, f"exit code {code}: {daemon.text()}"
@@ -179,7 +182,7 @@ def cameras_gone(drive):
     """Both cameras go and come back: INVALID, then VALID, from the same process."""
     daemon = drive.start_valid()
     begin = time.time()
-    drive.cameras.stop()
+    drive.stop_cameras()
     seconds = drive.await_invalid(begin)
     assert seconds < INVALID_WITHIN_S, f"INVALID only after {seconds:.2f} s"
     assert not drive.listener.valid_since(begin + INVALID_WITHIN_S)

@@ -11,7 +11,7 @@ readonly configuration=/etc/cartvo/cartvod.yaml
 readonly simulation=/var/lib/simulation
 mkdir -p "$state"
 
-# shellcheck source=tests/system/in_vm_package.sh
+# shellcheck source=/dev/null
 source "$(dirname "$0")/in_vm_package.sh"
 
 # --- the report

@@ -187,7 +187,7 @@ def cameras_gone(drive):
     assert seconds < INVALID_WITHIN_S, f"INVALID only after {seconds:.2f} s"
     assert not drive.listener.valid_since(begin + INVALID_WITHIN_S)
     drive.restart_cameras()
-    drive.await_valid(time.time())
+    print(f"cameras_gone: INVALID after {seconds:.2f} s, VALID {drive.await_valid(time.time()):.1f} s after the cameras answer")
     assert daemon.process.poll() is None
     assert sequences_have_no_gap(drive.listener.messages)
 

@@ -29,7 +29,7 @@ from running_cart import Cameras, Daemon, Listener, ServiceManager, await_, came
 CANARY = "Kanarie7Fq2/Zx9&w:@ %\"<ö"
 CONTENT = ["--world", "turns", "--seconds", "3", "--size", "240x148", "--frame-rate", "6", "--bitrate-kbps", "400", "--readout-ms", "0",
            "--offset-ms", "0"]
-# Arguments beside --config of the commands that need some. All others that have --config run with nothing else.
+# Arguments beside the configuration of the commands that need some. All others run with nothing else.
 ARGUMENTS = {
     ("calibrate",): ["live", "--board", "chessboard:9x6:0.025", "--output", "out-rig.yaml", "--report", "report", "--page", "0"],
     ("calibrate", "readout"): ["live", "--seconds", "3", "--output", "out-readout.yaml"],
@@ -37,6 +37,7 @@ ARGUMENTS = {
     ("camera", "check"): ["--json", "--timeout", "0.5"],
     ("camera", "reboot"): ["--yes", "--timeout", "0.5"],
     ("camera", "show"): ["--timeout", "0.5"],
+    ("doctor",): ["--report", "report.html", "--seconds", "1"],
 }
 SHORT = "  answer_timeout: 0.3\n  connect_timeout: 0.5\n  stall_timeout: 0.5\n"
 COMMAND_S = 2.0  # after which a command that goes on is interrupted
@@ -88,7 +89,7 @@ class Search:
 
 def commands_with_configuration(program, chain=()):
     """The commands of cartvo that read cartvod's configuration, and so the passwords that it names."""
-    if "--config" in program.options(*chain):
+    if "cartvod's configuration file" in program.help(*chain):
         yield chain
     for command in sorted(program.subcommands(*chain)):
         yield from commands_with_configuration(program, (*chain, command))
@@ -101,8 +102,9 @@ class Check:
         self.password_file = folder / "password"
         with open(os.open(self.password_file, os.O_CREAT | os.O_WRONLY, 0o600), "w") as file:
             file.write(CANARY + "\n")
-        self.chains = list(commands_with_configuration(Program(pathlib.Path(cartvo))))
-        assert set(ARGUMENTS) <= set(self.chains), f"commands without --config: {set(ARGUMENTS) - set(self.chains)}"
+        self.program = Program(pathlib.Path(cartvo))
+        self.chains = list(commands_with_configuration(self.program))
+        assert set(ARGUMENTS) <= set(self.chains), f"commands without configuration: {set(ARGUMENTS) - set(self.chains)}"
         self.listener = Listener()
         self.rig = ""
 
@@ -118,7 +120,8 @@ class Check:
             folder = self.folder / name / "-".join(chain)
             folder.mkdir(parents=True)
             out = open(folder / "output", "wb")
-            process = start([self.cartvo, *chain, *ARGUMENTS.get(chain, []), "--config", configuration], cwd=folder,
+            option = ["--config"] if "--config" in self.program.options(*chain) else []  # else the first argument
+            process = start([self.cartvo, *chain, *ARGUMENTS.get(chain, []), *option, configuration], cwd=folder,
                             stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)
             running.append((chain, process))
             time.sleep(0.02)

@@ -1,14 +1,15 @@
 // All checks of `cartvo doctor`, one after the other.
 #include "tools/doctor/doctor.hpp"
 
-#include <algorithm>
 #include <array>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include "capture/recording/recording_folder.hpp"
+#include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/camera/camera_access.hpp"
 #include "tools/doctor/cameras/camera_checks.hpp"
@@ -19,22 +20,25 @@
 #include "tools/doctor/network/daemon_checks.hpp"
 #include "tools/doctor/network/lcm_checks.hpp"
 #include "tools/doctor/odometry_checks.hpp"
+#include "tools/doctor/picture_checks.hpp"
 #include "tools/doctor/recording_checks.hpp"
+#include "tools/doctor/time_clients.hpp"
 
 namespace cartvo::doctor {
 namespace {
 
 constexpr std::array<const char*, 2> kSides{"left", "right"};
 
-/// A few of the pairs, evenly spread.
-std::vector<PicturePair> somePictures(const std::vector<capture::FramePair>& pairs) {
-  constexpr std::size_t kMax = 5;
+/// Lowers the priority of this process, so that it takes no time from cartvod.
+void yieldToOthers() {
+  constexpr int kLowest = 19;
+  ::setpriority(PRIO_PROCESS, 0, kLowest);
+}
+
+std::vector<PicturePair> picturesOf(const std::vector<capture::FramePair>& pairs) {
   std::vector<PicturePair> pictures;
-  const std::size_t count = std::min(kMax, pairs.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const capture::FramePair& pair = pairs[i * pairs.size() / count];
+  for (const capture::FramePair& pair : pairs)
     pictures.push_back({pair.left.image, pair.right.image, pair.left.exposure_ns, pair.right.exposure_ns});
-  }
   return pictures;
 }
 
@@ -56,6 +60,7 @@ class Run {
 
  private:
   void examineFolder();
+  void examineRecordedStreams(const daemon::Configuration& configuration);
   void examineConfiguration();
   void examineComputer(const daemon::Configuration& configuration);
   LcmObservation examineLcm(const daemon::Configuration& configuration);
@@ -65,8 +70,8 @@ class Run {
                          const std::optional<health_t>& health, FindingList& findings);
   void examineStreams(const daemon::Configuration& configuration, const std::array<CameraAnswer, 2>& cameras,
                       std::array<FindingList, 3>& areas);
-  void examineOdometry(const daemon::Configuration& configuration,
-                       const std::vector<capture::FramePair>& pairs, daemon::AbsentReadout absent_readout);
+  void examinePairs(const daemon::Configuration& configuration, const KeptPairs& pairs,
+                    daemon::AbsentReadout absent_readout);
 
   void step(const std::string& text) { observer_.step(text); }
   bool isInterrupted() const { return interrupted_; }
@@ -83,7 +88,7 @@ class Run {
   const DoctorObserver& observer_;
   const std::atomic<bool>& interrupted_;
   Examination examination_;
-  std::optional<calib::Rig> rig_;
+  bool cartvod_runs_ = false;
 };
 
 void Run::examineConfiguration() {
@@ -92,7 +97,7 @@ void Run::examineConfiguration() {
   std::array<bool, 2> has_password{};
   if (configuration) {
     checkOdometrySettings(configuration->odometry, files);
-    rig_ = checkRigFile(*configuration, files);
+    examination_.rig = checkRigFile(*configuration, files);
     has_password = {checkPassword("left", configuration->left, files),
                     checkPassword("right", configuration->right, files)};
   }
@@ -100,12 +105,15 @@ void Run::examineConfiguration() {
   examineComputer(configuration.value_or(daemon::Configuration()));
   if (!configuration || isInterrupted()) return;
   const LcmObservation seen = examineLcm(*configuration);
+  cartvod_runs_ = seen.health.has_value();
+  if (cartvod_runs_) yieldToOthers();
   if (!isInterrupted()) examineCameras(*configuration, has_password, seen.health);
 }
 
 void Run::examineComputer(const daemon::Configuration& configuration) {
   FindingList computer("computer");
-  checkComputer(settings_.proc, configuration, computer);
+  checkComputer(settings_.proc, computer);
+  checkReceiveBuffers(settings_.proc, configuration, computer);
   checkDisk(configuration, computer);
   checkKernelClock(readKernelClock(), servesTime(settings_.proc), computer);
   finish(std::move(computer));
@@ -121,7 +129,7 @@ LcmObservation Run::examineLcm(const daemon::Configuration& configuration) {
   FindingList running("cartvod");
   if (seen.health) {
     daemon::StatedReadouts readouts;
-    if (rig_) readouts = {rig_->left.readout, rig_->right.readout};
+    if (examination_.rig) readouts = {examination_.rig->left.readout, examination_.rig->right.readout};
     checkHealth(*seen.health, configuration, readouts, running);
     checkHealthPage(configuration, interrupted_, running);
   } else {
@@ -141,6 +149,11 @@ CameraAnswer Run::askCamera(const daemon::Configuration& configuration, std::siz
   if (health) known = side == 0 ? &health->left : &health->right;
   if (known != nullptr) checkCameraHealth(*known, configuration, findings);
   const bool is_free = known == nullptr || settings_.streams;
+  if (!is_free) {
+    findings.add("stream", Verdict::not_checked,
+                 {"cartvod has it, and a camera may serve only one", "",
+                  "stop cartvod, or use --streams if the camera serves a second stream"});
+  }
   if (camera.isV4l2()) {
     answer.may_stream = is_free;
     return answer;
@@ -162,15 +175,19 @@ void Run::examineCameras(const daemon::Configuration& configuration, const std::
   std::array<FindingList, 3> areas{FindingList("left camera"), FindingList("right camera"),
                                    FindingList("both cameras")};
   std::array<CameraAnswer, 2> answers;
+  const std::optional<std::string> time_clients = chronyClients();
   for (std::size_t i = 0; i < answers.size() && !isInterrupted(); ++i) {
     step(fmt::format("asking the {} camera", kSides[i]));
     answers[i] = askCamera(configuration, i, has_password[i], health, areas[i]);
+    const daemon::CameraConfiguration& camera = i == 0 ? configuration.left : configuration.right;
+    if (time_clients && answers[i].is_reachable)
+      checkTimeClient(capture::parseRtspUrl(camera.url).host, *time_clients, areas[i]);
   }
   OdometryNeeds needs;
   needs.frame_rate = configuration.frame_rate;
-  if (rig_) {
-    needs.width = rig_->left.size.width;
-    needs.height = rig_->left.size.height;
+  if (examination_.rig) {
+    needs.width = examination_.rig->left.size.width;
+    needs.height = examination_.rig->left.size.height;
   }
   checkSettings({answers[0].documents ? &*answers[0].documents : nullptr,
                  answers[1].documents ? &*answers[1].documents : nullptr},
@@ -180,8 +197,9 @@ void Run::examineCameras(const daemon::Configuration& configuration, const std::
 
 void Run::examineStreams(const daemon::Configuration& configuration,
                          const std::array<CameraAnswer, 2>& cameras, std::array<FindingList, 3>& areas) {
-  const ProbeSettings probe_settings{
-      {cameras[0].may_stream, cameras[1].may_stream}, settings_.seconds, rig_ ? rig_->left.size : cv::Size()};
+  const ProbeSettings probe_settings{{cameras[0].may_stream, cameras[1].may_stream},
+                                     settings_.seconds,
+                                     examination_.rig ? examination_.rig->left.size : cv::Size()};
   Probe probe;
   if (cameras[0].may_stream || cameras[1].may_stream) {
     step(fmt::format("measuring the streams for {:g} s", settings_.seconds));
@@ -195,19 +213,28 @@ void Run::examineStreams(const daemon::Configuration& configuration,
   for (FindingList& area : areas)
     finish(std::move(area));
   if (cameras[0].may_stream && cameras[1].may_stream)
-    examineOdometry(configuration, probe.pairs, daemon::AbsentReadout::unknown);
+    examinePairs(configuration, probe.pairs, daemon::AbsentReadout::unknown);
 }
 
-void Run::examineOdometry(const daemon::Configuration& configuration,
-                          const std::vector<capture::FramePair>& pairs,
-                          daemon::AbsentReadout absent_readout) {
-  examination_.pictures = somePictures(pairs);
-  if (!rig_ || isInterrupted()) return;
-  FindingList odometry("odometry");
+void Run::examinePairs(const daemon::Configuration& configuration, const KeptPairs& pairs,
+                       daemon::AbsentReadout absent_readout) {
+  const std::optional<calib::Rig>& rig = examination_.rig;
+  examination_.pictures = picturesOf(pairs.spread);
+  if (isInterrupted()) return;
   step("processing some pairs");
-  checkProcessing(pairs, {*rig_, configuration.odometry, configuration.threads, absent_readout}, interrupted_,
-                  odometry);
+  FindingList odometry("odometry");
+  if (cartvod_runs_) {
+    odometry.add("processing time", Verdict::not_checked,
+                 {"cartvod uses the processors: see its own line", "", "stop cartvod to measure it"});
+  } else if (rig) {
+    checkProcessing(pairs.consecutive, {*rig, configuration.odometry, configuration.threads, absent_readout},
+                    interrupted_, odometry);
+  }
   finish(std::move(odometry));
+  if (isInterrupted()) return;
+  FindingList pictures("pictures");
+  checkPictures(examination_.pictures, rig ? &*rig : nullptr, pictures);
+  finish(std::move(pictures));
 }
 
 void Run::examineFolder() {
@@ -216,24 +243,29 @@ void Run::examineFolder() {
   const bool is_recording = capture::isRecording(settings_.source);
   if (is_recording) configuration = checkRecording(settings_.source, source).value_or(configuration);
   SourceContent content = readSource(settings_.source, interrupted_, source);
-  rig_ = std::move(content.rig);
+  examination_.rig = std::move(content.rig);
   finish(std::move(source));
-  examineComputer(daemon::Configuration());
-  if (is_recording) {
-    std::array<FindingList, 3> areas{FindingList("left camera"), FindingList("right camera"),
-                                     FindingList("both cameras")};
-    std::array<StreamMeasurement, 2> streams;
-    const StreamNeeds needs{rig_ ? rig_->left.size : cv::Size(), configuration.frame_rate};
-    for (std::size_t i = 0; i < streams.size(); ++i) {
-      streams[i] = measureRecording(settings_.source, static_cast<capture::CameraSide>(i), settings_.seconds,
-                                    interrupted_);
-      if (!streams[i].pictures.empty()) checkStream(streams[i], needs, areas[i]);
-    }
-    compareStreams(streams, areas[2]);
-    for (FindingList& area : areas)
-      finish(std::move(area));
+  FindingList computer("computer");
+  checkComputer(settings_.proc, computer);
+  finish(std::move(computer));
+  if (is_recording) examineRecordedStreams(configuration);
+  examinePairs(configuration, content.pairs, content.absent_readout);
+}
+
+void Run::examineRecordedStreams(const daemon::Configuration& configuration) {
+  std::array<FindingList, 3> areas{FindingList("left camera"), FindingList("right camera"),
+                                   FindingList("both cameras")};
+  std::array<StreamMeasurement, 2> streams;
+  const StreamNeeds needs{examination_.rig ? examination_.rig->left.size : cv::Size(),
+                          configuration.frame_rate};
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    streams[i] = measureRecording(settings_.source, static_cast<capture::CameraSide>(i), settings_.seconds,
+                                  interrupted_);
+    if (!streams[i].pictures.empty()) checkStream(streams[i], needs, areas[i]);
   }
-  examineOdometry(configuration, content.pairs, content.absent_readout);
+  compareStreams(streams, areas[2]);
+  for (FindingList& area : areas)
+    finish(std::move(area));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/model/rig.hpp"
 #include "tools/doctor/finding.hpp"
 #include "tools/doctor/picture_pair.hpp"
 
@@ -29,10 +30,11 @@ struct DoctorObserver {
   std::function<void(const std::string&)> step;  ///< what begins now and takes some seconds
 };
 
-/// All findings, and some pairs of pictures if there are any.
+/// All findings, and what the report shows of the cameras.
 struct Examination {
   Findings findings;
-  std::vector<PicturePair> pictures;
+  std::vector<PicturePair> pictures;  ///< in order of time; empty: there are none
+  std::optional<calib::Rig> rig;      ///< nothing: it cannot be used
 };
 
 /// Looks at everything. Changes nothing; faults are findings. Ends early within about a second once

@@ -85,7 +85,8 @@ void run(const Options& options) {
   print(options.json ? findingsJson(head, examination.findings).dump(2) + "\n"
                      : countsText(examination.findings) + "\n");
   if (!options.report.empty())
-    writeResultFile(options.report, htmlReport(head, examination.findings, examination.pictures));
+    writeResultFile(options.report, htmlReport(head, examination.findings, examination.pictures,
+                                               examination.rig ? &*examination.rig : nullptr));
   if (interruption.flag()) throw std::runtime_error("interrupted: not all was checked");
   const doctor::Verdict worst = worstVerdict(examination.findings);
   if (worst == doctor::Verdict::broken) throw CLI::RuntimeError(kBroken);

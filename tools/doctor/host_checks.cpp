@@ -58,6 +58,21 @@ void checkMemory(const fs::path& proc, FindingList& findings) {
                 fmt::format("{:.0f} MB or more", kNeeded / kMegabyte), "see top, and stop other programs"});
 }
 
+/// The folder, or the closest one above it that exists.
+fs::path existingFolder(fs::path folder) {
+  std::error_code error;
+  while (!fs::exists(folder, error) && folder.has_relative_path())
+    folder = folder.parent_path();
+  return folder;
+}
+
+}  // namespace
+
+void checkComputer(const fs::path& proc, FindingList& findings) {
+  checkLoad(proc, findings);
+  checkMemory(proc, findings);
+}
+
 void checkReceiveBuffers(const fs::path& proc, const daemon::Configuration& configuration,
                          FindingList& findings) {
   constexpr double kAskedFor = 2.0 * 1024 * 1024;  // bytes, by cartvod for each camera over UDP
@@ -70,22 +85,6 @@ void checkReceiveBuffers(const fs::path& proc, const daemon::Configuration& conf
                 is_udp ? fmt::format("{:.0f} bytes or more, with cameras.transport: udp", kAskedFor)
                        : "any, with cameras.transport: tcp",
                 "install 60-cartvo-buffers.conf (/usr/share/cartvo/network), then sysctl --system"});
-}
-
-/// The folder, or the closest one above it that exists.
-fs::path existingFolder(fs::path folder) {
-  std::error_code error;
-  while (!fs::exists(folder, error) && folder.has_relative_path())
-    folder = folder.parent_path();
-  return folder;
-}
-
-}  // namespace
-
-void checkComputer(const fs::path& proc, const daemon::Configuration& configuration, FindingList& findings) {
-  checkLoad(proc, findings);
-  checkMemory(proc, findings);
-  checkReceiveBuffers(proc, configuration, findings);
 }
 
 void checkDisk(const daemon::Configuration& configuration, FindingList& findings) {

@@ -11,10 +11,12 @@
 
 namespace cartvo::doctor {
 
-/// Checks load, available memory and the limit of receive buffers. `proc`: folder of the kernel's files,
-/// /proc.
-void checkComputer(const std::filesystem::path& proc, const daemon::Configuration& configuration,
-                   FindingList& findings);
+/// Checks load and available memory. `proc`: folder of the kernel's files, /proc.
+void checkComputer(const std::filesystem::path& proc, FindingList& findings);
+
+/// Checks the kernel's limit of receive buffers.
+void checkReceiveBuffers(const std::filesystem::path& proc, const daemon::Configuration& configuration,
+                         FindingList& findings);
 
 /// Checks the space for recordings, if recordings are configured.
 void checkDisk(const daemon::Configuration& configuration, FindingList& findings);

@@ -1,6 +1,7 @@
 // The HTML report of findings.
 #include <fmt/format.h>
 
+#include "tools/doctor/picture_figures.hpp"
 #include "tools/doctor/report.hpp"
 #include "tools/report/html.hpp"
 
@@ -51,27 +52,20 @@ std::string tables(const Findings& findings) {
   return html.empty() ? html : html + "</table>\n";
 }
 
-std::string figure(const cv::Mat& image, const std::string& caption) {
-  return "<figure>" + imageElement(image, caption) + "<figcaption>" + escaped(caption) +
-         "</figcaption></figure>\n";
-}
-
-std::string pictureSection(const PicturePair& pair) {
-  return "<h2>pictures</h2>\n<div class=\"pictures\">\n" + figure(pair.left, "left camera") +
-         figure(pair.right, "right camera") + "</div>\n";
-}
-
 }  // namespace
 
 std::string htmlReport(const ReportHead& head, const Findings& findings,
-                       const std::vector<PicturePair>& pictures) {
+                       const std::vector<PicturePair>& pictures, const calib::Rig* rig) {
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width\"><title>cartvo doctor</title>\n<style>" +
          std::string(kStyle) + "</style></head><body>\n<h1>cartvo doctor</h1>\n" +
          fmt::format("<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n", escaped(head.source),
                      escaped(head.host), escaped(head.time), escaped(head.version),
                      cssClass(worstVerdict(findings)), countsText(findings)) +
-         tables(findings) + (pictures.empty() ? "" : pictureSection(pictures.front())) + "</body></html>\n";
+         tables(findings) +
+         (pictures.empty() ? ""
+                           : "<h2>pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)) +
+         "</body></html>\n";
 }
 
 }  // namespace cartvo::doctor

@@ -11,7 +11,6 @@
 #include "capture/recording/recording_summary.hpp"
 #include "capture/stereo_source.hpp"
 #include "tools/calibrate/source_pairs.hpp"
-#include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/configuration_checks.hpp"
 #include "tools/replay/source_rig.hpp"
 
@@ -25,7 +24,7 @@ void addSide(const char* side, const capture::RecordedCamera& camera, FindingLis
   const bool is_good = bad <= kMaxLost * static_cast<double>(camera.pictures) && camera.connections <= 1;
   findings.add(
       std::string(side) + " camera", has_pictures ? okIf(is_good, Verdict::look_at) : Verdict::broken,
-      {fmt::format("{} pictures in {:.1f} s, {} damaged and {} missed on reception, {} connections",
+      {fmt::format("{} pictures in {:.1f} s, {} damaged and {} missed on reception, connections: {}",
                    camera.pictures, camera.seconds(), camera.damaged, camera.missed, camera.connections),
        "at most one of 1000 lost, one connection",
        "cameras.transport: tcp; repair cable, switch or radio link"});
@@ -45,14 +44,13 @@ std::optional<daemon::Configuration> recordedConfiguration(const capture::Record
   }
 }
 
-std::vector<capture::FramePair> firstPairs(capture::StereoSource& source,
-                                           const std::atomic<bool>& interrupted) {
-  std::vector<capture::FramePair> pairs;
+KeptPairs firstPairs(capture::StereoSource& source, const std::atomic<bool>& interrupted) {
+  PairKeeper keeper;
   calibrate::forEachPair(source, [&](const capture::FramePair& pair) {
-    pairs.push_back(ownedPair(pair));
-    return !interrupted && pairs.size() < keptPairCapacity(pair);
+    keeper.add(pair);
+    return !interrupted && !keeper.hasAllSpread();
   });
-  return pairs;
+  return keeper.take();
 }
 
 }  // namespace

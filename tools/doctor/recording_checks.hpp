@@ -3,13 +3,12 @@
 #include <atomic>
 #include <filesystem>
 #include <optional>
-#include <vector>
 
 #include "calib/model/rig.hpp"
 #include "capture/camera_side.hpp"
-#include "capture/pair_synchroniser.hpp"
 #include "daemon/pipeline/shutters.hpp"
 #include "daemon/service/configuration.hpp"
+#include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/cameras/stream_measurement.hpp"
 #include "tools/doctor/finding_list.hpp"
 
@@ -28,7 +27,7 @@ StreamMeasurement measureRecording(const std::filesystem::path& folder, capture:
 /// What is read of a source.
 struct SourceContent {
   std::optional<calib::Rig> rig;
-  std::vector<capture::FramePair> pairs;  ///< the first ones, consecutive, see keptPairCapacity
+  KeptPairs pairs;  ///< of its beginning
   daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
 };
 

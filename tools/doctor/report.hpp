@@ -5,6 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "calib/model/rig.hpp"
 #include "tools/doctor/finding.hpp"
 #include "tools/doctor/picture_pair.hpp"
 
@@ -35,9 +36,9 @@ std::string countsText(const Findings& findings);
 
 nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& findings);
 
-/// One self-contained HTML page for light and dark displays: the findings, and of the first pair both
-/// pictures.
+/// One self-contained HTML page for light and dark displays: the findings, and of the middle pair both
+/// pictures and, with a `rig` (may be nullptr), their rectified overlay.
 std::string htmlReport(const ReportHead& head, const Findings& findings,
-                       const std::vector<PicturePair>& pictures);
+                       const std::vector<PicturePair>& pictures, const calib::Rig* rig);
 
 }  // namespace cartvo::doctor

@@ -99,6 +99,14 @@ TEST_F(CameraChecks, AskOnlyForALockWhereAPasswordMayNotBeSent) {
   EXPECT_THAT(server_->received(), Not(HasSubstr("Authorization")));
 }
 
+TEST_F(CameraChecks, LeaveOutSettingsWithoutAUser) {
+  configuration_.left.username.clear();
+  EXPECT_THAT(findingOf(ask({}, LoginPermission::allowed), "settings"),
+              Saw(Verdict::not_checked, "none are configured"));
+  EXPECT_FALSE(answer_.is_refused) << "the stream may need no password";
+  EXPECT_EQ(server_->wrongPasswords(), 0);
+}
+
 TEST_F(CameraChecks, LeaveOutSettingsOfOtherMakers) {
   const test::ClosedPort closed;
   const Findings findings = ask(LoginPermission::allowed, closed.port());

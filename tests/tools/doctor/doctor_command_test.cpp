@@ -96,10 +96,11 @@ TEST_F(DoctorCommand, LooksAtTwoCameras) {
   EXPECT_THAT(finding(json, "right camera", "frame rate"), HasSubstr("Hz by the camera's clock"));
   EXPECT_THAT(finding(json, "left camera", "sender reports"), HasSubstr("they agree within"));
   EXPECT_THAT(finding(json, "odometry", "processing time"), HasSubstr("of the frame period"));
+  EXPECT_THAT(finding(json, "pictures", "left camera, light"), HasSubstr("mean"));
   EXPECT_THAT(finding(json, "cartvod", "service"), HasSubstr("not_checked"));
   std::ifstream page(report);
   const std::string html{std::istreambuf_iterator<char>(page), {}};
-  EXPECT_THAT(html, HasSubstr("data:image/png"));
+  EXPECT_THAT(html, HasSubstr("data:image/jpeg"));
   EXPECT_THAT(html, Not(HasSubstr(kCanary)));
   EXPECT_THAT(left_page_->requests(), Not(testing::Contains(testing::StartsWith("PUT"))));
   EXPECT_EQ(left_page_->mostAtOnce(), 1);

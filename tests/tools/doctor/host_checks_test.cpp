@@ -9,6 +9,7 @@
 
 #include "support/doctor/findings.hpp"
 #include "support/temporary_folder.hpp"
+#include "tools/doctor/time_clients.hpp"
 
 namespace cartvo::doctor {
 namespace {
@@ -25,7 +26,8 @@ class HostChecks : public testing::Test {
 
   Finding check(const std::string& subject) {
     FindingList list("computer");
-    checkComputer(folder_.path(), configuration_, list);
+    checkComputer(folder_.path(), list);
+    checkReceiveBuffers(folder_.path(), configuration_, list);
     return findingOf(list.findings(), subject);
   }
 
@@ -97,6 +99,21 @@ TEST_F(HostChecks, LooksAtAClockThatNothingKeeps) {
   EXPECT_THAT(list.findings().back(), Saw(Verdict::look_at, "no time source"));
   checkKernelClock(std::nullopt, false, list);
   EXPECT_THAT(list.findings().back(), Saw(Verdict::not_checked, "does not say"));
+}
+
+TEST(TimeClients, FindACameraThatAsksForTheTime) {
+  constexpr const char* kClients =
+      "192.168.101.6,9,0,6,127,12,0,0,127,4294967295\n192.168.101.64,31,0,6,127,12,0,0,127,4294967295\n"
+      "192.168.102.64,0,0,127,127,4294967295,5,0,1,3\n";
+  FindingList list("left camera");
+  checkTimeClient("192.168.101.64", kClients, list);
+  EXPECT_THAT(list.findings().back(), Saw(Verdict::ok, "requests: 31"));
+  checkTimeClient("192.168.102.64", kClients, list);
+  EXPECT_THAT(list.findings().back(), Saw(Verdict::look_at, "requests: 0"));
+  for (const char* clients : {"", "\n\n", "192.168.101.65", ",,,"}) {
+    checkTimeClient("192.168.101.65", clients, list);
+    EXPECT_THAT(list.findings().back(), Saw(Verdict::look_at, "has not asked"));
+  }
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -11,9 +14,12 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/publish/lcm_connection.hpp"
+#include "support/camera/isapi_server.hpp"
 #include "support/client/valid_message.hpp"
 #include "support/doctor/findings.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/test_timeout.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo::doctor {
 namespace {
@@ -22,6 +28,15 @@ using test::findingOf;
 using test::Saw;
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
+
+/// A health message of a daemon that receives its left camera; the right one refuses the login.
+health_t exampleHealth() {
+  health_t health{};
+  health.version = "7.8.9";
+  health.left.state = camera_health_t::STREAMING;
+  health.right.state = camera_health_t::REFUSED;
+  return health;
+}
 
 /// Publishes health and odometry until it is destroyed.
 class Publisher {
@@ -37,8 +52,7 @@ class Publisher {
 
  private:
   void run(bool is_foreign) {
-    health_t health{};
-    health.version = "7.8.9";
+    const health_t health = exampleHealth();
     const std::string garbage = "not a message of this type";
     for (std::int64_t sequence = 0; !ended_; ++sequence) {
       const odometry_t message = test::validMessage(sequence);
@@ -108,6 +122,27 @@ TEST(LcmChecks, JudgeWhatWasObserved) {
   EXPECT_THAT(findingOf(checked(seen, kUrl), "publishers"), Saw(Verdict::broken, "two programs"));
   const std::string far = "udpm://239.255.76.67:7667?ttl=1";
   EXPECT_THAT(findingOf(checked(seen, far), "multicast route"), Saw(Verdict::look_at, "no other host"));
+}
+
+TEST(DoctorBesideCartvod, OpensNoStreamAndSendsNoPasswordThatWasRefused) {
+  const Publisher publisher(false);
+  const test::IsapiServer camera;
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "password") << "canary-7Fq2";
+  std::filesystem::permissions(folder / "password", std::filesystem::perms::owner_read);
+  const std::string url = "rtsp://127.0.0.1:" + std::to_string(camera.port()) + "/1";
+  std::ofstream(folder / "cartvod.yaml")
+      << "cameras:\n  left: {url: '" << url << "'}\n  right: {url: '" << url << "02"
+      << "', username: admin, password_file: password}\nrig: rig.yaml\n";
+  const test::CommandResult result = test::runCartvo("doctor " + (folder / "cartvod.yaml").string() +
+                                                     " --http-port " + std::to_string(camera.port()));
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.output, testing::HasSubstr("publishers: one cartvod"));
+  EXPECT_THAT(result.output, testing::HasSubstr("not checked  stream: cartvod has it"));
+  EXPECT_THAT(result.output, testing::HasSubstr("refuses the login, by cartvod"));
+  EXPECT_THAT(result.output, testing::HasSubstr("login: cartvod was refused, so that no password was sent"));
+  EXPECT_EQ(camera.wrongPasswords(), 0);
+  EXPECT_THAT(camera.received(), testing::Not(testing::HasSubstr("Authorization")));
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ TEST_F(RecordingChecks, ReadAWholeRecording) {
   const SourceContent content = readSource(folder_ / "drive", interrupted_, list_);
   ASSERT_TRUE(content.rig);
   EXPECT_EQ(content.rig->name, "test");
-  EXPECT_EQ(content.pairs.size(), 40U);
+  EXPECT_EQ(content.pairs.consecutive.size(), 40U);
+  EXPECT_EQ(content.pairs.spread.size(), 12U);
   EXPECT_EQ(worstVerdict(list_.findings()), Verdict::ok) << areaText(list_.findings());
 }
 
@@ -58,7 +59,7 @@ TEST_F(RecordingChecks, FindWhatIsNoRecording) {
   std::ofstream(folder_ / "damaged/recording.json") << "{";
   checkRecording(folder_ / "damaged", list_);
   EXPECT_THAT(list_.findings().back(), Saw(Verdict::broken, "recording.json"));
-  EXPECT_TRUE(readSource(folder_.path(), interrupted_, list_).pairs.empty());
+  EXPECT_TRUE(readSource(folder_.path(), interrupted_, list_).pairs.spread.empty());
   EXPECT_EQ(list_.findings().back().verdict, Verdict::broken);
   EXPECT_NE(measureRecording(folder_ / "nothing", capture::CameraSide::left, 1.0, interrupted_).problem, "");
 }

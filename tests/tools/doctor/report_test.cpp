@@ -58,15 +58,15 @@ TEST(DoctorReport, WritesJson) {
 }
 
 TEST(DoctorReport, WritesAPageThatNeedsNoOtherFile) {
-  const std::string html =
-      htmlReport(kHead, example(),
-                 {{cv::Mat(4, 6, CV_8UC1, cv::Scalar(7)), cv::Mat(4, 6, CV_8UC1, cv::Scalar(9)), 0, 0}});
+  const std::string html = htmlReport(
+      kHead, example(),
+      {{cv::Mat(4, 6, CV_8UC1, cv::Scalar(7)), cv::Mat(4, 6, CV_8UC1, cv::Scalar(9)), 0, 0}}, nullptr);
   EXPECT_THAT(html, HasSubstr("<td>&lt;open&gt;</td><td>off &amp; &quot;closed&quot;</td>"));
   EXPECT_THAT(html, HasSubstr("prefers-color-scheme:dark"));
-  EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,"));
+  EXPECT_THAT(html, HasSubstr("src=\"data:image/jpeg;base64,"));
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("\x1b")));
-  EXPECT_THAT(htmlReport(kHead, {}, {}), Not(HasSubstr("<img")));
+  EXPECT_THAT(htmlReport(kHead, {}, {}, nullptr), Not(HasSubstr("<img")));
 }
 
 }  // namespace

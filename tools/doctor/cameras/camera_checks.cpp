@@ -57,7 +57,9 @@ void readSettings(CameraAccess& access, const daemon::CameraConfiguration& camer
                   FindingList& findings) {
   answer.documents = readCamera(*access.client, access.channels);
   const CameraIdentity& identity = answer.documents->identity;
-  findings.add("login", Verdict::ok, {fmt::format("user '{}' is accepted", camera.username)});
+  findings.add("login", Verdict::ok,
+               {camera.username.empty() ? "no user name is needed"
+                                        : fmt::format("user '{}' is accepted", camera.username)});
   findings.add("model", Verdict::ok,
                {fmt::format("{}, serial number {}, firmware {}", identity.model, identity.serial_number,
                             identity.firmware)});
@@ -136,6 +138,9 @@ void askSettings(const daemon::Configuration& configuration, const CameraQuestio
     accesses.front().client->setInterruption(interrupted);
     readSettings(accesses.front(), camera, answer, findings);
   } catch (const capture::IsapiError& error) {
+    // Without a user name no password was sent, and the stream may need none.
+    if (camera.username.empty())
+      return findings.add("settings", Verdict::not_checked, {error.what(), "", kByHand});
     addLoginError(error, answer, findings);
   } catch (const capture::HttpError& error) {
     if (interrupted) return;

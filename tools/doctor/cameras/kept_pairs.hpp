@@ -1,37 +1,49 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "capture/pair_synchroniser.hpp"
 
 namespace cartvo::doctor {
 
-/// How many pairs of this size are kept: at most 40, and at most 200 MB.
-std::size_t keptPairCapacity(const capture::FramePair& pair);
+/// Pairs of two cameras, in order of time. Their pictures are their own: no decoder shares them.
+struct KeptPairs {
+  std::vector<capture::FramePair> consecutive;  ///< the last ones
+  std::vector<capture::FramePair> spread;       ///< the first ones that are 0.25 s or more apart
+};
 
-/// The pair with pictures of its own, which no decoder shares.
-capture::FramePair ownedPair(capture::FramePair pair);
-
-/// Pairs the frames of two cameras and keeps the last pairs. Thread-safe.
-class KeptPairs {
+/// Keeps pairs: of each kind at most 40, and at most 150 MB.
+class PairKeeper {
  public:
-  /// `period_ns`: as PairSynchroniserSettings'.
-  explicit KeptPairs(std::int64_t period_ns);
+  void add(capture::FramePair pair);
 
-  /// Adds a frame, whose picture is copied.
+  /// Whether further pairs only replace consecutive ones.
+  bool hasAllSpread() const { return has_all_spread_; }
+
+  KeptPairs take();
+
+ private:
+  std::deque<capture::FramePair> consecutive_;
+  std::vector<capture::FramePair> spread_;
+  bool has_all_spread_ = false;
+};
+
+/// Pairs the frames of two live cameras and keeps pairs. Thread-safe.
+class LivePairKeeper {
+ public:
+  LivePairKeeper() : synchroniser_({}) {}
+
   void add(capture::CameraSide side, const capture::Frame& frame);
-
-  /// Removes and returns the kept pairs, see keptPairCapacity.
-  std::vector<capture::FramePair> take();
+  KeptPairs take();
 
  private:
   std::mutex mutex_;
   capture::PairSynchroniser synchroniser_;
-  std::deque<capture::FramePair> pairs_;
+  PairKeeper keeper_;
 };
 
 }  // namespace cartvo::doctor

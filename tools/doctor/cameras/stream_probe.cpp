@@ -53,7 +53,8 @@ milliseconds patience(const daemon::Configuration& configuration) {
 
 /// Reads one camera until the time is over or the camera is given up.
 void readCamera(capture::CameraSource& source, capture::CameraSide side, milliseconds first_picture,
-                std::chrono::duration<double> duration, StreamMeasurement& measurement, KeptPairs& pairs) {
+                std::chrono::duration<double> duration, StreamMeasurement& measurement,
+                LivePairKeeper& pairs) {
   constexpr milliseconds kTimeout{100};
   Clock::time_point end = Clock::now() + first_picture;
   bool has_frame = false;
@@ -80,7 +81,7 @@ class ProbedCamera {
  public:
   ProbedCamera(const daemon::Configuration& configuration, capture::CameraSide side,
                const ProbeSettings& settings, capture::StereoTimestamper& clock,
-               StreamMeasurement& measurement, KeptPairs& pairs)
+               StreamMeasurement& measurement, LivePairKeeper& pairs)
       : observer_(measurement), camera_(configuration, side, settings.size, clock) {
     camera_.observe(observer_);
     done_ = std::async(std::launch::async, [this, side, &configuration, &settings, &measurement, &pairs] {
@@ -108,7 +109,7 @@ Probe probeStreams(const daemon::Configuration& configuration, const ProbeSettin
                    const std::atomic<bool>& interrupted) {
   Probe probe;
   capture::StereoTimestamper clock(configuration.clock);
-  KeptPairs pairs(0);
+  LivePairKeeper pairs;
   std::array<std::unique_ptr<ProbedCamera>, 2> cameras;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!settings.cameras[i]) continue;

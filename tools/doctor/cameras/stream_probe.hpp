@@ -2,12 +2,11 @@
 
 #include <array>
 #include <atomic>
-#include <optional>
-#include <vector>
 
-#include "calib/model/rig.hpp"
-#include "capture/pair_synchroniser.hpp"
+#include <opencv2/core/types.hpp>
+
 #include "daemon/service/configuration.hpp"
+#include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/cameras/stream_measurement.hpp"
 
 namespace cartvo::doctor {
@@ -22,7 +21,7 @@ struct ProbeSettings {
 /// What was received of both cameras.
 struct Probe {
   std::array<StreamMeasurement, 2> streams;  ///< left, right
-  std::vector<capture::FramePair> pairs;     ///< the last ones, consecutive; at most 40, or 200 MB
+  KeptPairs pairs;
 };
 
 /// Receives both cameras' streams at the same time, each once, as cartvod does. A camera that gives no

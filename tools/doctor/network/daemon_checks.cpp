@@ -136,9 +136,6 @@ void checkCameraHealth(const camera_health_t& camera, const daemon::Configuratio
       "clock", okIf(camera.clock_steps == 0, Verdict::look_at),
       {fmt::format("set {} times on this connection, skew {:+.0f} ppm", camera.clock_steps, camera.skew_ppm),
        "never set by a jump", "give the camera a time server that it reaches, with the shortest interval"});
-  findings.add(
-      "stream", Verdict::not_checked,
-      {"cartvod has the stream", "", "stop cartvod, or use --streams if the camera serves a second stream"});
 }
 
 void checkHealthPage(const daemon::Configuration& configuration, const std::atomic<bool>& interrupted,

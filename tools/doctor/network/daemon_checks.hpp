@@ -17,7 +17,7 @@ namespace cartvo::doctor {
 void checkHealth(const health_t& health, const daemon::Configuration& configuration,
                  const daemon::StatedReadouts& rig_readouts, FindingList& findings);
 
-/// Checks one camera's part of a health message: its stream as cartvod receives it.
+/// Checks one camera's part of a health message: the stream as cartvod receives it.
 void checkCameraHealth(const camera_health_t& camera, const daemon::Configuration& configuration,
                        FindingList& findings);
 

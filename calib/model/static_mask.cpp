@@ -12,6 +12,12 @@ double maskedShare(const StaticMask& mask) {
   return 1.0 - static_cast<double>(cv::countNonZero(mask.used)) / static_cast<double>(mask.used.total());
 }
 
+StaticMask maskOfPart(const StaticMask& mask, const cv::Rect& part) {
+  StaticMask cut;
+  if (!mask.empty()) cut.used = mask.used(part).clone();
+  return cut;
+}
+
 StaticMask maskOfPolygons(std::vector<StaticMask::Polygon> polygons, cv::Size size) {
   StaticMask mask;
   mask.used = cv::Mat(size, CV_8UC1, cv::Scalar(255));

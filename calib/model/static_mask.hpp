@@ -26,6 +26,9 @@ struct StaticMask {
 /// Share of the image that must not be used, in [0, 1].
 double maskedShare(const StaticMask& mask);
 
+/// The mask of a part of the image; empty for an empty mask.
+StaticMask maskOfPart(const StaticMask& mask, const cv::Rect& part);
+
 /// The mask of an image of this size that leaves out the polygons.
 StaticMask maskOfPolygons(std::vector<StaticMask::Polygon> polygons, cv::Size size);
 

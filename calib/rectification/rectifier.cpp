@@ -15,6 +15,10 @@ Rectifier::Rectifier(const Rig& rig, const RectificationSettings& settings, Rect
   if (tables_.size != rectification_.size || tables_.fingerprint != tablesFingerprint(rig, settings)) {
     throw std::invalid_argument("rectifier: the tables are not those of rig '" + rig.name + "'");
   }
+  for (const CameraModel* camera : {&rig.left, &rig.right}) {
+    if (!camera->mask.empty() && camera->mask.used.size() != rectification_.size)
+      throw std::invalid_argument("rectifier: a mask of rig '" + rig.name + "' has another size");
+  }
   left_mask_ = rectifiedMask(rig.left.mask, tables_.left);
   right_mask_ = rectifiedMask(rig.right.mask, tables_.right);
 }

@@ -14,7 +14,7 @@ namespace cartvo::calib {
 class Rectifier {
  public:
   /// Throws std::invalid_argument unless `tables` are those of this rig and these settings, see
-  /// loadOrBuildTables.
+  /// loadOrBuildTables, and its masks have the size of the images.
   Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables);
 
   const Rectification& rectification() const { return rectification_; }

@@ -72,11 +72,12 @@ void SequenceContent::readRigFor(cv::Size image_size) {
     throw std::runtime_error(folder_.left.images.front().string() + ": " + sizeText(image_size) +
                              " pixels, but the rig file is for " + sizeText(rig_.left.size));
   }
-  rig_.left.size = evenSize(rig_.left.size);
-  rig_.right.size = evenSize(rig_.right.size);
-  // A recorded sequence counts as one of global shutters, as in cartvo replay; a camera's would be unknown.
-  for (calib::CameraModel* camera : {&rig_.left, &rig_.right})
+  for (calib::CameraModel* camera : {&rig_.left, &rig_.right}) {
+    camera->size = evenSize(camera->size);
+    camera->mask = calib::maskOfPart(camera->mask, cv::Rect({}, camera->size));
+    // A recorded sequence counts as one of global shutters, as in cartvo replay; a camera's would be unknown.
     camera->readout = camera->readout.value_or(0.0);
+  }
 }
 
 void SequenceContent::readTruth(const fs::path& poses) {

@@ -84,6 +84,14 @@ TEST(Rectifier, RectifiesTheMasksLikeTheImages) {
   EXPECT_LT(differing, masked / 20);  // interpolated with a weight of nearly 0
 }
 
+TEST(Rectifier, RefusesAMaskOfAnotherSize) {
+  Rig rig = test::cartRig();
+  rig.left.mask = maskOfPolygons({{{0, 0}, {9, 0}, {9, 9}}}, {320, 240});
+  EXPECT_THROW(rectifierFor(rig), std::invalid_argument);
+  rig.left.mask = maskOfPart(maskOfPolygons({{{0, 0}, {9, 0}, {9, 9}}}, {700, 500}), {{0, 0}, rig.left.size});
+  EXPECT_EQ(rectifierFor(rig).leftMask().size(), rig.left.size);
+}
+
 TEST(Rectifier, TakesTheMasksOfRectifiedImagesAsTheyAre) {
   Rig rig = test::rectifiedRig();
   rig.right.mask = maskOfPolygons({{{0, 0}, {90, 0}, {90, 90}}}, rig.right.size);

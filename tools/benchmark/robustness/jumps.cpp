@@ -32,11 +32,13 @@ int unseenBorder(const calib::CameraModel& camera, double angle) {
       std::ceil(std::max(camera.fx, camera.fy) * std::tan(angle) * (1.0 + std::max(x * x, y * y))));
 }
 
-/// The camera without `border` px at each side of its images.
+/// The camera without `border` px at each side of its images, and without its mask: what a turned camera
+/// shows at a pixel is not what the true one did.
 calib::CameraModel cropped(calib::CameraModel camera, int border) {
   camera.size -= cv::Size(2 * border, 2 * border);
   camera.cx -= border;
   camera.cy -= border;
+  camera.mask = {};
   return camera;
 }
 

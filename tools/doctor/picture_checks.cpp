@@ -1,4 +1,4 @@
-// Light, sharpness and rows of some pairs of pictures.
+// Light, sharpness, rows and static parts of some pairs of pictures.
 #include "tools/doctor/picture_checks.hpp"
 
 #include <algorithm>
@@ -33,6 +33,7 @@ constexpr double kMaxBrightnessRatio = 2;  // of the two means: one camera has a
 // 1.5 px (standard deviation) 0.35 to 0.50, of 2 px 0.32 to 0.40.
 constexpr double kMinSharpness = 0.35;
 constexpr double kMaxSharpnessRatio = 2.0;           // of the excesses: a blur of about 0.7 px in one of them
+constexpr double kMinStaticShare = 0.01;             // of the picture
 constexpr std::int64_t kSameInstant_ns = 1'000'000;  // a cart at 5 m/s moves by 5 mm
 constexpr std::int64_t kTellingTime_ns = 300'000'000;  // in which a cart that moves changes its view
 
@@ -205,6 +206,34 @@ Finding rowsOf(const std::vector<PicturePair>& pairs, const calib::Rig* rig) {
   return finding;
 }
 
+Finding staticPartsOf(const std::vector<PicturePair>& pairs, cv::Mat PicturePair::*picture, const char* side,
+                      const CameraModel* camera) {
+  Finding finding{"", fmt::format("{} camera, static parts", side), Verdict::ok, {}, {}, {}};
+  finding.expected = "nothing of the cart and no lettering in view, or a mask";
+  if (camera != nullptr && !camera->mask.empty()) {
+    finding.seen = fmt::format("{} of the picture is masked", percent(calib::maskedShare(camera->mask)));
+    return finding;
+  }
+  calibrate::StaticPartFinder finder;
+  try {
+    for (const PicturePair& pair : pairs)
+      finder.add(pair.*picture, pair.left_exposure_ns);
+    const calibrate::StaticParts parts = finder.result();
+    finding.seen = fmt::format("{:.1f} % of the picture keeps its place", 100.0 * parts.share);
+    if (parts.share < kMinStaticShare) return finding;
+    const cv::Rect& box = parts.boxes.front();
+    finding.verdict = Verdict::look_at;
+    finding.seen +=
+        fmt::format(", at x {} to {}, y {} to {} px", box.x, box.br().x - 1, box.y, box.br().y - 1);
+    finding.advice = "switch lettering off, clean the lens, or mask the cart: 'cartvo calibrate mask'";
+  } catch (const std::runtime_error&) {
+    finding.verdict = Verdict::not_checked;
+    finding.seen = "these are not the pictures of a drive";
+    finding.advice = "look at the recording of a drive with 'cartvo calibrate mask'";
+  }
+  return finding;
+}
+
 }  // namespace
 
 void checkPictures(const std::vector<PicturePair>& pairs, const calib::Rig* rig, FindingList& findings) {
@@ -224,6 +253,8 @@ void checkPictures(const std::vector<PicturePair>& pairs, const calib::Rig* rig,
   add(sharpnessOf("right", right));
   if (left.sharpness && right.sharpness) add(sharpnessOfBoth(*left.sharpness, *right.sharpness));
   add(rowsOf(some, rig));
+  add(staticPartsOf(pairs, &PicturePair::left, "left", left_camera));
+  add(staticPartsOf(pairs, &PicturePair::right, "right", right_camera));
 }
 
 }  // namespace cartvo::doctor

@@ -6,7 +6,7 @@
 #include "tools/doctor/finding_list.hpp"
 #include "tools/doctor/picture_pair.hpp"
 
-// Checks of what the pictures of both cameras show: light, sharpness, rows.
+// Checks of what the pictures of both cameras show: light, sharpness, rows, static parts.
 
 namespace cartvo::doctor {
 

@@ -1,4 +1,4 @@
-// Checks of made-up pictures: light, sharpness and rows.
+// Checks of made-up pictures: light, sharpness, rows and static parts.
 #include "tools/doctor/picture_checks.hpp"
 
 #include <string>
@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "support/doctor/findings.hpp"
+#include "support/tools/wall_drive.hpp"
 #include "tools/doctor/picture_measures.hpp"
 #include "tools/world/rendered_world.hpp"
 
@@ -60,6 +61,7 @@ TEST_F(StreetPair, IsInOrder) {
         "right camera, sharpness", "sharpness, left against right", "rows, left against right"})
     expectFinding(findings, subject, Verdict::ok, "");
   EXPECT_THAT(test::findingOf(findings, "rows, left against right").seen, HasSubstr(" px (RMS), mean "));
+  expectFinding(findings, "left camera, static parts", Verdict::not_checked, "cartvo calibrate mask");
 }
 
 TEST_F(StreetPair, IsDark) {
@@ -141,6 +143,35 @@ TEST(PictureChecks, OfPlainPicturesSayThatThereIsNothingToSee) {
   const Findings findings = checked({{plain, plain, 0, 0}}, nullptr);
   expectFinding(findings, "left camera, sharpness", Verdict::not_checked, "a scene with texture");
   EXPECT_EQ(findings.front().verdict, Verdict::ok);
+}
+
+/// Pairs of a drive, four a second, with the bonnet in the left picture.
+std::vector<PicturePair> driveWithBonnet() {
+  test::WallDrive left, right;
+  left.showBonnet();
+  std::vector<PicturePair> pairs;
+  for (std::int64_t i = 0; i < 40; ++i)
+    pairs.push_back({left.next(), right.next(), i * 260'000'000, i * 260'000'000});
+  return pairs;
+}
+
+TEST(PictureChecks, FindTheBonnetInADrive) {
+  const Findings findings = checked(driveWithBonnet(), nullptr);
+  expectFinding(findings, "left camera, static parts", Verdict::look_at, "'cartvo calibrate mask'");
+  expectFinding(findings, "right camera, static parts", Verdict::ok, "");
+}
+
+TEST(PictureChecks, AreContentWithAMask) {
+  calib::Rig rig;
+  rig.left.size = rig.right.size = test::kWallView;
+  rig.left.fx = rig.left.fy = rig.right.fx = rig.right.fy = 300.0;
+  rig.left.cx = rig.right.cx = 160.0;
+  rig.left.cy = rig.right.cy = 100.0;
+  rig.T_right_left.translation().x() = -0.12;
+  rig.left.mask = calib::maskOfPolygons({{{40, 150}, {280, 150}, {280, 199}, {40, 199}}}, test::kWallView);
+  const Finding finding = test::findingOf(checked(driveWithBonnet(), &rig), "left camera, static parts");
+  EXPECT_EQ(finding.verdict, Verdict::ok);
+  EXPECT_EQ(finding.seen, "19 % of the picture is masked");
 }
 
 TEST(PictureMeasures, LeaveMaskedPixelsOut) {

@@ -101,7 +101,7 @@ void addDoctorCommand(CLI::App& cartvo) {
   const auto options = std::make_shared<Options>();
   doctor::DoctorSettings& settings = options->doctor;
   command
-      ->add_option("SOURCE", settings.source,
+      ->add_option("SOURCE,--config", settings.source,
                    "cartvod's configuration file, or the folder of a recording or sequence")
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print the findings as JSON");

@@ -3,6 +3,12 @@
 
 namespace cartvo::vo {
 
+Eigen::Matrix3d skew(const Eigen::Vector3d& vector) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -vector.z(), vector.y(), vector.z(), 0, -vector.x(), -vector.y(), vector.x(), 0;
+  return matrix;
+}
+
 Eigen::Isometry3d motionFromVector(const Vector6d& vector) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   const Eigen::Vector3d rotation = vector.tail<3>();

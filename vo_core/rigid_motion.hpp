@@ -10,11 +10,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// The matrix of the cross product: skew(a) * b = a x b.
-inline Eigen::Matrix3d skew(const Eigen::Vector3d& vector) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -vector.z(), vector.y(), vector.z(), 0, -vector.x(), -vector.y(), vector.x(), 0;
-  return matrix;
-}
+Eigen::Matrix3d skew(const Eigen::Vector3d& vector);
 
 /// Converts a motion to a vector (x, y, z, rotation vector; m and rad) and back. Translation and rotation are
 /// separate, not along a screw: for the perturbations and steps used here both agree to first order.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <vector>
 
 #include "vo_core/rig_calibration_error.hpp"
@@ -26,18 +25,7 @@ class RowShares {
 
   /// Share of a rectified pixel (px) of an image with `height` rows: bilinear between the nodes; that of the
   /// border for a pixel outside.
-  double at(const Eigen::Vector2d& pixel, int height) const {
-    if (columns_ == 0) return std::clamp((pixel.y() + 0.5) / height, 0.0, 1.0) - 0.5;
-    const double x = std::clamp(pixel.x() / kStep, 0.0, columns_ - 1.0);
-    const double y = std::clamp(pixel.y() / kStep, 0.0, rows_ - 1.0);
-    const int column = std::min(static_cast<int>(x), columns_ - 2);
-    const int row = std::min(static_cast<int>(y), rows_ - 2);
-    const double right = x - column, lower = y - row;
-    const float* upper_nodes = nodes_.data() + static_cast<std::size_t>(row) * columns_ + column;
-    const float* lower_nodes = upper_nodes + columns_;
-    return (1.0 - lower) * ((1.0 - right) * upper_nodes[0] + right * upper_nodes[1]) +
-           lower * ((1.0 - right) * lower_nodes[0] + right * lower_nodes[1]);
-  }
+  double at(const Eigen::Vector2d& pixel, int height) const;
 
  private:
   int columns_ = 0;  ///< 0: no grid

@@ -39,6 +39,14 @@ Sensitivity sensitivityOf(std::span<const TimedPose> poses, int index) {
   return sensitivity;
 }
 
+/// Variances of the jerk: those of a smooth drive and an excess.
+Vector6d withExcess(double translation, double rotation) {
+  Vector6d jerk;
+  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation),
+      Eigen::Vector3d::Constant(kRotationJerk + rotation);
+  return jerk;
+}
+
 }  // namespace
 
 void MotionRoughness::Excess::update(double squared, double expected) {
@@ -80,17 +88,6 @@ RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
       jerk().tail<3>();
   return variances;
 }
-
-namespace {
-
-Vector6d withExcess(double translation, double rotation) {
-  Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation),
-      Eigen::Vector3d::Constant(kRotationJerk + rotation);
-  return jerk;
-}
-
-}  // namespace
 
 Vector6d MotionRoughness::jerk() const {
   return withExcess(translation_.excess(), rotation_.excess());

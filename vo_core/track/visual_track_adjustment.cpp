@@ -154,8 +154,7 @@ RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const D
                                              const RigCorrection& applied) {
   RigCalibrationFilter rig = rig_;
   if (!result.converged || !estimatesRig()) return rig;
-  const double time_step =
-      1e-9 * static_cast<double>(draft.window.back().exposure_ns - window_.back().exposure_ns);
+  const double time_step = secondsBetween(window_.back(), draft.window.back());
   rig.update(bundle_, result, row_regression_.measure(bundle_), applied, time_step);
   return rig;
 }

@@ -34,8 +34,9 @@ Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, cons
 }
 
 /// Motion between the exposures of two pairs as their motions about them make it, minus that of their poses
-/// (trapezoidal rule with end correction). `time`: s between them.
-Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to, double time) {
+/// (trapezoidal rule with end correction).
+Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
+  const double time = secondsBetween(from, to);
   const Eigen::Isometry3d T_from_to = from.T_world_camera.inverse() * to.T_world_camera;
   const Vector6d step = vectorFromMotion(T_from_to);
   const auto turned = [&](const Vector6d& vector) {
@@ -183,10 +184,10 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
 void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
   const WindowFrame &from = window[window.size() - 2], &to = window.back();
   if (!from.rows) return;
-  const double step = 1e-9 * static_cast<double>(to.exposure_ns - from.exposure_ns);  // s
+  const double step = secondsBetween(from, to);
   const Vector6d velocity_variances =
       from.rows->covariance.diagonal().head<6>() + to.rows->covariance.diagonal().head<6>();
-  roughness_.compare(excessMotion(from, to, step),
+  roughness_.compare(excessMotion(from, to),
                      0.25 * step * step * velocity_variances + last_stddev_.cwiseAbs2());
 }
 
@@ -227,9 +228,8 @@ void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFr
   double time = 0.0;
   for (std::size_t i = 1; i < window.size(); ++i) {
     if (window[i - 1].row_information.information.isZero()) continue;
-    const double step = 1e-9 * static_cast<double>(window[i].exposure_ns - window[i - 1].exposure_ns);  // s
-    sum += excessMotion(window[i - 1], window[i], step);
-    time += step;
+    sum += excessMotion(window[i - 1], window[i]);
+    time += secondsBetween(window[i - 1], window[i]);
   }
   if (time < kLevelTime) return;
   const Vector6d error = kLevelGain / time * sum;

@@ -80,30 +80,26 @@ Eigen::Isometry3d RowTransform::exposureFromLeft(const Eigen::Vector2d& left_pix
 void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,
                  std::size_t first, std::vector<Landmark>& landmarks) {
   if (!timing.isRolling()) return;
-  FixedVector<RowPair, kMaximumWindowPairs> pairs;        // window[first] and later
-  FixedVector<std::int64_t, kMaximumWindowPairs> frames;  // of the whole window, near each other in memory
-  for (const WindowFrame& frame : window)
-    frames.push_back(frame.index);
+  FixedVector<RowPair, kMaximumWindowPairs> pairs;  // window[first] and later
   for (std::size_t i = first; i < window.size(); ++i)
     pairs.push_back(rowPairOf(window[i], camera.baseline, timing.range(), window));
   for (Landmark& landmark : landmarks) {
-    const auto anchor = std::find(frames.begin(), frames.end(), landmark.anchor().frame);
-    if (anchor == frames.end()) continue;
-    const int anchor_position = static_cast<int>(anchor - frames.begin());
+    const std::optional<int> anchor = findFrameIndex(window, landmark.anchor().frame);
+    if (!anchor) continue;
     Eigen::Vector4d place;
     place << bearingOf(camera, landmark.anchor().leftAtExposure()),
         landmark.hasDepth() ? landmark.inverse_depth : kPredictedInverseDepth;
     for (Observation& observation : landmark.observations) {
-      if (observation.frame < frames[first]) continue;
-      const auto at = std::find(frames.begin() + first, frames.end(), observation.frame);
-      if (at == frames.end()) continue;
-      const RowPair& pair = pairs[at - frames.begin() - first];
+      if (observation.frame < window[first].index) continue;
+      const std::optional<int> at = findFrameIndex(window, observation.frame);
+      if (!at) continue;
+      const RowPair& pair = pairs[static_cast<std::size_t>(*at) - first];
       if (!pair.moves) continue;
       observation.left_row_shift =
-          shiftOf(camera, pair.left, timing.left(observation.left), observation.left, place, anchor_position);
+          shiftOf(camera, pair.left, timing.left(observation.left), observation.left, place, *anchor);
       if (observation.stereo)
         observation.right_row_shift = shiftOf(camera, pair.right, timing.right(observation.right()),
-                                              observation.right(), place, anchor_position);
+                                              observation.right(), place, *anchor);
     }
   }
 }

@@ -31,6 +31,11 @@ struct WindowFrame {
   std::optional<MotionBlend> rows;       ///< as TimedPose's
 };
 
+/// Time from the left exposure of one pair to that of another, s.
+inline double secondsBetween(const WindowFrame& from, const WindowFrame& to) {
+  return 1e-9 * static_cast<double>(to.exposure_ns - from.exposure_ns);
+}
+
 /// Finds the position in the window of the pair with this index; nothing if the pair is not in the window.
 inline std::optional<int> findFrameIndex(const std::vector<WindowFrame>& window, std::int64_t index) {
   for (std::size_t i = 0; i < window.size(); ++i)

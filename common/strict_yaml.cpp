@@ -204,4 +204,13 @@ std::string StrictYaml::place() const {
   return place + ": ";
 }
 
+std::string quotedYaml(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    if (character == '"' || character == '\\') result += '\\';
+    result += static_cast<unsigned char>(character) < ' ' ? ' ' : character;
+  }
+  return result + "\"";
+}
+
 }  // namespace cartvo

@@ -63,4 +63,7 @@ class StrictYaml {
   YAML::Node node_;
 };
 
+/// Text as a double-quoted YAML value; control characters become blanks.
+std::string quotedYaml(const std::string& text);
+
 }  // namespace cartvo

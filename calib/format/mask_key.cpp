@@ -147,16 +147,6 @@ std::string nameFrom(const fs::path& folder, const fs::path& file) {
   return relative.empty() || *relative.begin() == ".." ? whole.string() : relative.string();
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char character : text) {
-    if (character == '"' || character == '\\') result += '\\';
-    result += character;
-  }
-  result += '"';
-  return result;
-}
-
 }  // namespace
 
 StaticMask readMask(const StrictYaml& yaml, cv::Size size, const std::optional<fs::path>& folder) {
@@ -171,8 +161,8 @@ StaticMask readMask(const StrictYaml& yaml, cv::Size size, const std::optional<f
 
 std::string maskText(const StaticMask& mask, const std::optional<fs::path>& folder) {
   if (!mask.polygons.empty()) return polygonsText(mask.polygons);
-  if (folder && !mask.file.empty()) return quoted(nameFrom(*folder, mask.file));
-  return quoted(std::string(kEmbedded) + encodeBase64(maskPng(mask)));
+  if (folder && !mask.file.empty()) return quotedYaml(nameFrom(*folder, mask.file));
+  return quotedYaml(std::string(kEmbedded) + encodeBase64(maskPng(mask)));
 }
 
 std::string maskPng(const StaticMask& mask) {

@@ -90,15 +90,6 @@ Rig parseAnyRig(const StrictYaml& yaml, const std::filesystem::path& name, const
       "of other tools are read by 'cartvo calibrate convert'");
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char character : text) {
-    if (character == '"' || character == '\\') result += '\\';
-    result += static_cast<unsigned char>(character) < ' ' ? ' ' : character;
-  }
-  return result + "\"";
-}
-
 std::string cameraText(const CameraModel& camera, const Folder& folder) {
   const std::string lens = camera.lens == LensModel::wide ? "\n  lens: wide" : "";
   const std::string readout =
@@ -160,7 +151,7 @@ std::string textOf(const Rig& rig, const Folder& folder) {
          std::to_string(kFormatVersion) +
          "  # version of this format\n"
          "name: " +
-         quoted(rig.name) +
+         quotedYaml(rig.name) +
          "\n"
          "# Width and height of the raw images that this calibration holds for, px. Other sizes are "
          "refused.\n"

@@ -14,35 +14,20 @@
 
 #include "calib/format/mask_key.hpp"
 #include "calib/format/rig_file.hpp"
-#include "capture/stereo_source.hpp"
 #include "common/atomic_file.hpp"
 #include "common/image_size.hpp"
 #include "tools/calibrate/camera_files.hpp"
 #include "tools/calibrate/mask/static_parts.hpp"
+#include "tools/calibrate/rig_update.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/replay/source_rig.hpp"
 
 namespace cartvo {
 namespace {
 
 namespace fs = std::filesystem;
 using calibrate::StaticParts;
-
-struct Options {
-  fs::path source, right_video, rig, output;
-  double frame_rate = 0.0;
-  bool json = false;
-};
-
-/// The rig file to change: that of --rig, or the output if it exists, or the source's.
-calib::Rig rigToChange(const Options& options) {
-  if (!options.rig.empty()) return calib::readRig(options.rig);
-  if (fs::exists(options.output)) return calib::readRig(options.output);
-  if (fs::is_regular_file(options.source))
-    throw std::runtime_error(options.output.string() + ": does not exist; give the rig file with --rig FILE");
-  return findRig(capture::openSource(options.source), options.source, {}).rig;
-}
+using Options = calibrate::RigUpdateOptions;
 
 StaticParts find(capture::CameraSource& camera, const std::string& side) {
   calibrate::StaticPartFinder finder;
@@ -107,13 +92,12 @@ void setMask(const StaticParts& parts, const fs::path& file, calib::CameraModel&
 }
 
 void run(const Options& options) {
-  if (options.right_video.empty() && fs::is_regular_file(options.source))
-    throw std::runtime_error("one video is of one camera: give both videos");
+  if (options.isSingleVideo()) throw std::runtime_error("one video is of one camera: give both videos");
   const fs::path left_file = maskFile(options.output, "left"), right_file = maskFile(options.output, "right");
   calib::Rig rig;
   if (!options.output.empty()) {
     checkResultFiles({options.output, left_file, right_file});
-    rig = rigToChange(options);
+    rig = calibrate::rigToChange(options);
   }
   const calibrate::CameraFiles cameras =
       calibrate::openCameraFiles(options.source, options.right_video, options.frame_rate);
@@ -141,28 +125,12 @@ void addCalibrateMask(CLI::App& calibrate) {
   CLI::App* command = calibrate.add_subcommand(
       "mask", "Parts of the pictures that never move, such as the roof edge, from a drive");
   const auto options = std::make_shared<Options>();
-  command
-      ->add_option("SOURCE", options->source,
-                   "A drive: a recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the "
-                   "left camera's video")
-      ->required();
-  command->add_option("RIGHT", options->right_video, "The right camera's video, if SOURCE is the left one's");
-  command
-      ->add_option("--output", options->output,
-                   "Rig file to write the masks to; the rest of an existing one is kept. The masks are PNG "
-                   "files beside it. Without it they are only described")
-      ->type_name("FILE");
-  command
-      ->add_option("--rig", options->rig,
-                   "Rig file to start from (default: FILE of --output, or the source's)")
-      ->type_name("FILE");
-  command
-      ->add_option("--frame-rate", options->frame_rate,
-                   "Frame rate of the cameras: replaces the time stamps of videos and of a folder; needed "
-                   "for raw streams (.h264)")
-      ->check(CLI::Range(0.5, 1000.0))
-      ->type_name("HZ");
-  command->add_flag("--json", options->json, "Report as JSON");
+  addRigUpdateOptions(
+      *command, *options,
+      "A drive: a recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left camera's "
+      "video",
+      "Rig file to write the masks to; the rest of an existing one is kept. The masks are PNG files beside "
+      "it. Without it they are only described");
   command->footer(
       "Record a drive of a minute or more, with curves, by daylight. Landmarks in a mask are never used.\n"
       "The masks can be painted over: black is not used.\n"

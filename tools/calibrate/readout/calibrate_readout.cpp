@@ -12,11 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"
-#include "capture/stereo_source.hpp"
 #include "tools/calibrate/readout/mains_bands.hpp"
 #include "tools/calibrate/readout/profile_source.hpp"
+#include "tools/calibrate/rig_update.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/replay/source_rig.hpp"
 
 namespace cartvo {
 namespace {
@@ -24,29 +23,16 @@ namespace {
 namespace fs = std::filesystem;
 using calibrate::ReadoutMeasurement;
 
-struct Options {
-  fs::path source, right_video, rig, output;
+struct Options : calibrate::RigUpdateOptions {
   fs::path configuration = "/etc/cartvo/cartvod.yaml";
   std::string camera = "both";
-  double mains = 50.0, frame_rate = 0.0, seconds = 20.0;
-  bool json = false;
+  double mains = 50.0, seconds = 20.0;
+
+  bool isLive() const { return source == "live"; }
 };
 
-bool isSingleVideo(const Options& options) {
-  return options.right_video.empty() && fs::is_regular_file(options.source);
-}
-
-/// The rig file to change: that of --rig, or the output if it exists, or the source's.
-calib::Rig rigToChange(const Options& options) {
-  if (!options.rig.empty()) return calib::readRig(options.rig);
-  if (fs::exists(options.output)) return calib::readRig(options.output);
-  if (options.source == "live" || fs::is_regular_file(options.source))
-    throw std::runtime_error(options.output.string() + ": does not exist; give the rig file with --rig FILE");
-  return findRig(capture::openSource(options.source), options.source, {}).rig;
-}
-
 calibrate::StereoProfiles readAll(const Options& options) {
-  if (options.source != "live")
+  if (!options.isLive())
     return calibrate::profilesOfFiles(options.source, options.right_video, options.frame_rate);
   std::fprintf(stderr, "cartvo: reading both cameras for %.0f s\n", options.seconds);
   return calibrate::profilesOfLiveCameras(options.configuration, options.seconds);
@@ -81,16 +67,16 @@ ReadoutMeasurement measure(const char* side, const std::vector<calibrate::RowPro
 }
 
 void run(const Options& options) {
-  if (isSingleVideo(options) && options.camera == "both")
+  if (options.isSingleVideo() && options.camera == "both")
     throw std::runtime_error(
         "one video is of one camera: give --camera left or --camera right, or both videos");
   calib::Rig rig;
   if (!options.output.empty()) {
     checkResultFiles({options.output});
-    rig = rigToChange(options);
+    rig = calibrate::rigToChange(options, options.isLive());
   }
   calibrate::StereoProfiles profiles = readAll(options);
-  if (isSingleVideo(options) && options.camera == "right") profiles.right.swap(profiles.left);
+  if (options.isSingleVideo() && options.camera == "right") profiles.right.swap(profiles.left);
   nlohmann::ordered_json json;
   std::string text;
   const auto add = [&](const char* side, const std::vector<calibrate::RowProfile>& camera_profiles,
@@ -113,12 +99,12 @@ void addCalibrateReadout(CLI::App& calibrate) {
   CLI::App* command = calibrate.add_subcommand(
       "readout", "Readout of the cameras' rolling shutters, from the bands of a lamp on the mains");
   const auto options = std::make_shared<Options>();
-  command
-      ->add_option("SOURCE", options->source,
-                   "'live': the configured cameras; a recording (cartvod --record), a folder in KITTI's or "
-                   "EuRoC's layout, or a video")
-      ->required();
-  command->add_option("RIGHT", options->right_video, "The right camera's video, if SOURCE is the left one's");
+  addRigUpdateOptions(
+      *command, *options,
+      "'live': the configured cameras; a recording (cartvod --record), a folder in KITTI's or EuRoC's "
+      "layout, or a video",
+      "Rig file to write the readouts to; the rest of an existing one is kept. Without it they are only "
+      "printed");
   command->add_option("--camera", options->camera, "Camera to measure; that of a single video")
       ->check(CLI::IsMember({"both", "left", "right"}))
       ->type_name("CAMERA")
@@ -128,15 +114,6 @@ void addCalibrateReadout(CLI::App& calibrate) {
       ->type_name("HZ")
       ->capture_default_str();
   command
-      ->add_option("--output", options->output,
-                   "Rig file to write the readouts to; the rest of an existing one is kept. Without it "
-                   "they are only printed")
-      ->type_name("FILE");
-  command
-      ->add_option("--rig", options->rig,
-                   "Rig file to start from (default: FILE of --output, or the source's)")
-      ->type_name("FILE");
-  command
       ->add_option("--config", options->configuration,
                    "With 'live': cartvod's configuration file, which names the cameras")
       ->type_name("FILE")
@@ -144,14 +121,6 @@ void addCalibrateReadout(CLI::App& calibrate) {
   command->add_option("--seconds", options->seconds, "With 'live': how long to read the cameras")
       ->check(CLI::Range(3.0, 600.0))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--frame-rate", options->frame_rate,
-          "Frame rate of the cameras: replaces the time stamps of videos and of a folder; needed for "
-          "raw streams (.h264)")
-      ->check(CLI::Range(0.5, 1000.0))
-      ->type_name("HZ");
-  command->add_flag("--json", options->json, "Report as JSON");
   command->footer(
       "Let the cameras stand before a lamp on the mains, or a wall lit by it, without daylight, with a "
       "short\n"

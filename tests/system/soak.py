@@ -6,12 +6,14 @@ import pathlib
 import random
 import signal
 import socket
+import statistics
 import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from drive_truth import Truth, wrong_velocities  # noqa: E402
@@ -20,6 +22,8 @@ from running_cart import Listener  # noqa: E402
 BUILD = os.environ["CARTVO_BUILD"]
 FRAME_RATE = 18.0
 CONTENT_S = 60.0
+METRICS = "127.0.0.1:9464"
+DISK_MB = 300  # of the recordings
 
 
 class Faults:
@@ -38,6 +42,7 @@ class Faults:
         self.report_error = 0.0  # s by which sender reports are wrong
         self.answer = None       # what the next connection gets instead of the camera
         self.swapped_until = 0.0
+        self.dead_until = 0.0    # a camera that boots refuses connections until then
 
 
 class Proxy:
@@ -68,6 +73,9 @@ class Proxy:
 
     def serve(self, client):
         faults = self.faults
+        if time.time() < faults.dead_until:
+            client.close()
+            return
         answer, faults.answer = faults.answer, None
         if answer:
             try:
@@ -190,7 +198,7 @@ def faults(rng):
             proxy.close()
         return apply
 
-    seconds, packets = rng.uniform(0.05, 2.5), rng.randrange(1, 60)
+    seconds, packets, boot_s = rng.uniform(0.05, 2.5), rng.randrange(1, 60), rng.uniform(5.0, 30.0)
     hostile = rng.choice(list(Proxy.HOSTILE))
     return rng.choice([
         ("stall of %.2f s, then all at once" % seconds, set_(hold_until=lambda: time.time() + seconds)),
@@ -203,6 +211,8 @@ def faults(rng):
         ("a picture with an RTP time of its own", set_(stray=1)),
         ("a new connection with a backlog of %.2f s" % seconds, closed(backlog=seconds)),
         ("30 kB/s for %.1f s" % (2 * seconds), set_(rate=lambda: (30e3, time.time() + 2 * seconds))),
+        ("the camera boots for %.0f s, and its clock is wrong by a day" % boot_s,
+         closed(dead_until=lambda: time.time() + boot_s, report_error=86400.0)),
         ("sender reports wrong by an hour", set_(report_error=3600.0)),
         ("sender reports right again", set_(report_error=0.0)),
         ("a new connection meets a server with %s" % hostile, closed(answer=hostile)),
@@ -225,17 +235,64 @@ def start_daemon(folder, proxies):
     password = open(folder + "/sim/password").read()
     with open(os.open(folder + "/password", os.O_CREAT | os.O_WRONLY, 0o600), "w") as file:
         file.write(password)
+    recordings = folder + "/recordings"
+    os.makedirs(recordings, exist_ok=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=%dm" % DISK_MB, "tmpfs", recordings], check=True)
     camera = "    url: rtsp://127.0.0.1:%d/Streaming/Channels/101\n    username: admin\n    password_file: password\n"
     with open(folder + "/cartvod.yaml", "w") as file:
         file.write("cameras:\n  left:\n" + camera % proxies[0].port + "  right:\n" + camera % proxies[1].port +
-                   "rig: sim/rig.yaml\n")
+                   "rig: sim/rig.yaml\nmetrics:\n  listen: %s\nrecording:\n  directory: recordings\n  keep_free: 0.05\n" % METRICS)
     return subprocess.Popen([BUILD + "/daemon/cartvod", "--config", folder + "/cartvod.yaml"],
                             stdout=open(folder + "/log", "w"), stderr=subprocess.STDOUT)
 
 
-def resident_mb(pid):
+def resources(pid):
+    """Resident memory in MB, threads, and descriptors of a process."""
     with open("/proc/%d/status" % pid) as file:
-        return next(int(line.split()[1]) / 1024 for line in file if line.startswith("VmRSS"))
+        status = dict(line.split(":", 1) for line in file)
+    return (int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"]), len(os.listdir("/proc/%d/fd" % pid)))
+
+
+def sample(pid, rows):
+    """Appends the process' resources each ten seconds, until it has ended."""
+    while True:
+        try:
+            rows.append((time.time(), *resources(pid)))
+        except (OSError, KeyError):
+            return
+        time.sleep(10.0)
+
+
+def scrape():
+    """Reads /metrics once a second."""
+    while True:
+        try:
+            urllib.request.urlopen("http://%s/metrics" % METRICS, timeout=5).read()
+        except OSError:
+            pass
+        time.sleep(1.0)
+
+
+def fill_disk(folder, seconds):
+    """Leaves no space for recordings for `seconds`."""
+    def fill():
+        ballast = folder + "/recordings/ballast"
+        space = os.statvfs(folder + "/recordings")
+        try:
+            with open(ballast, "wb") as file:
+                file.write(bytes(max(space.f_bavail * space.f_frsize - 100_000, 0)))
+        except OSError:
+            pass
+        time.sleep(seconds)
+        os.unlink(ballast)
+    threading.Thread(target=fill, daemon=True).start()
+
+
+def second_and_last_quarter(rows):
+    """The medians of each resource over the second and the last quarter of the samples: the first quarter is warming up."""
+    quarter = max(len(rows) // 4, 1)
+    return [tuple(statistics.median(row[i] for row in part) for i in (1, 2, 3))
+            for part in (rows[quarter:2 * quarter] or rows, rows[-quarter:])]
 
 
 def main():
@@ -253,7 +310,9 @@ def main():
     daemon = start_daemon(folder, proxies)
     begin = time.time()
     time.sleep(8.0)
-    memory, count, stops = resident_mb(daemon.pid), 0, 0
+    count, stops, rows = 0, 0, []
+    threading.Thread(target=sample, args=(daemon.pid, rows), daemon=True).start()
+    threading.Thread(target=scrape, daemon=True).start()
     truth = Truth(folder + "/sim/truth.tum", CONTENT_S)
     while time.time() < begin + options.seconds and daemon.poll() is None:
         time.sleep(rng.uniform(1.0, 12.0))
@@ -266,6 +325,10 @@ def main():
             daemon.send_signal(signal.SIGCONT)
             stops += pause
             text = "the daemon is stopped for %.2f s" % pause
+        elif rng.random() < 0.04:
+            seconds = rng.uniform(1.0, 40.0)
+            fill_disk(folder, seconds)
+            text = "no space for recordings for %.0f s" % seconds
         else:
             side = rng.randrange(2)
             name, apply = faults(rng)
@@ -274,7 +337,7 @@ def main():
         print("%7.1f s  %s  (%d wrong before)" % (time.time() - begin, text, before), flush=True)
     time.sleep(5.0)
     ended = daemon.poll()
-    grown = resident_mb(daemon.pid) - memory if ended is None else 0.0
+    early, late = second_and_last_quarter(rows)
     for process in (daemon, cameras):
         process.terminate()
     daemon.wait(15)
@@ -289,10 +352,14 @@ def main():
             message["utime"] * 1e-6 - begin, ["%.2f" % v for v in message["velocity"]], ["%.2f" % v for v in true], error,
             message["deviation"], message["received"] - message["utime"] * 1e-6))
     print("%d faults in %.0f s: %d messages, %d VALID (%.0f %%), %d of them compared, %d WRONG; %d gaps in the sequence; longest "
-          "silence %.2f s; memory %+.1f MB; log: %s/log" % (
+          "silence %.2f s; log: %s/log" % (
               count, time.time() - begin, len(messages), valid, 100 * valid / max(len(messages), 1), compared, len(wrong), gaps,
-              silence, grown, folder))
-    failed = wrong or gaps or ended is not None or compared == 0 or grown > 50 or silence > 1.0 + (2.0 if stops else 0.0)
+              silence, folder))
+    print("from the second to the last quarter: resident memory %.1f -> %.1f MB, threads %d -> %d, descriptors %d -> %d" % (
+        early[0], late[0], early[1], late[1], early[2], late[2]))
+    # A connection that is being made or closed takes some threads and descriptors.
+    leaks = late[0] > early[0] + 10 or late[1] > early[1] + 3 or late[2] > early[2] + 5
+    failed = wrong or gaps or ended is not None or compared == 0 or leaks or silence > 1.0 + (2.0 if stops else 0.0)
     print("FAILED" if failed else "passed")
     return 1 if failed else 0
 

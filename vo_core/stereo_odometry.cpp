@@ -46,7 +46,7 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySetting
       settings_(settings),
       shutters_(shutters),
       masks_{masks.left.clone(), masks.right.clone()},
-      repeated_images_(std::make_unique<RepeatedImageDetector>()) {
+      repeated_images_(std::make_unique<RepeatedImageDetector>(masks_)) {
   validate(camera);
   validate(settings);
   validate(shutters);

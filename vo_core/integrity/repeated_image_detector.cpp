@@ -13,6 +13,16 @@ constexpr int kComparedRows = 32;  // evenly spread over the image; motion chang
 
 }  // namespace
 
+const std::uint8_t* RepeatedImageDetector::Camera::unmasked(const cv::Mat& image, int y) {
+  const std::uint8_t* const pixels = image.ptr(y);
+  if (mask.empty()) return pixels;
+  const std::uint8_t* const used = mask.ptr(y);
+  row.resize(static_cast<std::size_t>(image.cols));
+  for (std::size_t x = 0; x < row.size(); ++x)
+    row[x] = used[x] == 0 ? 0 : pixels[x];
+  return row.data();
+}
+
 bool RepeatedImageDetector::Camera::repeats(const cv::Mat& image) {
   const auto width = static_cast<std::size_t>(image.cols);
   const int count = std::min(kComparedRows, image.rows);
@@ -20,10 +30,10 @@ bool RepeatedImageDetector::Camera::repeats(const cv::Mat& image) {
   rows.resize(count * width);
   bool same = comparable;
   for (int i = 0; i < count; ++i) {
-    const std::uint8_t* const row = image.ptr(i * image.rows / count);
+    const std::uint8_t* const next = unmasked(image, i * image.rows / count);
     std::uint8_t* const previous = rows.data() + i * width;
-    same = same && std::memcmp(row, previous, width) == 0;
-    if (!same) std::memcpy(previous, row, width);
+    same = same && std::memcmp(next, previous, width) == 0;
+    if (!same) std::memcpy(previous, next, width);
   }
   return same;
 }

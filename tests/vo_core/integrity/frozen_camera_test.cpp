@@ -27,25 +27,39 @@ int shown(int pair, bool frozen) {
   return frozen && pair >= kFreezes && pair < kRecovers ? kFreezes - 1 : pair;
 }
 
-StereoOdometry odometryBy(Estimator estimator) {
+StereoOdometry odometryBy(Estimator estimator, const StereoMasks& masks = {}) {
   OdometrySettings settings;
   settings.estimator = estimator;
   settings.features = 400;
   settings.rig_refinement = RigRefinement::off;
-  return {kCamera, settings};
+  return {kCamera, settings, {}, masks};
 }
 
-/// Estimates of a straight drive with `step` m per pair.
-std::vector<OdometryEstimate> driven(double step, Frozen frozen, Estimator estimator) {
+/// A mask that covers `part`; empty if `part` is.
+cv::Mat maskOf(const cv::Rect& part) {
+  if (part.empty()) return {};
+  cv::Mat mask(kCamera.height, kCamera.width, CV_8UC1, cv::Scalar(255));
+  mask(part).setTo(0);
+  return mask;
+}
+
+/// Estimates of a straight drive with `step` m per pair. The cameras write a clock into `clock`, which is
+/// masked.
+std::vector<OdometryEstimate> driven(double step, Frozen frozen, Estimator estimator,
+                                     const cv::Rect& clock = {}) {
   static const test::CorridorWorld world(1);
-  StereoOdometry odometry = odometryBy(estimator);
+  StereoOdometry odometry = odometryBy(estimator, {maskOf(clock), maskOf(clock)});
   NullStageObserver observer;
+  const auto with_clock = [&](cv::Mat image, int pair) {
+    if (!clock.empty()) image(clock).setTo(20 * pair);
+    return image;
+  };
   const auto pose = [&](int pair) { return Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, step * pair)); };
   std::vector<OdometryEstimate> estimates;
   for (int i = 0; i < kPairs; ++i) {
-    const StereoImages pair{world.view(kCamera, pose(shown(i, frozen != Frozen::right))),
-                            world.rightView(kCamera, pose(shown(i, frozen != Frozen::left))), i * kPeriod,
-                            i * kPeriod};
+    const StereoImages pair{with_clock(world.view(kCamera, pose(shown(i, frozen != Frozen::right))), i),
+                            with_clock(world.rightView(kCamera, pose(shown(i, frozen != Frozen::left))), i),
+                            i * kPeriod, i * kPeriod};
     estimates.push_back(odometry.process(pair, observer));
   }
   return estimates;
@@ -68,6 +82,14 @@ TEST_P(FrozenCamera, InvalidatesTheEstimatesOfAMovingCart) {
   }
   EXPECT_TRUE(estimates.back().valid);
   EXPECT_NEAR(estimates.back().T_previous_current.translation().z(), kFast, 0.02 * kFast);
+}
+
+TEST_P(FrozenCamera, IsDetectedBesideAClockThatGoesOn) {
+  const auto [estimator, frozen] = GetParam();
+  const auto estimates = driven(kFast, frozen, estimator, {20, 10, 120, 24});
+  for (int i = kFreezes; i < kRecovers; ++i)
+    EXPECT_EQ(estimates[i].reasons, OdometryReason::repeated_picture) << i;
+  EXPECT_TRUE(estimates.back().valid);
 }
 
 INSTANTIATE_TEST_SUITE_P(Odometry, FrozenCamera,

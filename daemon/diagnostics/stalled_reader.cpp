@@ -1,4 +1,4 @@
-// Finds a stalled camera reader, for which the watchdog must not be fed.
+// Finds a stalled camera reader, which needs a restart of the daemon.
 
 #include "daemon/diagnostics/stalled_reader.hpp"
 

@@ -265,7 +265,8 @@ void Daemon::Implementation::tick() {
   if (stalled.empty()) {
     service_.feedWatchdog();
   } else {
-    warnings_.warn("the " + stalled + " makes no progress; systemd's watchdog is not fed");
+    warnings_.warn("the " + stalled + " makes no progress; systemd is asked to restart cartvod");
+    service_.triggerWatchdog();
   }
   if (const auto now = Clock::now(); now >= next_health_) {
     publishHealth(now);

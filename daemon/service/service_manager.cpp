@@ -37,6 +37,10 @@ void ServiceManager::feedWatchdog() {
   sd_notify(0, is_ready_ ? "WATCHDOG=1" : "EXTEND_TIMEOUT_USEC=30000000");
 }
 
+void ServiceManager::triggerWatchdog() {
+  sd_notify(0, "WATCHDOG=trigger");
+}
+
 void ServiceManager::notifyStopping() {
   sd_notify(0, "STOPPING=1\nSTATUS=stopping");
 }

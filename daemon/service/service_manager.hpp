@@ -17,6 +17,8 @@ class ServiceManager {
   /// Feeds the watchdog at most once in 2 s, or in a quarter of the watchdog period if that is shorter. Call
   /// it only while the work makes progress.
   void feedWatchdog();
+  /// Has systemd restart the daemon now, as if the watchdog's time were over.
+  void triggerWatchdog();
   /// Sends STOPPING=1.
   void notifyStopping();
 

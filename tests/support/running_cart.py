@@ -95,6 +95,10 @@ class ServiceManager:
     def is_ready(self):
         return any("READY=1" in note for _, note in list(self.notes))
 
+    def restarts_after(self, instant):
+        """cartvod has asked for a restart since `instant` (time.monotonic())."""
+        return any(at > instant and "WATCHDOG=trigger" in note for at, note in list(self.notes))
+
     def fed_s_ago(self):
         fed = [at for at, note in list(self.notes) if "WATCHDOG=1" in note or "EXTEND_TIMEOUT" in note]
         return time.monotonic() - fed[-1] if fed else float("inf")

@@ -28,7 +28,11 @@ std::uint32_t pictureChecksum(VideoCodec codec, std::span<const std::uint8_t> un
 }
 
 std::uint32_t textChecksum(std::string_view text) {
-  return ~add(kInitial, reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  return continuedChecksum(0, text);
+}
+
+std::uint32_t continuedChecksum(std::uint32_t checksum, std::string_view more) {
+  return ~add(~checksum, reinterpret_cast<const std::uint8_t*>(more.data()), more.size());
 }
 
 }  // namespace cartvo::capture

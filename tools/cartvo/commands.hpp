@@ -8,6 +8,7 @@ namespace cartvo {
 // command with a special exit code throws CLI::RuntimeError.
 void addSimulateCommand(CLI::App& cartvo);
 void addReplayCommand(CLI::App& cartvo);
+void addExportCommand(CLI::App& cartvo);
 void addRecordingCommand(CLI::App& cartvo);
 void addEvaluateCommand(CLI::App& cartvo);
 void addWatchCommand(CLI::App& cartvo);

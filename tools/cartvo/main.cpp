@@ -31,6 +31,7 @@ constexpr int kWrongCommandLine = 2;
 void addCommands(CLI::App& cartvo) {
   cartvo::addSimulateCommand(cartvo);
   cartvo::addReplayCommand(cartvo);
+  cartvo::addExportCommand(cartvo);
   cartvo::addRecordingCommand(cartvo);
   cartvo::addEvaluateCommand(cartvo);
   cartvo::addWatchCommand(cartvo);

@@ -280,4 +280,19 @@ void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory,
   writeResultFile(file, text);
 }
 
+void writeEuroc(const std::filesystem::path& file, const Trajectory& trajectory) {
+  std::string text =
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z "
+      "[]\n";
+  char row[256];
+  for (const auto& [time_ns, pose] : trajectory) {
+    const Eigen::Quaterniond q(pose.linear());
+    const Eigen::Vector3d t = pose.translation();
+    std::snprintf(row, sizeof row, "%lld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n",
+                  static_cast<long long>(time_ns), t.x(), t.y(), t.z(), q.w(), q.x(), q.y(), q.z());
+    text += row;
+  }
+  writeResultFile(file, text);
+}
+
 }  // namespace cartvo

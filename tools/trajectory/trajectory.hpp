@@ -52,4 +52,9 @@ void writeTum(const std::filesystem::path& file, const Trajectory& trajectory,
 void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory,
                 TrajectoryFrame frame = TrajectoryFrame::unknown);
 
+/// Writes EuRoC's format: ns x y z qw qx qy qz, separated by commas, without the velocity and the biases of
+/// its ground truth. The first line, a comment, names the columns. readTrajectory reads it back if the
+/// instants are those since the Unix epoch.
+void writeEuroc(const std::filesystem::path& file, const Trajectory& trajectory);
+
 }  // namespace cartvo

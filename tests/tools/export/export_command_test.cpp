@@ -1,0 +1,166 @@
+// Tests of `cartvo export` as its users run it, on a small recording and on trajectory files.
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "calib/format/rig_file.hpp"
+#include "capture/codec/nal_units.hpp"
+#include "capture/recording/stream_recorder.hpp"
+#include "support/calib/rigs.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/tools/mcap_file.hpp"
+#include "support/tools/run_cartvo.hpp"
+#include "tools/simulate/stream/stream_encoder.hpp"
+#include "tools/trajectory/trajectory.hpp"
+
+namespace cartvo {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr int kPictures = 24;
+constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
+
+std::string contentsOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class ExportCommand : public ::testing::Test {
+ protected:
+  test::CommandResult run(const std::string& source, const std::string& format,
+                          const std::string& output) const {
+    return test::runCartvo("export " + (folder_ / source).string() + " --to " + format + " --output " +
+                           (folder_ / output).string());
+  }
+
+  /// 1.2 s of two cameras at 20 Hz, with a key picture each second; no motion is found in it.
+  void record() const {
+    calib::Rig rig = test::rectifiedRig();
+    rig.left.size = rig.right.size = {160, 96};
+    rig.left.cx = rig.right.cx = 80.0;
+    rig.left.cy = rig.right.cy = 48.0;
+    calib::writeRig(folder_ / "rig.yaml", rig);
+    capture::RecordingSettings settings;
+    settings.folder = folder_ / "drive";
+    settings.rig = contentsOf(folder_ / "rig.yaml");
+    capture::StreamRecorder recorder(settings);
+    simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
+    recorder.left().onStream({});
+    recorder.right().onStream({});
+    for (int i = 0; i < kPictures; ++i) {
+      cv::Mat image(96, 160, CV_8UC1, cv::Scalar(60));
+      cv::circle(image, {10 + 3 * i, 48}, 20, cv::Scalar(200), cv::FILLED);
+      const simulate::EncodedPicture encoded = encoder.encode(image);
+      capture::EncodedUnit unit;
+      unit.data = encoded.data;
+      unit.key = encoded.key_frame;
+      unit.sequence = static_cast<std::uint64_t>(i);
+      unit.pts = i * 4500;
+      unit.exposure_ns = kStart_ns + i * 50'000'000;
+      unit.first_arrival_ns = unit.arrival_ns = unit.exposure_ns + 20'000'000;
+      recorder.left().onUnit(unit);
+      recorder.right().onUnit(unit);
+    }
+  }
+
+  void writeTrajectory() const {
+    StampedPose pose;
+    for (int i = 0; i < 3; ++i) {
+      poses_.push_back(pose);
+      poses_.back().time_ns = kStart_ns + i;
+      pose.pose.translation().x() += 0.25;
+    }
+    writeTum(folder_ / "drive.tum", poses_, TrajectoryFrame::body);
+  }
+
+  test::TemporaryFolder folder_;
+  mutable Trajectory poses_;
+};
+
+TEST_F(ExportCommand, CopiesThePicturesOfARecording) {
+  record();
+  const test::CommandResult run = this->run("drive", "mcap", "drive.mcap");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("pairs written to "));
+  std::vector<std::string> pictures[2];
+  std::uint64_t last = 0;
+  for (const test::McapMessage& message : test::readMcapFile(contentsOf(folder_ / "drive.mcap")).messages) {
+    EXPECT_GE(message.log_time, last) << "in the order of time";
+    last = message.log_time;
+    if (message.topic == "/left/video") pictures[0].push_back(message.data);
+    if (message.topic == "/right/video") pictures[1].push_back(message.data);
+  }
+  for (const std::vector<std::string>& camera : pictures) {
+    ASSERT_EQ(camera.size(), static_cast<std::size_t>(kPictures));
+    int keys = 0;
+    for (const std::string& picture : camera) {
+      EXPECT_THAT(picture, AllOf(HasSubstr("_camera_optical"), HasSubstr("h264")));
+      const std::vector<std::uint8_t> bytes(picture.begin(), picture.end());
+      bool has_key = false;
+      for (const capture::NalUnit& nal : capture::splitNalUnits(capture::VideoCodec::h264, bytes))
+        has_key = has_key || nal.kind == capture::NalKind::key_slice;
+      keys += has_key ? 1 : 0;
+      if (!has_key) continue;
+      EXPECT_FALSE(capture::parameterSets(capture::VideoCodec::h264, bytes).empty());
+    }
+    EXPECT_GE(keys, 2);
+  }
+}
+
+TEST_F(ExportCommand, WritesEachFormatOfARecording) {
+  record();
+  for (const char* format : {"rosbag2-mcap", "lcm-log", "tum", "kitti", "euroc", "csv"}) {
+    const test::CommandResult run = this->run("drive", format, std::string("out/") + format);
+    EXPECT_EQ(run.exit_code, 0) << format << ": " << run.output;
+    EXPECT_FALSE(contentsOf(folder_ / "out" / format).empty()) << format;
+  }
+}
+
+TEST_F(ExportCommand, ConvertsTrajectories) {
+  writeTrajectory();
+  for (const char* format : {"tum", "euroc"}) {
+    ASSERT_EQ(run("drive.tum", format, format).exit_code, 0);
+    const Trajectory read = readTrajectory(folder_ / format);
+    ASSERT_EQ(read.size(), poses_.size());
+    EXPECT_EQ(read.back().time_ns, poses_.back().time_ns) << format;
+    EXPECT_TRUE(read.back().pose.isApprox(poses_.back().pose, 1e-8)) << format;
+  }
+  ASSERT_EQ(run("drive.tum", "kitti", "poses.txt").exit_code, 0);
+  EXPECT_EQ(frameOf(folder_ / "poses.txt"), TrajectoryFrame::body);
+  EXPECT_EQ(run("drive.tum", "mcap", "drive.mcap").exit_code, 0);
+
+  fs::create_directory(folder_ / "out");
+  fs::copy(folder_ / "drive.tum", folder_ / "out/trajectory.tum");
+  EXPECT_EQ(contentsOf(folder_ / "drive.tum"), contentsOf(folder_ / "tum"));
+  EXPECT_EQ(run("out", "tum", "tum").exit_code, 0) << "an output folder of cartvo replay";
+}
+
+TEST_F(ExportCommand, ReportsWhatItCannotExport) {
+  writeTrajectory();
+  writeKitti(folder_ / "poses.txt", poses_, TrajectoryFrame::left_camera);
+  std::ofstream(folder_ / "left.mp4") << "x";
+  const auto fails = [&](const std::string& source, const std::string& format, const std::string& reason) {
+    const test::CommandResult run = this->run(source, format, "new/file");
+    EXPECT_EQ(run.exit_code, 1) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(reason));
+    EXPECT_FALSE(fs::exists(folder_ / "new"));
+  };
+  fails("missing", "mcap", "missing: does not exist");
+  fails("drive.tum", "csv", "drive.tum: is a trajectory, which has poses only");
+  fails("drive.tum", "lcm-log", "drive.tum: is a trajectory, which has poses only");
+  fails("poses.txt", "mcap", "poses.txt: is a trajectory in KITTI's format, which has no times");
+  fails("left.mp4", "mcap", "left.mp4: is a video; run 'cartvo replay'");
+  EXPECT_EQ(run("drive.tum", "bag", "x").exit_code, 2);
+  EXPECT_THAT(run("drive.tum", "mcap", "drive.tum/x").output, HasSubstr("drive.tum"));
+}
+
+}  // namespace
+}  // namespace cartvo

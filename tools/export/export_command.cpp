@@ -1,0 +1,103 @@
+// `cartvo export`: writes recordings and results in formats of other tools.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <opencv2/core/utility.hpp>
+
+#include "common/printable_text.hpp"
+#include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/result_files.hpp"
+#include "tools/export/export_format.hpp"
+#include "tools/replay/summary.hpp"
+
+namespace cartvo {
+namespace {
+
+struct Options {
+  std::filesystem::path source, rig, output;
+  std::string format;
+  int threads = 2;
+};
+
+ExportSource readWithProgress(const Options& options) {
+  ProgressBar progress("pairs");
+  return readExportSource(options.source, options.rig,
+                          [&](const daemon::PairResult& result, std::size_t expected) {
+                            progress.show(result.sequence + 1, expected);
+                          });
+}
+
+void writeWithProgress(const ExportSource& source, ExportFormat format, const std::filesystem::path& file) {
+  std::optional<ProgressBar> progress;
+  writeExport(source, format, file, [&](std::size_t pictures) {
+    if (!progress) progress.emplace("pictures");
+    progress->show(pictures, 0);
+  });
+}
+
+void printWarnings(const Replay& replay) {
+  constexpr std::size_t kMaxWarningBytes = 4000;
+  for (const std::string& problem : replay.problems)
+    std::fprintf(stderr, "cartvo: warning: %s\n", printableExcerpt(problem, kMaxWarningBytes).c_str());
+  if (const std::string reason = nothingValidText(replay); !reason.empty())
+    std::fprintf(stderr, "cartvo: warning: %s\n", reason.c_str());
+}
+
+void run(const Options& options) {
+  const ExportFormat format = exportFormatNamed(options.format);
+  checkResultFiles({options.output});
+  cv::setNumThreads(options.threads);
+  const ExportSource source = readWithProgress(options);
+  if (source.replay) printWarnings(*source.replay);
+  writeWithProgress(source, format, options.output);
+  const std::size_t count = source.replay ? source.replay->pairs.size() : source.poses.size();
+  std::printf("%zu %s written to %s\n", count, source.replay ? "pairs" : "poses", options.output.c_str());
+}
+
+}  // namespace
+
+void addExportCommand(CLI::App& cartvo) {
+  CLI::App* command =
+      cartvo.add_subcommand("export", "Write a recording or results in the formats of other tools");
+  const auto options = std::make_shared<Options>();
+  command
+      ->add_option(
+          "SOURCE", options->source,
+          "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, an output folder of "
+          "cartvo replay, or a trajectory in TUM's or EuRoC's format")
+      ->required();
+  command->add_option("--to", options->format, "Format of the file")
+      ->required()
+      ->check(CLI::IsMember(exportFormatNames()))
+      ->type_name("FORMAT");
+  command->add_option("--output", options->output, "The file to write")->required()->type_name("FILE");
+  command->add_option("--rig", options->rig, "Rig file, in place of that of the source; as for cartvo replay")
+      ->type_name("FILE");
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads for image operations; the results do not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->footer(
+      "  mcap     for Foxglove, Rerun and PlotJuggler: odometry, poses, frames, log, and the pictures of a\n"
+      "           recording as the cameras sent them\n"
+      "  rosbag2-mcap  bag of ROS 2: nav_msgs/msg/Odometry and tf2_msgs/msg/TFMessage\n"
+      "  lcm-log  event log of LCM with CARTVO_ODOMETRY, for lcm-logplayer\n"
+      "  tum      poses of the body: seconds x y z qx qy qz qw\n"
+      "  kitti    poses of the left camera (of the trajectory, if SOURCE is one): 3x4 matrices\n"
+      "  euroc    poses of the body: ns,x,y,z,qw,qx,qy,qz\n"
+      "  csv      the messages with covariances, as odometry.csv of cartvo replay\n"
+      "A recording or image folder is replayed first, as by cartvo replay. A trajectory has poses only: it\n"
+      "can become mcap, tum, kitti and euroc. See cartvo-export(1).\n"
+      "Examples:\n"
+      "  cartvo export drive --to mcap --output drive.mcap\n"
+      "  cartvo export drive --to lcm-log --output drive.lcmlog\n"
+      "  cartvo export out --to euroc --output drive.csv");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cartvo

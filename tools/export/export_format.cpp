@@ -1,0 +1,63 @@
+// Names the formats and writes each of them.
+#include "tools/export/export_format.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+#include "common/atomic_file.hpp"
+#include "tools/export/lcm_log.hpp"
+#include "tools/export/mcap/foxglove_file.hpp"
+#include "tools/export/ros/ros_bag.hpp"
+#include "tools/replay/odometry_csv.hpp"
+
+namespace cartvo {
+namespace {
+
+const Replay& replayOf(const ExportSource& source) {
+  if (source.replay) return *source.replay;
+  throw std::runtime_error(source.path.string() +
+                           ": is a trajectory, which has poses only; this format needs the recording or the "
+                           "image folder");
+}
+
+void writeKittiFile(const ExportSource& source, const std::filesystem::path& file) {
+  if (source.replay)
+    return writeKitti(file, leftCameraTrajectory(*source.replay), TrajectoryFrame::left_camera);
+  writeKitti(file, source.poses, source.frame);
+}
+
+}  // namespace
+
+std::vector<std::string> exportFormatNames() {
+  return {"mcap", "rosbag2-mcap", "lcm-log", "tum", "kitti", "euroc", "csv"};
+}
+
+ExportFormat exportFormatNamed(const std::string& name) {
+  const std::vector<std::string> names = exportFormatNames();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) throw std::invalid_argument("no format " + name);
+  return static_cast<ExportFormat>(std::distance(names.begin(), found));
+}
+
+void writeExport(const ExportSource& source, ExportFormat format, const std::filesystem::path& file,
+                 const ExportProgress& progress) {
+  switch (format) {
+    case ExportFormat::mcap:
+      return writeFoxgloveFile(file, source, progress);
+    case ExportFormat::rosbag2_mcap:
+      return writeRosBag(file, replayOf(source));
+    case ExportFormat::lcm_log:
+      return writeLcmLog(file, replayOf(source));
+    case ExportFormat::tum:
+      return writeTum(file, source.poses, source.frame);
+    case ExportFormat::kitti:
+      return writeKittiFile(source, file);
+    case ExportFormat::euroc:
+      return writeEuroc(file, source.poses);
+    case ExportFormat::csv:
+      return writeResultFile(file, odometryCsv(replayOf(source)));
+  }
+}
+
+}  // namespace cartvo

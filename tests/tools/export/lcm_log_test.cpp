@@ -10,6 +10,7 @@
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/exported_drive.hpp"
+#include "support/tools/run_cartvo.hpp"
 
 namespace cartvo {
 namespace {
@@ -49,6 +50,31 @@ TEST(LcmLog, OfAnImageFolderHasTheExposures) {
   writeLcmLog(folder / "drive.lcmlog", replay);
   lcm::LogFile log((folder / "drive.lcmlog").string(), "r");
   EXPECT_EQ(log.readNextEvent()->timestamp, test::kDriveStart_ns / 1000);
+}
+
+/// Runs a command in a network namespace with loopback only.
+test::CommandResult runIsolated(const std::string& command) {
+  const std::string isolated = (test::sourceFolder() / "tools/in_network_namespace").string();
+  return test::runCommand(isolated + " sh -c '" + command + "' 2>&1");
+}
+
+TEST(LcmLog, IsPlayedByTheLogplayerAndRecordedByTheLogger) {
+  if (runIsolated("true").exit_code != 0) GTEST_SKIP() << "no network namespace of its own here";
+  const test::TemporaryFolder folder;
+  writeLcmLog(folder / "drive.lcmlog", *test::drivenSource().replay);
+  // The logger may start after the first playing, so it is repeated until the logger has recorded something.
+  const test::CommandResult run =
+      runIsolated("cd " + folder.path().string() +
+                  "; lcm-logger --force --quiet --flush-interval=1 live.lcmlog >/dev/null & logger=$!; "
+                  "for i in $(seq 100); do lcm-logplayer drive.lcmlog; test -s live.lcmlog && break; done; "
+                  "kill -INT $logger; wait");
+  lcm::LogFile log((folder / "live.lcmlog").string(), "r");
+  ASSERT_TRUE(log.good()) << run.output;
+  const lcm::LogEvent* event = log.readNextEvent();
+  ASSERT_NE(event, nullptr) << run.output;
+  EXPECT_EQ(event->channel, "CARTVO_ODOMETRY");
+  odometry_t message{};
+  EXPECT_EQ(message.decode(event->data, 0, event->datalen), event->datalen);
 }
 
 TEST(LcmLog, IsNotLeftHalfWritten) {

@@ -49,7 +49,8 @@ void printWarnings(const Replay& replay) {
 
 void run(const Options& options) {
   const ExportFormat format = exportFormatNamed(options.format);
-  checkResultFiles({options.output});
+  for (const std::filesystem::path& file : exportedFiles(format, options.output))
+    checkResultFiles({file});
   cv::setNumThreads(options.threads);
   const ExportSource source = readWithProgress(options);
   if (source.replay) printWarnings(*source.replay);
@@ -70,11 +71,13 @@ void addExportCommand(CLI::App& cartvo) {
           "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, an output folder of "
           "cartvo replay, or a trajectory in TUM's or EuRoC's format")
       ->required();
-  command->add_option("--to", options->format, "Format of the file")
+  command->add_option("--to", options->format, "What to write")
       ->required()
       ->check(CLI::IsMember(exportFormatNames()))
       ->type_name("FORMAT");
-  command->add_option("--output", options->output, "The file to write")->required()->type_name("FILE");
+  command->add_option("--output", options->output, "The file to write; the folder, for rosbag2-mcap")
+      ->required()
+      ->type_name("FILE");
   command->add_option("--rig", options->rig, "Rig file, in place of that of the source; as for cartvo replay")
       ->type_name("FILE");
   command
@@ -85,7 +88,8 @@ void addExportCommand(CLI::App& cartvo) {
   command->footer(
       "  mcap     for Foxglove, Rerun and PlotJuggler: odometry, poses, frames, log, and the pictures of a\n"
       "           recording as the cameras sent them\n"
-      "  rosbag2-mcap  bag of ROS 2: nav_msgs/msg/Odometry and tf2_msgs/msg/TFMessage\n"
+      "  rosbag2-mcap  bag of ROS 2, for ros2 bag play: nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage, and\n"
+      "           the pictures of a recording as foxglove_msgs/msg/CompressedVideo\n"
       "  lcm-log  event log of LCM with CARTVO_ODOMETRY, for lcm-logplayer\n"
       "  tum      poses of the body: seconds x y z qx qy qz qw\n"
       "  kitti    poses of the left camera (of the trajectory, if SOURCE is one): 3x4 matrices\n"
@@ -95,6 +99,7 @@ void addExportCommand(CLI::App& cartvo) {
       "can become mcap, tum, kitti and euroc. See cartvo-export(1).\n"
       "Examples:\n"
       "  cartvo export drive --to mcap --output drive.mcap\n"
+      "  cartvo export drive --to rosbag2-mcap --output drive_bag\n"
       "  cartvo export drive --to lcm-log --output drive.lcmlog\n"
       "  cartvo export out --to euroc --output drive.csv");
   command->callback([options] { run(*options); });

@@ -14,8 +14,9 @@
 namespace cartvo {
 namespace {
 
-const Replay& replayOf(const ExportSource& source) {
-  if (source.replay) return *source.replay;
+/// The source, which must have a replay.
+const ExportSource& withReplay(const ExportSource& source) {
+  if (source.replay) return source;
   throw std::runtime_error(source.path.string() +
                            ": is a trajectory, which has poses only; this format needs the recording or the "
                            "image folder");
@@ -40,23 +41,29 @@ ExportFormat exportFormatNamed(const std::string& name) {
   return static_cast<ExportFormat>(std::distance(names.begin(), found));
 }
 
-void writeExport(const ExportSource& source, ExportFormat format, const std::filesystem::path& file,
+std::vector<std::filesystem::path> exportedFiles(ExportFormat format, const std::filesystem::path& output) {
+  if (format != ExportFormat::rosbag2_mcap) return {output};
+  const auto files = rosBagFiles(output);
+  return {files.begin(), files.end()};
+}
+
+void writeExport(const ExportSource& source, ExportFormat format, const std::filesystem::path& output,
                  const ExportProgress& progress) {
   switch (format) {
     case ExportFormat::mcap:
-      return writeFoxgloveFile(file, source, progress);
+      return writeFoxgloveFile(output, source, progress);
     case ExportFormat::rosbag2_mcap:
-      return writeRosBag(file, replayOf(source));
+      return writeRosBag(output, withReplay(source), progress);
     case ExportFormat::lcm_log:
-      return writeLcmLog(file, replayOf(source));
+      return writeLcmLog(output, *withReplay(source).replay);
     case ExportFormat::tum:
-      return writeTum(file, source.poses, source.frame);
+      return writeTum(output, source.poses, source.frame);
     case ExportFormat::kitti:
-      return writeKittiFile(source, file);
+      return writeKittiFile(source, output);
     case ExportFormat::euroc:
-      return writeEuroc(file, source.poses);
+      return writeEuroc(output, source.poses);
     case ExportFormat::csv:
-      return writeResultFile(file, odometryCsv(replayOf(source)));
+      return writeResultFile(output, odometryCsv(*withReplay(source).replay));
   }
 }
 

@@ -23,9 +23,12 @@ ExportFormat exportFormatNamed(const std::string& name);
 /// Called with the number of pictures written so far; only for formats with video.
 using ExportProgress = std::function<void(std::size_t pictures)>;
 
-/// Writes the source in a format. The file appears when it is complete. Throws std::runtime_error naming the
+/// The files that writeExport writes: `output`, or those in the folder `output` for a bag of ROS 2.
+std::vector<std::filesystem::path> exportedFiles(ExportFormat format, const std::filesystem::path& output);
+
+/// Writes the source in a format. Each file appears when it is complete. Throws std::runtime_error naming the
 /// file and the reason.
-void writeExport(const ExportSource& source, ExportFormat format, const std::filesystem::path& file,
+void writeExport(const ExportSource& source, ExportFormat format, const std::filesystem::path& output,
                  const ExportProgress& progress);
 
 }  // namespace cartvo

@@ -2,6 +2,8 @@
 #include "tools/export/exported_motion.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <stdexcept>
 
 #include "daemon/publish/odometry_reasons.hpp"
 
@@ -38,25 +40,27 @@ ExportedMotion exportedMotion(const ReplayedPair& pair, const Eigen::Isometry3d&
   return motion;
 }
 
-}  // namespace
-
-std::vector<ExportedMotion> exportedMotions(const Replay& replay) {
-  std::vector<ExportedMotion> motions;
-  motions.reserve(replay.pairs.size());
-  for (const ReplayedPair& pair : replay.pairs)
-    motions.push_back(exportedMotion(pair, replay.rig.rig.T_body_camera));
-  return motions;
+ExportedMotion exportedPose(const StampedPose& pose) {
+  ExportedMotion motion;
+  motion.exposure_ns = motion.reception_ns = pose.time_ns;
+  motion.valid = true;
+  motion.T_odom_body = pose.pose;
+  return motion;
 }
 
-std::vector<ExportedMotion> exportedPoses(const Trajectory& trajectory) {
+}  // namespace
+
+std::vector<ExportedMotion> exportedMotions(const ExportSource& source) {
   std::vector<ExportedMotion> motions;
-  motions.reserve(trajectory.size());
-  for (const auto& [time_ns, pose] : trajectory) {
-    ExportedMotion motion;
-    motion.exposure_ns = motion.reception_ns = time_ns;
-    motion.valid = true;
-    motion.T_odom_body = pose;
-    motions.push_back(motion);
+  if (source.replay) {
+    for (const ReplayedPair& pair : source.replay->pairs)
+      motions.push_back(exportedMotion(pair, source.replay->rig.rig.T_body_camera));
+  } else {
+    std::transform(source.poses.begin(), source.poses.end(), std::back_inserter(motions), exportedPose);
+  }
+  for (const ExportedMotion& motion : motions) {
+    if (motion.exposure_ns < 0 || motion.reception_ns < 0)
+      throw std::runtime_error(source.path.string() + ": has instants before 1970, which MCAP cannot hold");
   }
   return motions;
 }

@@ -37,11 +37,9 @@ struct ExportedMotion {
   CovarianceRows twist_covariance{};                           ///< body axes
 };
 
-/// Motions of all pairs of a replay.
-std::vector<ExportedMotion> exportedMotions(const Replay& replay);
-
-/// Poses of a trajectory as motions that are valid and have no velocity and no covariance.
-std::vector<ExportedMotion> exportedPoses(const Trajectory& trajectory);
+/// Motions of all pairs of a replay; poses alone as motions that are valid and have no velocity and no
+/// covariance. Throws std::runtime_error naming the source if instants lie before 1970.
+std::vector<ExportedMotion> exportedMotions(const ExportSource& source);
 
 /// A pose of a frame in its parent frame.
 struct FramePose {

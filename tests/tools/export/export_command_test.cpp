@@ -117,11 +117,27 @@ TEST_F(ExportCommand, CopiesThePicturesOfARecording) {
 
 TEST_F(ExportCommand, WritesEachFormatOfARecording) {
   record();
-  for (const char* format : {"rosbag2-mcap", "lcm-log", "tum", "kitti", "euroc", "csv"}) {
+  for (const char* format : {"lcm-log", "tum", "kitti", "euroc", "csv"}) {
     const test::CommandResult run = this->run("drive", format, std::string("out/") + format);
     EXPECT_EQ(run.exit_code, 0) << format << ": " << run.output;
     EXPECT_FALSE(contentsOf(folder_ / "out" / format).empty()) << format;
   }
+}
+
+TEST_F(ExportCommand, WritesABagWithThePicturesOfARecording) {
+  record();
+  const test::CommandResult run = this->run("drive", "rosbag2-mcap", "out/bag");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const test::McapFile file = test::readMcapFile(contentsOf(folder_ / "out/bag/bag_0.mcap"));
+  ASSERT_EQ(file.messages.size(), 2U * kPictures) << "no motion is found";
+  std::uint64_t last = 0;
+  for (const test::McapMessage& message : file.messages) {
+    EXPECT_EQ(message.schema, "foxglove_msgs/msg/CompressedVideo");
+    EXPECT_GE(message.log_time, last) << "in the order of time";
+    last = message.log_time;
+  }
+  EXPECT_EQ(file.messages[1].topic, "/right/video");
+  EXPECT_THAT(contentsOf(folder_ / "out/bag/metadata.yaml"), HasSubstr("message_count: 48"));
 }
 
 TEST_F(ExportCommand, ConvertsTrajectories) {
@@ -156,6 +172,7 @@ TEST_F(ExportCommand, ReportsWhatItCannotExport) {
   fails("missing", "mcap", "missing: does not exist");
   fails("drive.tum", "csv", "drive.tum: is a trajectory, which has poses only");
   fails("drive.tum", "lcm-log", "drive.tum: is a trajectory, which has poses only");
+  fails("drive.tum", "rosbag2-mcap", "drive.tum: is a trajectory, which has poses only");
   fails("poses.txt", "mcap", "poses.txt: is a trajectory in KITTI's format, which has no times");
   fails("left.mp4", "mcap", "left.mp4: is a video; run 'cartvo replay'");
   EXPECT_EQ(run("drive.tum", "bag", "x").exit_code, 2);

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <yaml-cpp/yaml.h>
 
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
@@ -15,7 +16,10 @@
 #include "support/tools/run_cartvo.hpp"
 #include "tools/export/atomic_file_writer.hpp"
 #include "tools/export/export_format.hpp"
+#include "tools/export/mcap/foxglove_messages.hpp"
+#include "tools/export/mcap/foxglove_schemas.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
+#include "tools/export/ros/ros_messages.hpp"
 
 namespace cartvo {
 namespace {
@@ -108,14 +112,38 @@ TEST(FoxgloveFile, OfATrajectoryHasPosesOnly) {
 
 TEST(RosBag, HasValidPairsOnly) {
   const test::TemporaryFolder folder;
-  exportTo(test::drivenSource(), ExportFormat::rosbag2_mcap, folder / "drive.mcap");
-  const test::McapFile file = test::readMcapFile(contentsOf(folder / "drive.mcap"));
+  exportTo(test::drivenSource(), ExportFormat::rosbag2_mcap, folder / "drive");
+  const test::McapFile file = test::readMcapFile(contentsOf(folder / "drive/drive_0.mcap"));
   EXPECT_EQ(file.profile, "ros2");
   ASSERT_EQ(file.messages.size(), 2U * (test::kDrivePairs - 1));
   EXPECT_EQ(file.messages[0].schema, "nav_msgs/msg/Odometry");
   EXPECT_EQ(file.messages[0].encoding, "cdr");
   EXPECT_EQ(file.messages[0].data.size() % 4, 0U);
   EXPECT_EQ(file.messages[1].schema, "tf2_msgs/msg/TFMessage");
+}
+
+TEST(RosBag, HasMetadataOfItsMessages) {
+  const test::TemporaryFolder folder;
+  exportTo(test::drivenSource(), ExportFormat::rosbag2_mcap, folder / "a 'b\"/");
+  const fs::path name = "a 'b\"_0.mcap";
+  const test::McapFile file = test::readMcapFile(contentsOf(folder / "a 'b\"" / name));
+  const YAML::Node bag = YAML::LoadFile(folder / "a 'b\"/metadata.yaml")["rosbag2_bagfile_information"];
+  EXPECT_EQ(bag["version"].as<int>(), 5);
+  EXPECT_EQ(bag["storage_identifier"].as<std::string>(), "mcap");
+  EXPECT_EQ(bag["relative_file_paths"][0].as<std::string>(), name);
+  EXPECT_EQ(bag["files"][0]["path"].as<std::string>(), name);
+  for (const YAML::Node& part : {bag, bag["files"][0]}) {
+    EXPECT_EQ(part["message_count"].as<std::size_t>(), file.messages.size());
+    const auto start = part["starting_time"]["nanoseconds_since_epoch"].as<std::uint64_t>();
+    EXPECT_EQ(start, file.messages.front().log_time);
+    EXPECT_EQ(start + part["duration"]["nanoseconds"].as<std::uint64_t>(), file.messages.back().log_time);
+  }
+  const YAML::Node topics = bag["topics_with_message_count"];
+  ASSERT_EQ(topics.size(), 2U) << "no video";
+  EXPECT_EQ(topics[1]["topic_metadata"]["name"].as<std::string>(), "/tf");
+  EXPECT_EQ(topics[1]["topic_metadata"]["type"].as<std::string>(), "tf2_msgs/msg/TFMessage");
+  EXPECT_EQ(topics[1]["topic_metadata"]["serialization_format"].as<std::string>(), "cdr");
+  EXPECT_EQ(topics[1]["message_count"].as<int>(), test::kDrivePairs - 1);
 }
 
 /// Reads files with the packages of tests/tools/export/npm.
@@ -129,10 +157,27 @@ class OtherReaders : public ::testing::Test {
 
   Json read(ExportFormat format) const {
     exportTo(test::drivenSource(), format, folder_ / "drive.mcap");
-    const test::CommandResult run = test::runCommand("node " + packages_ + "/read_mcap.mjs " +
-                                                     (folder_ / "drive.mcap").string() + " 2>&1");
+    return readFile(exportedFiles(format, folder_ / "drive.mcap").front());
+  }
+
+  Json readFile(const fs::path& file) const {
+    const test::CommandResult run =
+        test::runCommand("node " + packages_ + "/read_mcap.mjs " + file.string() + " 2>&1");
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return run.exit_code == 0 ? Json::parse(run.output) : Json();
+  }
+
+  /// A file with one message.
+  Json readMessage(const std::string& type, const std::string& schema_encoding, const std::string& schema,
+                   const std::string& encoding, const std::string& message) const {
+    AtomicFileWriter file(folder_ / "message.mcap");
+    McapWriter writer(file, "");
+    writer.write(writer.addChannel(writer.addSchema(type, schema_encoding, schema), "/topic", encoding), 1, 1,
+                 message);
+    writer.finish();
+    file.commit();
+    const Json read = readFile(folder_ / "message.mcap");
+    return read.is_null() ? read : read["messages"][0]["message"];
   }
 
   /// The last message of a topic.
@@ -187,6 +232,26 @@ TEST_F(OtherReaders, ReadRosMessages) {
   EXPECT_EQ(frames[0]["child_frame_id"], "base_link");
   EXPECT_NEAR(frames[1]["transform"]["translation"]["z"].get<double>(), 1.5, 1e-12);
   EXPECT_EQ(frames[2]["child_frame_id"], "right_camera_optical");
+}
+
+TEST_F(OtherReaders, ReadPictures) {
+  const std::vector<std::uint8_t> picture{0, 0, 0, 1, 0x65};
+  const Json foxglove =
+      readMessage("foxglove.CompressedVideo", "protobuf", foxgloveSchema("foxglove.CompressedVideo"),
+                  "protobuf", foxgloveVideo(test::kDriveStart_ns, "camera", picture, "h264"));
+  ASSERT_FALSE(foxglove.is_null());
+  EXPECT_EQ(foxglove["timestamp"]["nanos"], 123'456'789);
+  EXPECT_EQ(foxglove["frame_id"], "camera");
+  EXPECT_EQ(foxglove["data"], "AAAAAWU=") << "base64";
+  EXPECT_EQ(foxglove["format"], "h264");
+  const RosType type = rosVideoType();
+  const Json ros = readMessage(type.name, "ros2msg", type.definition, "cdr",
+                               rosVideo(test::kDriveStart_ns, "camera", picture, "h265"));
+  ASSERT_FALSE(ros.is_null());
+  EXPECT_EQ(ros["timestamp"]["nanosec"], 123'456'789);
+  EXPECT_EQ(ros["frame_id"], "camera");
+  EXPECT_EQ(ros["data"], Json(picture));
+  EXPECT_EQ(ros["format"], "h265");
 }
 
 }  // namespace

@@ -3,16 +3,14 @@
 
 #include <limits>
 #include <map>
-#include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "tools/export/encoded_pictures.hpp"
 #include "tools/export/exported_motion.hpp"
 #include "tools/export/mcap/foxglove_messages.hpp"
 #include "tools/export/mcap/foxglove_schemas.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
+#include "tools/export/mcap/picture_channels.hpp"
 
 namespace cartvo {
 namespace {
@@ -79,70 +77,24 @@ class MotionChannels {
   std::string last_state_;
 };
 
-/// Writes the pictures of one camera.
-class VideoChannel {
- public:
-  VideoChannel(McapWriter& writer, Channels& channels, const std::filesystem::path& recording,
-               capture::CameraSide side)
-      : writer_(writer), pictures_(recording, side) {
-    const bool is_left = side == capture::CameraSide::left;
-    frame_ = is_left ? kLeftCameraFrame : kRightCameraFrame;
-    channel_ = channels.add(is_left ? "/left/video" : "/right/video", "foxglove.CompressedVideo");
-  }
-
-  /// Writes the pictures that arrived up to that instant; returns how many.
-  std::size_t writeUntil(std::int64_t time_ns) {
-    std::size_t count = 0;
-    for (; !pictures_.isFinished() && pictures_.arrivalNs() <= time_ns; pictures_.advance(), ++count) {
-      const auto time = static_cast<std::uint64_t>(pictures_.arrivalNs());
-      writer_.write(channel_, time, time,
-                    foxgloveVideo(pictures_.exposureNs(), frame_, pictures_.data(), pictures_.codec()));
-    }
-    return count;
-  }
-
- private:
-  McapWriter& writer_;
-  EncodedPictures pictures_;
-  const char* frame_;
-  std::uint16_t channel_;
-};
-
-std::vector<ExportedMotion> motionsOf(const ExportSource& source) {
-  std::vector<ExportedMotion> motions =
-      source.replay ? exportedMotions(*source.replay) : exportedPoses(source.poses);
-  for (const ExportedMotion& motion : motions) {
-    if (motion.exposure_ns < 0 || motion.reception_ns < 0)
-      throw std::runtime_error(source.path.string() + ": has instants before 1970, which MCAP cannot hold");
-  }
-  return motions;
-}
-
 }  // namespace
 
 void writeFoxgloveFile(const std::filesystem::path& file, const ExportSource& source,
                        const std::function<void(std::size_t pictures)>& progress) {
-  const std::vector<ExportedMotion> motions = motionsOf(source);
+  const std::vector<ExportedMotion> motions = exportedMotions(source);
   AtomicFileWriter output(file);
   McapWriter writer(output, "");
   Channels channels(writer);
   MotionChannels odometry(writer, channels, source.replay ? &*source.replay : nullptr);
-  std::vector<std::unique_ptr<VideoChannel>> videos;
-  if (source.has_video) {
-    for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right})
-      videos.push_back(std::make_unique<VideoChannel>(writer, channels, source.path, side));
-  }
-  std::size_t pictures = 0;
-  const auto write_videos = [&](std::int64_t time_ns) {
-    for (const auto& video : videos)
-      pictures += video->writeUntil(time_ns);
-    progress(pictures);
-  };
+  PictureChannels pictures(
+      writer, source, [&](const char* topic) { return channels.add(topic, "foxglove.CompressedVideo"); },
+      foxgloveVideo);
   for (const ExportedMotion& motion : motions) {
-    write_videos(motion.reception_ns);
+    pictures.writeUntil(motion.reception_ns);
     odometry.write(motion);
+    if (source.has_video) progress(pictures.writtenCount());
   }
-  write_videos(std::numeric_limits<std::int64_t>::max());
+  pictures.writeUntil(std::numeric_limits<std::int64_t>::max());
   writer.finish();
   output.commit();
 }

@@ -32,6 +32,13 @@ class McapWriter {
   /// Writes the last chunk, the summary and the end. Must be the last call.
   void finish();
 
+  /// Messages of a channel so far.
+  std::uint64_t messageCount(std::uint16_t channel) const { return message_counts_.at(channel); }
+
+  /// The smallest and the largest log time so far; 0 without messages.
+  std::uint64_t firstTime() const { return times_.first; }
+  std::uint64_t lastTime() const { return times_.last; }
+
  private:
   struct TimeRange {
     std::uint64_t first = 0, last = 0;

@@ -1,37 +1,99 @@
-// Writes the odometry of a replay as a bag of ROS 2.
+// Writes the odometry and the video of a replay as a bag of ROS 2.
 #include "tools/export/ros/ros_bag.hpp"
 
 #include <array>
+#include <limits>
+#include <map>
 #include <string>
+#include <vector>
 
+#include "common/atomic_file.hpp"
 #include "tools/export/exported_motion.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
+#include "tools/export/mcap/picture_channels.hpp"
+#include "tools/export/ros/bag_metadata.hpp"
 #include "tools/export/ros/ros_messages.hpp"
 
 namespace cartvo {
 namespace {
 
-std::uint16_t addChannel(McapWriter& writer, const char* topic, const RosType& type) {
-  return writer.addChannel(writer.addSchema(type.name, "ros2msg", type.definition), topic, "cdr");
-}
+/// Adds topics, and the definition of each type once.
+class Topics {
+ public:
+  explicit Topics(McapWriter& writer) : writer_(writer) {}
 
-}  // namespace
+  std::uint16_t add(const char* topic, const RosType& type) {
+    if (!schemas_.contains(type.name))
+      schemas_[type.name] = writer_.addSchema(type.name, "ros2msg", type.definition);
+    const std::uint16_t channel = writer_.addChannel(schemas_[type.name], topic, "cdr");
+    added_.push_back({topic, type.name, channel});
+    return channel;
+  }
 
-void writeRosBag(const std::filesystem::path& file, const Replay& replay) {
-  AtomicFileWriter output(file);
-  McapWriter writer(output, "ros2");
-  const std::uint16_t odometry = addChannel(writer, "/odometry", rosOdometryType());
-  const std::uint16_t transforms = addChannel(writer, "/tf", rosTransformsType());
-  const auto [left, right] = cameraFrames(replay.rig.rig);
-  for (const ExportedMotion& motion : exportedMotions(replay)) {
+  std::vector<BagTopic> counted() const {
+    std::vector<BagTopic> topics;
+    for (const auto& [topic, type, channel] : added_)
+      topics.push_back({topic, type, writer_.messageCount(channel)});
+    return topics;
+  }
+
+ private:
+  struct Added {
+    const char* topic;
+    std::string type;
+    std::uint16_t channel;
+  };
+
+  McapWriter& writer_;
+  std::map<std::string, std::uint16_t> schemas_;
+  std::vector<Added> added_;
+};
+
+std::vector<BagTopic> writeMessages(McapWriter& writer, const ExportSource& source,
+                                    const std::vector<ExportedMotion>& motions,
+                                    const std::function<void(std::size_t pictures)>& progress) {
+  Topics topics(writer);
+  const std::uint16_t odometry = topics.add("/odometry", rosOdometryType());
+  const std::uint16_t transforms = topics.add("/tf", rosTransformsType());
+  PictureChannels pictures(
+      writer, source, [&](const char* topic) { return topics.add(topic, rosVideoType()); }, rosVideo);
+  const auto [left, right] = cameraFrames(source.replay->rig.rig);
+  for (const ExportedMotion& motion : motions) {
+    pictures.writeUntil(motion.reception_ns);
+    if (source.has_video) progress(pictures.writtenCount());
     if (!motion.valid) continue;
     const auto time = static_cast<std::uint64_t>(motion.reception_ns);
     writer.write(odometry, time, time, rosOdometry(motion));
     const std::array<FramePose, 3> frames{{{kOdometryFrame, kBodyFrame, motion.T_odom_body}, left, right}};
     writer.write(transforms, time, time, rosTransforms(motion.exposure_ns, frames));
   }
+  pictures.writeUntil(std::numeric_limits<std::int64_t>::max());
   writer.finish();
+  return topics.counted();
+}
+
+/// NAME of the folder NAME or NAME/, also of ".".
+std::string nameOf(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+}  // namespace
+
+std::array<std::filesystem::path, 2> rosBagFiles(const std::filesystem::path& folder) {
+  return {folder / (nameOf(folder) + "_0.mcap"), folder / "metadata.yaml"};
+}
+
+void writeRosBag(const std::filesystem::path& folder, const ExportSource& source,
+                 const std::function<void(std::size_t pictures)>& progress) {
+  const std::vector<ExportedMotion> motions = exportedMotions(source);
+  const auto [file, metadata_file] = rosBagFiles(folder);
+  AtomicFileWriter output(file);
+  McapWriter writer(output, "ros2");
+  const std::vector<BagTopic> topics = writeMessages(writer, source, motions, progress);
+  const BagMetadata metadata{file.filename().string(), writer.firstTime(), writer.lastTime(), topics};
   output.commit();
+  writeResultFile(metadata_file, bagMetadataText(metadata));
 }
 
 }  // namespace cartvo

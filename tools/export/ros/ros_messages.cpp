@@ -54,6 +54,12 @@ class CdrWriter {
     bytes_.append(value).append(1, '\0');
   }
 
+  void bytes(std::span<const std::uint8_t> values) {
+    number(static_cast<std::uint32_t>(values.size()));
+    bytes_.append(values.begin(), values.end());
+  }
+
+  /// std_msgs/msg/Header.
   void header(std::int64_t time_ns, const char* frame) {
     constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
     number(static_cast<std::uint32_t>(time_ns / kNanosecondsPerSecond));
@@ -78,7 +84,7 @@ class CdrWriter {
       number(value);
   }
 
-  const std::string& bytes() const { return bytes_; }
+  const std::string& message() const { return bytes_; }
 
  private:
   static constexpr std::size_t kHeaderBytes = 4;
@@ -101,6 +107,12 @@ RosType rosTransformsType() {
                      {kTransformStamped, kHeader, kTime, kTransform, kVector, kQuaternion})};
 }
 
+RosType rosVideoType() {
+  return {"foxglove_msgs/msg/CompressedVideo",
+          definition("builtin_interfaces/Time timestamp\nstring frame_id\nuint8[] data\nstring format\n",
+                     {kTime})};
+}
+
 std::string rosOdometry(const ExportedMotion& motion) {
   CdrWriter cdr;
   cdr.header(motion.exposure_ns, kOdometryFrame);
@@ -110,7 +122,7 @@ std::string rosOdometry(const ExportedMotion& motion) {
   cdr.vector(motion.velocity);
   cdr.vector(motion.angular_velocity);
   cdr.covariance(motion.twist_covariance);
-  return cdr.bytes();
+  return cdr.message();
 }
 
 std::string rosTransforms(std::int64_t time_ns, std::span<const FramePose> frames) {
@@ -121,7 +133,16 @@ std::string rosTransforms(std::int64_t time_ns, std::span<const FramePose> frame
     cdr.text(frame.child);
     cdr.pose(frame.T_parent_child);
   }
-  return cdr.bytes();
+  return cdr.message();
+}
+
+std::string rosVideo(std::int64_t time_ns, const char* frame, std::span<const std::uint8_t> picture,
+                     const char* codec) {
+  CdrWriter cdr;
+  cdr.header(time_ns, frame);  // the message begins with the members of a header
+  cdr.bytes(picture);
+  cdr.text(codec);
+  return cdr.message();
 }
 
 }  // namespace cartvo

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -18,6 +19,7 @@ struct RosType {
 
 RosType rosOdometryType();
 RosType rosTransformsType();
+RosType rosVideoType();
 
 /// nav_msgs/msg/Odometry: pose and its covariance in the axes of `odom`, twist and its covariance in those of
 /// `base_link`; the stamp is the exposure.
@@ -25,5 +27,9 @@ std::string rosOdometry(const ExportedMotion& motion);
 
 /// tf2_msgs/msg/TFMessage with one transform for each frame.
 std::string rosTransforms(std::int64_t time_ns, std::span<const FramePose> frames);
+
+/// foxglove_msgs/msg/CompressedVideo with one picture; see PictureMessage.
+std::string rosVideo(std::int64_t time_ns, const char* frame, std::span<const std::uint8_t> picture,
+                     const char* codec);
 
 }  // namespace cartvo

@@ -101,15 +101,31 @@ class AccuracyRun {
 
 }  // namespace
 
+std::vector<std::string> sequenceNames(const AccuracySettings& settings) {
+  std::vector<std::string> names;
+  for (const Sequence& sequence : realSequences(settings.data))
+    names.push_back(sequence.name);
+  for (const world::WorldSettings& world : settings.worlds)
+    names.push_back(worldName(world));
+  return names;
+}
+
 std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& settings,
                                                    const WorkObserver& observer) {
   AccuracyRun run(settings, observer);
-  for (const Sequence& sequence : realSequences(settings.data))
-    run.measure(sequence);
+  std::size_t index = 0;
+  const auto is_chosen = [&] { return settings.only.value_or(index) == index; };
+  for (const Sequence& sequence : realSequences(settings.data)) {
+    if (is_chosen()) run.measure(sequence);
+    ++index;
+  }
   const WorldCache worlds(settings.cache / "worlds");
   for (const world::WorldSettings& world : settings.worlds) {
-    observer.begin(worldName(world) + ": rendering, unless it is cached");
-    run.measure(renderedSequence(world, worlds, observer.progress));
+    if (is_chosen()) {
+      observer.begin(worldName(world) + ": rendering, unless it is cached");
+      run.measure(renderedSequence(world, worlds, observer.progress));
+    }
+    ++index;
   }
   return run.releaseResults();
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,12 @@ struct AccuracySettings {
   std::vector<OdometryVariant> variants;
   std::vector<double> bitrates_mbps;  ///< additional runs over H.264 at these rates per camera
   std::filesystem::path cache;        ///< for rendered worlds and encoded streams
+  std::optional<std::size_t> only;    ///< index in sequenceNames of the one sequence to measure; empty: all
 };
+
+/// Names of the sequences in the order of the results. Each can be measured on its own
+/// (AccuracySettings::only). Throws as runAccuracyBenchmark does.
+std::vector<std::string> sequenceNames(const AccuracySettings& settings);
 
 /// Receives the progress of a benchmark: the name of each step when it begins, then its progress.
 struct WorkObserver {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "vo_core/rigid_motion.hpp"
@@ -28,6 +29,16 @@ Interval consistencyBand(std::size_t count);
 /// the poses before. The mean is the mean of the group means.
 class NormalisedErrors {
  public:
+  struct Group {
+    double sum = 0.0;  ///< of the normalised errors
+    std::size_t count = 0;
+  };
+
+  NormalisedErrors() = default;
+  /// Errors that were added before. Each group must have a positive count.
+  NormalisedErrors(std::vector<Group> groups, std::size_t unusable)
+      : groups_(std::move(groups)), unusable_(unusable) {}
+
   void beginGroup() { group_open_ = false; }
 
   /// Adds an error and its covariance, in the same order, units and frame, to the current group. A covariance
@@ -38,6 +49,7 @@ class NormalisedErrors {
   void add(const NormalisedErrors& other);
 
   std::size_t groups() const { return groups_.size(); }
+  const std::vector<Group>& eachGroup() const { return groups_; }
   std::size_t unusable() const { return unusable_; }
 
   /// Requires at least one group.
@@ -45,10 +57,6 @@ class NormalisedErrors {
   Interval band() const { return consistencyBand(groups()); }
 
  private:
-  struct Group {
-    double sum = 0.0;
-    std::size_t count = 0;
-  };
   std::vector<Group> groups_;
   bool group_open_ = false;
   std::size_t unusable_ = 0;

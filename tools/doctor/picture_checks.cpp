@@ -162,9 +162,19 @@ calibrate::RowCheck measureRows(const std::vector<PicturePair>& pairs, const cal
   return calibrate::checkRows(matches, static_cast<int>(pairs.size()), rectifier.rectification());
 }
 
+std::string rowsText(const calibrate::RowCheck& check) {
+  std::string text =
+      fmt::format("{:.2f} px (RMS), mean {:+.2f} px, of {} points", check.rms, check.median, check.matches);
+  if (calibrate::isSlightlyTurned(check, kMaxRowRms))
+    text +=
+        fmt::format("; {:.2f} px after a small turn, which cartvod corrects while driving", check.scatter);
+  return text;
+}
+
 Finding rowsOf(const std::vector<PicturePair>& pairs, const calib::Rig* rig) {
   Finding finding{"", "rows, left against right", Verdict::not_checked, {}, {}, {}};
-  finding.expected = fmt::format("at most {:.1f} px (RMS)", kMaxRowRms);
+  finding.expected =
+      fmt::format("at most {:.1f} px (RMS), if need be after a small turn of the right camera", kMaxRowRms);
   if (rig == nullptr) {
     finding.seen = "there is no rig file";
     finding.advice = "calibrate the cameras with 'cartvo calibrate'";
@@ -183,8 +193,7 @@ Finding rowsOf(const std::vector<PicturePair>& pairs, const calib::Rig* rig) {
   try {
     const calib::Rectifier rectifier(*rig, rig->rectification, calib::buildTables(*rig, rig->rectification));
     const calibrate::RowCheck check = measureRows(fitting, rectifier);
-    finding.seen =
-        fmt::format("{:.2f} px (RMS), mean {:+.2f} px, of {} points", check.rms, check.median, check.matches);
+    finding.seen = rowsText(check);
     if (calibrate::passes(check, kMaxRowRms)) {
       finding.verdict = Verdict::ok;
     } else if (mayHaveMoved(fitting)) {

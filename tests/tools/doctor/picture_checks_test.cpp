@@ -99,6 +99,15 @@ TEST_F(StreetPair, DoesNotFitTheRig) {
                 "is it the rig file of these cameras?");
 }
 
+TEST_F(StreetPair, IsOkWithASmallTurnThatIsCorrectedWhileDriving) {
+  calib::Rig turned = rig_;
+  turned.T_right_left.prerotate(Eigen::AngleAxisd(0.0015, Eigen::Vector3d::UnitX()));  // 0.086 degrees
+  const Finding rows = test::findingOf(checked({pair_}, &turned), "rows, left against right");
+  EXPECT_EQ(rows.verdict, Verdict::ok) << rows.seen;
+  EXPECT_THAT(rows.seen, HasSubstr(" px after a small turn, which cartvod corrects while driving"));
+  EXPECT_THAT(rows.expected, HasSubstr("after a small turn of the right camera"));
+}
+
 TEST_F(StreetPair, SaysNothingAboutTheRigIfTheCartMayMove) {
   constexpr std::int64_t kOffset_ns = 20'000'000, kSecond_ns = 1'000'000'000;
   calib::Rig turned = rig_;

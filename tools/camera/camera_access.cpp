@@ -10,6 +10,7 @@
 #include "capture/isapi/known_cameras.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/camera_password.hpp"
+#include "tools/camera/network/camera_ports.hpp"
 
 namespace cartvo {
 namespace {
@@ -35,24 +36,28 @@ CameraAccess openCamera(const std::string& side, const daemon::CameraConfigurati
     throw std::runtime_error("the " + side + " camera is a V4L2 camera (" + camera.url +
                              "): it has no ISAPI; its exposure and gain are set in the configuration");
   }
-  capture::IsapiSettings settings;
-  const int port = options.http_port.value_or(options.https ? capture::kHttpsPort : capture::kHttpPort);
-  settings.address = {capture::parseRtspUrl(camera.url).host, static_cast<std::uint16_t>(port),
-                      options.https};
-  settings.timeout = milliseconds(options.timeout);
+  capture::IsapiSettings settings = withoutLogin(camera, options);
   settings.credentials = {camera.username, daemon::readPassword(camera)};
-  if (options.https) {
-    capture::KnownCameras known(options.known_cameras.empty()
-                                    ? options.configuration.parent_path() / "known-cameras"
-                                    : options.known_cameras);
-    settings.key = keyOf(settings, known);
-  }
   CameraChannels channels = channelsOf(camera.url);
   if (options.channel) channels = channelsOf("channels/" + std::to_string(*options.channel));
   return {side, channels, std::make_unique<capture::IsapiClient>(settings)};
 }
 
 }  // namespace
+
+capture::IsapiSettings withoutLogin(const daemon::CameraConfiguration& camera, const AccessOptions& options) {
+  capture::IsapiSettings settings;
+  const int port = options.http_port.value_or(options.https ? capture::kHttpsPort : capture::kHttpPort);
+  settings.address = {capture::parseRtspUrl(camera.url).host, static_cast<std::uint16_t>(port),
+                      options.https};
+  settings.timeout = milliseconds(options.timeout);
+  if (!options.https) return settings;
+  capture::KnownCameras known(options.known_cameras.empty()
+                                  ? options.configuration.parent_path() / "known-cameras"
+                                  : options.known_cameras);
+  settings.key = keyOf(settings, known);
+  return settings;
+}
 
 std::vector<CameraAccess> openCameras(const daemon::Configuration& configuration,
                                       const AccessOptions& options) {
@@ -65,6 +70,7 @@ std::vector<CameraAccess> openCameras(const daemon::Configuration& configuration
 OdometryNeeds needsOf(const daemon::Configuration& configuration) {
   OdometryNeeds needs;
   needs.frame_rate = configuration.frame_rate;
+  needs.host_addresses = hostAddressTexts();
   std::error_code error;
   if (configuration.rig.empty() || !std::filesystem::exists(configuration.rig, error)) return needs;
   const calib::Rig rig = calib::readRig(configuration.rig);

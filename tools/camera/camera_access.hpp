@@ -39,6 +39,10 @@ struct CameraAccess {
 std::vector<CameraAccess> openCameras(const daemon::Configuration& configuration,
                                       const AccessOptions& options);
 
+/// How to ask one camera without user and password; with HTTPS the key is kept as by openCameras. Throws as
+/// HttpConnection::fetchKey and KnownCameras do.
+capture::IsapiSettings withoutLogin(const daemon::CameraConfiguration& camera, const AccessOptions& options);
+
 /// What the configuration and its rig file ask of the cameras. Without a rig file any picture size is
 /// accepted.
 OdometryNeeds needsOf(const daemon::Configuration& configuration);

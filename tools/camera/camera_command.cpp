@@ -13,9 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "tools/camera/access_options.hpp"
 #include "tools/camera/camera_access.hpp"
 #include "tools/camera/camera_report.hpp"
 #include "tools/camera/discover_command.hpp"
+#include "tools/camera/network/network_command.hpp"
 #include "tools/camera/settings_change.hpp"
 #include "tools/cartvo/commands.hpp"
 
@@ -253,16 +255,7 @@ void addAccessOptions(CLI::App& command, const std::shared_ptr<Options>& options
   command.add_option("--camera", access.side, "Which camera")
       ->check(CLI::IsMember({"left", "right", "both"}))
       ->capture_default_str();
-  command
-      .add_option("--http-port", access.http_port,
-                  "Port of the cameras' web page (default 80, with --https 443)")
-      ->check(CLI::Range(1, 65535))
-      ->type_name("PORT");
-  command.add_flag(
-      "--https", access.https,
-      "Use TLS. The key of each camera's certificate is kept at the first use and required from then on");
-  command.add_option("--known-cameras", access.known_cameras,
-                     "File of the kept keys (default: known-cameras beside the configuration)");
+  addWebPageOptions(command, access);
   command
       .add_option("--channel", access.channel,
                   "Number of the stream (default: the one of the camera's URL, else 101)")
@@ -301,8 +294,8 @@ void addApply(CLI::App& command) {
 }  // namespace
 
 void addCameraCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("camera", "Find cameras; show, check and change settings of Hikvision cameras");
+  CLI::App* command = cartvo.add_subcommand(
+      "camera", "Find cameras; show, check and change settings of Hikvision cameras; set up their network");
   command->require_subcommand(1);
   std::shared_ptr<Options> options;
   addAction(*command, "show", "Show what the cameras are and are set to", show, options)
@@ -323,6 +316,7 @@ void addCameraCommand(CLI::App& cartvo) {
       ->check(CLI::Range(0.0, 600.0))
       ->type_name("SECONDS");
   addDiscoverAction(*command);
+  addNetworkAction(*command);
   command->footer(
       "Examples:\n"
       "  cartvo camera discover\n"

@@ -44,6 +44,8 @@ struct OdometryNeeds {
   std::optional<double> frame_rate;  ///< Hz; nothing: 15 to 30, the same on both
   int bit_rate = 4096;               ///< kbit/s, at least
   std::optional<int> width, height;  ///< px, of the rig
+  /// IPv4 addresses of this computer. Cameras at two ports have one time server at two addresses.
+  std::vector<std::string> host_addresses = {};
 };
 
 /// All settings, for cameras that run at `frame_rate` Hz.
@@ -73,6 +75,11 @@ bool isSwitch(const Setting& setting);
 
 /// Whether both values mean the same, "1/25" and "1/25 " or "CBR" and "cbr".
 bool sameValue(const std::string& one, const std::string& other);
+
+/// Whether values of a setting on two cameras are the same. Two addresses of this computer are the same time
+/// server.
+bool alike(const Setting& setting, const std::string& one, const std::string& other,
+           const OdometryNeeds& needs);
 
 /// Values that the camera offers for a setting; empty if it names none.
 std::vector<std::string> offeredValues(const Setting& setting, const CameraDocuments& camera);

@@ -156,6 +156,15 @@ bool sameValue(const std::string& one, const std::string& other) {
   return lowerCase(trimmed(one)) == lowerCase(trimmed(other));
 }
 
+bool alike(const Setting& setting, const std::string& one, const std::string& other,
+           const OdometryNeeds& needs) {
+  const auto is_host = [&](const std::string& address) {
+    return std::find(needs.host_addresses.begin(), needs.host_addresses.end(), address) !=
+           needs.host_addresses.end();
+  };
+  return sameValue(one, other) || (setting.rule == Rule::time_server && is_host(one) && is_host(other));
+}
+
 std::optional<std::string> valueOf(const Setting& setting, const CameraDocuments& camera) {
   const std::optional<XmlDocument>& document = camera.of(setting.document);
   if (!document) return std::nullopt;

@@ -13,11 +13,11 @@ Finding findingOf(const Setting& setting, const CameraDocuments& camera) {
 }
 
 /// Marks settings that are good on both cameras, but not the same.
-void compare(std::vector<Finding>& left, std::vector<Finding>& right) {
+void compare(std::vector<Finding>& left, std::vector<Finding>& right, const OdometryNeeds& needs) {
   for (std::size_t i = 0; i < left.size(); ++i) {
     const bool comparable = left[i].setting.alike && !isSwitch(left[i].setting) &&
                             left[i].verdict == Verdict::good && right[i].verdict == Verdict::good;
-    if (comparable && !sameValue(left[i].value, right[i].value))
+    if (comparable && !alike(left[i].setting, left[i].value, right[i].value, needs))
       left[i].verdict = right[i].verdict = Verdict::unlike;
   }
 }
@@ -34,7 +34,7 @@ std::array<std::vector<Finding>, 2> checkCameras(const CameraPair& cameras, cons
   for (const Setting& setting : cameraSettings(needs, frameRateOf(needs, cameras)))
     for (std::size_t i = 0; i < cameras.size(); ++i)
       if (cameras[i] != nullptr) findings[i].push_back(findingOf(setting, *cameras[i]));
-  if (cameras[0] != nullptr && cameras[1] != nullptr) compare(findings[0], findings[1]);
+  if (cameras[0] != nullptr && cameras[1] != nullptr) compare(findings[0], findings[1], needs);
   return findings;
 }
 

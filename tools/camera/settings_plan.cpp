@@ -40,7 +40,7 @@ std::optional<std::string> target(const Setting& setting, const Findings& findin
 }
 
 void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& cameras,
-             const std::optional<std::string>& wish, bool is_named) {
+             const OdometryNeeds& needs, const std::optional<std::string>& wish, bool is_named) {
   const Setting& setting = (findings[0] != nullptr ? findings[0] : findings[1])->setting;
   const bool switches_off = isSwitch(setting) && (!wish || fits(setting, *wish));
   const std::optional<std::string> common = target(setting, findings, cameras, wish);
@@ -62,7 +62,7 @@ void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& camer
       }
     } else if (const std::string problem = offerProblem(setting, *cameras[i], *value); !problem.empty()) {
       plan.problems[i].push_back(setting.name + ": cannot be " + *value + ": " + problem);
-    } else if (!sameValue(finding->value, *value)) {
+    } else if (wish ? !sameValue(finding->value, *value) : !alike(setting, finding->value, *value, needs)) {
       plan.changes[i].push_back({setting, finding->value, *value});
     }
   }
@@ -108,7 +108,7 @@ ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, co
         (pair[0] == nullptr || pair[0]->isGood()) && (pair[1] == nullptr || pair[1]->isGood());
     const std::optional<std::string> wish = is_named ? named->second : std::nullopt;
     if (is_good && !is_named) continue;
-    planOne(plan, pair, cameras, wish, is_named);
+    planOne(plan, pair, cameras, wanted, wish, is_named);
   }
   return plan;
 }

@@ -72,6 +72,19 @@ TEST(SettingsCheck, FindsWhatIsUnlike) {
   EXPECT_THAT(compareCameras(pair), testing::IsEmpty());
 }
 
+TEST(SettingsCheck, TakesTwoAddressesOfThisComputerForOneTimeServer) {
+  const auto camera_of = [](const std::string& server) {
+    const IsapiServer camera({}, test::replaced(test::factoryDocuments(), "time.windows.com", server));
+    return test::readSimulatedCamera(camera);
+  };
+  const CameraDocuments left = camera_of("192.168.101.1"), right = camera_of("192.168.102.1");
+  OdometryNeeds needs;
+  needs.host_addresses = {"192.168.101.1"};
+  EXPECT_EQ(findingOf(checkCameras({&left, &right}, needs)[0], "time-server").verdict, Verdict::unlike);
+  needs.host_addresses.emplace_back("192.168.102.1");
+  EXPECT_EQ(findingOf(checkCameras({&left, &right}, needs)[0], "time-server").verdict, Verdict::good);
+}
+
 TEST(SettingsCheck, FindsOneCameraAtTwoAddresses) {
   const IsapiServer server;
   const CameraDocuments documents[]{test::readSimulatedCamera(server), test::readSimulatedCamera(server)};

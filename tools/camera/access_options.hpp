@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "tools/camera/camera_access.hpp"
+
+namespace cartvo {
+
+/// Adds --http-port, --https and --known-cameras: how the cameras' web pages are reached.
+void addWebPageOptions(CLI::App& command, AccessOptions& access);
+
+}  // namespace cartvo

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace cartvo {
+
+/// Adds `network` to `cartvo camera`.
+void addNetworkAction(CLI::App& camera);
+
+}  // namespace cartvo

@@ -12,6 +12,7 @@
 #include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/camera/camera_access.hpp"
+#include "tools/camera/network/camera_ports.hpp"
 #include "tools/doctor/cameras/camera_checks.hpp"
 #include "tools/doctor/cameras/stream_checks.hpp"
 #include "tools/doctor/cameras/stream_probe.hpp"
@@ -161,7 +162,9 @@ CameraAnswer Run::askCamera(const daemon::Configuration& configuration, std::siz
   const bool is_received = known != nullptr && known->state == camera_health_t::STREAMING;
   answer.is_reachable = is_received || checkAddress(configuration, camera, interrupted_, findings);
   if (!answer.is_reachable) return answer;
-  CameraQuestion question{kSides[side], settings_.http_port, LoginPermission::allowed};
+  CameraQuestion question{settings_.access, LoginPermission::allowed};
+  question.access.side = kSides[side];
+  question.access.configuration = settings_.source;
   if (!has_password) question.login = LoginPermission::no_password;
   if (known != nullptr && known->state == camera_health_t::REFUSED)
     question.login = LoginPermission::refused_already;
@@ -185,6 +188,7 @@ void Run::examineCameras(const daemon::Configuration& configuration, const std::
   }
   OdometryNeeds needs;
   needs.frame_rate = configuration.frame_rate;
+  needs.host_addresses = hostAddressTexts();
   if (examination_.rig) {
     needs.width = examination_.rig->left.size.width;
     needs.height = examination_.rig->left.size.height;

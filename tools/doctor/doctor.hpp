@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/model/rig.hpp"
+#include "tools/camera/camera_access.hpp"
 #include "tools/doctor/finding.hpp"
 #include "tools/doctor/picture_pair.hpp"
 
@@ -20,7 +21,7 @@ struct DoctorSettings {
   std::filesystem::path source = "/etc/cartvo/cartvod.yaml";
   double seconds = 10.0;                 ///< s, duration for which streams are measured
   bool streams = false;                  ///< also while cartvod receives them
-  std::optional<int> http_port;          ///< of the cameras' web page; nothing: 80
+  AccessOptions access;                  ///< of the cameras' web pages; side and configuration do not count
   std::filesystem::path proc = "/proc";  ///< folder of the kernel's files
 };
 

@@ -15,6 +15,7 @@
 
 #include "common/atomic_file.hpp"
 #include "daemon/service/awaited_signals.hpp"
+#include "tools/camera/access_options.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/cartvo/time_option.hpp"
@@ -25,6 +26,7 @@ namespace cartvo {
 namespace {
 
 constexpr int kLookAt = 3, kBroken = 4;
+constexpr double kRequestTimeout = 3.0;  // s
 
 struct Options {
   doctor::DoctorSettings doctor;
@@ -100,6 +102,7 @@ void addDoctorCommand(CLI::App& cartvo) {
       "doctor", "Look at everything that goes wrong in the field, and say what to do about it");
   const auto options = std::make_shared<Options>();
   doctor::DoctorSettings& settings = options->doctor;
+  settings.access.timeout = kRequestTimeout;
   command
       ->add_option("SOURCE,--config", settings.source,
                    "cartvod's configuration file, or the folder of a recording or sequence")
@@ -111,14 +114,13 @@ void addDoctorCommand(CLI::App& cartvo) {
       ->capture_default_str();
   command->add_flag("--streams", settings.streams,
                     "Open streams of its own also while cartvod receives them; a camera may not permit that");
-  command->add_option("--http-port", settings.http_port, "Port of the cameras' web page (default 80)")
-      ->check(CLI::Range(1, 65535))
-      ->type_name("PORT");
+  addWebPageOptions(*command, settings.access);
   command->footer(
       "Each line is ok, look at (cartvod works, but worse or not for long), broken (cartvod does not work, "
       "or not\n"
-      "safely) or not checked, with what was seen, what is expected and what to do. It changes nothing, and "
-      "does not\n"
+      "safely) or not checked, with what was seen, what is expected and what to do. It changes nothing (only "
+      "--https\n"
+      "keeps keys of cameras), and does not\n"
       "disturb a running cartvod, whose numbers it uses. As root it can read the passwords.\n"
       "Exit codes: 0 all that was checked is ok, 1 failure or interrupted, 2 wrong command line, 3 something "
       "to look\n"

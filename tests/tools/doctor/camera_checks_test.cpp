@@ -46,7 +46,12 @@ class CameraChecks : public testing::Test {
   Findings ask(LoginPermission permission, int port) {
     FindingList list("left camera");
     answer_ = {};
-    askSettings(configuration_, {"left", port, permission}, interrupted_, answer_, list);
+    AccessOptions access;
+    access.side = "left";
+    access.http_port = port;
+    access.https = https_;
+    access.known_cameras = folder_ / "known-cameras";
+    askSettings(configuration_, {access, permission}, interrupted_, answer_, list);
     EXPECT_THAT(areaText(list.findings()), Not(HasSubstr(kCanary)));
     return list.take();
   }
@@ -54,6 +59,7 @@ class CameraChecks : public testing::Test {
   test::TemporaryFolder folder_;
   daemon::Configuration configuration_;
   std::unique_ptr<test::IsapiServer> server_;
+  bool https_ = false;
   std::atomic<bool> interrupted_{false};
   CameraAnswer answer_;
 };
@@ -97,6 +103,33 @@ TEST_F(CameraChecks, AskOnlyForALockWhereAPasswordMayNotBeSent) {
   EXPECT_THAT(findingOf(ask({}, LoginPermission::no_password), "login"),
               Saw(Verdict::not_checked, "cannot be read"));
   EXPECT_THAT(server_->received(), Not(HasSubstr("Authorization")));
+}
+
+TEST_F(CameraChecks, ReadSettingsOverTlsFromTheCameraWhoseKeyWasKept) {
+  https_ = true;
+  CameraHabits habits;
+  habits.tls = true;
+  EXPECT_THAT(findingOf(ask(habits, LoginPermission::allowed), "login"), Saw(Verdict::ok, "is accepted"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "known-cameras"));
+  // Another device at the same address.
+  habits.password = kCanary;
+  const int port = server_->port();
+  server_.reset();
+  server_ = std::make_unique<test::IsapiServer>(habits, test::factoryDocuments(), "127.0.0.1", port);
+  for (const LoginPermission permission : {LoginPermission::allowed, LoginPermission::no_password}) {
+    EXPECT_THAT(findingOf(ask(permission, port), "settings"), Saw(Verdict::broken, "no password was sent"));
+    EXPECT_EQ(server_->received(), "");
+  }
+}
+
+TEST_F(CameraChecks, NameADamagedFileOfKnownCameras) {
+  https_ = true;
+  CameraHabits habits;
+  habits.tls = true;
+  std::ofstream(folder_ / "known-cameras") << "damaged\n";
+  EXPECT_THAT(findingOf(ask(habits, LoginPermission::allowed), "settings"),
+              Saw(Verdict::not_checked, "known-cameras:1"));
+  EXPECT_EQ(server_->received(), "");
 }
 
 TEST_F(CameraChecks, LeaveOutSettingsWithoutAUser) {

@@ -1,8 +1,7 @@
 // Checks of an IP camera.
 #include "tools/doctor/cameras/camera_checks.hpp"
 
-#include <chrono>
-#include <exception>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -15,7 +14,6 @@
 namespace cartvo::doctor {
 namespace {
 
-constexpr double kRequestTimeout = 3.0;  // s
 constexpr const char* kByHand = "check the settings on the camera's web page, as docs/cameras.md lists them";
 
 void addLoginError(const capture::IsapiError& error, CameraAnswer& answer, FindingList& findings) {
@@ -115,14 +113,10 @@ bool checkAddress(const daemon::Configuration& configuration, const daemon::Came
 void askSettings(const daemon::Configuration& configuration, const CameraQuestion& question,
                  const std::atomic<bool>& interrupted, CameraAnswer& answer, FindingList& findings) {
   const daemon::CameraConfiguration& camera =
-      question.side == "left" ? configuration.left : configuration.right;
+      question.access.side == "left" ? configuration.left : configuration.right;
   try {
     if (question.login != LoginPermission::allowed) {
-      capture::IsapiSettings settings;
-      settings.address = {capture::parseRtspUrl(camera.url).host,
-                          static_cast<std::uint16_t>(question.http_port.value_or(capture::kHttpPort)), false};
-      settings.timeout = std::chrono::seconds(3);
-      capture::IsapiClient client(settings);
+      capture::IsapiClient client(withoutLogin(camera, question.access));
       client.setInterruption(interrupted);
       return askLoginState(client,
                            question.login == LoginPermission::no_password
@@ -130,11 +124,7 @@ void askSettings(const daemon::Configuration& configuration, const CameraQuestio
                                : "cartvod was refused, so that no password was sent",
                            answer, findings);
     }
-    AccessOptions options;
-    options.side = question.side;
-    options.http_port = question.http_port;
-    options.timeout = kRequestTimeout;
-    std::vector<CameraAccess> accesses = openCameras(configuration, options);
+    std::vector<CameraAccess> accesses = openCameras(configuration, question.access);
     accesses.front().client->setInterruption(interrupted);
     readSettings(accesses.front(), camera, answer, findings);
   } catch (const capture::IsapiError& error) {
@@ -144,9 +134,19 @@ void askSettings(const daemon::Configuration& configuration, const CameraQuestio
     addLoginError(error, answer, findings);
   } catch (const capture::HttpError& error) {
     if (interrupted) return;
+    if (error.kind() == capture::HttpError::Kind::wrong_key) {
+      return findings.add(
+          "settings", Verdict::broken,
+          {error.what(), "the key that this camera had at the first time",
+           "was the camera replaced or reset? Then remove its line from the file known-cameras"});
+    }
+    findings.add(
+        "settings", Verdict::not_checked,
+        {error.what(), "",
+         (question.access.https ? "" : "if it serves only HTTPS: --https; else ") + std::string(kByHand)});
+  } catch (const std::runtime_error& error) {  // of the file of known cameras
     findings.add("settings", Verdict::not_checked,
-                 {error.what(), "",
-                  std::string("if it serves only HTTPS: cartvo camera check --https; else ") + kByHand});
+                 {error.what(), "", "run it as root, or see --known-cameras"});
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/service/configuration.hpp"
+#include "tools/camera/camera_access.hpp"
 #include "tools/camera/camera_documents.hpp"
 #include "tools/camera/camera_settings.hpp"
 #include "tools/doctor/finding_list.hpp"
@@ -24,8 +25,7 @@ enum class LoginPermission : std::uint8_t {
 
 /// How to ask a camera.
 struct CameraQuestion {
-  std::string side;  ///< "left" or "right"
-  std::optional<int> http_port;
+  AccessOptions access;  ///< with the side "left" or "right"
   LoginPermission login = LoginPermission::allowed;
 };
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # check_network.sh FOLDER: the example files of the cameras' network in FOLDER do what they say. In network namespaces
 # systemd-networkd configures two ports with them: each has its address also without a camera, no default route appears, the
-# computer counts as online, a camera that asks by DHCP gets the one address and no gateway. chronyd, if it is installed, and
-# sysctl accept theirs. Exits with 77 (skipped) without root, namespaces or systemd-networkd.
+# computer counts as online, a camera that asks by DHCP gets the one address and no gateway. chronyd, if it is installed, serves the
+# time to the camera and counts it as a client. sysctl accepts its file. Exits with 77 (skipped) without root, namespaces or systemd-networkd.
 set -euo pipefail
 files=$(realpath "$1")
 networkd=/lib/systemd/systemd-networkd
@@ -80,6 +80,12 @@ camera grep -qr '^NTP=192.168.101.1$' /run/systemd/netif || fail "the camera is 
 if command -v chronyd >/dev/null; then
   chronyd -p -f "$files/cartvo-cameras.conf" >/run/chrony.log 2>&1 || fail "chronyd does not accept cartvo-cameras.conf"
   [ "$(grep -c '^allow ' /run/chrony.log)" -eq 2 ] || fail "chronyd does not serve two networks"
+  install -d -o _chrony -g _chrony -m 750 /run/chrony
+  chronyd -x -f "$files/cartvo-cameras.conf" >/run/chronyd.log 2>&1 || fail "chronyd does not start"
+  camera chronyd -Q -t 20 -f /dev/null 'server 192.168.101.1 iburst' 'cmdport 0' 'bindcmdaddress /' 'pidfile /run/camera-chronyd.pid' \
+    >/run/camera-chronyd.log 2>&1 || fail "the camera gets no time"
+  # The columns that cartvo doctor reads: address, requests for the time.
+  chronyc -n -c clients | grep -q '^192\.168\.101\.64,[1-9][0-9]*,' || fail "chronyd does not count the camera's requests"
 else
   echo "check_network: chronyd is not installed: cartvo-cameras.conf is not checked"
 fi

@@ -17,23 +17,41 @@ refuses_to_start_unconfigured() { # the configuration as delivered lacks the rig
   [ $code -eq 2 ] && grep -q 'not calibrated yet' "$state/unconfigured"
 }
 
-# --- the ports of the cameras, by the example files
+# --- the ports of the cameras, by cartvo camera network
 
 has_address() { ip -4 -o addr show dev "$1" | grep -q " $2 "; }
+writes_the_example_files() {
+  cartvo camera network --left-interface enp2s0 --right-interface enp3s0 --left-camera 192.168.101.64 --right-camera 192.168.102.64 \
+    --dhcp --output-dir /etc >"$state/network" || return 1
+  sed 's/^/     | /' "$state/network"
+  local file
+  for file in systemd/network/10-cartvo-{left,right}.network chrony/conf.d/cartvo-cameras.conf sysctl.d/60-cartvo-buffers.conf; do
+    cmp "/etc/$file" "/usr/share/cartvo/network/${file##*/}" || return 1
+  done
+}
 brings_up_the_ports() { # two ports, one of them without a camera
   ip link add enp2s0 type veth peer name camera && ip link set camera up && ip link add enp3s0 type veth peer name absent || return 1
-  cp /usr/share/cartvo/network/*.network /etc/systemd/network/
   systemctl start systemd-networkd
   await 60 has_address enp2s0 192.168.101.1/24 && await 30 has_address enp3s0 192.168.102.1/24 &&
     timeout 60 /lib/systemd/systemd-networkd-wait-online && [ -z "$(ip route show default)" ]
 }
+is_configured_by() { networkctl --no-pager status "$1" | grep "Network File: $2" >/dev/null && networkctl --no-legend list "$1" | grep configured >/dev/null; }
+networkd_understands_each_line() { ! journalctl -b --no-pager -o cat -u systemd-networkd | grep '\.network:[0-9]'; }
+changes_to_one_port() { # both cameras at one switch: by networkctl reload, without a restart
+  rm -f /etc/systemd/network/10-cartvo-*
+  cartvo camera network --interface enp2s0 --left-camera 192.168.103.64 --right-camera 192.168.103.65 --output-dir /etc --force >/dev/null &&
+    networkctl reload && await 60 has_address enp2s0 192.168.103.1/24 && [ -z "$(ip route show default)" ]
+}
+refuses_an_overlap() {
+  ! cartvo camera network --interface camera --left-camera 192.168.103.66 --right-camera 192.168.103.67 --output-dir /tmp/overlap \
+    2>"$state/overlap" && grep 'overlaps 192.168.103.1/24 of enp2s0' "$state/overlap" >/dev/null && [ ! -e /tmp/overlap ]
+}
 sets_the_buffers() {
-  cp /usr/share/cartvo/network/60-cartvo-buffers.conf /etc/sysctl.d/
   systemctl restart systemd-sysctl && [ "$(cat /proc/sys/net/core/rmem_max)" = 4194304 ]
 }
 remove_the_ports() {
   systemctl stop systemd-networkd.socket systemd-networkd
-  rm -f /etc/systemd/network/10-cartvo-*
+  rm -f /etc/systemd/network/10-cartvo-* /etc/chrony/conf.d/cartvo-cameras.conf
   ip link delete enp2s0
   ip link delete enp3s0
 }
@@ -41,8 +59,14 @@ package_checks() {
   check "apt installed the package, and nothing runs" is_installed_but_off
   check "the package created the service's user" has_its_user
   check "without a calibration the configuration is refused" refuses_to_start_unconfigured
-  check "the example files bring up both ports, also without a camera" brings_up_the_ports
-  check "the example file sets the receive buffers" sets_the_buffers
+  check "cartvo camera network writes the example files" writes_the_example_files
+  check "they bring up both ports, also without a camera" brings_up_the_ports
+  check "networkctl names the file of the left port" is_configured_by enp2s0 /etc/systemd/network/10-cartvo-left.network
+  check "networkctl names the file of the right port" is_configured_by enp3s0 /etc/systemd/network/10-cartvo-right.network
+  check "they set the receive buffers" sets_the_buffers
+  check "both cameras at one port: networkctl reload changes it" changes_to_one_port
+  check "a network that overlaps another one is refused" refuses_an_overlap
+  check "networkd understands each line" networkd_understands_each_line
   remove_the_ports
 }
 
@@ -61,14 +85,18 @@ reloads() { # reload with an edited configuration
   sed -i "$1" "$configuration"
   systemctl reload cartvod
 }
-doctor_knows() { cartvo help 2>&1 | grep '^ *doctor ' >/dev/null; }
+not() { ! "$@"; }
 doctor_is_content() { # 3: something to look at, such as the small pictures here
   local code=0
   timeout 120 cartvo doctor >"$state/doctor" 2>&1 || code=$?
   sed 's/^/     | /' "$state/doctor"
   [ $code -eq 0 ] || [ $code -eq 3 ]
 }
+journal_finds() { journalctl -b --no-pager -u cartvod "$@" | grep -E '(left|right) camera: |odometry is |self-check: ' >/dev/null; }
 running_checks() { # with valid odometry
+  check "the journal finds changes of validity by their fields" journal_finds CARTVO_EVENT=odometry_validity CARTVO_ODOMETRY_STATUS=valid
+  check "the journal finds a camera's states by their fields" journal_finds CARTVO_EVENT=camera_state CARTVO_CAMERA=left CARTVO_CAMERA_STATE=streaming
+  check "the journal finds nothing by a value that no line has" not journal_finds CARTVO_EVENT=camera_state CARTVO_CAMERA=middle
   check "/metrics has values" await 10 serves_metrics
   check "/healthz is 200 with valid odometry" await 10 health_says '^HTTP/1.1 200 '
   mark
@@ -79,7 +107,7 @@ running_checks() { # with valid odometry
   check "and the old configuration stays in force" await 20 logged 'the old one stays in force'
   cp "$state/before-the-error" "$configuration"
   check "odometry went on" is_active
-  if doctor_knows; then check "cartvo doctor finds nothing broken" doctor_is_content; fi
+  check "cartvo doctor finds nothing broken while cartvod runs" doctor_is_content
 }
 second_daemon_is_refused() {
   local code=0

@@ -12,11 +12,17 @@ constexpr const char* kStyle =
     ":root{color-scheme:light dark;--line:#8886;--ok:#183;--look:#a60;--bad:#c22}"
     "@media(prefers-color-scheme:dark){:root{--ok:#5c7;--look:#eb4;--bad:#f77}}"
     "body{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}"
-    "table{border-collapse:collapse;width:100%}"
+    "table{border-collapse:collapse;width:100%;table-layout:fixed}"
+    "th:nth-child(1){width:6em}th:nth-child(2){width:11em}"
     "th,td{border:1px solid var(--line);padding:.3em .6em;text-align:left;vertical-align:top;"
-    "overflow-wrap:anywhere}td:first-child{white-space:nowrap}"
+    "overflow-wrap:break-word}td:first-child{white-space:nowrap}"
+    // On a phone each row is a block, and its cells stand below each other.
+    "@media(max-width:700px){table,tbody,tr,td{display:block}tr:first-child,td:empty{display:none}"
+    "tr{border:1px solid var(--line);margin:.5em 0;padding:.3em .6em}td{border:0;padding:.1em 0}"
+    "td:nth-child(2){font-weight:bold}td:nth-child(4)::before{content:'expected: '}"
+    "td:nth-child(5)::before{content:'do: '}}"
     ".ok{color:var(--ok)}.look{color:var(--look);font-weight:bold}.broken{color:var(--bad);font-weight:bold}"
-    ".pictures{display:flex;flex-wrap:wrap;gap:1em}figure{margin:0;flex:1 1 500px}img{width:100%}";
+    ".pictures{display:flex;flex-wrap:wrap;gap:1em}figure{margin:0;flex:1 1 min(500px,100%)}img{width:100%}";
 
 const char* cssClass(Verdict verdict) {
   switch (verdict) {
@@ -63,8 +69,9 @@ std::string htmlReport(const ReportHead& head, const Findings& findings,
                      escaped(head.host), escaped(head.time), escaped(head.version),
                      cssClass(worstVerdict(findings)), countsText(findings)) +
          tables(findings) +
-         (pictures.empty() ? ""
-                           : "<h2>pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)) +
+         (pictures.empty()
+              ? ""
+              : "<h2>one pair of pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)) +
          "</body></html>\n";
 }
 

@@ -51,7 +51,7 @@ struct RtspCameraSettings {
   /// Asks the camera about a refused login, without a password. A lock that the answer states lengthens the
   /// pause to that time, at most 2 h. Must not throw, and return within `answer_timeout`, or within a second
   /// once the flag is true. Empty: not asked.
-  std::function<RefusedLogin(const std::atomic<bool>& interrupted)> ask_about_refusal;
+  std::function<RefusedLogin(const std::atomic<bool>& interrupted)> ask_about_refusal{};
 
   std::int64_t max_pixels = 64'000'000;  ///< larger pictures are refused
 

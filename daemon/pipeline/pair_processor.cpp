@@ -7,21 +7,11 @@
 #include "calib/rectification/rectifier.hpp"
 #include "common/parallel_loop.hpp"
 #include "common/picture_digest.hpp"
+#include "daemon/pipeline/rectified_camera.hpp"
 #include "daemon/pipeline/velocity_at_exposure.hpp"
 
 namespace cartvo::daemon {
 namespace {
-
-vo::StereoCamera stereoCamera(const calib::Rectification& rectification) {
-  vo::StereoCamera camera;
-  camera.focal_length = rectification.focal_length;
-  camera.cx = rectification.cx;
-  camera.cy = rectification.cy;
-  camera.baseline = rectification.baseline;
-  camera.width = rectification.size.width;
-  camera.height = rectification.size.height;
-  return camera;
-}
 
 Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "capture/pair_reader.hpp"
 #include "common/host_clock.hpp"
 #include "daemon/pipeline/feature_budget.hpp"
 #include "daemon/pipeline/live_pairing.hpp"
@@ -73,36 +74,6 @@ NoPairCause cause(const LivePairing::Counts& before, const LivePairing::Counts& 
   return NoPairCause::no_frames;
 }
 
-/// Order of two frames: of recording, which does not depend on clocks; where it is unknown, of exposure.
-bool comesFirst(const capture::Frame& left, const capture::Frame& right) {
-  if (left.order > 0 && right.order > 0) return left.order < right.order;
-  return left.exposure_ns <= right.exposure_ns;
-}
-
-/// Reads one source a frame ahead, so that two sources can be merged in order.
-class LookAhead {
- public:
-  explicit LookAhead(capture::CameraSource& source) : source_(source) {}
-
-  /// Returns the next frame, or nullptr at the end of the source.
-  const capture::Frame* peek() {
-    while (!frame_ && !ended_) {
-      capture::Frame frame;
-      const capture::ReadOutcome outcome = source_.read(frame, kReadTimeout);
-      if (outcome == capture::ReadOutcome::frame) frame_ = std::move(frame);
-      ended_ = outcome == capture::ReadOutcome::ended;
-    }
-    return frame_ ? &*frame_ : nullptr;
-  }
-  /// Removes and returns the frame that `peek` returned.
-  capture::Frame pop() { return *std::exchange(frame_, std::nullopt); }
-
- private:
-  capture::CameraSource& source_;
-  std::optional<capture::Frame> frame_;
-  bool ended_ = false;
-};
-
 }  // namespace
 
 class Pipeline::Implementation {
@@ -155,25 +126,16 @@ PairResult Pipeline::Implementation::processPair(const capture::FramePair& pair,
 }
 
 void Pipeline::Implementation::replay(const PipelineSink& sink) {
-  capture::PairSynchroniser synchroniser(synchroniserSettings(settings_.period_ns));
-  LookAhead left(left_);
-  LookAhead right(right_);
+  capture::PairReader reader(left_, right_, synchroniserSettings(settings_.period_ns));
   while (!stopped_) {
-    const capture::Frame* next_left = left.peek();
-    const capture::Frame* next_right = right.peek();
-    if (next_left == nullptr && next_right == nullptr) break;
-    const bool left_is_next =
-        next_right == nullptr || (next_left != nullptr && comesFirst(*next_left, *next_right));
-    const capture::CameraSide side = left_is_next ? capture::CameraSide::left : capture::CameraSide::right;
-    capture::Frame frame = left_is_next ? left.pop() : right.pop();
-    requireRigSize(side, frame);
-    synchroniser.push(side, std::move(frame));
-    while (const std::optional<capture::FramePair> pair = synchroniser.pop()) {
-      processPair(*pair, sink);
-    }
+    const std::optional<capture::FramePair> pair = reader.next();
+    if (!pair) break;
+    requireRigSize(capture::CameraSide::left, pair->left);
+    requireRigSize(capture::CameraSide::right, pair->right);
+    processPair(*pair, sink);
   }
   const std::lock_guard lock(mutex_);
-  replayed_ = totals(synchroniser);
+  replayed_ = totals(reader.synchroniser());
 }
 
 void Pipeline::Implementation::runLive(const PipelineSink& sink) {

@@ -82,7 +82,7 @@ class Pipeline {
 
   /// Replay: reads both sources to their ends on this thread, merged in the order of recording or, where that
   /// is unknown, of exposure, and processes every pair. The same sources give the same results. Throws what
-  /// the sources and the sink throw, and std::runtime_error if a frame's size is not the rig's.
+  /// the sources and the sink throw, and std::runtime_error if the size of a pair's image is not the rig's.
   void replay(const PipelineSink& sink);
 
   /// Live: one thread per camera reads frames and forms pairs; the calling thread processes the newest pair

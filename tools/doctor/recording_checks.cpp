@@ -10,9 +10,9 @@
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_summary.hpp"
 #include "capture/stereo_source.hpp"
+#include "daemon/pipeline/source_rig.hpp"
 #include "tools/calibrate/source_pairs.hpp"
 #include "tools/doctor/configuration_checks.hpp"
-#include "tools/replay/source_rig.hpp"
 
 namespace cartvo::doctor {
 namespace {
@@ -111,7 +111,7 @@ SourceContent readSource(const std::filesystem::path& folder, const std::atomic<
   try {
     capture::StereoSource source = capture::openSource(folder);
     content.absent_readout = daemon::absentReadoutOf(source.kind);
-    FoundRig found = findRig(source, folder, {});
+    daemon::FoundRig found = daemon::findRig(source, folder, {});
     if (checkRig(found.rig, found.origin, findings)) content.rig = std::move(found.rig);
     content.pairs = firstPairs(source, interrupted);
   } catch (const std::exception& error) {

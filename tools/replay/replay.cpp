@@ -139,8 +139,9 @@ std::optional<daemon::AbsentReadout> absentReadout(const ReplaySettings& setting
 
 }  // namespace
 
-Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
-                   const ReplayObserver& observer, std::optional<daemon::AbsentReadout> absent_readout) {
+Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
+                   const vo::OdometrySettings& odometry, const ReplayObserver& observer,
+                   std::optional<daemon::AbsentReadout> absent_readout) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
@@ -177,7 +178,7 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
   const std::optional<daemon::Configuration> configuration = recordedConfiguration(settings.source, problems);
   capture::StereoSource source =
       capture::openSource(settings.source, sourceSettings(settings, configuration));
-  FoundRig rig = findRig(source, settings.source, settings.rig);
+  daemon::FoundRig rig = daemon::findRig(source, settings.source, settings.rig);
   // A rig file that is given takes the place of the recorded rig with all that the configuration changed.
   if (configuration && settings.rig.empty())
     rig.rig = daemon::withConfiguredReadouts(std::move(rig.rig), *configuration);
@@ -193,7 +194,7 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
 
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer) {
-  FoundRig rig = findRig({}, settings.source, settings.rig);
+  daemon::FoundRig rig = daemon::findRig({}, settings.source, settings.rig);
   replaceReadouts(settings, rig.rig);
   const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);
   VideoTiming timing;

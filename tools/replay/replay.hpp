@@ -13,7 +13,7 @@
 
 #include "capture/stereo_source.hpp"
 #include "daemon/pipeline/pipeline.hpp"
-#include "tools/replay/source_rig.hpp"
+#include "daemon/pipeline/source_rig.hpp"
 #include "tools/replay/video_pair.hpp"
 #include "tools/trajectory/trajectory.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -83,7 +83,7 @@ struct ReplayedPair {
 /// without an estimate repeats it, so that the path is continuous.
 struct Replay {
   capture::SourceKind kind = capture::SourceKind::kitti;
-  FoundRig rig;
+  daemon::FoundRig rig;
   std::vector<ReplayedPair> pairs;
   daemon::PipelineCounts counts;
   std::optional<VideoTiming> timing;          ///< for two videos
@@ -98,8 +98,9 @@ using ReplayObserver = std::function<void(const daemon::PairResult& result, std:
 
 /// Processes all pairs of a source with the daemon's pipeline. `absent_readout`: see PairProcessor; empty: by
 /// the source's kind. Throws if the rig or the settings are invalid.
-Replay replayPairs(capture::StereoSource& source, const FoundRig& rig, const vo::OdometrySettings& odometry,
-                   const ReplayObserver& observer, std::optional<daemon::AbsentReadout> absent_readout = {});
+Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
+                   const vo::OdometrySettings& odometry, const ReplayObserver& observer,
+                   std::optional<daemon::AbsentReadout> absent_readout = {});
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
 /// be paired.

@@ -226,7 +226,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
 
 TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
   const auto found = [&](const std::filesystem::path& given) {
-    return findRig(capture::openSource(folder_.path()), folder_.path(), given);
+    return daemon::findRig(capture::openSource(folder_.path()), folder_.path(), given);
   };
   EXPECT_EQ(found({}).rig.name, "KITTI");
   EXPECT_EQ(found({}).rig.left.size, cv::Size(1226, 370));

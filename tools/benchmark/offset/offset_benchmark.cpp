@@ -79,7 +79,7 @@ class OffsetRun {
   SequenceAccuracy measure(const Sequence& sequence, capture::StereoSource& source, OffsetModel model,
                            const vo::OdometrySettings& odometry) {
     observer_.begin(sequence.name + ": " + offsetModelName(model));
-    const FoundRig rig = findRig(source, sequence.folder, {});
+    const daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
     const Replay replay =
         replayPairs(source, rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));

@@ -208,7 +208,7 @@ const Disturbance& disturbanceNamed(const std::string& name) {
 
 DisturbedSequence disturbed(const Sequence& sequence, const Disturbance& disturbance) {
   DisturbedSequence result{capture::openSource(sequence.folder), {}, sequence.truth};
-  result.rig = findRig(result.source, sequence.folder, {});
+  result.rig = daemon::findRig(result.source, sequence.folder, {});
   const capture::ImageFolder images = capture::readImageFolder(sequence.folder);
   switch (disturbance.kind) {
     case DisturbanceKind::none:

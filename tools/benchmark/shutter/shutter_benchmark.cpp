@@ -40,7 +40,7 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
                         const WorkObserver& observer) {
   observer.begin(sequence.name + ": readout " + readoutModelName(model));
   capture::StereoSource source = capture::openSource(sequence.folder);
-  FoundRig rig = findRig(source, sequence.folder, {});
+  daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
   rig.rig = rigFor(model, std::move(rig.rig));
   const Replay replay = replayPairs(
       source, rig, settings.odometry,

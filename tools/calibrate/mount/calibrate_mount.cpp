@@ -12,11 +12,11 @@
 #include "calib/format/rig_file.hpp"
 #include "capture/stereo_source.hpp"
 #include "common/units.hpp"
+#include "daemon/pipeline/source_rig.hpp"
 #include "tools/calibrate/mount/mount.hpp"
 #include "tools/calibrate/mount/mount_source.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/replay/source_rig.hpp"
 
 namespace cartvo {
 namespace {
@@ -76,7 +76,7 @@ nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measu
 
 void run(const Options& options, bool gives_forward, bool gives_left) {
   checkResultFiles({options.output});
-  calib::Rig rig = findRig(capture::openSource(options.source), options.source, options.rig).rig;
+  calib::Rig rig = daemon::findRig(capture::openSource(options.source), options.source, options.rig).rig;
   if (gives_forward) rig.T_body_camera.translation().x() = options.forward;
   if (gives_left) rig.T_body_camera.translation().y() = options.left;
   MountMeasurements measurements;

@@ -1,6 +1,6 @@
 // Finds the rig of a source.
 
-#include "tools/replay/source_rig.hpp"
+#include "daemon/pipeline/source_rig.hpp"
 
 #include <stdexcept>
 
@@ -8,7 +8,7 @@
 #include "calib/format/rig_formats.hpp"
 #include "capture/dataset/image_files.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 FoundRig findRig(const capture::StereoSource& source, const std::filesystem::path& path,
                  const std::filesystem::path& given) {
   calib::RigReading reading;
@@ -30,4 +30,4 @@ FoundRig findRig(const capture::StereoSource& source, const std::filesystem::pat
                            "OpenCV's K1 D1 K2 D2 R T image_size) or KITTI's calib.txt into the folder");
 }
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

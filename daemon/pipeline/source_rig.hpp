@@ -6,7 +6,7 @@
 #include "calib/model/rig.hpp"
 #include "capture/stereo_source.hpp"
 
-namespace cartvo {
+namespace cartvo::daemon {
 
 /// A rig and its origin.
 struct FoundRig {
@@ -20,4 +20,4 @@ struct FoundRig {
 FoundRig findRig(const capture::StereoSource& source, const std::filesystem::path& path,
                  const std::filesystem::path& given);
 
-}  // namespace cartvo
+}  // namespace cartvo::daemon

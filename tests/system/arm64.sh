@@ -50,7 +50,7 @@ END
 }
 
 [ -e "$folder/fetched" ] || fetch_packages
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release --toolchain "$PWD/tests/system/arm64.cmake"
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCARTVO_PYTHON=OFF --toolchain "$PWD/tests/system/arm64.cmake"
 cmake --build "$build" --target odometry_digest cartvo_vo_core_tests
 
 ctest --test-dir "$build" -j "$(nproc)" --output-on-failure -R '^vo_core\.' -E same_on_each_processor

@@ -58,6 +58,19 @@ int main() { return cartvo::client::ControllerOdometry().newest().kept() != 0; }
     g++ -x c++ -std=c++17 -I "$work/unpacked/usr/include" -o "$work/controller" - \
       -x none "$work"/unpacked/usr/lib/*/libcartvo_client.a -llcm && "$work/controller"
 }
+library_links() {
+  rm -rf "$work/library" "$work/library-example"
+  dpkg-deb -x "$packages"/libcartvo-dev_*.deb "$work/library"
+  cmake -S "$work/library/usr/share/doc/libcartvo-dev/examples/01_odometry_on_images" -B "$work/library-example" \
+    -DCMAKE_PREFIX_PATH="$work/library/usr"
+  cmake --build "$work/library-example"
+}
+python_imports() {
+  rm -rf "$work/python"
+  dpkg-deb -x "$packages"/python3-cartvo_*.deb "$work/python"
+  PYTHONPATH=$work/python/usr/lib/python3/dist-packages /usr/bin/python3 -B -c 'import cartvo.lcm
+cartvo.Odometry(cartvo.StereoCamera(240.0, 170.0, 105.0, 0.1, 340, 210))'
+}
 has_java_types() { # made with the packages' own tools
   rm -rf "$work/java"
   dpkg-deb -x "$packages"/cartvo-java_*.deb "$work/java"
@@ -168,6 +181,8 @@ packages=$(realpath "$packages")
 version=$(dpkg-parsechangelog -S Version)
 check "lintian has no errors and no warnings" lintian --allow-root --fail-on error,warning "$packages"/*.changes
 check "a controller compiles with cartvo-dev" controller_compiles
+check "an example links libcartvo-dev" library_links
+check "a program in Python imports python3-cartvo" python_imports
 check "a program in Java decodes odometry with cartvo-java" has_java_types
 
 check "a bare Debian 12" make_debian

@@ -1,0 +1,105 @@
+// The chain from raw images to the motion of the cart's body, for Python.
+#include "daemon/pipeline/pair_processor.hpp"
+
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "python/bindings/arrays.hpp"
+#include "python/bindings/bindings.hpp"
+#include "python/bindings/estimate.hpp"
+#include "python/bindings/pair.hpp"
+#include "python/bindings/rig.hpp"
+
+namespace py = pybind11;
+
+namespace cartvo::python {
+namespace {
+
+using daemon::PairResult;
+
+/// daemon::PairProcessor for several Python threads, one at a time.
+class Processor {
+ public:
+  Processor(const calib::Rig& rig, const vo::OdometrySettings& settings, bool unknown_readout)
+      : size_(rig.left.size),
+        processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, settings,
+                   absentReadout(unknown_readout)) {}
+
+  PairResult process(const Pair& pair) {
+    requireSize(pair.frames.left, "left");
+    requireSize(pair.frames.right, "right");
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    return processor_.process(pair.frames);
+  }
+
+ private:
+  void requireSize(const capture::Frame& frame, const char* side) const {
+    if (frame.image.size() == size_) return;
+    throw py::value_error(std::string(side) + ": expected shape (" + std::to_string(size_.height) + ", " +
+                          std::to_string(size_.width) + ") as in the rig, but got (" +
+                          std::to_string(frame.image.rows) + ", " + std::to_string(frame.image.cols) + ")");
+  }
+
+  cv::Size size_;
+  std::mutex mutex_;
+  daemon::PairProcessor processor_;  // guarded by mutex_
+};
+
+bool isValid(const PairResult& result) {
+  return result.estimate.valid && result.motion.velocity.allFinite() &&
+         result.motion.angular_velocity.allFinite();
+}
+
+}  // namespace
+
+void bindPairProcessor(py::module_& module) {
+  py::class_<PairResult>(
+      module, "BodyEstimate",
+      "Result of PairProcessor for one pair: the motion of the cart's body, as cartvod publishes it. "
+      "Body axes: x forward, y left, z up.")
+      .def_property_readonly(
+          "status", [](const PairResult& self) { return isValid(self) ? Status::valid : Status::invalid; })
+      .def_property_readonly("valid", &isValid, "whether pose and velocity were measured")
+      .def_property_readonly(
+          "reasons", [](const PairResult& self) { return reasonList(self.estimate.reasons); },
+          "why it is invalid; if valid empty or ['zero velocity']")
+      .def_property_readonly(
+          "exposure_ns", [](const PairResult& self) { return self.left.exposure_ns; }, "of the left image")
+      .def_property_readonly(
+          "epoch", [](const PairResult& self) { return self.estimate.reset_counter; },
+          "from 0; increments when the pose restarts from the identity")
+      .def_property_readonly(
+          "pose", [](const PairResult& self) { return toArray(self.motion.T_world_body); },
+          "4x4, body axes to world axes, m; the world is the body at the start of the epoch")
+      .def_property_readonly(
+          "pose_covariance", [](const PairResult& self) { return toArray(self.motion.pose_covariance); },
+          "6x6, order x y z, rotation about x y z; m and rad, in the axes of the current body")
+      .def_property_readonly(
+          "velocity", [](const PairResult& self) { return toArray(self.motion.velocity); },
+          "m/s, of the body's origin at the exposure, in body axes; NaN if invalid")
+      .def_property_readonly(
+          "angular_velocity", [](const PairResult& self) { return toArray(self.motion.angular_velocity); },
+          "rad/s: roll, pitch, yaw rate; NaN if invalid")
+      .def_property_readonly(
+          "twist_covariance", [](const PairResult& self) { return toArray(self.motion.twist_covariance); },
+          "6x6 of velocity, then angular velocity; NaN if invalid")
+      .def_readonly("camera", &PairResult::estimate, "the estimate of the rectified left camera");
+
+  py::class_<Processor>(
+      module, "PairProcessor",
+      "What cartvod does with a pair of raw images: rectification, odometry, motion of the body.")
+      .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool>(), py::arg("rig"),
+           py::arg("settings") = vo::OdometrySettings{}, py::kw_only(), py::arg("unknown_readout") = false,
+           "unknown_readout: as of Odometry. Raises ValueError if the rig or a setting is out of range.")
+      .def("process", &Processor::process, py::arg("pair"),
+           "Processes the next pair and lets other threads run. Raises ValueError for images of another size "
+           "than the "
+           "rig's.");
+}
+
+}  // namespace cartvo::python

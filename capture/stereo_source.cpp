@@ -25,12 +25,22 @@ StereoSource openRecording(const std::filesystem::path& path, const SourceSettin
 }
 
 SourceKind kindOf(FolderLayout layout) {
-  if (layout == FolderLayout::euroc) return SourceKind::euroc;
-  return layout == FolderLayout::kitti_raw ? SourceKind::kitti_raw : SourceKind::kitti;
+  switch (layout) {
+    case FolderLayout::kitti_raw:
+      return SourceKind::kitti_raw;
+    case FolderLayout::euroc:
+      return SourceKind::euroc;
+    case FolderLayout::lists:
+      return SourceKind::lists;
+    case FolderLayout::one_folder:
+      return SourceKind::one_folder;
+    default:
+      return SourceKind::kitti;
+  }
 }
 
 StereoSource openImageFolder(const std::filesystem::path& path, const SourceSettings& settings) {
-  ImageFolder folder = readImageFolder(path, {settings.frame_rate});
+  ImageFolder folder = readImageFolder(path, {settings.frame_rate, settings.side_by_side});
   folder.left.stddev_ns = folder.right.stddev_ns =
       std::llround(settings.folder_offset_stddev_ns / std::sqrt(2.0));
   StereoSource source;
@@ -38,6 +48,7 @@ StereoSource openImageFolder(const std::filesystem::path& path, const SourceSett
   source.period_ns = std::min(nominalPeriodNs(folder.left), nominalPeriodNs(folder.right));
   source.pairs = std::min(folder.left.images.size(), folder.right.images.size());
   source.first_image = folder.left.images.front();
+  source.part = folder.left.part;
   source.left = std::make_unique<ImageSequenceSource>(std::move(folder.left));
   source.right = std::make_unique<ImageSequenceSource>(std::move(folder.right));
   source.warnings = std::move(folder.warnings);
@@ -66,14 +77,17 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
         ": a recording has its own instants; --frame-rate is for videos and for folders of "
         "images without instants");
   }
+  if (isRecording(path) && settings.side_by_side) {
+    throw std::runtime_error(path.string() +
+                             ": a recording has a stream for each camera; --side-by-side is for images and "
+                             "videos that contain both cameras' pictures");
+  }
   if (isRecording(path)) return openRecording(path, settings);
-  if (detectImageFolder(path)) return openImageFolder(path, settings);
-  throw std::runtime_error(
-      path.string() +
-      " cannot be replayed. Looked for: a recording (recording.json and "
-      "000000/left.mkv), KITTI's layout (image_0, image_1, times.txt; or image_2 and image_3, image_left and "
-      "image_right, left and right), KITTI's raw recordings (image_00/data, image_01/data, timestamps.txt), "
-      "EuRoC's layout (cam0 and cam1, in it or in mav0)");
+  if (settings.side_by_side || detectImageFolder(path)) return openImageFolder(path, settings);
+  throw std::runtime_error(path.string() +
+                           " cannot be replayed. Looked for: a recording (recording.json and "
+                           "000000/left.mkv), " +
+                           kLayouts);
 }
 
 }  // namespace cartvo::capture

@@ -1,4 +1,5 @@
-// EuRoC's layout: mav0/cam0 and mav0/cam1, each with data.csv, data/*.png and sensor.yaml.
+// EuRoC's layout: mav0/cam0 and mav0/cam1, each with data.csv, data/*.png and sensor.yaml; TUM-VI has
+// dso/camchain.yaml in place of the latter.
 
 #include <cctype>
 #include <stdexcept>
@@ -61,6 +62,10 @@ ImageFolder readEurocFolder(const fs::path& folder) {
   result.right = readCamera(folder / "cam1");
   result.sensor_files = {pathIfExists(folder / "cam0/sensor.yaml"),
                          pathIfExists(folder / "cam1/sensor.yaml")};
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    for (const char* name : {"camchain.yaml", "dso/camchain.yaml"})
+      if (result.calib_file.empty()) result.calib_file = pathIfExists(place / name);
+  }
   result.rig_file = pathIfExists(folder / "rig.yaml");
   if (result.rig_file.empty()) result.rig_file = pathIfExists(folder.parent_path() / "rig.yaml");
   return result;

@@ -59,19 +59,20 @@ void applyGreyLevels(ImageFolder& folder) {
 }
 
 ImageFolder readLists(const std::filesystem::path& folder, const ImageFolderSettings& settings) {
-  if (isKittiFolder(folder)) return readKittiFolder(folder, settings);
-  if (settings.frame_rate > 0.0 && detectImageFolder(folder)) {
+  if (settings.side_by_side) return readSideBySideFolder(folder, settings);
+  const std::optional<FolderLayout> layout = detectImageFolder(folder);
+  if (!layout) throw std::runtime_error(folder.string() + " is not an image folder. Looked for: " + kLayouts);
+  if (*layout == FolderLayout::kitti) return readKittiFolder(folder, settings);
+  if (*layout == FolderLayout::one_folder) return readPairFolder(folder, settings);
+  if (settings.frame_rate > 0.0) {
     throw std::runtime_error(
         folder.string() +
-        ": has the instants of its images; --frame-rate is for videos and for folders with "
-        "image_0 and image_1");
+        ": has the instants of its images; --frame-rate is for videos and for folders of images without "
+        "instants, such as image_0 and image_1");
   }
-  if (isKittiRawFolder(folder)) return readKittiRawFolder(folder);
-  if (const auto euroc = findEurocFolder(folder)) return readEurocFolder(*euroc);
-  throw std::runtime_error(
-      folder.string() +
-      " is not an image folder: it contains neither image_0 and image_1 (KITTI's layout), image_00/data and "
-      "image_01/data (KITTI's raw recordings) nor mav0/cam0 and mav0/cam1 (EuRoC's)");
+  if (*layout == FolderLayout::kitti_raw) return readKittiRawFolder(folder);
+  if (*layout == FolderLayout::lists) return readListFolder(folder);
+  return readEurocFolder(*findEurocFolder(folder));
 }
 
 }  // namespace
@@ -80,6 +81,8 @@ std::optional<FolderLayout> detectImageFolder(const std::filesystem::path& folde
   if (isKittiFolder(folder)) return FolderLayout::kitti;
   if (isKittiRawFolder(folder)) return FolderLayout::kitti_raw;
   if (findEurocFolder(folder)) return FolderLayout::euroc;
+  if (isListFolder(folder)) return FolderLayout::lists;
+  if (findPairFolder(folder)) return FolderLayout::one_folder;
   return std::nullopt;
 }
 
@@ -148,7 +151,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   if (interrupted_ || index >= sequence_.images.size()) return ReadOutcome::ended;
   const std::filesystem::path& file = sequence_.images[index];
   Frame read;
-  read.image = readGreyImage(file, sequence_.used_bits);
+  read.image = partOf(readGreyImage(file, sequence_.used_bits), sequence_.part);
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +

@@ -27,6 +27,20 @@ ImageFolder readKittiRawFolder(const std::filesystem::path& folder);
 std::optional<std::filesystem::path> findEurocFolder(const std::filesystem::path& folder);
 ImageFolder readEurocFolder(const std::filesystem::path& folder);
 
+/// The folder with the images of both cameras, told apart by their names (left and right, L and R, I1 and I2,
+/// cam0 and cam1): `folder` itself, or its subfolder StereoImages (New College), Images or NAME_Images
+/// (Malaga); nothing if none of them has such images.
+std::optional<std::filesystem::path> findPairFolder(const std::filesystem::path& folder);
+ImageFolder readPairFolder(const std::filesystem::path& folder, const ImageFolderSettings& settings);
+
+/// Lists of images with their instants: left.txt and right.txt, or cam0.txt and cam1.txt.
+bool isListFolder(const std::filesystem::path& folder);
+ImageFolder readListFolder(const std::filesystem::path& folder);
+
+/// Images that each contain the left camera's picture in their left half and the right one's in the other:
+/// in `folder` itself or in its subfolder images, image or data.
+ImageFolder readSideBySideFolder(const std::filesystem::path& folder, const ImageFolderSettings& settings);
+
 /// `file` if it exists, else the empty path.
 std::filesystem::path pathIfExists(const std::filesystem::path& file);
 

@@ -31,22 +31,6 @@ namespace {
 
 constexpr int kMaxSide = 16384;  // px
 
-cv::Mat partOf(const cv::Mat& picture, PicturePart part) {
-  const int width = picture.cols / 2, height = picture.rows / 2;
-  switch (part) {
-    case PicturePart::left_half:
-      return picture.colRange(0, width);
-    case PicturePart::right_half:
-      return picture.colRange(width, 2 * width);
-    case PicturePart::upper_half:
-      return picture.rowRange(0, height);
-    case PicturePart::lower_half:
-      return picture.rowRange(height, 2 * height);
-    default:
-      return picture;
-  }
-}
-
 /// Whether FFmpeg makes up the time stamps of such files: its readers of raw streams have a frame rate as an
 /// option, 25 Hz by default.
 bool hasInventedTimes(const AVFormatContext& context) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "capture/camera_source.hpp"
+#include "capture/dataset/picture_part.hpp"
 
 // Video files of other recorders as frame sources.
 
@@ -26,10 +27,6 @@ struct VideoFileTime {
   double from = -std::numeric_limits<double>::infinity();
   double to = std::numeric_limits<double>::infinity();
 };
-
-/// Part of a video's pictures: all, or one of the two cameras' whose pictures lie side by side or one above
-/// the other.
-enum class PicturePart : std::uint8_t { whole, left_half, right_half, upper_half, lower_half };
 
 /// Where a camera's pictures are in a video file.
 struct VideoView {

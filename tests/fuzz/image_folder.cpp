@@ -1,8 +1,10 @@
-// Fuzz target for image folders in KITTI's and EuRoC's layouts: names, lists and instants. The images
-// are empty files, because the image library decodes them.
+// Fuzz target for image folders in all layouts: names, lists and instants. The images are empty files,
+// because the image library decodes them.
 //
 // Input: several files: "kitti", the images' names, the right images' names, times.txt, calib.txt; or
-// "euroc", the images' names, both cameras' data.csv.
+// "euroc", the images' names, both cameras' data.csv; or "raw", the images' names, both cameras'
+// timestamps.txt; or "lists", the images' names, left.txt, right.txt; or "pairs", the images' names,
+// times.txt.
 
 #include "capture/dataset/image_folder.hpp"
 
@@ -46,6 +48,36 @@ void makeEuroc(std::vector<std::string> parts) {
   fuzz::writeScratch("sequence/mav0/cam1/data.csv", parts[3]);
 }
 
+void makeRaw(std::vector<std::string> parts) {
+  parts.resize(4);
+  makeImages("sequence/image_00/data", parts[1]);
+  makeImages("sequence/image_01/data", parts[1]);
+  fuzz::writeScratch("sequence/image_00/timestamps.txt", parts[2]);
+  fuzz::writeScratch("sequence/image_01/timestamps.txt", parts[3]);
+}
+
+void makeLists(std::vector<std::string> parts) {
+  parts.resize(4);
+  makeImages("sequence", parts[1]);
+  fuzz::writeScratch("sequence/left.txt", parts[2]);
+  fuzz::writeScratch("sequence/right.txt", parts[3]);
+}
+
+void makePairs(std::vector<std::string> parts) {
+  parts.resize(3);
+  makeImages("sequence", parts[1]);
+  if (!parts[2].empty()) fuzz::writeScratch("sequence/times.txt", parts[2]);
+}
+
+void make(const std::vector<std::string>& parts) {
+  const std::string& layout = parts.front();
+  if (layout == "euroc\n") return makeEuroc(parts);
+  if (layout == "raw\n") return makeRaw(parts);
+  if (layout == "lists\n") return makeLists(parts);
+  if (layout == "pairs\n") return makePairs(parts);
+  makeKitti(parts);
+}
+
 void check(const capture::ImageSequence& sequence) {
   fuzz::require(!sequence.images.empty() && sequence.images.size() == sequence.instants_ns.size(),
                 "each image has an instant");
@@ -61,7 +93,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::vector<std::string> parts = fuzz::splitParts(fuzz::toText(data, size));
   const fs::path folder = fuzz::scratchFolder() / "sequence";
   fs::remove_all(folder);
-  parts.front() == "euroc\n" ? makeEuroc(parts) : makeKitti(parts);
+  make(parts);
   const auto images = fuzz::parseOrReject([&] { return capture::readImageFolder(folder); }, folder.string());
   if (!images) return 0;
   check(images->left);

@@ -112,6 +112,10 @@ const char* kindName(capture::SourceKind kind) {
       return "kitti_raw";
     case capture::SourceKind::euroc:
       return "euroc";
+    case capture::SourceKind::lists:
+      return "lists";
+    case capture::SourceKind::one_folder:
+      return "one_folder";
     case capture::SourceKind::videos:
       return "videos";
   }

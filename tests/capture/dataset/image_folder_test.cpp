@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture/stereo_source.hpp"
+#include "support/capture/written_files.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -25,13 +26,11 @@ constexpr char kCalibration[] =
     "P0: 700 0 320 0 0 700 240 0 0 0 1 0\nP1: 700 0 320 -80.5 0 700 240 0 0 0 1 0\n";
 
 void write(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file) << text;
+  test::writeText(file, text);
 }
 
 void writeImage(const fs::path& file, cv::Size size, int grey) {
-  fs::create_directories(file.parent_path());
-  ASSERT_TRUE(cv::imwrite(file.string(), cv::Mat(size, CV_8UC1, cv::Scalar(grey))));
+  test::writePicture(file, size, grey);
 }
 
 void writeKitti(const fs::path& folder, int count) {
@@ -375,8 +374,8 @@ TEST(StereoSource, DetectsKindOfFolder) {
 
   const std::string error = test::messageOf([&] { openSource(folder / "other"); });
   EXPECT_THAT(error, HasSubstr("Looked for: a recording (recording.json"));
-  EXPECT_THAT(error, HasSubstr("KITTI's layout (image_0, image_1, times.txt;"));
-  EXPECT_THAT(error, HasSubstr("EuRoC's layout (cam0 and cam1"));
+  EXPECT_THAT(error, HasSubstr("KITTI's layout (image_0 and image_1, "));
+  EXPECT_THAT(error, HasSubstr("EuRoC's and TUM-VI's layout (cam0 and cam1"));
   EXPECT_THAT(test::messageOf([&] { openSource(folder / "nowhere"); }), HasSubstr("does not exist"));
 }
 

@@ -13,7 +13,8 @@ FoundRig findRig(const capture::StereoSource& source, const std::filesystem::pat
                  const std::filesystem::path& given) {
   calib::RigReading reading;
   reading.cameras = source.cameras;
-  if (!source.first_image.empty()) reading.image_size = capture::readGreyImage(source.first_image).size();
+  if (!source.first_image.empty())
+    reading.image_size = capture::partOf(capture::readGreyImage(source.first_image), source.part).size();
   if (!given.empty()) return {calib::readRigFiles({given}, reading), given.string()};
   if (!source.rig_file.empty()) return {calib::readRig(source.rig_file), source.rig_file.string()};
   if (!source.rig_text.empty()) {
@@ -25,9 +26,11 @@ FoundRig findRig(const capture::StereoSource& source, const std::filesystem::pat
     return {calib::readRigFiles({left_sensor, right_sensor}), left_sensor.string()};
   if (!source.calib_file.empty())
     return {calib::readRigFiles({source.calib_file}, reading), source.calib_file.string()};
-  throw std::runtime_error(path.string() +
-                           ": no rig file found. Give --rig FILE, or put a rig.yaml (cartvo's own or "
-                           "OpenCV's K1 D1 K2 D2 R T image_size) or KITTI's calib.txt into the folder");
+  throw std::runtime_error(
+      path.string() +
+      ": no rig file found. Give --rig FILE, or put a rig.yaml (cartvo's own or "
+      "OpenCV's K1 D1 K2 D2 R T image_size), KITTI's calib.txt or Kalibr's camchain.yaml into "
+      "the folder");
 }
 
 }  // namespace cartvo::daemon

@@ -89,7 +89,7 @@ fs::path dataFolder(const BenchmarkOptions& options) {
   if (!data.empty() && !fs::is_directory(data)) {
     throw std::runtime_error(
         data.string() +
-        ": is no folder; --data takes a folder of image folders (KITTI or EuRoC layout), or 'none'");
+        ": is no folder; --data takes a folder of image folders as cartvo replay reads them, or 'none'");
   }
   return data;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <optional>
 #include <stdexcept>
 
 #include "capture/dataset/image_folder.hpp"
@@ -16,8 +15,18 @@ namespace cartvo::benchmark {
 namespace fs = std::filesystem;
 namespace {
 
-std::optional<Trajectory> truthOf(const fs::path& folder, const capture::ImageSequence& left) {
-  Trajectory truth;
+bool isStandstill(const fs::path& folder) {
+  return folder.filename().string().ends_with("_still");
+}
+
+/// Whether the folder has images and a ground truth, by the names of its files.
+bool isSequence(const fs::path& folder) {
+  const bool has_truth = fs::exists(folder / "poses.txt") || isStandstill(folder);
+  return has_truth && capture::detectImageFolder(folder);
+}
+
+Trajectory truthOf(const fs::path& folder, const capture::ImageSequence& left) {
+  Trajectory truth(left.images.size());
   const fs::path poses = folder / "poses.txt";
   if (fs::exists(poses)) {
     truth = readTrajectory(poses);
@@ -26,10 +35,6 @@ std::optional<Trajectory> truthOf(const fs::path& folder, const capture::ImageSe
                                std::to_string(left.images.size()) + " images");
     }
     truth = startingAt(Eigen::Isometry3d::Identity(), truth);
-  } else if (folder.filename().string().ends_with("_still")) {
-    truth.resize(left.images.size());
-  } else {
-    return std::nullopt;
   }
   for (std::size_t i = 0; i < truth.size(); ++i)
     truth[i].time_ns = left.instants_ns[i];
@@ -52,19 +57,18 @@ std::vector<Sequence> realSequences(const fs::path& data) {
   if (data.empty()) return {};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(data))
-    if (entry.is_directory() && capture::detectImageFolder(entry.path())) folders.push_back(entry.path());
+    if (entry.is_directory() && isSequence(entry.path())) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   std::vector<Sequence> sequences;
   for (const fs::path& folder : folders) {
     const capture::ImageFolder images = capture::readImageFolder(folder);
-    if (std::optional<Trajectory> truth = truthOf(folder, images.left)) {
-      sequences.push_back({folder.filename().string(), SequenceKind::real, folder, {*std::move(truth), {}}});
-    }
+    sequences.push_back(
+        {folder.filename().string(), SequenceKind::real, folder, {truthOf(folder, images.left), {}}});
   }
   if (sequences.empty()) {
     throw std::runtime_error(
         data.string() +
-        ": contains no sequence; expected folders of images (KITTI or EuRoC layout) with "
+        ": contains no sequence; expected folders of images as cartvo replay reads them, with "
         "poses.txt, or whose name ends in _still");
   }
   return sequences;

@@ -34,10 +34,10 @@ struct Sequence {
   SequenceTruth truth;
 };
 
-/// The image folders in `data` (KITTI or EuRoC layout) with a ground truth, sorted by name. The truth is
-/// poses.txt (KITTI rows); a folder whose name ends in "_still" is a standstill; other folders are left out.
-/// Returns nothing if `data` is an empty path. Throws std::runtime_error naming the folder if it contains no
-/// sequence, or naming the file if its poses do not match the images.
+/// The image folders in `data` (of any layout that readImageFolder reads) with a ground truth, sorted by
+/// name. The truth is poses.txt (KITTI rows); a folder whose name ends in "_still" is a standstill; other
+/// folders are left out. Returns nothing if `data` is an empty path. Throws std::runtime_error naming the
+/// folder if it contains no sequence, or naming the file if its poses do not match the images.
 std::vector<Sequence> realSequences(const std::filesystem::path& data);
 
 /// The rendered world of `settings`, read from the cache or rendered into it.

@@ -118,6 +118,7 @@ capture::SourceSettings sourceSettings(const ReplaySettings& settings,
   capture::SourceSettings opened;
   opened.folder_offset_stddev_ns = 1e9 * settings.folder_offset_stddev;
   opened.frame_rate = settings.frame_rate;
+  opened.side_by_side = settings.side_by_side;
   if (!capture::isRecording(settings.source)) return opened;
   if (configuration && settings.clock == ReplayClock::configured) opened.clock = configuration->clock;
   if (settings.clock >= ReplayClock::automatic) opened.clock = toClockChoice(settings.clock);

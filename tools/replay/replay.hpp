@@ -38,6 +38,7 @@ struct ReplaySettings {
   std::filesystem::path source;
   std::filesystem::path right_video;  ///< video of the right camera; `source` is then the left camera's
   double frame_rate = 0.0;            ///< Hz; above 0 it replaces the time stamps of videos and times.txt
+  bool side_by_side = false;          ///< each image of a folder contains both cameras' pictures
   std::optional<double>
       video_offset;           ///< s, added to the right video's times; empty: estimated from the images
   std::filesystem::path rig;  ///< empty: searched in the source's folder

@@ -101,7 +101,7 @@ Replay replayWithProgress(const Options& options, LivePublisher* publisher) {
 
 void run(const Options& options) {
   const OutputFolder output(options.output);
-  if (!options.truth.empty()) readTrajectory(options.truth);  // reports a bad file before the replay
+  if (!options.truth.empty()) readTruthRows(options.truth);  // reports a bad file before the replay
   cv::setNumThreads(options.threads);
   std::optional<LivePublisher> publisher;
   if (options.publish) publisher.emplace(options.url, options.speed);
@@ -147,8 +147,9 @@ void run(const Options& options) {
 void addSourceOptions(CLI::App& command, Options& options) {
   command
       .add_option("SOURCE", options.replay.source,
-                  "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, the left camera's "
-                  "video, or a video with both cameras' pictures side by side")
+                  "A recording (cartvod --record), a folder of images (KITTI, EuRoC, TUM-VI, New College, "
+                  "Malaga, lists, ...), the left camera's video, or a video with both cameras' pictures side "
+                  "by side")
       ->required();
   CLI::Option* right =
       command.add_option("RIGHT", options.replay.right_video, "The right camera's video, if SOURCE is one");
@@ -161,9 +162,14 @@ void addSourceOptions(CLI::App& command, Options& options) {
   command
       .add_option("--frame-rate", options.replay.frame_rate,
                   "Frame rate of the cameras: replaces the time stamps of videos and the times.txt of a "
-                  "folder; needed for raw streams (.h264)")
+                  "folder; needed for raw streams (.h264) and for images without instants")
       ->check(CLI::Range(0.5, 1000.0))
       ->type_name("HZ");
+  command
+      .add_flag("--side-by-side", options.replay.side_by_side,
+                "Each image of the folder SOURCE, or the video SOURCE, contains both cameras' pictures, the "
+                "left camera's on the left; videos are recognised without it")
+      ->excludes(right);
   command.add_option("--output-dir", options.output, "Folder for the results; created if it is missing")
       ->required()
       ->type_name("DIR");
@@ -214,8 +220,9 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--truth", options.truth,
-                  "True poses: KITTI rows of the left camera, or TUM rows of the body; adds error columns")
-      ->type_name("FILE");
+                  "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
+                  "recording of KITTI with its oxts; adds error columns")
+      ->type_name("FILE|DIR");
 }
 
 void addPublishOptions(CLI::App& command, Options& options) {
@@ -247,14 +254,18 @@ void addReplayCommand(CLI::App& cartvo) {
   addEstimationOptions(*command, *options);
   addPublishOptions(*command, *options);
   command->footer(
-      "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml or KITTI's calib.txt "
-      "in the\n"
-      "folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), Motionestimation.csv, "
+      "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml, KITTI's calib.txt "
+      "or "
+      "TUM-VI's\n"
+      "camchain.yaml in the folder. Writes poses.txt (KITTI, left camera), trajectory.tum (body), "
+      "Motionestimation.csv, "
       "odometry.csv, timing.csv and\n"
       "summary.json, described in cartvo-replay(1). The same source gives a byte for byte equal poses.txt.\n"
       "Examples:\n"
       "  cartvo replay kitti_06 --output-dir out --truth kitti_06/poses.txt\n"
       "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out\n"
+      "  cartvo replay NewCollege --rig bumblebee.yaml --output-dir out\n"
+      "  cartvo replay zed_pictures --side-by-side --frame-rate 30 --rig zed.yaml --output-dir out\n"
       "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
   command->callback([options] {
     options->replay.odometry.estimator = estimatorNamed(options->estimator);

@@ -49,7 +49,7 @@ void addThesis(CLI::App& benchmark) {
       "4-13\n"
       "and 4-14 (feature counts with a fixed and with adaptive thresholds), Table 5-2 (time of each stage "
       "with\n"
-      "1,000 and 9,600 features), Tables 5-3 and 5-4 (RMSE of velocity and rates). A dash marks unknown "
+      "1,000 and 9,600 features), Tables 5-3 to 5-7 (RMSE of velocity and rates). A dash marks unknown "
       "values "
       "of\n"
       "the thesis.\n"

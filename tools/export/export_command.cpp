@@ -68,7 +68,7 @@ void addExportCommand(CLI::App& cartvo) {
   command
       ->add_option(
           "SOURCE", options->source,
-          "A recording (cartvod --record), a folder in KITTI's or EuRoC's layout, an output folder of "
+          "A recording (cartvod --record), a folder of images as for cartvo replay, an output folder of "
           "cartvo replay, or a trajectory in TUM's or EuRoC's format")
       ->required();
   command->add_option("--to", options->format, "What to write")

@@ -8,7 +8,7 @@
 
 namespace cartvo::benchmark {
 
-/// RMSE of velocity and angular rates in body axes over the valid pairs of a replay: Tables 5-3 and 5-4 of
+/// RMSE of velocity and angular rates in body axes over the valid pairs of a replay: Tables 5-3 to 5-7 of
 /// the thesis. The reference is the constant twist that produces the true motion in the same time step.
 struct RateErrors {
   std::size_t pairs = 0;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tools/replay/setting_names.hpp"
+
 namespace cartvo::benchmark {
 namespace {
 
@@ -42,13 +44,15 @@ class ThesisRun {
     results_.counts.push_back(
         {sequence.name, countFeatures(sequence.folder, withFixedThreshold(detection), results_.features),
          countFeatures(sequence.folder, detection, results_.features)});
-    results_.rates.push_back(
-        {sequence.name, rateErrors(replayed(sequence, results_.features), sequence.truth)});
+    for (const vo::Estimator estimator : {vo::Estimator::thesis, vo::Estimator::reprojection}) {
+      const Replay replay = replayed(sequence, results_.features, estimator);
+      results_.rates.push_back({sequence.name, estimator, rateErrors(replay, sequence.truth)});
+    }
   }
 
   void measureTimes(const Sequence& sequence) {
-    const Replay few = replayed(sequence, results_.features);
-    const Replay many = replayed(sequence, results_.many_features);
+    const Replay few = replayed(sequence, results_.features, settings_.odometry.estimator);
+    const Replay many = replayed(sequence, results_.many_features, settings_.odometry.estimator);
     StageTimeResult times{sequence.name, few.rig.rig.left.size, 0.0, stageMedians(few), stageMedians(many)};
     constexpr double kMinRectificationTime = 0.1;  // ms; less means that the images are already rectified
     const double own = times.few.stage(vo::Stage::rectify);
@@ -59,12 +63,14 @@ class ThesisRun {
   ThesisResults releaseResults() { return std::move(results_); }
 
  private:
-  Replay replayed(const Sequence& sequence, int features) {
-    observer_.begin(sequence.name + ": " + std::to_string(features) + " features");
+  Replay replayed(const Sequence& sequence, int features, vo::Estimator estimator) {
+    observer_.begin(sequence.name + ": " + std::to_string(features) + " features, " +
+                    estimatorName(estimator));
     ReplaySettings replay;
     replay.source = sequence.folder;
     replay.odometry = settings_.odometry;
     replay.odometry.features = features;
+    replay.odometry.estimator = estimator;
     return replaySource(replay, [&](const daemon::PairResult& result, std::size_t expected) {
       observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
     });

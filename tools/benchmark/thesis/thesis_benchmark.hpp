@@ -47,6 +47,7 @@ struct StageTimeResult {
 /// Velocity and rate errors of one sequence.
 struct RateResult {
   std::string sequence;
+  vo::Estimator estimator = vo::Estimator::thesis;
   RateErrors errors;
 };
 
@@ -57,7 +58,7 @@ struct ThesisResults {
   std::vector<DepthResult> depth;          ///< Table 5-1
   std::vector<FeatureCountResult> counts;  ///< Figures 4-13, 4-14
   std::vector<StageTimeResult> times;      ///< Table 5-2; of the longest sequence
-  std::vector<RateResult> rates;           ///< Tables 5-3, 5-4
+  std::vector<RateResult> rates;           ///< Tables 5-3 to 5-7; both estimators
 };
 
 /// Repeats the experiments of the thesis. Throws std::runtime_error naming a sequence that cannot be used,

@@ -7,7 +7,7 @@
 namespace cartvo::benchmark {
 
 // Values of V. Venkatachalapathy, "Visual Odometry Estimation Using Selective Features", RIT, 2016. The
-// values of Tables 5-3 and 5-4 and of Figures 4-13 and 4-14 are not available.
+// values of Tables 5-3 to 5-7 and of Figures 4-13 and 4-14 are not available.
 
 // Table 5-1.
 inline constexpr double kThesisDepthRSquared = 0.9977;

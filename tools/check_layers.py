@@ -18,7 +18,7 @@ MOST_SOURCES, MOST_LINES = 30, 400
 LAYERS = {
     "vo_core": [
         "vo_core/rigid_motion vo_core/stereo_camera vo_core/stereo_masks vo_core/odometry_settings vo_core/stage_observer vo_core/key_frames "
-        "vo_core/rig_calibration_error vo_core/image_region vo_core/shutter",
+        "vo_core/rig_calibration_error vo_core/image_region vo_core/landmark_view vo_core/shutter",
         "vo_core/odometry_estimate",
         "vo_core/simd",
         "vo_core/geometry vo_core/image",
@@ -35,7 +35,7 @@ LAYERS = {
     "capture": ["capture/frame capture/camera_side capture/camera_source capture/encoded_unit", "capture/codec", "capture/clock",
                 "capture", "capture/rtsp capture/v4l2", "capture/isapi", "capture/recording", "capture/dataset", "capture/stereo_source"],
     "calib": ["calib/model", "calib/rectification", "calib/board", "calib/format", "calib/solver"],
-    "daemon": ["daemon/pipeline", "daemon/publish", "daemon/diagnostics", "daemon/service"],
+    "daemon": ["daemon/pipeline", "daemon/publish", "daemon/diagnostics", "daemon/page", "daemon/service"],
 }
 # What each top folder may include beside itself.
 BELOW = {

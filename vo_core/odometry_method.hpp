@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/stage_observer.hpp"
 
@@ -16,6 +17,8 @@ class OdometryMethod {
   virtual void setTargetFeatureCount(int features) = 0;
   /// See StereoOdometry::acquireBuffers(). Lends nothing by default.
   virtual void acquireBuffers(StereoImages&) {}
+  /// See StereoOdometry::viewLandmarks(). Has no landmarks by default.
+  virtual void viewLandmarks(LandmarkViews& views) const { views.clear(); }
 };
 
 }  // namespace cartvo::vo

@@ -44,6 +44,7 @@ class ReprojectionOdometry final : public OdometryMethod {
                            StageObserver& observer) override;
   void setTargetFeatureCount(int features) override;
   void acquireBuffers(StereoImages& images) override;
+  void viewLandmarks(LandmarkViews& views) const override;
 
  private:
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
@@ -97,6 +98,11 @@ void ReprojectionOdometry::acquireBuffers(StereoImages& images) {
   if (right_lease_.image().empty()) right_lease_ = right_pyramids_.lease(size);
   images.left = left_lease_.image();
   images.right = right_lease_.image();
+}
+
+void ReprojectionOdometry::viewLandmarks(LandmarkViews& views) const {
+  views.clear();
+  if (track_) track_->viewLandmarks(next_index_ - 1, views);
 }
 
 PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObserver& observer) {

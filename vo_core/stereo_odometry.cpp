@@ -69,6 +69,12 @@ void StereoOdometry::acquireBuffers(StereoImages& images) {
   method_->acquireBuffers(images);
 }
 
+void StereoOdometry::viewLandmarks(LandmarkViews& views) const {
+  if (last_.valid || method_is_new_ || last_.reasons == OdometryReason::first_pair)
+    return method_->viewLandmarks(views);
+  views.clear();
+}
+
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");

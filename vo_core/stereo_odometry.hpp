@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/shutter.hpp"
@@ -55,6 +56,10 @@ class StereoOdometry {
   /// Sets OdometrySettings::features from the next pair on, for example to save time under load. Throws
   /// std::invalid_argument if it is out of range.
   void setTargetFeatureCount(int features);
+
+  /// Sets `views` to the landmarks that were observed in the last pair, for a display. None after a pair that
+  /// was not tracked, and with `estimator: thesis`. Changes no estimate.
+  void viewLandmarks(LandmarkViews& views) const;
 
  private:
   OdometryEstimate rejectWrongGeometry(const StereoImages& images, StereoFault fault);

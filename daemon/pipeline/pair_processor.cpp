@@ -44,8 +44,9 @@ class PairProcessor::Implementation {
     result.left = instants(pair.left);
     result.right = instants(pair.right);
 
+    PairView* const view = viewer_ == nullptr ? nullptr : viewer_->nextView();
     clock_.startPair();
-    rectify(pair);
+    rectify(pair, view);
     result.features = features_;
     result.estimate = odometry_.process(images_, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_stddev_);
@@ -53,6 +54,7 @@ class PairProcessor::Implementation {
     if (result.estimate.valid && result.estimate.twist)
       setTwist(result.motion, *result.estimate.twist, T_body_rectified_, scale_stddev_);
     result.times = clock_.endPair();
+    if (view != nullptr) odometry_.viewLandmarks(view->landmarks);
     return result;
   }
 
@@ -62,6 +64,7 @@ class PairProcessor::Implementation {
     features_ = features;
   }
   int features() const { return features_; }
+  void setViewer(PairViewer& viewer) { viewer_ = &viewer; }
 
   const calib::Rectifier& rectifier() const { return rectifier_; }
   const Eigen::Isometry3d& T_left_rectified() const { return T_left_rectified_; }
@@ -85,7 +88,8 @@ class PairProcessor::Implementation {
     result.motion.twist_covariance = now.covariance + shared;
   }
 
-  void rectify(const capture::FramePair& pair) {
+  /// `view`: where to copy the rectified pictures; nullptr: not wanted.
+  void rectify(const capture::FramePair& pair, PairView* view) {
     // Time steps by the left camera's own clock: corrections of the exposures are no motion.
     images_.left_exposure_ns = pair.left.exposure_ns - pair.left.slew_ns;
     images_.right_exposure_ns = images_.left_exposure_ns + pair.offsetNs();
@@ -97,10 +101,12 @@ class PairProcessor::Implementation {
         [&] {
           images_.left_digest = pictureDigest(pair.left.image);
           rectifier_.rectifyLeft(pair.left.image, images_.left);
+          if (view != nullptr) images_.left.copyTo(view->left);
         },
         [&] {
           images_.right_digest = pictureDigest(pair.right.image);
           rectifier_.rectifyRight(pair.right.image, images_.right);
+          if (view != nullptr) images_.right.copyTo(view->right);
         });
     clock_.end(vo::Stage::rectify);
   }
@@ -114,6 +120,7 @@ class PairProcessor::Implementation {
   int features_;
   VelocityAtExposure velocity_;
   StageClock clock_;
+  PairViewer* viewer_ = nullptr;
   std::uint64_t next_sequence_ = 0;
 };
 
@@ -133,6 +140,9 @@ void PairProcessor::setTargetFeatureCount(int features) {
 }
 int PairProcessor::features() const {
   return implementation_->features();
+}
+void PairProcessor::setViewer(PairViewer& viewer) {
+  implementation_->setViewer(viewer);
 }
 const calib::Rectifier& PairProcessor::rectifier() const {
   return implementation_->rectifier();

@@ -8,6 +8,7 @@
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "daemon/pipeline/body_motion.hpp"
+#include "daemon/pipeline/pair_view.hpp"
 #include "daemon/pipeline/shutters.hpp"
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -67,6 +68,9 @@ class PairProcessor {
   /// Sets the target number of features from the next pair on.
   void setTargetFeatureCount(int features);
   int features() const;
+
+  /// Asks `viewer`, which must outlive the processing, whether to copy each pair for a display.
+  void setViewer(PairViewer& viewer);
 
   const calib::Rectifier& rectifier() const;
 

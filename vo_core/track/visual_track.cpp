@@ -110,6 +110,11 @@ std::optional<ReadoutEstimates> VisualTrack::readouts() const {
   return readouts_.estimates();
 }
 
+void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {
+  for (const Landmark& landmark : landmarks_)
+    if (landmark.last().frame == pair) views.push_back(viewOf(landmark));
+}
+
 int VisualTrack::stereoCount() const {
   return countStereo(landmarks_);
 }

@@ -11,6 +11,7 @@
 #include "vo_core/integrity/repeated_image_detector.hpp"
 #include "vo_core/integrity/standstill.hpp"
 #include "vo_core/integrity/still_regions.hpp"
+#include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
@@ -86,6 +87,8 @@ class VisualTrack {
   /// Velocity of the camera at the last pair in its axes, m/s and rad/s; empty after the first pair.
   const std::optional<Vector6d>& velocity() const { return velocity_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
+  /// Adds the landmarks that the pair with this index observed.
+  void viewLandmarks(std::int64_t pair, LandmarkViews& views) const;
   int stereoCount() const;  ///< landmarks found in the last pair's right image
   const RigCalibrationFilter& rig() const { return rig_; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated

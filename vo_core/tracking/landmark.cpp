@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/statistics.hpp"
 #include "vo_core/image/image_pyramid.hpp"
@@ -16,6 +17,21 @@ constexpr double kMinimumPatchNoise = 0.07, kMinimumCodecNoise = 0.12;  // px of
 constexpr double kTypicalNoise = 0.1;  // px of the full image: stddev of a typical patch
 
 }  // namespace
+
+LandmarkView viewOf(const Landmark& landmark) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  const Observation& seen = landmark.last();
+  const Eigen::Vector2f left = seen.left.cast<float>();
+  const Eigen::Vector2f right =
+      seen.stereo ? Eigen::Vector2f(seen.right().cast<float>()) : Eigen::Vector2f::Constant(kUnknown);
+  return {.left_x = left.x(),
+          .left_y = left.y(),
+          .right_x = right.x(),
+          .right_y = right.y(),
+          .weight = static_cast<float>(landmark.trust),
+          .age = landmark.age,
+          .inverse_depth = landmark.hasDepth() ? static_cast<float>(landmark.inverse_depth) : kUnknown};
+}
 
 int countStereo(const std::vector<Landmark>& landmarks) {
   return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),

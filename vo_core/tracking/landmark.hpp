@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vo_core/geometry/fixed_vector.hpp"
+#include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 // Landmark of the window, with its observations and inverse depth.
@@ -69,6 +70,9 @@ struct Landmark {
   }
   bool hasDepth() const { return information > 0.0; }
 };
+
+/// The landmark where its last pair observed it.
+LandmarkView viewOf(const Landmark& landmark);
 
 /// Number of landmarks with a stereo match in the last pair.
 int countStereo(const std::vector<Landmark>& landmarks);

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 namespace cartvo {
@@ -69,13 +71,18 @@ void BoundedTaskQueue::work() {
 HttpService::HttpService(std::size_t threads, const HttpLimits& limits) : threads_(threads), limits_(limits) {
   using httplib::Request, httplib::Response;
   set_tcp_nodelay(true);
-  set_socket_options([](int socket) {  // the library's default shares the port with other programs
+  set_socket_options([this](int socket) {  // the library's default shares the port with other programs
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    // Browsers open connections ahead of need: one without a request shall keep no thread.
+    const int most_seconds = 10;
+    setsockopt(socket, IPPROTO_TCP, TCP_DEFER_ACCEPT, &most_seconds, sizeof most_seconds);
+    if (send_buffer_ > 0) setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &send_buffer_, sizeof send_buffer_);
   });
-  set_pre_routing_handler([](const Request& request, Response& response) {
-    if (request.method == "GET" && isAllowedHost(request.get_header_value("Host")))
-      return HandlerResponse::Unhandled;
+  set_pre_routing_handler([this](const Request& request, Response& response) {
+    const bool is_allowed =
+        request.method == "GET" || (request.method == "POST" && post_paths_.contains(request.path));
+    if (is_allowed && isAllowedHost(request.get_header_value("Host"))) return HandlerResponse::Unhandled;
     response.status = 403;
     return HandlerResponse::Handled;
   });
@@ -86,6 +93,11 @@ HttpService::~HttpService() {
   stop_.wake();
   stop();
   listener_.join();
+}
+
+void HttpService::Post(const std::string& path, Handler handler) {
+  post_paths_.insert(path);
+  httplib::Server::Post(path.c_str(), std::move(handler));
 }
 
 int HttpService::bind(const ListenAddress& address) {

@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -44,10 +46,11 @@ class BoundedTaskQueue : public httplib::TaskQueue {
   bool is_over_ = false;
 };
 
-/// HTTP server with threads of its own. It answers only GET requests whose Host header is a numeric address
-/// or localhost, so that no other site can make a browser read it ("DNS rebinding"). It does not share its
-/// port with other programs. Each connection is for one request, limited by HttpLimits; at most `threads`
-/// clients are served at a time, and as many again wait.
+/// HTTP server with threads of its own. It answers only GET requests, and POST requests to paths defined for
+/// them, whose Host header is a numeric address or localhost, so that no other site can make a browser read
+/// it ("DNS rebinding"). It does not share its port with other programs. Each connection is for one request,
+/// limited by HttpLimits; at most `threads` clients are served at a time, and as many again wait. A
+/// connection without a request waits in the operating system.
 class HttpService : private httplib::Server {
  public:
   explicit HttpService(std::size_t threads, const HttpLimits& limits = {});
@@ -60,18 +63,28 @@ class HttpService : private httplib::Server {
   using httplib::Server::Get;
   using httplib::Server::set_default_headers;
 
+  /// Defines the answer to POST requests to `path`.
+  void Post(const std::string& path, Handler handler);
+
+  /// Size of each connection's buffer of bytes to send. An answer that fits it keeps no thread waiting for
+  /// the client. Call it before `bind`; by default the operating system chooses.
+  void setSendBuffer(int bytes) { send_buffer_ = bytes; }
+
   /// Binds the address and returns the port; -1 if that fails, for example because the port is taken.
   int bind(const ListenAddress& address);
 
   /// Begins to answer at the bound address. Call it once, after the paths are defined: what they use must
-  /// outlive the server. Throws std::system_error if a thread cannot be made.
+  /// outlive the server. The threads inherit the calling thread's priority. Throws std::system_error if a
+  /// thread cannot be made.
   void start();
 
  private:
   bool process_and_close_socket(socket_t socket) override;
 
+  std::set<std::string> post_paths_;
   std::size_t threads_;
   HttpLimits limits_;
+  int send_buffer_ = 0;  ///< bytes; 0: not set
   WakeEvent stop_;
   std::unique_ptr<BoundedTaskQueue> queue_;  ///< until the listener takes it
   std::atomic<bool> has_ended_ = false;      ///< the listener

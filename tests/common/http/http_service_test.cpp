@@ -96,6 +96,14 @@ TEST_F(HttpServiceTest, ASilentClientBlocksNoOther) {
   EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 200"));
 }
 
+TEST_F(HttpServiceTest, ConnectionsAheadOfNeedBlockNoOther) {
+  start({.request_time = kLong});
+  std::vector<std::unique_ptr<RawClient>> idle;
+  for (std::size_t i = 0; i < 3 * kThreads; ++i)
+    idle.push_back(std::make_unique<RawClient>(port_));
+  EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
+
 TEST_F(HttpServiceTest, DisconnectsClientsThatDripBytes) {
   start({.request_time = milliseconds(200)});
   RawClient dripping(port_);

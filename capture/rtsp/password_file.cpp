@@ -27,13 +27,17 @@ constexpr off_t kMaxFileSize = 1024;  // bytes
 }  // namespace
 
 std::string readPasswordFile(const std::filesystem::path& file) {
+  return readSecretFile(file, "the camera's password");
+}
+
+std::string readSecretFile(const std::filesystem::path& file, const std::string& secret) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) {
-    throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) +
-                             "; write the camera's password into it");
+    throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno) + "; write " +
+                             secret + " into it");
   }
   if (!S_ISREG(status.st_mode) || status.st_size > kMaxFileSize) {
-    throw std::runtime_error(file.string() + ": expected a file of one line with the camera's password");
+    throw std::runtime_error(file.string() + ": expected a file of one line with " + secret);
   }
   if ((status.st_mode & S_IRWXO) != 0) {
     throw std::runtime_error(file.string() +
@@ -49,7 +53,7 @@ std::string readPasswordFile(const std::filesystem::path& file) {
   std::getline(stream, password);
   if (!password.empty() && password.back() == '\r') password.pop_back();
   if (password.empty()) {
-    throw std::runtime_error(file.string() + ": expected one line with the camera's password, found none");
+    throw std::runtime_error(file.string() + ": expected one line with " + secret + ", found none");
   }
   return password;
 }

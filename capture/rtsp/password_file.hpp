@@ -10,4 +10,7 @@ namespace cartvo::capture {
 /// writes no core dump any more, and only root can read its memory.
 std::string readPasswordFile(const std::filesystem::path& file);
 
+/// The same for another secret. `secret`: what errors call it, such as "the camera's password".
+std::string readSecretFile(const std::filesystem::path& file, const std::string& secret);
+
 }  // namespace cartvo::capture

@@ -17,4 +17,7 @@ std::filesystem::path passwordFile(const CameraConfiguration& camera);
 /// readPasswordFile do.
 std::string readPassword(const CameraConfiguration& camera);
 
+/// Reads the status page's token in the same way; empty if none is configured.
+std::string readPageToken(const PageConfiguration& page);
+
 }  // namespace cartvo::daemon

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -14,7 +13,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -25,6 +23,7 @@
 #include "daemon/service/awaited_signals.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/daemon.hpp"
+#include "daemon/service/live_recording.hpp"
 
 namespace {
 
@@ -51,13 +50,6 @@ void describe(CLI::App& app, CommandLine& command_line) {
   app.add_option("--record", command_line.recording_directory,
                  "Record both streams as received into this folder (overrides recording.directory)");
   cartvo::addBashCompletionFlag(app, "cartvod");
-}
-
-/// Name of the recording folder: the start time (UTC), so that a restarted service does not fail on the
-/// folder of its previous run.
-std::string nameOfThisStart() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
 }
 
 /// Reads and checks the configuration. `start`: name of this start's recording folder.
@@ -111,7 +103,7 @@ void watchSignals(const std::stop_token& end, const cartvo::daemon::AwaitedSigna
 
 int run(const CommandLine& command_line) {
   const cartvo::daemon::AwaitedSignals signals(signalsToAwait());
-  const std::string start = nameOfThisStart();
+  const std::string start = cartvo::daemon::recordingFolderName();
   Configuration configuration;
   try {
     configuration = loadConfiguration(command_line, start);

@@ -21,7 +21,8 @@ namespace cartvo::daemon {
 namespace {
 
 using Keys = std::initializer_list<const char*>;
-constexpr Keys kRootKeys = {"cameras", "rig", "tables", "odometry", "lcm", "recording", "metrics", "logging"};
+constexpr Keys kRootKeys = {"cameras",   "rig",     "tables", "odometry", "lcm",
+                            "recording", "metrics", "page",   "logging"};
 constexpr Keys kCamerasKeys = {"left",           "right",           "transport",
                                "clock",          "authentication",  "frame_rate",
                                "answer_timeout", "connect_timeout", "stall_timeout"};
@@ -36,8 +37,9 @@ constexpr Keys kOdometryKeys = {"estimator",
                                 "maximum_offset",
                                 "maximum_offset_uncertainty"};
 constexpr Keys kLcmKeys = {"url", "time_to_live", "pose_channel", "pose_velocity"};
-constexpr Keys kRecordingKeys = {"directory", "maximum_size", "maximum_age", "keep_free"};
+constexpr Keys kRecordingKeys = {"directory", "start", "maximum_size", "maximum_age", "keep_free"};
 constexpr Keys kMetricsKeys = {"listen"};
+constexpr Keys kPageKeys = {"listen", "token_file", "token_credential"};
 constexpr Keys kLoggingKeys = {"level"};
 
 /// Parses one of the named values; the error lists them.
@@ -99,6 +101,17 @@ void readV4l2Keys(const StrictYaml& yaml, CameraConfiguration& camera) {
   if (yaml.has("gain")) camera.gain = static_cast<int>(yaml["gain"].integer(0, 1'000'000));
 }
 
+std::string credentialName(const StrictYaml& yaml) {
+  std::string name = yaml.text();
+  if (name.empty() || name.find('/') != std::string::npos || name.starts_with('.'))
+    yaml.failExpecting("the name of a systemd credential, without '/' and not beginning with '.'");
+  return name;
+}
+
+std::filesystem::path credentialsFolder(const std::filesystem::path& folder) {
+  return folder / "credentials";
+}
+
 CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::path& folder) {
   yaml.allowOnly(kCameraKeys);
   CameraConfiguration camera;
@@ -106,13 +119,8 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
   if (yaml.has("username")) camera.username = yaml["username"].text();
   if (yaml.has("password_file")) camera.password_file = path(yaml["password_file"], folder);
   if (yaml.has("password_credential")) {
-    const StrictYaml name = yaml["password_credential"];
-    camera.password_credential = name.text();
-    camera.credentials = folder / "credentials";
-    if (camera.password_credential.empty() || camera.password_credential.find('/') != std::string::npos ||
-        camera.password_credential.starts_with('.')) {
-      name.failExpecting("the name of a systemd credential, without '/' and not beginning with '.'");
-    }
+    camera.password_credential = credentialName(yaml["password_credential"]);
+    camera.credentials = credentialsFolder(folder);
   }
   readV4l2Keys(yaml, camera);
   if (yaml.has("readout")) camera.readout = yaml["readout"].number(-calib::kMaxReadout, calib::kMaxReadout);
@@ -219,6 +227,7 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
                    Configuration& configuration) {
   yaml.allowOnly(kRecordingKeys);
   if (yaml.has("directory")) configuration.recording_directory = path(yaml["directory"], folder);
+  if (yaml.has("start")) configuration.recording_start = choice(yaml["start"], kRecordingStarts);
   capture::RecordingQuota& quota = configuration.recording_quota;
   const auto bytes = [](const StrictYaml& gigabytes, double minimum) {
     return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6) * kGigabyte));
@@ -230,16 +239,37 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
   if (yaml.has("keep_free")) quota.keep_free_bytes = bytes(yaml["keep_free"], 0.0);
 }
 
+ListenAddress listenAddress(const StrictYaml& yaml) {
+  try {
+    return ListenAddress::parse(yaml.text());
+  } catch (const std::invalid_argument& error) {
+    yaml.fail(error.what());
+  }
+}
+
 void readMetrics(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kMetricsKeys);
   if (!yaml.has("listen")) return;
-  try {
-    configuration.metrics = ListenAddress::parse(yaml["listen"].text());
-  } catch (const std::invalid_argument& error) {
-    yaml["listen"].fail(error.what());
-  }
+  configuration.metrics = listenAddress(yaml["listen"]);
   if (!configuration.metrics->isLoopback() || configuration.metrics->port == 0)
     yaml["listen"].failExpecting("a port of this computer such as 9464 or 127.0.0.1:9464");
+}
+
+void readPage(const StrictYaml& yaml, const std::filesystem::path& folder, Configuration& configuration) {
+  yaml.allowOnly(kPageKeys);
+  PageConfiguration& page = configuration.page;
+  if (yaml.has("token_file")) page.token_file = path(yaml["token_file"], folder);
+  if (yaml.has("token_credential")) {
+    page.token_credential = credentialName(yaml["token_credential"]);
+    page.credentials = credentialsFolder(folder);
+  }
+  if (!page.token_file.empty() && !page.token_credential.empty())
+    yaml.fail("give either token_file or token_credential, not both");
+  if (!yaml.has("listen")) return;
+  page.listen = listenAddress(yaml["listen"]);
+  if (page.listen->port == 0) yaml["listen"].failExpecting("a port such as 9465, or ADDRESS:PORT");
+  if (!page.listen->isLoopback() && !page.hasToken())
+    yaml["listen"].fail("other computers reach this address: the page needs token_file or token_credential");
 }
 
 void readLogging(const StrictYaml& yaml, Configuration& configuration) {
@@ -259,6 +289,7 @@ Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::
   if (yaml.has("lcm")) readLcm(yaml["lcm"], configuration);
   if (yaml.has("recording")) readRecording(yaml["recording"], folder, configuration);
   if (yaml.has("metrics")) readMetrics(yaml["metrics"], configuration);
+  if (yaml.has("page")) readPage(yaml["page"], folder, configuration);
   if (yaml.has("logging")) readLogging(yaml["logging"], configuration);
   return configuration;
 }
@@ -294,6 +325,7 @@ std::vector<std::string> configurationKeys() {
   add("lcm", kLcmKeys);
   add("recording", kRecordingKeys);
   add("metrics", kMetricsKeys);
+  add("page", kPageKeys);
   add("logging", kLoggingKeys);
   return keys;
 }

@@ -40,6 +40,22 @@ struct CameraConfiguration {
   std::filesystem::path device() const { return url.substr(sizeof("v4l2:") - 1); }
 };
 
+/// Configuration of the status page.
+struct PageConfiguration {
+  std::optional<ListenAddress> listen;  ///< empty: not served
+  std::filesystem::path token_file;     ///< absolute; empty: see `token_credential`
+  std::string token_credential;         ///< name of a file, see readPageToken; empty: none
+  std::filesystem::path credentials;    ///< as CameraConfiguration's
+
+  bool hasToken() const { return !token_file.empty() || !token_credential.empty(); }
+};
+
+/// When a recording starts.
+enum class RecordingStart : std::uint8_t {
+  automatic,  ///< with cartvod
+  by_hand,    ///< from the status page
+};
+
 /// Configuration of cartvod with its defaults; config/cartvod.yaml explains each key.
 struct Configuration {
   CameraConfiguration left;
@@ -67,9 +83,11 @@ struct Configuration {
   PoseVelocity pose_velocity = PoseVelocity::local;
 
   std::filesystem::path recording_directory;  ///< absolute; empty: no recording
+  RecordingStart recording_start = RecordingStart::automatic;
   /// `recordings` (the folder whose old recordings may be deleted) is set by cartvod, not by the file.
   capture::RecordingQuota recording_quota{{}, 20'000'000'000, std::chrono::seconds{0}, 1'000'000'000};
   std::optional<ListenAddress> metrics;  ///< on loopback; empty: not served
+  PageConfiguration page;
   spdlog::level::level_enum log_level = spdlog::level::info;
 };
 

@@ -33,6 +33,8 @@ constexpr std::array<std::pair<const char*, capture::ClockChoice>, 4> kClocks{
      {"visual", capture::ClockChoice::visual}}};
 constexpr std::array<std::pair<const char*, PoseVelocity>, 2> kPoseVelocities{
     {{"local", PoseVelocity::local}, {"body", PoseVelocity::body}}};
+constexpr std::array<std::pair<const char*, RecordingStart>, 2> kRecordingStarts{
+    {{"automatic", RecordingStart::automatic}, {"by_hand", RecordingStart::by_hand}}};
 constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
     {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
 constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{

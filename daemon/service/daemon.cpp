@@ -19,7 +19,6 @@
 #include "calib/format/rig_file.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
-#include "capture/recording/stream_recorder.hpp"
 #include "common/host_clock.hpp"
 #include "common/image_size.hpp"
 #include "daemon/diagnostics/camera_log.hpp"
@@ -30,6 +29,7 @@
 #include "daemon/diagnostics/metrics_server.hpp"
 #include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
+#include "daemon/page/status_page.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/publish/channel_reservation.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
@@ -39,6 +39,7 @@
 #include "daemon/service/camera_password.hpp"
 #include "daemon/service/configuration_change.hpp"
 #include "daemon/service/live_camera.hpp"
+#include "daemon/service/live_recording.hpp"
 #include "daemon/service/service_manager.hpp"
 
 namespace cartvo::daemon {
@@ -83,8 +84,7 @@ class Daemon::Implementation {
   void reload(const Configuration& next);
 
  private:
-  void startRecording();
-  std::string recordingProblem();
+  void startPage();
   bool mayPublish();
   void onPair(const PairResult& result);
   void onNoPair(const NoPair& no_pair);
@@ -101,20 +101,17 @@ class Daemon::Implementation {
   std::unique_ptr<lcm::LCM> lcm_;
   ForeignOdometry foreign_;
   bool is_sole_publisher_ = false;
-  std::unique_ptr<capture::StreamRecorder> recorder_;  ///< must outlive the cameras that feed it
-  std::string recording_refused_;                      ///< why recording could not start
-  std::string recording_error_;                        ///< as of the last health message, as are the next two
-  std::uint64_t recording_dropped_pictures_ = 0;       ///< pictures
-  std::uint64_t recording_resumptions_ = 0;
   capture::StereoTimestamper clock_;  ///< must outlive the cameras
   LiveCamera left_;
   LiveCamera right_;
+  LiveRecording recording_;
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
   PosePublisher pose_publisher_;
   HealthMonitor health_;
-  std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured
+  std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured, as is the next
+  std::unique_ptr<StatusPage> page_;
   ServiceManager service_;
   RepeatedWarnings warnings_;
   Clock::time_point next_health_;
@@ -133,6 +130,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
+      recording_(configuration, left_, right_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry,
                  AbsentReadout::unknown),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
@@ -149,47 +147,23 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
     metrics_ = std::make_unique<MetricsServer>(*configuration.metrics);
     spdlog::info("metrics: http://{}/metrics and /healthz", metrics_->address());
   }
-  if (!configuration.recording_directory.empty()) startRecording();
+  if (configuration.page.listen) startPage();
 }
 
-/// Starts the recording. A failure is logged and reported in the health message but does not stop the daemon,
-/// because controllers need the motion.
-void Daemon::Implementation::startRecording() {
+/// Starts the status page. Its recording buttons start and stop recordings in the page's threads.
+void Daemon::Implementation::startPage() {
+  const PageServerSettings settings{*configuration_.page.listen, readPageToken(configuration_.page),
+                                    PageControllers::token_holders};
   try {
-    if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
-      throw std::runtime_error("only IP cameras can be recorded, because V4L2 cameras send no encoded video");
-    capture::RecordingSettings settings;
-    settings.folder = configuration_.recording_directory;
-    settings.configuration = effectiveConfiguration(configuration_);
-    settings.rig = calib::portableRigText(configuration_.rig);
-    settings.quota = configuration_.recording_quota;
-    recorder_ = std::make_unique<capture::StreamRecorder>(settings);
+    page_ = std::make_unique<StatusPage>(
+        settings, rig_.name,
+        RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
   } catch (const std::exception& error) {
-    recording_refused_ = std::string("not recording: ") + error.what();
-    logEvent(spdlog::level::err, recording_refused_,
-             {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "refused"}});
-    return;
+    throw std::runtime_error(std::string("page.listen: ") + error.what() +
+                             " As a service, another port than 9465 needs SocketBindAllow=");
   }
-  left_.observe(recorder_->left());
-  right_.observe(recorder_->right());
-  logEvent(spdlog::level::info, "recording to " + configuration_.recording_directory.string(),
-           {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "started"}});
-}
-
-/// Recording problem since the last call; empty if none.
-std::string Daemon::Implementation::recordingProblem() {
-  if (!recorder_) return recording_refused_;
-  const capture::RecorderHealth health = recorder_->health();
-  if (health.resumptions > std::exchange(recording_resumptions_, health.resumptions))
-    logEvent(spdlog::level::info,
-             "recording again, in a new segment in " + configuration_.recording_directory.string(),
-             {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", "resumed"}});
-  if (health.error.empty()) warnings_.forget(recording_error_);
-  recording_error_ = health.error;
-  if (!health.error.empty()) return health.error;
-  const bool drops_pictures =
-      health.dropped_pictures > std::exchange(recording_dropped_pictures_, health.dropped_pictures);
-  return drops_pictures ? "the disk is too slow for the recording: pictures are left out of it" : "";
+  processor_.setViewer(page_->viewer());
+  spdlog::info("status page: {}", page_->url());
 }
 
 void Daemon::Implementation::run() {
@@ -221,6 +195,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   foreign_.addOwn(message);
   health_.addPair(result, message);
   if (metrics_) metrics_->addPair(result, message);
+  if (page_) page_->addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();
   validity_.log(message);
   tick();
@@ -232,6 +207,7 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   foreign_.addOwn(message);
   health_.addMissedPair();
   if (metrics_) metrics_->addMissedPair(message);
+  if (page_) page_->addMissedPair(message);
   validity_.log(message);
   tick();
 }
@@ -262,6 +238,7 @@ void Daemon::Implementation::tick() {
   const std::string stalled =
       stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
   if (metrics_) metrics_->setStalled(stalled);
+  if (page_) page_->setStalled(stalled);
   if (stalled.empty()) {
     service_.feedWatchdog();
   } else {
@@ -284,12 +261,13 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   snapshot.clock = clock_.status();
   snapshot.problem = foreign.empty() ? pipeline_.problem() : foreign;
   snapshot.features = configuration_.odometry.features;
-  snapshot.recording = recordingProblem();
+  snapshot.recording = recording_.problem(warnings_);
   snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
   if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
   if (metrics_) metrics_->setHealth(message);
+  if (page_) page_->setHealth(message, recording_.state());
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);
@@ -342,6 +320,7 @@ void checkConfiguration(const Configuration& configuration) {
   vo::validate(configuration.odometry);
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right})
     readPassword(*camera);
+  readPageToken(configuration.page);
   findMulticastRoute(configuration.lcm_url);
 }
 

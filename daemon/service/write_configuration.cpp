@@ -18,10 +18,20 @@ void emitRecording(YAML::Emitter& yaml, const Configuration& configuration) {
   yaml << YAML::Key << "recording" << YAML::BeginMap;
   if (!configuration.recording_directory.empty())
     yaml << YAML::Key << "directory" << configuration.recording_directory.string();
+  yaml << YAML::Key << "start" << nameOf(configuration.recording_start, kRecordingStarts);
   yaml << YAML::Key << "maximum_size" << static_cast<double>(quota.maximum_bytes) / kGigabyte;
   if (quota.maximum_age.count() > 0)
     yaml << YAML::Key << "maximum_age" << static_cast<double>(quota.maximum_age.count()) / kDay;
   yaml << YAML::Key << "keep_free" << static_cast<double>(quota.keep_free_bytes) / kGigabyte << YAML::EndMap;
+}
+
+void emitPage(YAML::Emitter& yaml, const PageConfiguration& page) {
+  if (!page.listen && !page.hasToken()) return;
+  yaml << YAML::Key << "page" << YAML::BeginMap;
+  if (page.listen) yaml << YAML::Key << "listen" << page.listen->text();
+  if (!page.token_file.empty()) yaml << YAML::Key << "token_file" << page.token_file.string();
+  if (!page.token_credential.empty()) yaml << YAML::Key << "token_credential" << page.token_credential;
+  yaml << YAML::EndMap;
 }
 
 double seconds(std::chrono::milliseconds duration) {
@@ -81,6 +91,7 @@ std::string effectiveConfiguration(const Configuration& configuration) {
     yaml << YAML::Key << "metrics" << YAML::BeginMap << YAML::Key << "listen" << configuration.metrics->text()
          << YAML::EndMap;
   }
+  emitPage(yaml, configuration.page);
   yaml << YAML::Key << "logging" << YAML::BeginMap << YAML::Key << "level"
        << nameOf(configuration.log_level, kLogLevels);
   yaml << YAML::EndMap << YAML::EndMap;

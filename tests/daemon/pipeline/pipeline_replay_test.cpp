@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <sstream>
 #include <string>
 
@@ -64,6 +65,43 @@ TEST(PipelineReplay, ProcessesEveryPairInOrder) {
     EXPECT_EQ(run.results[i].left.exposure_ns, i * test::kPeriod_ns);
     EXPECT_EQ(run.results[i].offset_ns(), 3'000'000);
   }
+}
+
+/// Wants every other pair.
+class EveryOtherPair : public PairViewer {
+ public:
+  PairView* nextView() override { return ++pairs_ % 2 == 0 ? &views_.emplace_back() : nullptr; }
+  const std::deque<PairView>& views() const { return views_; }
+
+ private:
+  int pairs_ = 0;
+  std::deque<PairView> views_;
+};
+
+TEST(PipelineReplay, CopiesPairsForADisplayWithoutAnEffectOnTheEstimates) {
+  const Replay plain = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  PairProcessor processor = test::smallProcessor(test::smallRig());
+  EveryOtherPair viewer;
+  processor.setViewer(viewer);
+  test::ListedCamera left(frames(0, 0)), right(frames(12, 0));
+  Pipeline pipeline(left, right, processor, settings(test::kPeriod_ns));
+  std::vector<PairResult> results;
+  pipeline.replay({[&](const PairResult& result) { results.push_back(result); }, {}});
+  ASSERT_EQ(results.size(), plain.results.size());
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].estimate.T_world_camera.matrix(), plain.results[i].estimate.T_world_camera.matrix());
+  }
+  ASSERT_EQ(viewer.views().size(), kFrames / 2);
+  for (const PairView& view : viewer.views()) {
+    EXPECT_EQ(view.left.size(), view.right.size());
+    EXPECT_GT(cv::countNonZero(view.left), 0);
+    for (const vo::LandmarkView& landmark : view.landmarks) {
+      EXPECT_TRUE(landmark.left_x >= 0.0F && landmark.left_x < static_cast<float>(view.left.cols));
+      EXPECT_TRUE(landmark.weight >= 0.0F && landmark.weight <= 1.0F);
+      EXPECT_GE(landmark.age, 1);
+    }
+  }
+  EXPECT_GT(viewer.views().back().landmarks.size(), 10U);
 }
 
 TEST(PipelineReplay, UpdatesTheVisualOffsetBeforeEachResult) {

@@ -140,6 +140,29 @@ TEST_F(ConfigurationFile, ServesMetricsToThisComputerOnly) {
               HasSubstr("neither PORT nor ADDRESS:PORT"));
 }
 
+TEST_F(ConfigurationFile, ServesTheStatusPageToOtherComputersOnlyWithAToken) {
+  EXPECT_FALSE(read(kMinimal).page.listen);
+  EXPECT_EQ(read(std::string(kMinimal) + "page: {listen: 9465}\n").page.listen->text(), "127.0.0.1:9465");
+  const Configuration configuration =
+      read(std::string(kMinimal) +
+           "page: {listen: \"0.0.0.0:9465\", token_file: token}\nrecording: {start: by_hand}\n");
+  EXPECT_EQ(configuration.page.token_file.filename(), "token");
+  EXPECT_TRUE(configuration.page.token_file.is_absolute());
+  EXPECT_EQ(configuration.recording_start, RecordingStart::by_hand);
+  const std::string text = effectiveConfiguration(configuration);
+  EXPECT_EQ(effectiveConfiguration(read(text)), text);
+  EXPECT_THAT(
+      errorOf(std::string(kMinimal) + "page: {listen: \"0.0.0.0:9465\"}\n"),
+      AllOf(HasSubstr("cartvod.yaml:7: page.listen"), HasSubstr("needs token_file or token_credential")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "page: {listen: 0}\n"), HasSubstr("page.listen"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "page: {token_file: a, token_credential: b}\n"),
+              HasSubstr("not both"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "page: {token_credential: ../b}\n"),
+              HasSubstr("the name of a systemd credential"));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "recording: {start: later}\n"),
+              HasSubstr("one of automatic, by_hand"));
+}
+
 TEST_F(ConfigurationFile, ErrorExplainsThatMonitorWasRemoved) {
   EXPECT_THAT(errorOf(std::string(kMinimal) + "odometry: {online_rig_refinement: monitor}\n"),
               AllOf(HasSubstr("cartvod.yaml:7: odometry.online_rig_refinement"),

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <cartvo/health_t.hpp>
+
+#include "common/handover_queue.hpp"
+#include "common/mailbox.hpp"
+#include "daemon/page/health_json.hpp"
+#include "daemon/page/page_sample.hpp"
+#include "daemon/pipeline/pair_view.hpp"
+
+namespace cartvo::daemon {
+
+/// A pair for the page.
+struct PageSnapshot {
+  PairView view;
+  std::int64_t sequence = 0;  ///< of the pair's message
+};
+
+/// The health message and what it does not say.
+struct PageHealth {
+  health_t health{};
+  RecordingState recording;
+  std::string stalled;
+};
+
+/// Hands what the odometry's thread knows to the page's thread. Neither waits.
+class LiveHandover final : public PairViewer {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // Called by the odometry's thread.
+
+  /// Wants ten pairs a second while there are viewers.
+  PairView* nextView() override { return nextViewAt(Clock::now()); }
+  PairView* nextViewAt(Clock::time_point now);
+  /// `sample`: of the pair that nextView() was called for last.
+  void addPair(const PageSample& sample);
+  void addMissedPair(const PageSample& sample) { samples_.push(sample); }
+  void setHealth(PageHealth health) { health_.put(std::make_unique<PageHealth>(std::move(health))); }
+
+  // Called by the page's thread.
+
+  std::optional<PageSample> nextSample() { return samples_.pop(); }
+  std::unique_ptr<PageSnapshot> takeSnapshot() { return snapshots_.take(); }
+  /// Gives back a snapshot for its memory.
+  void recycle(std::unique_ptr<PageSnapshot> snapshot) { used_.put(std::move(snapshot)); }
+  std::unique_ptr<PageHealth> takeHealth() { return health_.take(); }
+
+  // Called by the server's threads.
+
+  void noteViewer() { last_viewer_ns_ = Clock::now().time_since_epoch().count(); }
+
+  /// Whether a viewer has asked in the last two seconds. May be called by any thread.
+  bool hasViewer(Clock::time_point now) const;
+
+ private:
+  static constexpr std::size_t kQueuedSamples = 1024;
+
+  HandoverQueue<PageSample, kQueuedSamples> samples_;
+  Mailbox<PageSnapshot> snapshots_, used_;
+  Mailbox<PageHealth> health_;
+  std::atomic<std::int64_t> last_viewer_ns_{0};
+  // Of the odometry's thread:
+  std::unique_ptr<PageSnapshot> filling_;
+  bool is_filled_ = false;  ///< by the current pair
+  Clock::time_point next_view_{};
+};
+
+}  // namespace cartvo::daemon

@@ -1,0 +1,82 @@
+// Encodes pictures and landmarks for the status page.
+#include "daemon/page/page_frame.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "daemon/page/page_sample.hpp"
+
+namespace cartvo::daemon {
+namespace {
+
+constexpr int kMaxWidth = 960;  // px
+constexpr int kQuality = 65;    // percent
+constexpr int kDigits = 5;
+
+/// Writes the mean of each block of `scale` times `scale` pixels.
+void reduce(const cv::Mat& from, int scale, cv::Mat to) {
+  if (scale == 1) return from.copyTo(to);
+  for (int y = 0; y < to.rows; ++y) {
+    auto* row = to.ptr<std::uint8_t>(y);
+    for (int x = 0; x < to.cols; ++x) {
+      int sum = 0;
+      for (int dy = 0; dy < scale; ++dy) {
+        const auto* source = from.ptr<std::uint8_t>(scale * y + dy) + std::ptrdiff_t{scale} * x;
+        for (int dx = 0; dx < scale; ++dx)
+          sum += source[dx];
+      }
+      row[x] = static_cast<std::uint8_t>((sum + scale * scale / 2) / (scale * scale));
+    }
+  }
+}
+
+}  // namespace
+
+EncodedPictures encodePictures(const PairView& view) {
+  EncodedPictures pictures;
+  if (view.left.empty() || view.left.size() != view.right.size()) return pictures;
+  while (view.left.cols > kMaxWidth * pictures.scale)
+    pictures.scale *= 2;
+  pictures.width = view.left.cols / pictures.scale;
+  pictures.height = view.left.rows / pictures.scale;
+  cv::Mat both(2 * pictures.height, pictures.width, CV_8UC1);
+  reduce(view.left, pictures.scale, both.rowRange(0, pictures.height));
+  reduce(view.right, pictures.scale, both.rowRange(pictures.height, both.rows));
+  std::vector<unsigned char> jpeg;
+  if (cv::imencode(".jpg", both, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality}))
+    pictures.jpeg.assign(jpeg.begin(), jpeg.end());
+  return pictures;
+}
+
+std::string picturesJson(const EncodedPictures& pictures, const vo::LandmarkViews& landmarks,
+                         std::int64_t sequence) {
+  std::string json = fmt::format(R"({{"width":{},"height":{},"scale":{},"sequence":{},"landmarks":[)",
+                                 pictures.width, pictures.height, pictures.scale, sequence);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const vo::LandmarkView& landmark = landmarks[i];
+    json += i == 0 ? "[" : ",[";
+    for (const float pixel : {landmark.left_x, landmark.left_y, landmark.right_x, landmark.right_y}) {
+      appendNumber(pixel, kDigits, json);
+      json += ',';
+    }
+    fmt::format_to(std::back_inserter(json), "{:.2f},{},", landmark.weight, landmark.age);
+    appendNumber(landmark.inverse_depth, kDigits, json);
+    json += ']';
+  }
+  return json + "]}";
+}
+
+std::string frameBytes(const std::string& json, const std::string& jpeg) {
+  std::string bytes;
+  bytes.reserve(4 + json.size() + jpeg.size());
+  for (int shift = 0; shift < 32; shift += 8)
+    bytes += static_cast<char>((json.size() >> shift) & 0xFFU);
+  return bytes + json + jpeg;
+}
+
+}  // namespace cartvo::daemon

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "daemon/pipeline/pair_view.hpp"
+
+// What the page receives for one instant: numbers, landmarks and both pictures, which belong together.
+
+namespace cartvo::daemon {
+
+/// Both pictures as one JPEG, the left above the right, each of `width` times `height` px: half the size (or
+/// a quarter) of the rectified pictures if these are wider than 960 px.
+struct EncodedPictures {
+  std::string jpeg;  ///< empty: no pictures
+  int width = 0, height = 0;
+  int scale = 1;  ///< px of the rectified picture for each px
+};
+
+/// Uses no threads of OpenCV, which are the odometry's.
+EncodedPictures encodePictures(const PairView& view);
+
+/// {"width": .., "height": .., "scale": .., "sequence": .., "landmarks": [[left x, left y, right x, right y,
+/// weight, age, inverse depth], ...]}, px of the rectified pictures. `sequence`: of the pair's message.
+std::string picturesJson(const EncodedPictures& pictures, const vo::LandmarkViews& landmarks,
+                         std::int64_t sequence);
+
+/// Length of `json` in bytes (32 bits, little-endian), `json`, `jpeg`.
+std::string frameBytes(const std::string& json, const std::string& jpeg);
+
+}  // namespace cartvo::daemon

@@ -1,0 +1,152 @@
+// The two pictures with their landmarks: side by side, one over the other, and with epipolar lines.
+
+// Colour scale "viridis" of matplotlib (CC0), readable with colour blindness and in grey.
+const kScale = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+function scaleColour(share) {
+  const at = Math.min(Math.max(share, 0), 1) * (kScale.length - 1);
+  const low = Math.min(Math.floor(at), kScale.length - 2), part = at - low;
+  return `rgb(${kScale[low].map((value, i) => Math.round(value + part * (kScale[low + 1][i] - value))).join(' ')})`;
+}
+
+// Landmark: [left x, left y, right x, right y, weight, age, inverse depth].
+const kLegends = {
+  weight: { low: '0', high: '1', share: (landmark) => landmark[4] },
+  age: { low: '1 pair', high: '64 pairs', share: (landmark) => Math.log2(Math.max(landmark[5], 1)) / 6 },
+  depth: { low: 'far', high: '2 m', share: (landmark) => (landmark[6] === null ? null : Math.sqrt(Math.max(landmark[6], 0) / 0.5)) },
+};
+
+export class PictureView {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.view = 'both';
+    this.colour = 'weight';
+    this.row = null;
+    this.frame = null;
+  }
+
+  /** `pictures`: of a frame's JSON. `bitmap`: both pictures, the left above the right. */
+  show(pictures, bitmap) {
+    this.frame?.bitmap.close();
+    this.frame = { ...pictures, bitmap };
+    this.draw();
+  }
+
+  draw() {
+    if (!this.frame) return;
+    const { width, height } = this.frame;
+    const isNarrow = this.canvas.clientWidth < 640;
+    const columns = this.view === 'overlay' || (this.view === 'both' && isNarrow) ? 1 : 2;
+    const rows = this.view === 'both' && isNarrow ? 2 : 1;
+    const zoom = Math.min(2, Math.max(1, Math.ceil(this.canvas.clientWidth * devicePixelRatio / (columns * width))));
+    if (this.canvas.width !== zoom * columns * width || this.canvas.height !== zoom * rows * height) {
+      this.canvas.width = zoom * columns * width;
+      this.canvas.height = zoom * rows * height;
+    }
+    const context = this.canvas.getContext('2d');
+    context.setTransform(zoom, 0, 0, zoom, 0, 0);
+    const at = [[0, 0], [columns === 2 ? width : 0, rows === 2 ? height : 0]];
+    this.drawPicture(context, 0, at[0], 1);
+    this.drawPicture(context, 1, at[1], this.view === 'overlay' ? 0.5 : 1);
+    if (this.view === 'epipolar') this.drawEpipolarLines(context);
+    this.drawLandmarks(context, at);
+  }
+
+  drawPicture(context, side, [x, y], alpha) {
+    const { bitmap, width, height } = this.frame;
+    context.globalAlpha = alpha;
+    context.drawImage(bitmap, 0, side * height, width, height, x, y, width, height);
+    context.globalAlpha = 1;
+  }
+
+  /** px of the canvas, of a landmark in one picture; null without an observation there. */
+  position(landmark, side, [x, y]) {
+    if (landmark[2 * side] === null) return null;
+    const toCanvas = (pixel) => (pixel + 0.5) / this.frame.scale - 0.5;
+    return [x + toCanvas(landmark[2 * side]), y + toCanvas(landmark[2 * side + 1])];
+  }
+
+  drawLandmarks(context, at) {
+    const legend = kLegends[this.colour];
+    if (!legend) return;
+    const radius = Math.min(Math.max(this.frame.width / 260, 1.2), 3);
+    for (const landmark of this.frame.landmarks) {
+      const share = legend.share(landmark);
+      context.fillStyle = share === null ? '#fff' : scaleColour(share);
+      context.strokeStyle = '#000';
+      context.lineWidth = 0.6;
+      for (const side of this.view === 'overlay' ? [0] : [0, 1]) {
+        const place = this.position(landmark, side, at[side]);
+        if (!place) continue;
+        context.beginPath();
+        context.arc(place[0], place[1], radius, 0, 2 * Math.PI);
+        context.fill();
+        context.stroke();
+      }
+      if (this.view === 'overlay') this.drawDisparity(context, landmark, at);
+    }
+  }
+
+  drawDisparity(context, landmark, at) {
+    const left = this.position(landmark, 0, at[0]), right = this.position(landmark, 1, at[1]);
+    if (!right) return;
+    context.strokeStyle = context.fillStyle;
+    context.lineWidth = 1;
+    context.beginPath();
+    context.moveTo(...left);
+    context.lineTo(...right);
+    context.stroke();
+  }
+
+  /** Rows of rectified pictures are epipolar lines: a point of the left picture lies on the same row in the right one. */
+  drawEpipolarLines(context) {
+    const { width, height } = this.frame;
+    context.strokeStyle = 'rgb(255 255 255 / 35%)';
+    context.lineWidth = 0.8;
+    for (let y = height / 12; y < height; y += height / 12) {
+      context.beginPath();
+      context.moveTo(0, y);
+      context.lineTo(2 * width, y);
+      context.stroke();
+    }
+    if (this.row === null) return;
+    context.strokeStyle = '#ffd400';
+    context.lineWidth = 1.5;
+    context.beginPath();
+    context.moveTo(0, this.row);
+    context.lineTo(2 * width, this.row);
+    context.stroke();
+  }
+
+  legend() {
+    return kLegends[this.colour] ?? null;
+  }
+
+  /** The picture as a sentence. */
+  text() {
+    if (!this.frame) return 'No pictures yet';
+    const landmarks = this.frame.landmarks;
+    const inStereo = landmarks.filter((landmark) => landmark[2] !== null);
+    const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
+    const parts = [`Pair ${this.frame.sequence}: ${landmarks.length} landmarks, ${inStereo.length} also in the right picture`];
+    if (landmarks.length > 0) {
+      parts.push(`median weight ${median(landmarks.map((landmark) => landmark[4])).toFixed(2)}`);
+      parts.push(`median age ${median(landmarks.map((landmark) => landmark[5]))} pairs`);
+    }
+    const depths = landmarks.filter((landmark) => landmark[6] > 0).map((landmark) => 1 / landmark[6]);
+    if (depths.length > 0) parts.push(`median depth ${median(depths).toFixed(1)} m`);
+    if (inStereo.length > 0) {
+      const rows = inStereo.map((landmark) => Math.abs(landmark[1] - landmark[3]));
+      parts.push(`median difference of the rows ${median(rows).toFixed(2)} px`);
+    }
+    return parts.join(', ') + '.';
+  }
+}
+
+export function drawLegend(canvas) {
+  const context = canvas.getContext('2d');
+  for (let x = 0; x < canvas.width; ++x) {
+    context.fillStyle = scaleColour(x / (canvas.width - 1));
+    context.fillRect(x, 0, 1, canvas.height);
+  }
+}

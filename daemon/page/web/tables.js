@@ -1,0 +1,132 @@
+// Texts and tables of the page.
+
+export const byId = (id) => document.getElementById(id);
+
+const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
+
+export function number(value, digits, unit = '') {
+  return isNumber(value) ? `${value.toFixed(digits)}${unit ? ` ${unit}` : ''}` : '–';
+}
+
+/** Writes text only where it changed, so that a screen reader reads only news. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Rows of [heading, cell, ...]; keeps the elements of a table of the same shape. */
+export function setRows(body, rows) {
+  while (body.rows.length > rows.length) body.deleteRow(-1);
+  rows.forEach((cells, i) => {
+    const row = body.rows[i] ?? body.insertRow();
+    while (row.cells.length > cells.length) row.deleteCell(-1);
+    cells.forEach((text, j) => {
+      let cell = row.cells[j];
+      if (!cell) {
+        cell = document.createElement(j === 0 ? 'th' : 'td');
+        if (j === 0) cell.scope = 'row';
+        row.append(cell);
+      }
+      setText(cell, text);
+    });
+  });
+}
+
+/** Items of a list, replaced only if they changed. */
+export function setItems(list, items) {
+  const shown = [...list.children].map((item) => item.textContent);
+  if (shown.length === items.length && shown.every((text, i) => text === items[i])) return;
+  list.replaceChildren(...items.map((text) => {
+    const item = document.createElement('li');
+    item.textContent = text;
+    return item;
+  }));
+}
+
+export function motionRows(model) {
+  const sample = model.shown;
+  if (!sample) return [];
+  const get = (name) => model.value(sample, name);
+  const degrees = 180 / Math.PI;
+  const row = (name, value, stddev, digits, unit, factor = 1) =>
+    [name, number(value === null ? null : factor * value, digits, unit), number(stddev === null ? null : 2 * factor * stddev, digits + 1, unit)];
+  const stddev = (variance) => (variance === null ? null : Math.sqrt(Math.max(variance, 0)));
+  return [
+    row('Speed', get('speed'), get('stddev_speed'), 2, 'm/s'),
+    row('Yaw rate', get('yaw_rate'), get('stddev_yaw_rate'), 1, '°/s', degrees),
+    row('Pitch rate', get('pitch_rate'), get('stddev_pitch_rate'), 1, '°/s', degrees),
+    row('Roll rate', get('roll_rate'), get('stddev_roll_rate'), 1, '°/s', degrees),
+    row('Position x', get('x'), stddev(get('xx')), 2, 'm'),
+    row('Position y', get('y'), stddev(get('yy')), 2, 'm'),
+    row('Heading', get('yaw'), null, 1, '°', degrees),
+    ['Landmarks', `${get('features')} detected, ${get('tracked')} tracked, ${get('inliers')} inliers`, '–'],
+  ];
+}
+
+const withStddev = (value, stddev, digits, unit) =>
+  (isNumber(value) ? `${value.toFixed(digits)} ${unit}${isNumber(stddev) ? ` (σ ${stddev.toFixed(digits)} ${unit})` : ''}` : '–');
+
+export function clockRows(health) {
+  return [
+    ['Offset, right minus left exposure', withStddev(health.offset_ms, health.offset_stddev_ms, 2, 'ms')],
+    ['Correction of the arrival times by the sender reports', number(health.clock_by_reports_ms, 2, 'ms')],
+    ['Correction of the arrival times by the pictures', number(health.clock_by_pictures_ms, 2, 'ms')],
+    ['Right camera later than its time stamps', withStddev(health.right_late_ms, health.right_late_stddev_ms, 2, 'ms')],
+    ['Instants of the left camera from', health.left.instants],
+    ['Instants of the right camera from', health.right.instants],
+    ['Skew of the left camera’s clock', number(health.left.skew_ppm, 1, 'ppm')],
+    ['Skew of the right camera’s clock', number(health.right.skew_ppm, 1, 'ppm')],
+    ['Processing of a pair, median', number(health.process_ms, 1, 'ms')],
+  ];
+}
+
+export function cameraRows({ left, right }) {
+  const row = (name, read) => [name, read(left), read(right)];
+  return [
+    row('State', (camera) => camera.state),
+    row('Frame rate', (camera) => number(camera.frame_rate, 1, 'Hz')),
+    row('Frames', (camera) => String(camera.frames)),
+    row('Damaged', (camera) => String(camera.damaged)),
+    row('Reconnections', (camera) => String(camera.reconnections)),
+    row('Decoding', (camera) => number(camera.decode_ms, 1, 'ms')),
+    row('Exposure to first packet', (camera) => number(camera.latency_ms, 1, 'ms')),
+    row('Steps of its clock', (camera) => String(camera.clock_steps)),
+    row('Last error', (camera) => camera.last_error || 'none'),
+  ];
+}
+
+export function programRows(health) {
+  const axes = ['pitch', 'yaw', 'roll'];
+  return [
+    ['Version', health.version],
+    ['Running since', `${number(health.uptime_s / 60, 1)} min`],
+    ['Pairs', `${health.pairs}, ${number(health.pair_rate, 1, 'Hz')}; ${health.pairs_skipped} skipped, ${health.dropped_no_partner} frames without a partner`],
+    ['Estimates', `${health.estimates_valid} valid, ${health.estimates_invalid} invalid`],
+    ['Landmarks aimed at', `${health.features_least} of ${health.features_configured}`],
+    ['Memory', number(health.memory_mb, 0, 'MB')],
+    ['Right camera’s rotation against the rig file', axes.map((name, i) =>
+      `${name} ${withStddev(health.right_rotation_deg[i], health.right_rotation_stddev_deg[i], 3, '°')}`).join(', ')],
+    ['Readout, left and right', [0, 1].map((i) => withStddev(health.readout_ms[i], health.readout_stddev_ms[i], 1, 'ms')).join(', ')],
+  ];
+}
+
+/** What the operator should know, the most urgent first. */
+export function sentences(health, reasons) {
+  const found = [];
+  if (health.problem) found.push(health.problem);
+  if (reasons) found.push(`No valid odometry: ${reasons}.`);
+  for (const side of ['left', 'right']) {
+    const camera = health[side];
+    if (camera.state && camera.state !== 'streaming' && camera.state !== 'ended')
+      found.push(`The ${side} camera is ${camera.state}${camera.last_error ? `: ${camera.last_error}` : ''}.`);
+  }
+  if (health.self_check) found.push(`Self-check: ${health.self_check}`);
+  return [...new Set(found)];
+}
+
+export function recordingText(recording) {
+  const size = `${recording.pictures} pictures, ${(recording.bytes / 1e6).toFixed(1)} MB`;
+  const lost = recording.dropped_pictures > 0 ? `, ${recording.dropped_pictures} left out because the disk is too slow` : '';
+  if (recording.on) return `Recording to ${recording.folder}: ${size}${lost}${recording.text ? `. ${recording.text}` : ''}`;
+  const last = recording.folder ? `Not recording. The last recording is ${recording.folder}. ` : 'Not recording. ';
+  return last + recording.text;
+}

@@ -1,0 +1,120 @@
+// Recording of the daemon's cameras: start, stop, problems.
+#include "daemon/service/live_recording.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <exception>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <spdlog/spdlog.h>
+
+#include "calib/format/rig_file.hpp"
+#include "daemon/diagnostics/journal.hpp"
+
+namespace cartvo::daemon {
+namespace {
+
+void logRecording(spdlog::level::level_enum level, const std::string& text, const char* event) {
+  logEvent(level, text, {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", event}});
+}
+
+}  // namespace
+
+std::string recordingFolderName() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+}
+
+LiveRecording::LiveRecording(const Configuration& configuration, LiveCamera& left, LiveCamera& right)
+    : configuration_(configuration) {
+  if (configuration.recording_directory.empty()) return;
+  left.observe(switch_.left());
+  right.observe(switch_.right());
+  if (configuration.recording_start == RecordingStart::automatic)
+    refused_ = startIn(configuration.recording_directory);
+}
+
+capture::RecordingSettings LiveRecording::settings() const {
+  capture::RecordingSettings settings;
+  settings.configuration = effectiveConfiguration(configuration_);
+  settings.rig = calib::portableRigText(configuration_.rig);
+  settings.quota = configuration_.recording_quota;
+  return settings;
+}
+
+/// Why these cameras cannot be recorded; empty: they can.
+std::string LiveRecording::obstacle() const {
+  if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
+    return "only IP cameras can be recorded, because V4L2 cameras send no encoded video";
+  return {};
+}
+
+std::string LiveRecording::startIn(const std::filesystem::path& folder) {
+  std::string problem = obstacle();
+  try {
+    if (problem.empty()) {
+      capture::RecordingSettings settings = this->settings();
+      settings.folder = folder;
+      switch_.start(settings);
+      logRecording(spdlog::level::info, "recording to " + folder.string(), "started");
+      return {};
+    }
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  problem = "not recording: " + problem;
+  logRecording(spdlog::level::err, problem, "refused");
+  return problem;
+}
+
+std::string LiveRecording::start() {
+  if (configuration_.recording_directory.empty())
+    return "recording.directory is not configured: there is no folder to record to";
+  if (configuration_.recording_quota.recordings.empty())
+    return "cartvod runs with --record, which makes one recording";
+  return startIn(configuration_.recording_quota.recordings / recordingFolderName());
+}
+
+std::string LiveRecording::stop() {
+  switch_.stop();
+  logRecording(spdlog::level::info, "recording stopped from the status page", "stopped");
+  return {};
+}
+
+std::string LiveRecording::problem(RepeatedWarnings& warnings) {
+  const OpenRecording& open = switch_.current();
+  if (!open.recorder) return open.folder.empty() ? refused_ : "";
+  const capture::RecorderHealth health = open.recorder->health();
+  if (health.resumptions > std::exchange(resumptions_, health.resumptions))
+    logRecording(spdlog::level::info, "recording again, in a new segment in " + open.folder.string(),
+                 "resumed");
+  if (health.error.empty()) warnings.forget(error_);
+  error_ = health.error;
+  if (!health.error.empty()) return health.error;
+  const bool drops_pictures =
+      health.dropped_pictures > std::exchange(dropped_pictures_, health.dropped_pictures);
+  return drops_pictures ? "the disk is too slow for the recording: pictures are left out of it" : "";
+}
+
+RecordingState LiveRecording::state() {
+  RecordingState state;
+  const OpenRecording& open = switch_.current();
+  state.is_possible = !configuration_.recording_quota.recordings.empty() && obstacle().empty();
+  state.folder = open.folder.string();
+  state.is_recording = open.recorder != nullptr;
+  if (configuration_.recording_directory.empty()) {
+    state.text = "No folder is configured (recording.directory).";
+  } else if (!open.recorder && open.folder.empty()) {
+    state.text = refused_;
+  }
+  if (!open.recorder) return state;
+  const capture::RecorderHealth health = open.recorder->health();
+  state.text = health.error;
+  state.pictures = health.units;
+  state.bytes = health.bytes;
+  state.dropped_pictures = health.dropped_pictures;
+  return state;
+}
+
+}  // namespace cartvo::daemon

@@ -1,0 +1,70 @@
+// Frames of the status page: pictures and landmarks.
+#include "daemon/page/page_frame.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace cartvo::daemon {
+namespace {
+
+PairView viewOf(const cv::Size& size) {
+  return {cv::Mat(size, CV_8UC1, cv::Scalar(40)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), {}};
+}
+
+cv::Mat decoded(const EncodedPictures& pictures) {
+  return cv::imdecode(std::vector<char>(pictures.jpeg.begin(), pictures.jpeg.end()), cv::IMREAD_UNCHANGED);
+}
+
+TEST(PageFrame, HasTheLeftPictureAboveTheRight) {
+  const EncodedPictures pictures = encodePictures(viewOf({320, 200}));
+  const cv::Mat both = decoded(pictures);
+  ASSERT_EQ(both.size(), cv::Size(320, 400));
+  EXPECT_NEAR(both.at<std::uint8_t>(100, 160), 40, 3);
+  EXPECT_NEAR(both.at<std::uint8_t>(300, 160), 200, 3);
+  EXPECT_EQ(pictures.scale, 1);
+}
+
+TEST(PageFrame, ReducesLargePictures) {
+  for (const auto& [size, scale] :
+       {std::pair{cv::Size(961, 301), 2}, {cv::Size(1920, 1080), 2}, {cv::Size(3840, 2160), 4}}) {
+    const EncodedPictures pictures = encodePictures(viewOf(size));
+    EXPECT_EQ(pictures.scale, scale);
+    EXPECT_EQ(decoded(pictures).size(), cv::Size(size.width / scale, size.height / scale * 2));
+  }
+}
+
+TEST(PageFrame, HasNoPicturesWithoutAPair) {
+  EXPECT_EQ(encodePictures({}).jpeg, "");
+  PairView different = viewOf({320, 200});
+  different.right = cv::Mat();
+  EXPECT_EQ(encodePictures(different).jpeg, "");
+}
+
+TEST(PageFrame, ListsLandmarks) {
+  const EncodedPictures pictures{.jpeg = "", .width = 320, .height = 200, .scale = 2};
+  const vo::LandmarkViews landmarks{{.left_x = 10.25F,
+                                     .left_y = 20.0F,
+                                     .right_x = NAN,
+                                     .right_y = NAN,
+                                     .weight = 0.5F,
+                                     .age = 3,
+                                     .inverse_depth = 0.125F},
+                                    {}};
+  const auto json = nlohmann::json::parse(picturesJson(pictures, landmarks, 42));
+  EXPECT_EQ(json["sequence"], 42);
+  EXPECT_EQ(json["scale"], 2);
+  ASSERT_EQ(json["landmarks"].size(), 2U);
+  EXPECT_EQ(json["landmarks"][0], nlohmann::json::parse("[10.25, 20, null, null, 0.5, 3, 0.125]"));
+}
+
+TEST(PageFrame, BeginsWithTheLengthOfItsText) {
+  const std::string bytes = frameBytes(std::string(300, 'a'), "jpeg");
+  EXPECT_EQ(bytes.substr(0, 4), std::string("\x2c\x01\0\0", 4));
+  EXPECT_EQ(bytes.substr(304), "jpeg");
+}
+
+}  // namespace
+}  // namespace cartvo::daemon

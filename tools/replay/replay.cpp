@@ -142,13 +142,14 @@ std::optional<daemon::AbsentReadout> absentReadout(const ReplaySettings& setting
 
 Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
-                   std::optional<daemon::AbsentReadout> absent_readout) {
+                   std::optional<daemon::AbsentReadout> absent_readout, daemon::PairViewer* viewer) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
 
   daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry,
                                   absent_readout.value_or(daemon::absentReadoutOf(source.kind)));
+  if (viewer != nullptr) processor.setViewer(*viewer);
   const RectificationInverse left(processor.T_left_rectified());
   daemon::PipelineSettings settings{rig.rig.left.size, source.period_ns};
   if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
@@ -184,7 +185,8 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
   if (configuration && settings.rig.empty())
     rig.rig = daemon::withConfiguredReadouts(std::move(rig.rig), *configuration);
   replaceReadouts(settings, rig.rig);
-  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings));
+  Replay replay =
+      replayPairs(source, rig, settings.odometry, observer, absentReadout(settings), settings.viewer);
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
     throw std::runtime_error(settings.source.string() +
@@ -209,7 +211,8 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
     timing = findVideoTiming(videos, rig.rig, progress);
   }
   capture::StereoSource source = openVideos(videos, timing, {});
-  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings));
+  Replay replay =
+      replayPairs(source, rig, settings.odometry, observer, absentReadout(settings), settings.viewer);
   replay.timing = timing;
   if (replay.pairs.empty()) {
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +

@@ -45,6 +45,7 @@ struct ReplaySettings {
   vo::OdometrySettings odometry;
   double folder_offset_stddev = 0.0;  ///< s, of the time offsets of pairs in an image folder
   ReplayClock clock = ReplayClock::configured;
+  daemon::PairViewer* viewer = nullptr;    ///< as replayPairs()'s
   std::optional<ReplayReadouts> readouts;  ///< empty: as the rig and the recording's configuration state
 };
 
@@ -98,10 +99,12 @@ struct Replay {
 using ReplayObserver = std::function<void(const daemon::PairResult& result, std::size_t expected)>;
 
 /// Processes all pairs of a source with the daemon's pipeline. `absent_readout`: see PairProcessor; empty: by
-/// the source's kind. Throws if the rig or the settings are invalid.
+/// the source's kind. `viewer`: see PairProcessor::setViewer; nullptr: none. Throws if the rig or the
+/// settings are invalid.
 Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
-                   std::optional<daemon::AbsentReadout> absent_readout = {});
+                   std::optional<daemon::AbsentReadout> absent_readout = {},
+                   daemon::PairViewer* viewer = nullptr);
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
 /// be paired.

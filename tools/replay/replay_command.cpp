@@ -1,15 +1,20 @@
 // `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 
 #include "calib/model/rig_validation.hpp"
+#include "capture/rtsp/password_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
@@ -22,6 +27,7 @@
 #include "tools/replay/odometry_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/replay_page.hpp"
 #include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
@@ -44,6 +50,8 @@ struct Options {
   bool publish = false, loop = false;
   std::string url = daemon::Configuration{}.lcm_url;
   double speed = 1.0;
+  std::optional<ListenAddress> page;
+  std::filesystem::path page_token;
 };
 
 /// Readouts of --readout-ms. Throws CLI::ValidationError.
@@ -83,10 +91,27 @@ Replay replayBySource(const Options& options, const ReplayObserver& observer) {
       observer);
 }
 
-Replay replayWithProgress(const Options& options, LivePublisher* publisher) {
+/// The page of the replay, if one is asked for. Throws std::runtime_error if it cannot be served.
+std::unique_ptr<ReplayPage> startPage(const Options& options) {
+  if (!options.page) return nullptr;
+  ReplayPageSettings settings;
+  settings.server.address = *options.page;
+  if (!options.page_token.empty())
+    settings.server.token = capture::readSecretFile(options.page_token, "the page's token");
+  settings.server.controllers = daemon::PageControllers::readers;
+  settings.title = options.replay.source.filename().string();
+  settings.speed = options.publish ? 0.0 : options.speed;
+  auto page = std::make_unique<ReplayPage>(settings);
+  std::printf("page: %s\n", page->url().c_str());
+  std::fflush(stdout);
+  return page;
+}
+
+Replay replayWithProgress(const Options& options, LivePublisher* publisher, ReplayPage* page) {
   ProgressBar progress("pairs");
   return replayBySource(options, [&](const daemon::PairResult& result, std::size_t expected) {
     if (publisher != nullptr) publisher->publish(result);
+    if (page != nullptr) page->addPair(result, expected);
     progress.show(result.sequence + 1, expected);
   });
 }
@@ -99,13 +124,24 @@ Replay replayWithProgress(const Options& options, LivePublisher* publisher) {
     publisher.repeat();
 }
 
-void run(const Options& options) {
+/// Serves the page until a signal ends the program.
+[[noreturn]] void showForEver() {
+  std::fputs("the page is served until Ctrl-C ends it\n", stdout);
+  std::fflush(stdout);
+  for (;;)
+    std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+void run(Options& options) {
   const OutputFolder output(options.output);
   if (!options.truth.empty()) readTruthRows(options.truth);  // reports a bad file before the replay
   cv::setNumThreads(options.threads);
   std::optional<LivePublisher> publisher;
   if (options.publish) publisher.emplace(options.url, options.speed);
-  const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr);
+  const std::unique_ptr<ReplayPage> page = startPage(options);
+  if (page) options.replay.viewer = &page->viewer();
+  const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr, page.get());
+  if (page) page->finish();
   std::optional<Truth> truth;
   if (!options.truth.empty()) truth = readTruth(options.truth, replay);
 
@@ -142,6 +178,7 @@ void run(const Options& options) {
   if (const std::string reason = nothingValidText(replay); !reason.empty())
     throw std::runtime_error(options.replay.source.string() + ": " + reason);
   if (options.loop) repeatForEver(*publisher);
+  if (page) showForEver();
 }
 
 void addSourceOptions(CLI::App& command, Options& options) {
@@ -225,12 +262,41 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->type_name("FILE|DIR");
 }
 
+/// Returns the option and the address that is given with it; without one the page is at kPagePort.
+std::pair<CLI::Option*, std::shared_ptr<std::string>> addPageOptions(CLI::App& command, Options& options) {
+  const auto address = std::make_shared<std::string>();
+  CLI::Option* page = command
+                          .add_option("--page", *address,
+                                      "Serve a web page that shows the replay at the recorded pace, with "
+                                      "pause and step, until Ctrl-C\n"
+                                      "(default: 127.0.0.1:9465, for browsers on this computer only; 0: any "
+                                      "free port)")
+                          ->type_name("[ADDRESS:]PORT")
+                          ->expected(0, 1);
+  command
+      .add_option("--page-token", options.page_token,
+                  "With --page at an address that other computers reach: file with the token that they need")
+      ->needs(page)
+      ->type_name("FILE");
+  return {page, address};
+}
+
+/// Throws CLI::ValidationError.
+ListenAddress pageAddress(const std::string& text) {
+  constexpr std::uint16_t kPagePort = 9465;
+  if (text.empty()) return {.port = kPagePort};
+  try {
+    return ListenAddress::parse(text);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--page", error.what());
+  }
+}
+
 void addPublishOptions(CLI::App& command, Options& options) {
   CLI::Option* publish = command.add_flag(
       "--publish", options.publish,
       "Publish each pair over LCM too, as cartvod does: at the recorded pace, with instants of now");
-  command.add_option("--speed", options.speed, "With --publish: factor on the recorded pace")
-      ->needs(publish)
+  command.add_option("--speed", options.speed, "With --publish or --page: factor on the recorded pace")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command
@@ -253,6 +319,7 @@ void addReplayCommand(CLI::App& cartvo) {
   addSourceOptions(*command, *options);
   addEstimationOptions(*command, *options);
   addPublishOptions(*command, *options);
+  const auto page = addPageOptions(*command, *options);
   command->footer(
       "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml, KITTI's calib.txt "
       "or "
@@ -267,7 +334,8 @@ void addReplayCommand(CLI::App& cartvo) {
       "  cartvo replay NewCollege --rig bumblebee.yaml --output-dir out\n"
       "  cartvo replay zed_pictures --side-by-side --frame-rate 30 --rig zed.yaml --output-dir out\n"
       "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
-  command->callback([options] {
+  command->callback([options, page] {
+    if (page.first->count() > 0) options->page = pageAddress(*page.second);
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;

@@ -1,0 +1,155 @@
+// check_page.mjs URL TOKEN PICTURES: checks cartvod's status page in Chromium. Asks for what has to happen outside with lines
+// "do: WHAT" and waits for a line of input. Fails with the step that failed.
+import assert from 'node:assert/strict';
+import { mkdirSync } from 'node:fs';
+import { createInterface } from 'node:readline';
+import { chromium } from 'playwright-core';
+
+const [url, token, pictures] = process.argv.slice(2);
+const kPatience = 120_000; // ms, on a busy computer
+mkdirSync(pictures, { recursive: true });
+
+const answers = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
+async function ask(what) {
+  console.log(`do: ${what}`);
+  await answers.next();
+}
+
+const browser = await chromium.launch({ executablePath: process.env.CARTVO_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
+
+async function open(options) {
+  const page = await (await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options })).newPage();
+  page.setDefaultTimeout(kPatience);
+  const problems = [];
+  page.on('pageerror', (error) => problems.push(error.message));
+  page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
+  page.on('request', (request) => {
+    const target = new URL(request.url());
+    if (target.protocol !== 'data:' && target.protocol !== 'blob:' && target.origin !== new URL(url).origin) problems.push(`asks ${request.url()}`);
+  });
+  await page.goto(url);
+  return { page, problems };
+}
+
+/** Waits until the function is true in the page. */
+const until = (page, what, argument) => page.waitForFunction(what, argument, { timeout: kPatience });
+const text = (page, id) => page.locator(`#${id}`).innerText();
+const sequence = async (page) => Number((await text(page, 'picture-text')).match(/^Pair (\d+):/)?.[1]);
+const isValid = () => document.getElementById('verdict').textContent === 'Valid';
+
+/** Whether the canvas shows more than one colour. */
+const showsSomething = (id) => {
+  const canvas = document.getElementById(id);
+  const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  const colours = new Set();
+  for (let i = 0; i < pixels.length; i += 404) colours.add(`${pixels[i]} ${pixels[i + 1]} ${pixels[i + 2]} ${pixels[i + 3] > 0}`);
+  return colours.size > 5;
+};
+
+async function checkLoadsAndUpdates(page) {
+  await until(page, isValid);
+  await until(page, () => /^Pair \d+: \d+ landmarks, \d+ also in the right picture/.test(document.getElementById('picture-text').textContent));
+  for (const id of ['picture', 'plan', 'speed', 'rates', 'latency']) await until(page, showsSomething, id);
+  const first = await sequence(page);
+  await until(page, (before) => Number(document.getElementById('picture-text').textContent.match(/^Pair (\d+):/)?.[1]) > before + 10, first);
+  await until(page, () => /median \d+\.\d ms, 99th percentile \d+\.\d ms, \d+ pairs/.test(document.getElementById('latency-text').textContent));
+  for (const id of ['motion', 'clocks', 'cameras', 'program']) assert.ok(await page.locator(`#${id} tr`).count() >= 5, id);
+}
+
+async function checkKeyboard(page) {
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.className), 'skip', 'the first stop skips to the pictures');
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.value), 'both');
+  await page.keyboard.press('ArrowDown');
+  assert.ok(await page.locator('input[value=overlay]').isChecked());
+  await until(page, showsSomething, 'picture');
+  await page.locator('#pictures').screenshot({ path: `${pictures}/overlay.png` });
+  await page.keyboard.press('ArrowDown');
+  await page.locator('#row').fill('90');
+  await page.locator('#colour').selectOption('depth');
+  await page.locator('#pictures').screenshot({ path: `${pictures}/epipolar.png` });
+  await page.locator('input[value=both]').check();
+}
+
+async function checkNames(page) {
+  const names = await page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas[role=img]')]
+    .filter((element) => element.offsetParent !== null && !element.labels?.length && !element.textContent.trim() && !element.getAttribute('aria-label'))
+    .map((element) => element.outerHTML));
+  assert.deepEqual(names, [], 'all controls and pictures have names');
+  const headings = await page.evaluate(() => [...document.querySelectorAll('h1, h2')].filter((e) => e.offsetParent !== null).map((e) => e.textContent));
+  assert.ok(headings.length >= 7, headings.join());
+  assert.ok(await page.locator('[aria-live=polite], [role=status]').count() >= 3);
+}
+
+async function checkRecording(page) {
+  assert.match(await text(page, 'recording'), /^Not recording/);
+  assert.ok(!(await page.locator('#record').isVisible()), 'without the token there is no button');
+  await page.getByText('Log in to start and stop recordings').click();
+  await page.locator('#token').fill('a-wrong-token-here');
+  await page.keyboard.press('Enter');
+  await page.getByText('this is not the token').waitFor();
+  await page.locator('#token').fill(token);
+  await page.keyboard.press('Enter');
+  await page.getByRole('button', { name: 'Start recording' }).click();
+  await until(page, () => /^Recording to .*: \d\d+ pictures/.test(document.getElementById('recording').textContent));
+  await page.getByRole('button', { name: 'Stop recording' }).click();
+  await until(page, () => /^Not recording\. The last recording is /.test(document.getElementById('recording').textContent));
+}
+
+async function checkLostCameras(page) {
+  await ask('stop cameras');
+  await until(page, () => /The left camera is (connecting|stalled)/.test(document.getElementById('sentences').textContent));
+  await until(page, () => document.getElementById('pictures').classList.contains('stale'));
+  assert.match(await text(page, 'verdict'), /^(Waiting for|Invalid)/);
+  await page.screenshot({ path: `${pictures}/lost-cameras.png`, fullPage: true });
+  await ask('start cameras');
+  await until(page, isValid);
+  await until(page, () => !document.getElementById('pictures').classList.contains('stale'));
+}
+
+async function checkRestart(page) {
+  await ask('stop cartvod');
+  await until(page, () => document.getElementById('connection').textContent.startsWith('Connection lost'));
+  await ask('start cartvod');
+  await until(page, () => document.getElementById('connection').textContent === 'Connected');
+  await until(page, isValid);
+  await until(page, () => !document.getElementById('pictures').classList.contains('stale'));
+  await checkLoadsAndUpdates(page);
+}
+
+async function checkOtherScreens() {
+  for (const [name, options] of [
+    ['dark', { colorScheme: 'dark', reducedMotion: 'reduce' }],
+    ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, deviceScaleFactor: 2 }],
+  ]) {
+    const { page, problems } = await open(options);
+    await checkLoadsAndUpdates(page);
+    const [width, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+    assert.ok(width <= shown, `${name}: ${width} px wide, but the screen has ${shown}`);
+    await page.screenshot({ path: `${pictures}/${name}.png`, fullPage: true });
+    assert.deepEqual(problems, [], name);
+    await page.context().close();
+  }
+}
+
+const { page, problems } = await open({});
+async function step(name, check) {
+  await check(page).catch(async (error) => {
+    await page.screenshot({ path: `${pictures}/failed.png`, fullPage: true });
+    throw new Error(`${name}: ${error.message}\n${await page.locator('body').innerText()}\n${problems.join('\n')}`);
+  });
+  console.log(`${name}: in order`);
+}
+await step('loads and updates', checkLoadsAndUpdates);
+await step('keyboard', checkKeyboard);
+await step('names for screen readers', checkNames);
+await page.screenshot({ path: `${pictures}/light.png`, fullPage: true });
+await step('other screens', checkOtherScreens);
+assert.deepEqual(problems, []);
+await step('recording', checkRecording);
+await step('lost cameras', checkLostCameras);
+await step('restart', checkRestart);
+await browser.close();
+process.exit(0);

@@ -146,12 +146,13 @@ TEST(RosBag, HasMetadataOfItsMessages) {
   EXPECT_EQ(topics[1]["message_count"].as<int>(), test::kDrivePairs - 1);
 }
 
-/// Reads files with the packages of tests/tools/export/npm.
+/// Reads files with the packages of tests/support/npm.
 class OtherReaders : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string install = (test::sourceFolder() / "tests/tools/export/npm/install.sh").string();
-    const test::CommandResult run = test::runCommand(install + " " + packages_ + " 2>&1");
+    const std::string tests = (test::sourceFolder() / "tests").string();
+    const test::CommandResult run = test::runCommand(tests + "/support/npm/install.sh " + packages_ + " " +
+                                                     tests + "/tools/export/read_mcap.mjs 2>&1");
     if (run.exit_code != 0) GTEST_SKIP() << run.output;
   }
 

@@ -9,13 +9,10 @@ namespace cartvo::doctor {
 namespace {
 
 constexpr const char* kStyle =
-    ":root{color-scheme:light dark;--line:#8886;--ok:#183;--look:#a60;--bad:#c22}"
+    ":root{--ok:#183;--look:#a60;--bad:#c22}"
     "@media(prefers-color-scheme:dark){:root{--ok:#5c7;--look:#eb4;--bad:#f77}}"
-    "body{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}"
-    "table{border-collapse:collapse;width:100%;table-layout:fixed}"
-    "th:nth-child(1){width:6em}th:nth-child(2){width:11em}"
-    "th,td{border:1px solid var(--line);padding:.3em .6em;text-align:left;vertical-align:top;"
-    "overflow-wrap:break-word}td:first-child{white-space:nowrap}"
+    "table{table-layout:fixed}th:nth-child(1){width:6em}th:nth-child(2){width:11em}"
+    "th,td{overflow-wrap:break-word}td:first-child{white-space:nowrap}"
     // On a phone each row is a block, and its cells stand below each other.
     "@media(max-width:700px){table,tbody,tr,td{display:block}tr:first-child,td:empty{display:none}"
     "tr{border:1px solid var(--line);margin:.5em 0;padding:.3em .6em}td{border:0;padding:.1em 0}"
@@ -62,17 +59,15 @@ std::string tables(const Findings& findings) {
 
 std::string htmlReport(const ReportHead& head, const Findings& findings,
                        const std::vector<PicturePair>& pictures, const calib::Rig* rig) {
-  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-         "<meta name=\"viewport\" content=\"width=device-width\"><title>cartvo doctor</title>\n<style>" +
-         std::string(kStyle) + "</style></head><body>\n<h1>cartvo doctor</h1>\n" +
-         fmt::format("<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n", escaped(head.source),
-                     escaped(head.host), escaped(head.time), escaped(head.version),
-                     cssClass(worstVerdict(findings)), countsText(findings)) +
-         tables(findings) +
-         (pictures.empty()
-              ? ""
-              : "<h2>one pair of pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)) +
-         "</body></html>\n";
+  return htmlPage(
+      "cartvo doctor", kStyle,
+      fmt::format("<h1>cartvo doctor</h1>\n<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n",
+                  escaped(head.source), escaped(head.host), escaped(head.time), escaped(head.version),
+                  cssClass(worstVerdict(findings)), countsText(findings)) +
+          tables(findings) +
+          (pictures.empty()
+               ? ""
+               : "<h2>one pair of pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)));
 }
 
 }  // namespace cartvo::doctor

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/ground_paths.hpp"
+#include "tools/report/axis.hpp"
 
 namespace cartvo {
 namespace {
@@ -22,23 +24,6 @@ constexpr DrawingColour kInk{45, 50, 60}, kGrid{224, 228, 232};
 constexpr DrawingColour kTruthColour{100, 110, 120}, kEstimateColour{20, 90, 190}, kEndColour{200, 40, 40};
 
 using Points = std::vector<cv::Point2d>;
-
-/// Step of 1, 2 or 5 times a power of ten that divides `range` into about `parts` parts.
-double roundStep(double range, int parts) {
-  const double rough = std::max(range, 1e-9) / parts;
-  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= rough) return factor * decade;
-  }
-  return 10.0 * decade;
-}
-
-std::string label(double value, double step) {
-  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", decimals, std::abs(value) < 1e-9 ? 0.0 : value);
-  return text;
-}
 
 /// Maps values to pixels inside a frame of the drawing.
 struct Axes {
@@ -57,64 +42,18 @@ struct Axes {
   }
 };
 
-/// Multiples of `step` from `low` to `high`.
-std::vector<double> multiples(double step, double low, double high) {
-  std::vector<double> values;
-  for (auto i = std::llround(std::ceil(low / step)); static_cast<double>(i) * step <= high; ++i) {
-    values.push_back(static_cast<double>(i) * step);
-  }
-  return values;
-}
-
 void drawGrid(Drawing& drawing, const Axes& axes, double x_step, double y_step) {
-  for (const double x : multiples(x_step, axes.x_low, axes.x_high)) {
+  for (const double x : multiplesOf(x_step, axes.x_low, axes.x_high)) {
     drawing.addLine({axes({x, axes.y_low}), axes({x, axes.y_high})}, kGrid, 1);
-    drawing.addText(axes({x, axes.y_low}) + cv::Point2d(0, 20), TextAnchor::middle, label(x, x_step), kInk);
+    drawing.addText(axes({x, axes.y_low}) + cv::Point2d(0, 20), TextAnchor::middle, tickLabel(x, x_step),
+                    kInk);
   }
-  for (const double y : multiples(y_step, axes.y_low, axes.y_high)) {
+  for (const double y : multiplesOf(y_step, axes.y_low, axes.y_high)) {
     drawing.addLine({axes({axes.x_low, y}), axes({axes.x_high, y})}, kGrid, 1);
-    drawing.addText(axes({axes.x_low, y}) + cv::Point2d(-8, 5), TextAnchor::end, label(y, y_step), kInk);
+    drawing.addText(axes({axes.x_low, y}) + cv::Point2d(-8, 5), TextAnchor::end, tickLabel(y, y_step), kInk);
   }
   const cv::Point2d low = axes.frame.tl(), high = axes.frame.br();
   drawing.addLine({low, {high.x, low.y}, high, {low.x, high.y}, low}, kInk, 1);
-}
-
-/// Both paths on the ground plane, and the names of the axes.
-struct GroundPaths {
-  Points truth, estimate;
-  std::string horizontal, vertical;
-};
-
-/// Forward is up, unless the path is longer forward than sideways: then forward is to the right.
-GroundPaths groundPaths(const AssociatedTrajectories& associated, TopView view) {
-  const Eigen::Isometry3d origin = associated.truth.front().pose.inverse();
-  const bool is_camera = view == TopView::camera_axes;
-  const auto forward_and_left = [&](const StampedPose& stamped) {
-    const Eigen::Vector3d position = origin * stamped.pose.translation();
-    return is_camera ? cv::Point2d(position.z(), -position.x()) : cv::Point2d(position.x(), position.y());
-  };
-  GroundPaths paths;
-  for (const StampedPose& stamped : associated.truth)
-    paths.truth.push_back(forward_and_left(stamped));
-  for (const StampedPose& stamped : startingAt(associated.truth.front().pose, associated.estimate)) {
-    paths.estimate.push_back(forward_and_left(stamped));
-  }
-  cv::Point2d low = paths.truth.front(), high = low;
-  for (const cv::Point2d& point : paths.truth) {
-    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
-    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
-  }
-  paths.horizontal = "forward (m)";
-  paths.vertical = "left (m)";
-  if (high.x - low.x < high.y - low.y) {
-    for (Points* points : {&paths.truth, &paths.estimate}) {
-      for (cv::Point2d& point : *points)
-        point = {-point.y, point.x};
-    }
-    paths.horizontal = "right (m)";
-    paths.vertical = "forward (m)";
-  }
-  return paths;
 }
 
 /// Axes with equal scale that contain all points with a margin.
@@ -146,7 +85,7 @@ void drawScaleBar(Drawing& drawing, const Axes& axes) {
   drawing.addLine({left, right}, kInk, 3);
   for (const cv::Point2d& end : {left, right})
     drawing.addLine({end - cv::Point2d(0, 5), end + cv::Point2d(0, 5)}, kInk, 2);
-  drawing.addText(left - cv::Point2d(10, -5), TextAnchor::end, label(length, length) + " m", kInk);
+  drawing.addText(left - cv::Point2d(10, -5), TextAnchor::end, tickLabel(length, length) + " m", kInk);
 }
 
 void drawLegend(Drawing& drawing) {

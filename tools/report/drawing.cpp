@@ -1,16 +1,17 @@
-// Drawings of lines, dots and text, written as SVG or PNG.
+// Drawings of lines, areas, dots and text, written as SVG or PNG.
 #include "tools/report/drawing.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "common/atomic_file.hpp"
+#include "tools/report/canvas.hpp"
+#include "tools/report/html.hpp"
 
 namespace cartvo {
 namespace {
@@ -25,68 +26,18 @@ std::string hex(DrawingColour colour) {
   return format("#%02x%02x%02x", colour.red, colour.green, colour.blue);
 }
 
-std::string escaped(const std::string& letters) {
-  std::string text;
-  for (const char letter : letters) {
-    if (letter == '<') {
-      text += "&lt;";
-    } else if (letter == '&') {
-      text += "&amp;";
-    } else {
-      text += letter;
-    }
-  }
-  return text;
+std::string nameOf(DrawingColour colour, const ColourNames& names) {
+  const auto named =
+      std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == colour; });
+  return named == names.end() ? hex(colour) : named->second;
 }
 
-/// Picture at twice the size, which smooths lines and OpenCV's letters when it is reduced.
-class Canvas {
- public:
-  Canvas(int width, int height)
-      : image_(cv::Size(width, height) * kOversampling, CV_8UC3, cv::Scalar::all(255)) {}
-
-  void line(const std::vector<cv::Point2d>& points, const cv::Scalar& colour, double width) {
-    std::vector<cv::Point> scaled;
-    scaled.reserve(points.size());
-    for (const cv::Point2d& point : points)
-      scaled.push_back(fixed(point));
-    cv::polylines(image_, scaled, false, colour, thickness(width), cv::LINE_AA, kShift);
-  }
-  void circle(const cv::Point2d& centre, double radius, const cv::Scalar& colour, double line_width) {
-    cv::circle(image_, fixed(centre), static_cast<int>(radius * kOversampling * (1 << kShift)), colour,
-               line_width > 0.0 ? thickness(line_width) : static_cast<int>(cv::FILLED), cv::LINE_AA, kShift);
-  }
-  void text(cv::Point2d at, TextAnchor anchor, const std::string& letters, const cv::Scalar& colour) {
-    constexpr double kSize = 0.5 * kOversampling;
-    const int width = cv::getTextSize(letters, cv::FONT_HERSHEY_SIMPLEX, kSize, kOversampling, nullptr).width;
-    cv::Point origin(static_cast<int>(at.x * kOversampling), static_cast<int>(at.y * kOversampling));
-    if (anchor != TextAnchor::start) origin.x -= anchor == TextAnchor::end ? width : width / 2;
-    cv::putText(image_, letters, origin, cv::FONT_HERSHEY_SIMPLEX, kSize, colour, kOversampling, cv::LINE_AA);
-  }
-  cv::Mat finished() const {
-    cv::Mat small;
-    cv::resize(image_, small, image_.size() / kOversampling, 0, 0, cv::INTER_AREA);
-    return small;
-  }
-
- private:
-  static constexpr int kOversampling = 2;
-  static constexpr int kShift = 4;
-
-  static int thickness(double width) {
-    return std::max(1, static_cast<int>(std::lround(width * kOversampling)));
-  }
-  static cv::Point fixed(const cv::Point2d& point) {
-    const double scale = kOversampling * (1 << kShift);
-    return {static_cast<int>(std::lround(point.x * scale)), static_cast<int>(std::lround(point.y * scale))};
-  }
-
-  cv::Mat image_;
-};
-
-cv::Scalar onWhite(DrawingColour colour, double opacity) {
-  const auto mixed = [opacity](std::uint8_t channel) { return 255.0 + opacity * (channel - 255.0); };
-  return {mixed(colour.blue), mixed(colour.green), mixed(colour.red)};
+/// The d of an SVG path.
+std::string pathData(const std::vector<cv::Point2d>& points) {
+  std::string data;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    data += format(i == 0 ? "M%.1f %.1f" : "L%.1f %.1f", points[i].x, points[i].y);
+  return data;
 }
 
 template <typename... Calls>
@@ -99,7 +50,16 @@ Overloaded(Calls...) -> Overloaded<Calls...>;
 }  // namespace
 
 void Drawing::addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width, double opacity) {
-  elements_.emplace_back(Line{std::move(points), colour, width, opacity});
+  elements_.emplace_back(Line{std::move(points), colour, width, opacity, LinePattern::solid});
+}
+
+void Drawing::addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width,
+                      LinePattern pattern) {
+  elements_.emplace_back(Line{std::move(points), colour, width, 1.0, pattern});
+}
+
+void Drawing::addArea(std::vector<cv::Point2d> points, DrawingColour colour, double opacity) {
+  elements_.emplace_back(Area{std::move(points), colour, opacity});
 }
 
 void Drawing::addCircle(cv::Point2d centre, double radius, DrawingColour colour, double line_width) {
@@ -110,54 +70,75 @@ void Drawing::addText(cv::Point2d at, TextAnchor anchor, std::string letters, Dr
   elements_.emplace_back(Text{at, anchor, std::move(letters), colour});
 }
 
-std::string Drawing::svgOf(const Line& line) {
-  std::string svg = "<path d=\"";
-  for (std::size_t i = 0; i < line.points.size(); ++i)
-    svg += format(i == 0 ? "M%.1f %.1f" : "L%.1f %.1f", line.points[i].x, line.points[i].y);
-  svg += format(R"(" fill="none" stroke="%s" stroke-width="%g")", hex(line.colour).c_str(), line.width);
+std::string Drawing::svgOf(const Line& line, const ColourNames& colours) {
+  std::string svg = "<path d=\"" + pathData(line.points);
+  svg += format(R"(" fill="none" stroke="%s" stroke-width="%g")", nameOf(line.colour, colours).c_str(),
+                line.width);
   if (line.opacity < 1.0) svg += format(R"( stroke-opacity="%g")", line.opacity);
+  if (line.pattern == LinePattern::dashed) svg += format(R"( stroke-dasharray="%g %g")", kDash, kDashGap);
   return svg + "/>\n";
 }
 
-std::string Drawing::svgOf(const Circle& circle) {
+std::string Drawing::svgOf(const Area& area, const ColourNames& colours) {
+  return "<path d=\"" + pathData(area.points) +
+         format(R"(Z" fill="%s" fill-opacity="%g")", nameOf(area.colour, colours).c_str(), area.opacity) +
+         "/>\n";
+}
+
+std::string Drawing::svgOf(const Circle& circle, const ColourNames& colours) {
   std::string svg =
       format(R"(<circle cx="%.1f" cy="%.1f" r="%g")", circle.centre.x, circle.centre.y, circle.radius);
-  const std::string colour = hex(circle.colour);
+  const std::string colour = nameOf(circle.colour, colours);
   svg += circle.line_width > 0.0
              ? format(R"( fill="none" stroke="%s" stroke-width="%g")", colour.c_str(), circle.line_width)
              : format(R"( fill="%s")", colour.c_str());
   return svg + "/>\n";
 }
 
-std::string Drawing::svgOf(const Text& text) {
+std::string Drawing::svgOf(const Text& text, const ColourNames& colours) {
   constexpr std::array kAnchors{"start", "middle", "end"};
   std::string svg = format(R"(<text x="%.1f" y="%.1f" text-anchor="%s")", text.at.x, text.at.y,
                            kAnchors[static_cast<std::size_t>(text.anchor)]);
-  if (text.colour != DrawingColour{}) svg += format(R"( fill="%s")", hex(text.colour).c_str());
+  if (const std::string colour = nameOf(text.colour, colours); colour != hex({}))
+    svg += format(R"( fill="%s")", colour.c_str());
   return svg + ">" + escaped(text.letters) + "</text>\n";
 }
 
-std::string Drawing::svg() const {
-  std::string svg = format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
-      "font-size=\"13\">\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n",
-      width_, height_, width_, height_);
+std::string Drawing::svgElements(const ColourNames& colours) const {
+  std::string svg;
   for (const auto& element : elements_)
-    svg += std::visit([](const auto& shape) { return svgOf(shape); }, element);
-  return svg + "</svg>\n";
+    svg += std::visit([&](const auto& shape) { return svgOf(shape, colours); }, element);
+  return svg;
 }
 
-cv::Mat Drawing::picture() const {
-  Canvas canvas(width_, height_);
+std::string Drawing::svg() const {
+  return format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
+             "font-size=\"%d\">\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n",
+             width_, height_, letter_size_, width_, height_) +
+         svgElements({}) + "</svg>\n";
+}
+
+std::string Drawing::svgElement(const std::string& title, const ColourNames& colours) const {
+  return format("<svg viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"%d\" role=\"img\">\n",
+                width_, height_, letter_size_) +
+         "<title>" + escaped(title) + "</title>\n" + svgElements(colours) + "</svg>\n";
+}
+
+cv::Mat Drawing::picture(int scale) const {
+  Canvas canvas(width_, height_, scale, letter_size_);
   const Overloaded draw{
-      [&](const Line& line) { canvas.line(line.points, onWhite(line.colour, line.opacity), line.width); },
-      [&](const Circle& circle) {
-        canvas.circle(circle.centre, circle.radius, onWhite(circle.colour, 1.0), circle.line_width);
+      [&](const Line& line) {
+        canvas.line(line.points, line.colour, line.width, line.opacity, line.pattern);
       },
-      [&](const Text& text) { canvas.text(text.at, text.anchor, text.letters, onWhite(text.colour, 1.0)); }};
+      [&](const Area& area) { canvas.area(area.points, area.colour, area.opacity); },
+      [&](const Circle& circle) {
+        canvas.circle(circle.centre, circle.radius, circle.colour, circle.line_width);
+      },
+      [&](const Text& text) { canvas.text(text.at, text.anchor, text.letters, text.colour); }};
   for (const auto& element : elements_)
     std::visit(draw, element);
-  return canvas.finished();
+  return canvas.picture();
 }
 
 void checkDrawingName(const std::filesystem::path& file) {
@@ -170,8 +151,9 @@ void checkDrawingName(const std::filesystem::path& file) {
 void writeDrawing(const std::filesystem::path& file, const Drawing& drawing) {
   checkDrawingName(file);
   if (file.extension() == ".svg") return writeResultFile(file, drawing.svg());
+  constexpr int kScale = 2;
   std::vector<unsigned char> png;
-  if (!cv::imencode(".png", drawing.picture(), png))
+  if (!cv::imencode(".png", drawing.picture(kScale), png))
     throw std::runtime_error(file.string() + ": the plot cannot be encoded");
   writeResultFile(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }

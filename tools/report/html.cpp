@@ -53,4 +53,18 @@ std::string tableElement(const std::vector<std::string>& header,
   return html + "</table>\n";
 }
 
+std::string htmlPage(std::string_view title, std::string_view style, std::string_view body) {
+  constexpr std::string_view kCommonStyle =
+      ":root{color-scheme:light dark;--line:#8886}"
+      "body{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}"
+      "table{border-collapse:collapse;width:100%}"
+      "th,td{border:1px solid var(--line);padding:.3em .6em;text-align:left;vertical-align:top;"
+      "overflow-wrap:anywhere}";
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width\"><title>";
+  html.append(escaped(title)).append("</title>\n<style>").append(kCommonStyle).append(style);
+  return html.append("</style></head><body>\n").append(body).append("</body></html>\n");
+}
+
 }  // namespace cartvo

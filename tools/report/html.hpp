@@ -18,4 +18,8 @@ std::string imageElement(const cv::Mat& image, std::string_view description);
 std::string tableElement(const std::vector<std::string>& header,
                          const std::vector<std::vector<std::string>>& rows);
 
+/// A page for light and dark screens of any width. `title` is escaped; `style`: CSS rules after the common
+/// ones; `body`: HTML.
+std::string htmlPage(std::string_view title, std::string_view style, std::string_view body);
+
 }  // namespace cartvo

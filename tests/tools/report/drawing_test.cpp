@@ -48,7 +48,7 @@ TEST(Drawing, PictureHasTheSameElements) {
 TEST(Drawing, IsWrittenInTheFormatOfItsName) {
   const test::TemporaryFolder folder;
   writeDrawing(folder / "a.png", example());
-  EXPECT_EQ(cv::imread((folder / "a.png").string()).size(), cv::Size(120, 80));
+  EXPECT_EQ(cv::imread((folder / "a.png").string()).size(), cv::Size(240, 160));
   writeDrawing(folder / "a.svg", example());
   EXPECT_THROW(writeDrawing(folder / "a.pdf", example()), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.pdf"));

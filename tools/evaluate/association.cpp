@@ -13,19 +13,19 @@
 namespace cartvo {
 namespace {
 
+/// Widest gap in a truth over which to interpolate, unless three of its median periods are wider.
 constexpr std::int64_t kMaxGap_ns = 250'000'000;
 
 /// A pose of the estimate this little before the truth's first or after its last pose is associated with that
 /// pose: times in a camera's 90 kHz clock are rounded by some us.
 constexpr std::int64_t kEndTolerance_ns = 1'000'000;
 
-/// Widest gap in the truth over which to interpolate, ns: three of its median periods, at least kMaxGap_ns.
-std::int64_t maxGap(const Trajectory& truth) {
+/// Median time between the poses, ns; 0 for a single one.
+std::int64_t medianPeriod(const Trajectory& truth) {
   std::vector<std::int64_t> periods;
   for (std::size_t i = 1; i < truth.size(); ++i)
     periods.push_back(truth[i].time_ns - truth[i - 1].time_ns);
-  if (periods.empty()) return kMaxGap_ns;
-  return std::max(kMaxGap_ns, 3 * median(periods));
+  return periods.empty() ? 0 : median(periods);
 }
 
 StampedPose interpolate(const StampedPose& before, const StampedPose& after, std::int64_t time_ns) {
@@ -53,23 +53,32 @@ std::string span(const Trajectory& trajectory) {
 
 }  // namespace
 
+InterpolatedTruth::InterpolatedTruth(const Trajectory& truth)
+    : truth_(truth), period_ns_(medianPeriod(truth)), max_gap_ns_(std::max(kMaxGap_ns, 3 * period_ns_)) {}
+
+std::optional<StampedPose> InterpolatedTruth::at(std::int64_t time_ns) const {
+  const std::int64_t inside_ns = std::clamp(time_ns, truth_.front().time_ns, truth_.back().time_ns);
+  if (std::abs(time_ns - inside_ns) > kEndTolerance_ns) return std::nullopt;
+  const auto after = std::lower_bound(
+      truth_.begin(), truth_.end(), inside_ns,
+      [](const StampedPose& true_pose, std::int64_t instant_ns) { return true_pose.time_ns < instant_ns; });
+  if (after->time_ns == inside_ns) return *after;
+  if (after->time_ns - std::prev(after)->time_ns > max_gap_ns_) return std::nullopt;
+  return interpolate(*std::prev(after), *after, inside_ns);
+}
+
 AssociatedTrajectories associateByTime(const Trajectory& estimate, const Trajectory& truth) {
   AssociatedTrajectories associated;
   associated.method = AssociationMethod::time;
-  const std::int64_t max_gap_ns = maxGap(truth);
+  const InterpolatedTruth interpolated(truth);
   for (const StampedPose& stamped : estimate) {
-    const std::int64_t time_ns = std::clamp(stamped.time_ns, truth.front().time_ns, truth.back().time_ns);
-    const auto after = std::lower_bound(
-        truth.begin(), truth.end(), time_ns,
-        [](const StampedPose& true_pose, std::int64_t instant_ns) { return true_pose.time_ns < instant_ns; });
-    const bool is_exact = after->time_ns == time_ns;
-    const bool is_between = !is_exact && after->time_ns - std::prev(after)->time_ns <= max_gap_ns;
-    if (std::abs(stamped.time_ns - time_ns) > kEndTolerance_ns || (!is_exact && !is_between)) {
+    const std::optional<StampedPose> true_pose = interpolated.at(stamped.time_ns);
+    if (!true_pose) {
       ++associated.unmatched;
       continue;
     }
     associated.estimate.push_back(stamped);
-    associated.truth.push_back(is_exact ? *after : interpolate(*std::prev(after), *after, time_ns));
+    associated.truth.push_back(*true_pose);
   }
   if (associated.estimate.size() < 2) {
     throw std::runtime_error(

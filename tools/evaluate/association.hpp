@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "tools/trajectory/trajectory.hpp"
 
@@ -18,6 +19,23 @@ struct AssociatedTrajectories {
   Trajectory estimate;
   Trajectory truth;           ///< as many poses as `estimate`
   std::size_t unmatched = 0;  ///< poses of the estimate without a truth
+};
+
+/// True poses at any time, by interpolation between neighbours that are close enough.
+class InterpolatedTruth {
+ public:
+  /// `truth` must be sorted by time, not be empty, and outlive this object.
+  explicit InterpolatedTruth(const Trajectory& truth);
+
+  /// Pose at a time; empty outside the truth (by more than 1 ms) and in wide gaps, see associateByTime.
+  std::optional<StampedPose> at(std::int64_t time_ns) const;
+
+  /// Median time between the truth's poses, ns; 0 for a single one.
+  std::int64_t period_ns() const { return period_ns_; }
+
+ private:
+  const Trajectory& truth_;
+  std::int64_t period_ns_ = 0, max_gap_ns_ = 0;
 };
 
 /// Interpolates the truth at the estimate's times: translation linearly, rotation by slerp, between

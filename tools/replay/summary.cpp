@@ -244,6 +244,16 @@ Json timingJson(const Replay& replay) {
           {"agreement", timing.agreement ? Json(*timing.agreement) : Json(nullptr)}};
 }
 
+/// T_body_camera as 12 numbers, the rows of its 3x4 matrix, as in a rig file.
+Json bodyFromCameraJson(const calib::Rig& rig) {
+  Json numbers = Json::array();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 4; ++j)
+      numbers.push_back(rig.T_body_camera.matrix()(i, j));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string nothingValidText(const Replay& replay) {
@@ -274,7 +284,8 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["rig"] = {{"name", rig.name},
                  {"origin", replay.rig.origin},
                  {"image_size", {rig.left.size.width, rig.left.size.height}},
-                 {"baseline_m", rig.baseline()}};
+                 {"baseline_m", rig.baseline()},
+                 {"T_body_camera", bodyFromCameraJson(rig)}};
   json["estimator"] = estimatorName(settings.odometry.estimator);
   json["online_rig_refinement"] = rigRefinementName(settings.odometry.rig_refinement);
   json["features"] = settings.odometry.features;

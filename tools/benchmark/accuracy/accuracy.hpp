@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/benchmark/accuracy/consistency.hpp"
 #include "tools/benchmark/sequence.hpp"
+#include "tools/evaluate/consistency.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/replay/replay.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "vo_core/rigid_motion.hpp"
 
-namespace cartvo::benchmark {
+namespace cartvo {
 
 struct Interval {
   double low = 0.0;
@@ -62,4 +62,4 @@ class NormalisedErrors {
   std::size_t unusable_ = 0;
 };
 
-}  // namespace cartvo::benchmark
+}  // namespace cartvo

@@ -1,10 +1,10 @@
 // The normalised estimation error squared (NEES) and the band of its mean.
-#include "tools/benchmark/accuracy/consistency.hpp"
+#include "tools/evaluate/consistency.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-namespace cartvo::benchmark {
+namespace cartvo {
 namespace {
 
 constexpr double kDimension = 6.0;
@@ -68,4 +68,4 @@ double NormalisedErrors::mean() const {
   return sum / static_cast<double>(groups_.size());
 }
 
-}  // namespace cartvo::benchmark
+}  // namespace cartvo

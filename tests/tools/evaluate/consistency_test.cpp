@@ -1,12 +1,12 @@
 // Tests of the normalised estimation error and its band.
-#include "tools/benchmark/accuracy/consistency.hpp"
+#include "tools/evaluate/consistency.hpp"
 
 #include <Eigen/Cholesky>
 #include <random>
 
 #include <gtest/gtest.h>
 
-namespace cartvo::benchmark {
+namespace cartvo {
 namespace {
 
 /// A covariance with correlated dimensions of different size.
@@ -106,4 +106,4 @@ TEST(ConsistencyBand, MatchesChiSquareQuantiles) {
 }
 
 }  // namespace
-}  // namespace cartvo::benchmark
+}  // namespace cartvo

@@ -1,0 +1,81 @@
+// Compares the messages of a replay with a truth file.
+#include "tools/evaluate/compared_messages.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/input_file.hpp"
+
+namespace cartvo {
+namespace {
+
+/// T_body_camera of a replay's summary.json.
+Eigen::Isometry3d bodyFromCamera(const std::filesystem::path& summary) {
+  constexpr std::uintmax_t kMaxBytes = 1U << 26U;
+  constexpr std::size_t kNumbers = 12;
+  const nlohmann::json json = nlohmann::json::parse(readInputText(summary, kMaxBytes), nullptr, false);
+  const nlohmann::json matrix = json.is_object() && json.contains("rig") && json["rig"].is_object()
+                                    ? json["rig"].value("T_body_camera", nlohmann::json())
+                                    : nlohmann::json();
+  const bool is_matrix =
+      matrix.is_array() && matrix.size() == kNumbers &&
+      std::all_of(matrix.begin(), matrix.end(), [](const auto& v) { return v.is_number(); });
+  if (!is_matrix) {
+    throw std::runtime_error(
+        summary.string() +
+        ": has no rig.T_body_camera of 12 numbers, with which a truth of the left camera is "
+        "converted to the body; replay with this release of cartvo");
+  }
+  Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 4; ++j)
+      T_body_camera.matrix()(i, j) = matrix.at(static_cast<std::size_t>(4 * i + j)).get<double>();
+  }
+  return T_body_camera;
+}
+
+void takeTimes(const std::vector<OdometryRow>& rows, Trajectory& truth) {
+  if (rows.size() != truth.size()) {
+    throw std::runtime_error("has " + std::to_string(truth.size()) + " poses for " +
+                             std::to_string(rows.size()) +
+                             " messages; KITTI rows have no times, so there must be one for each message");
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    truth[i].time_ns = rows[i].time_ns;
+}
+
+}  // namespace
+
+std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
+                                             const std::filesystem::path& truth) {
+  const std::vector<OdometryRow> rows = readOdometryFile(odometry);
+  Trajectory poses = readTrajectory(truth);
+  const bool is_kitti = isKittiTrajectory(truth);
+  try {
+    if (is_kitti) takeTimes(rows, poses);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(truth.string() + ": " + error.what());
+  }
+  const TrajectoryFrame frame = frameOf(truth);
+  const bool is_camera =
+      frame == TrajectoryFrame::left_camera || (is_kitti && frame != TrajectoryFrame::body);
+  if (is_camera) {
+    const Eigen::Isometry3d T_body_camera = bodyFromCamera(odometry.parent_path() / "summary.json");
+    for (StampedPose& stamped : poses)
+      stamped.pose = T_body_camera * stamped.pose * T_body_camera.inverse();
+  }
+  std::vector<ComparedMessage> compared = compareMotion(rows, poses);
+  const bool has_truth = std::any_of(compared.begin(), compared.end(), [](const ComparedMessage& message) {
+    return message.true_twist.allFinite();
+  });
+  if (!has_truth) {
+    throw std::runtime_error(odometry.string() + " and " + truth.string() +
+                             ": no message has a truth at its time; check that both use the same clock");
+  }
+  return compared;
+}
+
+}  // namespace cartvo

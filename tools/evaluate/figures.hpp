@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/association.hpp"
+#include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/ground_paths.hpp"
+#include "tools/evaluate/motion_comparison.hpp"
+#include "tools/report/chart.hpp"
+
+namespace cartvo {
+
+/// What a report compares.
+struct ReportInput {
+  AssociatedTrajectories associated;
+  Evaluation evaluation;
+  TopView view = TopView::camera_axes;
+  std::vector<ComparedMessage> messages;  ///< in the order of time; empty: none are known
+};
+
+/// A chart of a report with its numbers.
+struct Figure {
+  std::string name;  ///< of its files, without extension
+  Chart chart;
+  std::string caption;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;  ///< evenly spread over the chart if there are many
+};
+
+/// Charts of the paths, errors over distance and over time, segments, and, with messages, of velocities,
+/// rates and NEES. Charts over time need files with times or messages.
+std::vector<Figure> evaluationFigures(const ReportInput& input);
+
+/// Charts of velocities, rates and NEES; `messages` must not be empty.
+std::vector<Figure> motionFigures(const std::vector<ComparedMessage>& messages);
+
+/// Parts of the time in which the messages are not valid, s since the first; the first message, which can
+/// have no motion, is left out.
+std::vector<ChartSpan> invalidSpans(const std::vector<ComparedMessage>& messages);
+
+/// Indices of at most 30 of `count` values, evenly spread, with the first and the last.
+std::vector<std::size_t> spreadIndices(std::size_t count);
+
+}  // namespace cartvo

@@ -226,7 +226,7 @@ def start_cameras(folder):
          "--bitrate-kbps", "1500", "--offset-ms", "-13.9", "--readout-ms", "0", "--loop", "--output-dir", folder + "/sim",
          "--left", "127.0.0.1:8554", "--right", "127.0.0.1:8555"], stdout=subprocess.PIPE, text=True)
     for line in simulate.stdout:
-        if line.startswith("ready"):
+        if line.startswith("content: "):
             return simulate
     sys.exit("soak: the simulated cameras did not start")
 
@@ -284,8 +284,28 @@ def fill_disk(folder, seconds):
         except OSError:
             pass
         time.sleep(seconds)
-        os.unlink(ballast)
+        pathlib.Path(ballast).unlink(missing_ok=True)  # another fault of this kind may have ended meanwhile
     threading.Thread(target=fill, daemon=True).start()
+
+
+class Comparison:
+    """The messages with a VALID motion that is not the truth's. Each drive of the cameras has a truth of its own."""
+
+    def __init__(self, listener, folder):
+        self.listener, self.file, self.seen, self.wrong, self.compared = listener, folder + "/sim/truth.tum", 0, [], 0
+        self.begin_drive()
+
+    def begin_drive(self):
+        self.truth = Truth(self.file, CONTENT_S)
+
+    def update(self):
+        """Compares the messages that have come since the last call."""
+        messages = self.listener.messages[self.seen:]
+        self.seen += len(messages)
+        wrong, compared = wrong_velocities([m for m in messages if m["utime"] * 1e-6 >= self.truth.begin], self.truth)
+        self.wrong += wrong
+        self.compared += compared
+        return len(self.wrong)
 
 
 def second_and_last_quarter(rows):
@@ -308,16 +328,21 @@ def main():
     proxies = [Proxy((8554, 8555), options.seed), Proxy((8555, 8554), options.seed + 1)]
     listener = Listener()
     daemon = start_daemon(folder, proxies)
-    begin = time.time()
+    begin = time.monotonic()
     time.sleep(8.0)
-    count, stops, rows = 0, 0, []
+    count, stops, crashes, rows = 0, 0, 0, []
     threading.Thread(target=sample, args=(daemon.pid, rows), daemon=True).start()
     threading.Thread(target=scrape, daemon=True).start()
-    truth = Truth(folder + "/sim/truth.tum", CONTENT_S)
-    while time.time() < begin + options.seconds and daemon.poll() is None:
+    comparison = Comparison(listener, folder)
+    while time.monotonic() < begin + options.seconds and daemon.poll() is None:
         time.sleep(rng.uniform(1.0, 12.0))
         count += 1
-        before = len(wrong_velocities(list(listener.messages), truth)[0])
+        before = comparison.update()
+        if cameras.poll() is not None:
+            crashes += 1
+            print("%7.1f s  the simulated cameras ended with %d and start again" % (time.monotonic() - begin, cameras.poll()))
+            cameras = start_cameras(folder)
+            comparison.begin_drive()
         if rng.random() < 0.05:
             pause = rng.uniform(0.2, 2.0)
             daemon.send_signal(signal.SIGSTOP)
@@ -334,7 +359,7 @@ def main():
             name, apply = faults(rng)
             apply(proxies[side])
             text = "%s camera: %s" % (("left", "right")[side], name)
-        print("%7.1f s  %s  (%d wrong before)" % (time.time() - begin, text, before), flush=True)
+        print("%7.1f s  %s  (%d wrong before)" % (time.monotonic() - begin, text, before), flush=True)
     time.sleep(5.0)
     ended = daemon.poll()
     early, late = second_and_last_quarter(rows)
@@ -343,18 +368,21 @@ def main():
     daemon.wait(15)
 
     messages = listener.messages
-    wrong, compared = wrong_velocities(messages, truth)
+    comparison.update()
+    wrong, compared = comparison.wrong, comparison.compared
     gaps = sum(b["sequence"] != a["sequence"] + 1 for a, b in zip(messages, messages[1:]))
     silence = max([b["received"] - a["received"] for a, b in zip(messages, messages[1:])] or [float("inf")])
     valid = sum(m["valid"] for m in messages)
     for message, true, error in wrong[:20]:
-        print("WRONG: utime %.3f s after the beginning: %s m/s instead of %s, off by %.2f (+- %.3f), published %.3f s later" % (
-            message["utime"] * 1e-6 - begin, ["%.2f" % v for v in message["velocity"]], ["%.2f" % v for v in true], error,
+        print("WRONG: utime %.3f s: %s m/s instead of %s, off by %.2f (+- %.3f), published %.3f s later" % (
+            message["utime"] * 1e-6, ["%.2f" % v for v in message["velocity"]], ["%.2f" % v for v in true], error,
             message["deviation"], message["received"] - message["utime"] * 1e-6))
     print("%d faults in %.0f s: %d messages, %d VALID (%.0f %%), %d of them compared, %d WRONG; %d gaps in the sequence; longest "
           "silence %.2f s; log: %s/log" % (
-              count, time.time() - begin, len(messages), valid, 100 * valid / max(len(messages), 1), compared, len(wrong), gaps,
+              count, time.monotonic() - begin, len(messages), valid, 100 * valid / max(len(messages), 1), compared, len(wrong), gaps,
               silence, folder))
+    if crashes:
+        print("the simulated cameras ended %d times by themselves, and were started again" % crashes)
     print("from the second to the last quarter: resident memory %.1f -> %.1f MB, threads %d -> %d, descriptors %d -> %d" % (
         early[0], late[0], early[1], late[1], early[2], late[2]))
     # A connection that is being made or closed takes some threads and descriptors.

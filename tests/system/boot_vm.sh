@@ -72,6 +72,7 @@ install_check() {
     --render "$work/v4l2"
   cp "$work/v4l2/rig.yaml" "$root/var/lib/simulation/v4l2-rig.yaml"
   echo "${CARTVO_VM_CHECKS:-all}" >"$root/var/lib/simulation/checks"
+  cp "$package" "$root/var/lib/simulation/cartvo.deb" # for upgrades
 }
 
 boot() { # serial lines: console, output of the checks, the service's journal

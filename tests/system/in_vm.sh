@@ -306,6 +306,7 @@ first_boot() {
   check "stalled process: the watchdog restarts it, ready again" await 150 is_ready_again "$process" "$restarts"
   check "stalled process: valid again" measure_valid "kill -STOP" "$began" 10
   check "stalled process: the journal reports it" logged 'Watchdog timeout'
+  upgrade_checks
 
   check "the search for passwords finds decoys" finds_decoys
   check "the password is in no journal, command line, environment or property" is_not_leaked "$state/password"

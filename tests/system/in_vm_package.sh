@@ -125,6 +125,36 @@ measure_valid() { # measure_valid DESCRIPTION START-MS SECONDS: waits for the ne
   echo "     | $1: valid after $((valid - $2)) ms (emulated processor)"
 }
 
+# --- an upgrade of the running service
+
+make_newer_packages() { # the installed package with newer versions
+  local folder=/var/tmp/newer version
+  rm -rf $folder && dpkg-deb -R "$simulation/cartvo.deb" $folder || return 1
+  for version in 1 2; do
+    sed -i "s/^Version: .*/Version: 99.$version/" $folder/DEBIAN/control
+    dpkg-deb --root-owner-group -Zgzip -z1 -b $folder "/var/tmp/newer-$version.deb" >/dev/null || return 1
+  done
+  rm -r $folder
+}
+upgrade_to() { dpkg --force-confold -i "/var/tmp/newer-$1.deb" >"$state/upgrade" 2>&1; }
+upgrade_checks() { # with valid odometry
+  local process began
+  check "upgrade: newer packages" make_newer_packages
+  process=$(pid)
+  mark
+  began=$(since_boot_ms)
+  check "upgrade: dpkg does not wait for cameras" upgrade_to 1
+  check "upgrade: valid again" measure_valid "upgrade" "$began" 120
+  check "upgrade: by another process" not is MainPID "$process"
+  process=$(pid)
+  cp "$configuration" "$state/before-the-error"
+  sed -i '1i no_such_key: 1' "$configuration"
+  check "upgrade with a configuration that is refused" upgrade_to 2
+  check "upgrade: says so" grep -q 'the new version does not accept the configuration' "$state/upgrade"
+  check "upgrade: the old process runs on" is MainPID "$process"
+  cp "$state/before-the-error" "$configuration"
+}
+
 # --- a full disk
 
 use_a_small_disk() {

@@ -37,9 +37,10 @@ has_mode() { [ "$(stat -c '%a %u:%g' "$root/$1")" = "$2" ]; }
 
 # --- building
 
-build_twice() {
+build_twice() { # without the cache, and with what the cache has of other folders
+  local cache=${CCACHE_DIR:-$HOME/.cache/ccache}
   tools/package "$work/one"
-  (umask 077 && TZ=Asia/Tokyo LC_ALL=C.UTF-8 HOME=/nonexistent tools/package "$work/the-other/folder")
+  (umask 077 && CARTVO_CCACHE=yes CCACHE_DIR=$cache TZ=Asia/Tokyo LC_ALL=C.UTF-8 HOME=/nonexistent tools/package "$work/the-other/folder")
 }
 are_the_same_bytes() {
   local package

@@ -83,8 +83,8 @@ std::unique_ptr<Odometry> ofRectifier(const RigRectifier& rectifier, const vo::O
 void checkInstants(std::int64_t left_ns, std::int64_t right_ns) {
   constexpr std::int64_t kMost = std::int64_t{1} << 62;
   for (const std::int64_t instant : {left_ns, right_ns}) {
-    if (instant > kMost || instant < -kMost)
-      throw py::value_error("t_left and t_right: expected ns within 2**62 of zero, but got " +
+    if (instant >= kMost || instant <= -kMost)
+      throw py::value_error("t_left and t_right: expected ns less than 2**62 from zero, but got " +
                             std::to_string(instant));
   }
 }

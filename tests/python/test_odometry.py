@@ -101,7 +101,7 @@ def test_wrong_images_are_refused(camera, image, right, wrong, error, text):
     assert odometry.process(image, right, 0, 0).reasons == ["first pair"]  # the pairs above left no trace
 
 
-@pytest.mark.parametrize("instants", [(None, 0), (0.5, 0), ("0", 0), (1 << 63, 0), ((1 << 63) - 1, 0), (0, -(1 << 63))])
+@pytest.mark.parametrize("instants", [(None, 0), (0.5, 0), ("0", 0), (1 << 63, 0), (1 << 62, 0), ((1 << 63) - 1, 0), (0, -(1 << 63))])
 def test_wrong_instants_are_refused(camera, image, instants):
     with pytest.raises((TypeError, ValueError)):
         cartvo.Odometry(camera).process(image, image, *instants)
@@ -120,6 +120,14 @@ def test_time_that_goes_back_is_a_reason(camera, image, right):
     assert estimate.status == cartvo.Status.INVALID
     assert estimate.reasons == ["time step"]
     assert np.isnan(estimate.velocity).all()
+
+
+def test_instants_far_apart_are_a_reason(camera, image, right):
+    odometry = cartvo.Odometry(camera)
+    most = (1 << 62) - 1
+    for instants in ((most, -most), (-most, most), (0, 0), (most, most)):
+        estimate = odometry.process(image, right, *instants)
+        assert not estimate.valid and estimate.reasons
 
 
 def test_results_outlive_the_odometry(camera, image):

@@ -42,8 +42,11 @@ class StatusPage::Implementation final : public PageContent {
  public:
   Implementation(const PageServerSettings& settings, const std::string& title, RecordingControl recording)
       : about_(aboutJson("live", title)), recording_(std::move(recording)), server_(settings, *this) {
-    state_.last_message = Clock::now();
-    state_.last_valid = state_.last_message - std::chrono::hours(1);
+    {
+      const std::lock_guard lock(mutex_);  // the server answers already
+      state_.last_message = Clock::now();
+      state_.last_valid = state_.last_message - std::chrono::hours(1);
+    }
     thread_ = std::jthread([this](const std::stop_token& end) { run(end); });
   }
 

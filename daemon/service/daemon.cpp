@@ -101,10 +101,10 @@ class Daemon::Implementation {
   std::unique_ptr<lcm::LCM> lcm_;
   ForeignOdometry foreign_;
   bool is_sole_publisher_ = false;
-  capture::StereoTimestamper clock_;  ///< must outlive the cameras
+  LiveRecording recording_;  ///< must outlive the cameras, as the next
+  capture::StereoTimestamper clock_;
   LiveCamera left_;
   LiveCamera right_;
-  LiveRecording recording_;
   PairProcessor processor_;
   Pipeline pipeline_;
   OdometryPublisher publisher_;
@@ -127,10 +127,10 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       reservation_(configuration.lcm_url),
       lcm_(connectLcm(configuration.lcm_url)),
       foreign_(configuration.lcm_url),
+      recording_(configuration),
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
-      recording_(configuration, left_, right_),
       processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry,
                  AbsentReadout::unknown),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
@@ -147,10 +147,12 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
     metrics_ = std::make_unique<MetricsServer>(*configuration.metrics);
     spdlog::info("metrics: http://{}/metrics and /healthz", metrics_->address());
   }
+  recording_.observe(left_, right_);
   if (configuration.page.listen) startPage();
 }
 
-/// Starts the status page. Its recording buttons start and stop recordings in the page's threads.
+/// Starts the status page, whose buttons start and stop recordings. A taken port is logged but does not stop
+/// the daemon, because controllers need the motion.
 void Daemon::Implementation::startPage() {
   const PageServerSettings settings{*configuration_.page.listen, readPageToken(configuration_.page),
                                     PageControllers::token_holders};
@@ -158,9 +160,12 @@ void Daemon::Implementation::startPage() {
     page_ = std::make_unique<StatusPage>(
         settings, rig_.name,
         RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
-  } catch (const std::exception& error) {
-    throw std::runtime_error(std::string("page.listen: ") + error.what() +
-                             " As a service, another port than 9465 needs SocketBindAllow=");
+  } catch (const std::runtime_error& error) {
+    spdlog::error(
+        "the status page is not served: page.listen: {} As a service, another port than 9465 needs "
+        "SocketBindAllow=",
+        error.what());
+    return;
   }
   processor_.setViewer(page_->viewer());
   spdlog::info("status page: {}", page_->url());
@@ -320,7 +325,7 @@ void checkConfiguration(const Configuration& configuration) {
   vo::validate(configuration.odometry);
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right})
     readPassword(*camera);
-  readPageToken(configuration.page);
+  PageAccess(readPageToken(configuration.page), PageReaders::token_holders);
   findMulticastRoute(configuration.lcm_url);
 }
 

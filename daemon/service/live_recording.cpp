@@ -26,13 +26,12 @@ std::string recordingFolderName() {
   return fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
 }
 
-LiveRecording::LiveRecording(const Configuration& configuration, LiveCamera& left, LiveCamera& right)
-    : configuration_(configuration) {
-  if (configuration.recording_directory.empty()) return;
+void LiveRecording::observe(LiveCamera& left, LiveCamera& right) {
+  if (configuration_.recording_directory.empty()) return;
   left.observe(switch_.left());
   right.observe(switch_.right());
-  if (configuration.recording_start == RecordingStart::automatic)
-    refused_ = startIn(configuration.recording_directory);
+  if (configuration_.recording_start == RecordingStart::automatic)
+    refused_ = startIn(configuration_.recording_directory);
 }
 
 capture::RecordingSettings LiveRecording::settings() const {
@@ -56,7 +55,7 @@ std::string LiveRecording::startIn(const std::filesystem::path& folder) {
     if (problem.empty()) {
       capture::RecordingSettings settings = this->settings();
       settings.folder = folder;
-      switch_.start(settings);
+      if (!switch_.start(settings)) return "already recording";
       logRecording(spdlog::level::info, "recording to " + folder.string(), "started");
       return {};
     }
@@ -77,7 +76,7 @@ std::string LiveRecording::start() {
 }
 
 std::string LiveRecording::stop() {
-  switch_.stop();
+  if (!switch_.stop()) return "nothing is being recorded";
   logRecording(spdlog::level::info, "recording stopped from the status page", "stopped");
   return {};
 }

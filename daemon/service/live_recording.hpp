@@ -20,8 +20,11 @@ std::string recordingFolderName();
 /// daemon, because controllers need the motion.
 class LiveRecording {
  public:
-  /// Starts the recording if the configuration says so.
-  LiveRecording(const Configuration& configuration, LiveCamera& left, LiveCamera& right);
+  explicit LiveRecording(const Configuration& configuration) : configuration_(configuration) {}
+
+  /// Receives the streams of the cameras, which this object must outlive, and starts to record them if the
+  /// configuration says so. Call it before the cameras are read.
+  void observe(LiveCamera& left, LiveCamera& right);
 
   // May be called from any thread, for the status page: in a new folder, with the same quota. Both return why
   // it was not done; empty: it was.

@@ -50,19 +50,21 @@ capture::StreamObserver& RecordingSwitch::right() {
   return *right_;
 }
 
-void RecordingSwitch::start(const capture::RecordingSettings& settings) {
+bool RecordingSwitch::start(const capture::RecordingSettings& settings) {
   const std::lock_guard lock(mutex_);
-  if (open_.recorder) return;
+  if (open_.recorder) return false;
   open_ = {std::make_shared<capture::StreamRecorder>(settings), settings.folder};
   tell(open_);
+  return true;
 }
 
-void RecordingSwitch::stop() {
+bool RecordingSwitch::stop() {
   const std::lock_guard lock(mutex_);
-  if (!open_.recorder) return;
+  if (!open_.recorder) return false;
   tell({nullptr, open_.folder});
   open_.recorder->finish();
   open_.recorder.reset();
+  return true;
 }
 
 void RecordingSwitch::tell(const OpenRecording& recording) {

@@ -29,10 +29,11 @@ class RecordingSwitch {
   capture::StreamObserver& left();
   capture::StreamObserver& right();
 
-  /// May be called from any thread. Does nothing if one is running. Throws as StreamRecorder does.
-  void start(const capture::RecordingSettings& settings);
-  /// May be called from any thread. Writes what is queued.
-  void stop();
+  /// May be called from any thread. Returns false, and does nothing, if one is running. Throws as
+  /// StreamRecorder does.
+  bool start(const capture::RecordingSettings& settings);
+  /// May be called from any thread. Writes what is queued. Returns false if none is running.
+  bool stop();
 
   /// Called by the odometry's thread.
   const OpenRecording& current();

@@ -117,7 +117,7 @@ export function sentences(health, reasons) {
   for (const side of ['left', 'right']) {
     const camera = health[side];
     if (camera.state && camera.state !== 'streaming' && camera.state !== 'ended')
-      found.push(`The ${side} camera is ${camera.state}${camera.last_error ? `: ${camera.last_error}` : ''}.`);
+      found.push(`The ${side} camera is ${camera.state}${camera.last_error && !health.problem.includes(camera.last_error) ? `: ${camera.last_error}` : ''}.`);
   }
   if (health.self_check) found.push(`Self-check: ${health.self_check}`);
   return [...new Set(found)];

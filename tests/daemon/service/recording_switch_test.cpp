@@ -51,13 +51,13 @@ TEST(RecordingSwitch, RecordsBetweenStartAndStopEachTimeIntoItsFolder) {
 TEST(RecordingSwitch, DoesNothingTwice) {
   const test::TemporaryFolder folder;
   RecordingSwitch recordings;
-  recordings.stop();
-  recordings.start(settingsFor(folder / "first"));
-  recordings.start(settingsFor(folder / "second"));
+  EXPECT_FALSE(recordings.stop());
+  EXPECT_TRUE(recordings.start(settingsFor(folder / "first")));
+  EXPECT_FALSE(recordings.start(settingsFor(folder / "second")));
   EXPECT_EQ(recordings.current().folder, folder / "first");
   EXPECT_FALSE(std::filesystem::exists(folder / "second"));
-  recordings.stop();
-  recordings.stop();
+  EXPECT_TRUE(recordings.stop());
+  EXPECT_FALSE(recordings.stop());
 }
 
 TEST(RecordingSwitch, ThrowsIfTheFolderHasARecording) {

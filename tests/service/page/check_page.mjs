@@ -102,7 +102,7 @@ async function checkLostCameras(page) {
   await ask('stop cameras');
   await until(page, () => /The left camera is (connecting|stalled)/.test(document.getElementById('sentences').textContent));
   await until(page, () => document.getElementById('pictures').classList.contains('stale'));
-  assert.match(await text(page, 'verdict'), /^(Waiting for|Invalid)/);
+  await until(page, () => /^(Waiting for|Invalid)/.test(document.getElementById('verdict').textContent));
   await page.screenshot({ path: `${pictures}/lost-cameras.png`, fullPage: true });
   await ask('start cameras');
   await until(page, isValid);

@@ -17,8 +17,8 @@ class OdometryMethod {
   virtual void setTargetFeatureCount(int features) = 0;
   /// See StereoOdometry::acquireBuffers(). Lends nothing by default.
   virtual void acquireBuffers(StereoImages&) {}
-  /// See StereoOdometry::viewLandmarks(). Has no landmarks by default.
-  virtual void viewLandmarks(LandmarkViews& views) const { views.clear(); }
+  /// See StereoOdometry::viewLandmarks().
+  virtual void viewLandmarks(LandmarkViews& views) const = 0;
 };
 
 }  // namespace cartvo::vo

@@ -58,7 +58,7 @@ class StereoOdometry {
   void setTargetFeatureCount(int features);
 
   /// Sets `views` to the landmarks that were observed in the last pair, for a display. None after a pair that
-  /// was not tracked, and with `estimator: thesis`. Changes no estimate.
+  /// was not tracked. Changes no estimate.
   void viewLandmarks(LandmarkViews& views) const;
 
  private:

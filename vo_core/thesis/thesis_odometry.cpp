@@ -2,6 +2,7 @@
 #include "vo_core/thesis/thesis_odometry.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "vo_core/image/image_pyramid.hpp"
@@ -26,6 +27,7 @@ class ThesisOdometry final : public OdometryMethod {
   OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
                            StageObserver& observer) override;
   void setTargetFeatureCount(int features) override { features_.setTargetFeatureCount(features); }
+  void viewLandmarks(LandmarkViews& views) const override;
 
  private:
   void beginPair(std::int64_t exposure_ns);
@@ -55,6 +57,29 @@ class ThesisOdometry final : public OdometryMethod {
   MotionMeasurement motion_;
   FeatureCounts counts_;
 };
+
+void ThesisOdometry::viewLandmarks(LandmarkViews& views) const {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  views.clear();
+  for (const Feature& feature : features_.features()) {
+    if (!features_.isSeen(feature)) continue;
+    LandmarkView view{.right_x = kUnknown,
+                      .right_y = kUnknown,
+                      .previous_x = kUnknown,
+                      .previous_y = kUnknown,
+                      .weight = 1.0F,
+                      .age = feature.age(),
+                      .inverse_depth = kUnknown};
+    view.left_x = static_cast<float>(feature.last().left.x());
+    view.left_y = static_cast<float>(feature.last().left.y());
+    if (feature.age() > 1) {
+      view.previous_x = static_cast<float>(feature.observation(1).left.x());
+      view.previous_y = static_cast<float>(feature.observation(1).left.y());
+    }
+    if (feature.last().matched()) view.inverse_depth = static_cast<float>(1.0 / feature.last().point.z());
+    views.push_back(view);
+  }
+}
 
 OdometryEstimate ThesisOdometry::process(const StereoImages& images, const ImageRepeats&,
                                          StageObserver& observer) {

@@ -112,7 +112,7 @@ std::optional<ReadoutEstimates> VisualTrack::readouts() const {
 
 void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {
   for (const Landmark& landmark : landmarks_)
-    if (landmark.last().frame == pair) views.push_back(viewOf(landmark));
+    if (landmark.last().frame == pair) views.push_back(viewOf(landmark, pair - 1));
 }
 
 int VisualTrack::stereoCount() const {

@@ -18,16 +18,21 @@ constexpr double kTypicalNoise = 0.1;  // px of the full image: stddev of a typi
 
 }  // namespace
 
-LandmarkView viewOf(const Landmark& landmark) {
+LandmarkView viewOf(const Landmark& landmark, std::int64_t previous) {
   constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   const Observation& seen = landmark.last();
   const Eigen::Vector2f left = seen.left.cast<float>();
   const Eigen::Vector2f right =
       seen.stereo ? Eigen::Vector2f(seen.right().cast<float>()) : Eigen::Vector2f::Constant(kUnknown);
+  const Observation* const before = landmark.find(previous);
+  const Eigen::Vector2f previous_left =
+      before != nullptr ? Eigen::Vector2f(before->left.cast<float>()) : Eigen::Vector2f::Constant(kUnknown);
   return {.left_x = left.x(),
           .left_y = left.y(),
           .right_x = right.x(),
           .right_y = right.y(),
+          .previous_x = previous_left.x(),
+          .previous_y = previous_left.y(),
           .weight = static_cast<float>(landmark.trust),
           .age = landmark.age,
           .inverse_depth = landmark.hasDepth() ? static_cast<float>(landmark.inverse_depth) : kUnknown};

@@ -71,8 +71,8 @@ struct Landmark {
   bool hasDepth() const { return information > 0.0; }
 };
 
-/// The landmark where its last pair observed it.
-LandmarkView viewOf(const Landmark& landmark);
+/// The landmark where its last pair observed it. `previous`: index of the pair tracked before.
+LandmarkView viewOf(const Landmark& landmark, std::int64_t previous);
 
 /// Number of landmarks with a stereo match in the last pair.
 int countStereo(const std::vector<Landmark>& landmarks);

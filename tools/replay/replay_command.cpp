@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 #include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/evaluate/evaluation.hpp"
@@ -31,6 +33,8 @@
 #include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
+#include "tools/replay/video/mp4_writer.hpp"
+#include "tools/replay/video/replay_picture.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
@@ -46,8 +50,9 @@ struct Options {
   double offset_uncertainty_ms = 0.0;
   std::filesystem::path output;
   std::filesystem::path truth;
+  std::filesystem::path video;
   int threads = 2;
-  bool publish = false, loop = false;
+  bool publish = false, loop = false, json = false;
   std::string url = daemon::Configuration{}.lcm_url;
   double speed = 1.0;
   std::optional<ListenAddress> page;
@@ -81,13 +86,19 @@ AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& tru
   return associated;
 }
 
-Replay replayBySource(const Options& options, const ReplayObserver& observer) {
+/// `check`: called between pictures.
+Replay replayBySource(const Options& options, const std::function<void()>& check,
+                      const ReplayObserver& observer) {
   const bool are_videos =
       !options.replay.right_video.empty() || std::filesystem::is_regular_file(options.replay.source);
   if (!are_videos) return replaySource(options.replay, observer);
   ProgressBar progress("pictures searched for the offset");
   return replayVideos(
-      options.replay, [&](std::size_t pictures, std::size_t expected) { progress.show(pictures, expected); },
+      options.replay,
+      [&](std::size_t pictures, std::size_t expected) {
+        check();
+        progress.show(pictures, expected);
+      },
       observer);
 }
 
@@ -107,19 +118,55 @@ std::unique_ptr<ReplayPage> startPage(const Options& options) {
   return page;
 }
 
-Replay replayWithProgress(const Options& options, LivePublisher* publisher, ReplayPage* page) {
+/// Writes the video of --video: a viewer whose pairs are drawn once they are processed.
+class VideoRecorder final : public daemon::PairViewer {
+ public:
+  explicit VideoRecorder(const std::filesystem::path& file) : writer_(opened(file)) {}
+
+  daemon::PairView* nextView() override { return &view_; }
+  void add(const daemon::PairResult& result) {
+    writer_.add(pictures_.draw(result, view_.left, view_.landmarks), result.left.exposure_ns);
+  }
+  void finish() { writer_.finish(); }
+
+ private:
+  static const std::filesystem::path& opened(const std::filesystem::path& file) {
+    checkFileCanBeWritten(file);
+    if (file.has_parent_path()) createFolders(file.parent_path());
+    return file;
+  }
+
+  Mp4Writer writer_;
+  ReplayPictures pictures_;
+  daemon::PairView view_;
+};
+
+Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage* page) {
+  // With a page nothing is half written, and a signal must end a pause.
+  std::optional<Interruption> interruption;
+  if (page == nullptr) interruption.emplace();
+  const auto check = [&] {
+    if (interruption) interruption->check();
+  };
   ProgressBar progress("pairs");
-  return replayBySource(options, [&](const daemon::PairResult& result, std::size_t expected) {
+  std::optional<VideoRecorder> video;
+  if (!options.video.empty()) options.replay.viewer = &video.emplace(options.video);
+  if (page != nullptr) options.replay.viewer = &page->viewer();
+  Replay replay = replayBySource(options, check, [&](const daemon::PairResult& result, std::size_t expected) {
+    check();
     if (publisher != nullptr) publisher->publish(result);
     if (page != nullptr) page->addPair(result, expected);
+    if (video) video->add(result);
     progress.show(result.sequence + 1, expected);
   });
+  options.replay.viewer = nullptr;
+  if (video) video->finish();
+  return replay;
 }
 
 /// Publishes the replay again and again, until a signal ends the program.
 [[noreturn]] void repeatForEver(LivePublisher& publisher) {
-  std::fputs("publishing again and again; Ctrl-C ends it\n", stdout);
-  std::fflush(stdout);
+  std::fputs("publishing again and again; Ctrl-C ends it\n", stderr);
   for (;;)
     publisher.repeat();
 }
@@ -132,6 +179,20 @@ Replay replayWithProgress(const Options& options, LivePublisher* publisher, Repl
     std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
+void printSummary(const Options& options, const Replay& replay, const nlohmann::ordered_json& summary) {
+  std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
+              replay.pairs.size(), summary["valid"].get<std::size_t>(),
+              summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
+              summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
+  if (replay.timing) {
+    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)%s\n",
+                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str(),
+                replay.timing->agreement && !replay.timing->skew
+                    ? "; the videos are too short to measure how the two clocks drift apart"
+                    : "");
+  }
+}
+
 void run(Options& options) {
   const OutputFolder output(options.output);
   if (!options.truth.empty()) readTruthRows(options.truth);  // reports a bad file before the replay
@@ -139,7 +200,6 @@ void run(Options& options) {
   std::optional<LivePublisher> publisher;
   if (options.publish) publisher.emplace(options.url, options.speed);
   const std::unique_ptr<ReplayPage> page = startPage(options);
-  if (page) options.replay.viewer = &page->viewer();
   const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr, page.get());
   if (page) page->finish();
   std::optional<Truth> truth;
@@ -163,18 +223,12 @@ void run(Options& options) {
     std::fprintf(stderr, "cartvo: warning: %s\n", printableExcerpt(problem, kMaxWarningBytes).c_str());
   if (!replay.self_check.empty())
     std::fprintf(stderr, "cartvo: warning: self-check: %s\n", replay.self_check.c_str());
-  std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
-              replay.pairs.size(), summary["valid"].get<std::size_t>(),
-              summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
-              summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
-  if (replay.timing) {
-    std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)%s\n",
-                1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str(),
-                replay.timing->agreement && !replay.timing->skew
-                    ? "; the videos are too short to measure how the two clocks drift apart"
-                    : "");
+  if (options.json) {
+    std::fputs((summary.dump(2) + "\n").c_str(), stdout);
+  } else {
+    printSummary(options, replay, summary);
+    if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
   }
-  if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
   if (const std::string reason = nothingValidText(replay); !reason.empty())
     throw std::runtime_error(options.replay.source.string() + ": " + reason);
   if (options.loop) repeatForEver(*publisher);
@@ -210,6 +264,7 @@ void addSourceOptions(CLI::App& command, Options& options) {
   command.add_option("--output-dir", options.output, "Folder for the results; created if it is missing")
       ->required()
       ->type_name("DIR");
+  command.add_flag("--json", options.json, "Print the summary as JSON, as in summary.json");
 }
 
 void addEstimationOptions(CLI::App& command, Options& options) {
@@ -233,7 +288,7 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->type_name("NAME")
       ->capture_default_str();
   command
-      .add_option("--offset-uncertainty", options.offset_uncertainty_ms,
+      .add_option("--offset-uncertainty-ms,--offset-uncertainty", options.offset_uncertainty_ms,
                   "Standard deviation of the time offset in an image folder, ms; not used for recordings")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MS")
@@ -256,6 +311,15 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command
+      .add_option(
+          "--video", options.video,
+          "Write a video (.mp4): tracked points by depth, path, speed, rates and validity over the left "
+          "picture")
+      ->check([](const std::string& file) -> std::string {
+        return std::filesystem::path(file).extension() == ".mp4" ? "" : "'" + file + "' is not named .mp4";
+      })
+      ->type_name("FILE");
+  command
       .add_option("--truth", options.truth,
                   "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
                   "recording of KITTI with its oxts; adds error columns")
@@ -272,7 +336,8 @@ std::pair<CLI::Option*, std::shared_ptr<std::string>> addPageOptions(CLI::App& c
                                       "(default: 127.0.0.1:9465, for browsers on this computer only; 0: any "
                                       "free port)")
                           ->type_name("[ADDRESS:]PORT")
-                          ->expected(0, 1);
+                          ->expected(0, 1)
+                          ->excludes("--video");
   command
       .add_option("--page-token", options.page_token,
                   "With --page at an address that other computers reach: file with the token that they need")
@@ -333,6 +398,7 @@ void addReplayCommand(CLI::App& cartvo) {
       "  cartvo replay raw_images --rig rig.yaml --features 2000 --output-dir out\n"
       "  cartvo replay NewCollege --rig bumblebee.yaml --output-dir out\n"
       "  cartvo replay zed_pictures --side-by-side --frame-rate 30 --rig zed.yaml --output-dir out\n"
+      "  cartvo replay raw_images --output-dir out --video out/replay.mp4\n"
       "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
   command->callback([options, page] {
     if (page.first->count() > 0) options->page = pageAddress(*page.second);

@@ -1,0 +1,46 @@
+// Ctrl-C during long work that writes files.
+#include "tools/cartvo/interruption.hpp"
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+namespace cartvo {
+namespace {
+
+volatile std::sig_atomic_t received = 0;
+
+void note(int signal) {
+  received = signal;
+}
+
+void replaceAction(int signal, struct sigaction& before) {
+  struct sigaction action {};
+  action.sa_handler = note;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second signal ends the program
+  sigaction(signal, &action, &before);
+}
+
+}  // namespace
+
+Interruption::Interruption() {
+  received = 0;
+  replaceAction(SIGINT, interrupt_);
+  replaceAction(SIGTERM, terminate_);
+  replaceAction(SIGHUP, hang_up_);
+}
+
+Interruption::~Interruption() {
+  sigaction(SIGINT, &interrupt_, nullptr);
+  sigaction(SIGTERM, &terminate_, nullptr);
+  sigaction(SIGHUP, &hang_up_, nullptr);
+}
+
+void Interruption::check() const {
+  if (received == 0) return;
+  constexpr int kSignalBase = 128;  // as shells report a program that a signal ended
+  std::fputs("\ncartvo: interrupted; nothing was written\n", stderr);
+  throw CLI::RuntimeError(kSignalBase + received);
+}
+
+}  // namespace cartvo

@@ -17,6 +17,13 @@ bool startsCharacter(char byte) {
 
 }  // namespace
 
+std::optional<TerminalSize> terminalSize(int descriptor) {
+  winsize size{};
+  const bool is_known = ::isatty(descriptor) == 1 && ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 &&
+                        size.ws_col > 0 && size.ws_row > 0;
+  return is_known ? std::optional(TerminalSize{size.ws_col, size.ws_row}) : std::nullopt;
+}
+
 std::optional<std::size_t> terminalColumns(int descriptor) {
   constexpr std::size_t kUsual = 80;
   constexpr int kMaxColumns = 10'000;

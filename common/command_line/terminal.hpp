@@ -8,6 +8,13 @@
 
 namespace cartvo {
 
+struct TerminalSize {
+  std::size_t columns = 0, rows = 0;
+};
+
+/// Size of the terminal that `descriptor` is open on; empty if it is none, or if it does not know its size.
+std::optional<TerminalSize> terminalSize(int descriptor);
+
 /// Number of columns of the terminal that `descriptor` is open on; empty if it is none. A terminal that does
 /// not know its width counts as $COLUMNS, else as 80.
 std::optional<std::size_t> terminalColumns(int descriptor);

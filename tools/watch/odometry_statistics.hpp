@@ -47,6 +47,9 @@ class OdometryStatistics {
 
   OdometrySummary summarise() const;
 
+  /// The numbers of messages and the path length so far; rates and percentiles are not computed.
+  const OdometrySummary& counts() const { return counts_; }
+
   /// Whether two daemons publish, see OdometrySummary.
   bool hasTwoPublishers() const { return counts_.two_publishers; }
 

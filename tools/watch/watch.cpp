@@ -18,6 +18,7 @@
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "daemon/service/awaited_signals.hpp"
+#include "tools/watch/screen.hpp"
 
 namespace cartvo {
 namespace {
@@ -73,6 +74,46 @@ class LiveLine {
   Clock::time_point last_;
 };
 
+/// The full-screen view, if the terminal allows it and the settings do not ask for lines.
+class LiveScreen {
+ public:
+  explicit LiveScreen(const WatchSettings& settings)
+      : url_(settings.url), is_used_(!settings.plain && !settings.to_error_output && canShowScreen()) {}
+
+  bool isUsed() const { return is_used_; }
+
+  void addMessage(const odometry_t& message) {
+    message_ = message;
+    received_ = Clock::now();
+    const bool is_valid = isUsableWhenFresh(message);
+    speeds_.add(is_valid ? message.velocity_body[0] : std::nan(""), wallClockNow());
+  }
+  void draw(const OdometryStatistics& statistics, const std::optional<health_t>& health,
+            const std::string& advice) {
+    constexpr double kPeriod = 0.2;  // s
+    if (drawn_ && secondsSince(*drawn_) < kPeriod) return;
+    drawn_ = Clock::now();
+    screen_.draw({url_, message_, secondsSince(received_), statistics.currentFrameRate(wallClockNow()),
+                  statistics.counts(), health, advice},
+                 speeds_);
+  }
+  /// Gives the terminal to the shell, until SIGCONT.
+  void suspend() {
+    screen_.leave();
+    ::raise(SIGSTOP);
+    drawn_.reset();
+  }
+
+ private:
+  std::string url_;
+  bool is_used_;
+  odometry_t message_{};
+  Clock::time_point received_;
+  std::optional<Clock::time_point> drawn_;
+  SpeedHistory speeds_;
+  Screen screen_;
+};
+
 /// Decodes a message; returns false if it is of another definition of the type.
 template <typename Message>
 bool decode(const lcm::ReceiveBuffer& buffer, Message& message) {
@@ -105,6 +146,8 @@ class OdometryReceiver {
   }
   /// Source and standard deviation of the time offset; empty before the first health message.
   const std::string& clocks() const { return clocks_; }
+  /// The last health message; empty before the first.
+  const std::optional<health_t>& health() const { return health_; }
   /// Whether messages came that could not be decoded.
   bool hasForeignMessages() const { return foreign_odometry_; }
 
@@ -124,6 +167,7 @@ class OdometryReceiver {
     if (decode(*buffer, message)) {
       advice_ = adviceText(message);
       clocks_ = clockText(message);
+      health_ = message;
     } else {
       foreign_health_ = true;
     }
@@ -132,6 +176,7 @@ class OdometryReceiver {
   lcm::LCM& lcm_;
   std::string advice_;
   std::string clocks_;
+  std::optional<health_t> health_;
   odometry_t last_{};
   bool received_ = false;
   bool foreign_odometry_ = false, foreign_health_ = false;
@@ -183,7 +228,12 @@ std::string delayText(const OdometrySummary& summary) {
 }  // namespace
 
 OdometryStatistics watchOdometry(const WatchSettings& settings) {
-  const daemon::AwaitedSignals signals({SIGTERM, SIGINT});
+  LiveScreen screen(settings);
+  // On a screen also what would leave the terminal in its state: Ctrl-backslash, Ctrl-Z, and a terminal that
+  // closes.
+  const daemon::AwaitedSignals signals(screen.isUsed()
+                                           ? std::vector<int>{SIGTERM, SIGINT, SIGQUIT, SIGHUP, SIGTSTP}
+                                           : std::vector<int>{SIGTERM, SIGINT});
   const std::unique_ptr<lcm::LCM> lcm = daemon::connectLcm(settings.url);
   if (const std::string warning = daemon::multicastWarning(daemon::findMulticastRoute(settings.url));
       !warning.empty()) {
@@ -195,16 +245,25 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
   Clock::time_point first = Clock::now();
   Clock::time_point last_pair = first;
   bool has_message = false;
-  while (!signals.wait(std::chrono::nanoseconds(0))) {
+  for (;;) {
+    const std::optional<int> signal = signals.wait(std::chrono::nanoseconds(0));
+    if (signal && *signal != SIGTSTP) break;
+    if (signal) screen.suspend();
     if (receiver.receive()) {
       const odometry_t& message = receiver.last();
       if (!has_message) first = last_pair = Clock::now();
       has_message = true;
       statistics.addMessage(message, wallClockNow());
       if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
-      line.draw(message, statistics, receiver.clocks());
+      if (screen.isUsed()) {
+        screen.addMessage(message);
+      } else {
+        line.draw(message, statistics, receiver.clocks());
+      }
     }
-    line.printAdvice(statistics.hasTwoPublishers() ? kTwoPublishers : receiver.advice());
+    const std::string advice = statistics.hasTwoPublishers() ? kTwoPublishers : receiver.advice();
+    if (!screen.isUsed()) line.printAdvice(advice);
+    if (screen.isUsed() && has_message) screen.draw(statistics, receiver.health(), advice);
     if (!has_message && secondsSince(first) > settings.first_message)
       failWithoutMessages(settings, receiver.hasForeignMessages());
     if (has_message && settings.seconds > 0.0 && secondsSince(first) >= settings.seconds) break;

@@ -61,7 +61,8 @@ void addWatchCommand(CLI::App& cartvo) {
       ->capture_default_str();
   command->add_option("--trajectory", options->trajectory, "File for the valid body poses (TUM format)");
   command->add_option("--summary", options->summary, "File for the summary (JSON)");
-  command->add_flag("--plain", watch.plain, "Print one line per second instead of redrawing one");
+  command->add_flag("--plain", watch.plain,
+                    "Print one line per second instead of a full screen or a redrawn line");
   command->add_flag("--json", options->json,
                     "Print the summary as JSON; the live line goes to standard error then");
   command

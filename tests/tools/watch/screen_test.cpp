@@ -1,0 +1,89 @@
+// The full-screen view of `cartvo watch`.
+#include "tools/watch/screen.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/command_line/terminal.hpp"
+
+namespace cartvo {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+WatchedState exampleState() {
+  WatchedState state;
+  state.url = "udpm://239.255.76.67:7667?ttl=0";
+  state.message.status = odometry_t::VALID;
+  state.message.sequence = 5;
+  state.message.orientation_world_body[0] = 1.0;
+  state.message.velocity_body[0] = 3.214;
+  state.message.offset_us = 400;
+  for (int i = 0; i < 6; ++i)
+    state.message.pose_covariance_body[7 * i] = state.message.twist_covariance_body[7 * i] = 1e-4;
+  state.message.time_to_live_us = 300'000;
+  state.frame_rate = 18.0;
+  state.health.emplace();
+  state.health->left.state = state.health->right.state = camera_health_t::STREAMING;
+  return state;
+}
+
+std::string textOf(const WatchedState& state, std::size_t columns, std::size_t rows, bool is_coloured) {
+  std::string text;
+  for (const std::string& line : screenLines(state, SpeedHistory(), columns, rows, is_coloured))
+    text += line + "\n";
+  return text;
+}
+
+TEST(WatchScreen, ShowsMotionTimesAndBothCameras) {
+  EXPECT_THAT(textOf(exampleState(), 100, 40, false),
+              AllOf(HasSubstr("+3.21 m/s forward"), HasSubstr("deg/s"), HasSubstr("+0.40 ms"),
+                    HasSubstr("18.0 pairs/s"), HasSubstr("left        streaming"),
+                    HasSubstr("right       streaming"), HasSubstr("no problem"), Not(HasSubstr("\x1b"))));
+}
+
+TEST(WatchScreen, SaysWhyAMessageIsNotValidAndThatNoneComes) {
+  WatchedState state = exampleState();
+  state.message.status = odometry_t::INVALID;
+  state.message.reasons = odometry_t::REASON_TOO_FEW_FEATURES;
+  state.message.velocity_body[0] = std::nan("");
+  EXPECT_THAT(textOf(state, 100, 40, false), AllOf(HasSubstr("not valid: too few features"),
+                                                   HasSubstr("– m/s forward"), Not(HasSubstr("nan"))));
+  state.message_age = 3.2;
+  EXPECT_THAT(textOf(state, 100, 40, false), HasSubstr("no message for 3 s"));
+}
+
+TEST(WatchScreen, FitsTheTerminalAndWrapsSentences) {
+  WatchedState state = exampleState();
+  state.advice = "problem: " + std::string(30, 'a') + " " + std::string(30, 'b') + " the end";
+  for (const std::size_t rows : {16U, 24U, 40U}) {
+    const std::vector<std::string> lines = screenLines(state, SpeedHistory(), 50, rows, false);
+    EXPECT_LE(lines.size(), rows);
+    for (const std::string& line : lines)
+      EXPECT_LE(textColumns(line), 50u) << line;
+  }
+  EXPECT_THAT(textOf(state, 50, 40, false), HasSubstr(" " + std::string(30, 'b') + " the end\n"));
+}
+
+TEST(WatchScreen, IsColouredOnlyIfAsked) {
+  EXPECT_THAT(textOf(exampleState(), 100, 40, true), HasSubstr("\x1b[30;42m"));
+}
+
+TEST(SpeedHistory, DrawsBarsUpToTheLargestSpeed) {
+  SpeedHistory speeds;
+  std::int64_t now_ns = 0;
+  for (const double speed : {0.0, 1.0, std::nan(""), 2.0}) {
+    speeds.add(speed, now_ns);
+    now_ns += 500'000'000;
+  }
+  EXPECT_EQ(speeds.sparkline(10), "▁▅ █");
+  EXPECT_EQ(speeds.sparkline(2), " █");
+  EXPECT_DOUBLE_EQ(speeds.largest(), 2.0);
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -80,6 +80,8 @@ void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
       ->check(CLI::IsMember({"text", "markdown", "json"}))
       ->type_name("NAME")
       ->capture_default_str();
+  command.add_flag_callback(
+      "--json", [&options] { options.format = "json"; }, "As --format json");
   command.add_option("--output", options.output, "Write the report to this file instead of the terminal")
       ->type_name("FILE");
 }
@@ -155,7 +157,7 @@ void addDriveOptions(CLI::App& command, DriveOptions& options) {
   command.add_option("--features", options.features, "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
-  command.add_option("--cache", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
+  command.add_option("--cache-dir,--cache", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
       ->type_name("DIR")
       ->capture_default_str();
 }

@@ -86,7 +86,8 @@ void addRecordingCommand(CLI::App& cartvo) {
   part->add_option("--to", options->part.to, "End of the part since the first picture, as --from")
       ->transform(timeInSeconds())
       ->type_name("TIME");
-  part->add_option("--output", options->output, "Folder for the new recording; created if missing")
+  part->add_option("--output-dir,--output", options->output,
+                   "Folder for the new recording; created if missing")
       ->required()
       ->type_name("DIR");
   part->footer(
@@ -98,7 +99,7 @@ void addRecordingCommand(CLI::App& cartvo) {
       "Examples:\n"
       "  cartvo recording info drive\n"
       "  cartvo recording verify drive --json\n"
-      "  cartvo recording trim drive --from 1:01.5 --to 1:20 --output fault\n"
+      "  cartvo recording trim drive --from 1:01.5 --to 1:20 --output-dir fault\n"
       "See cartvo-recording(1) for the files in a recording.");
 }
 

@@ -195,7 +195,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
       ->capture_default_str();
   addReadoutOption(command, options.readout_ms, "default: 0");
   command
-      .add_option("--cache", options.cache,
+      .add_option("--cache-dir,--cache", options.cache,
                   "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
       ->type_name("DIR")
       ->capture_default_str();

@@ -135,6 +135,8 @@ void addReportOptions(CLI::App& command, Options& options) {
   command.add_option("--format", options.format, "text, markdown or json")
       ->check(CLI::IsMember({"text", "markdown", "json"}))
       ->capture_default_str();
+  command.add_flag_callback(
+      "--json", [&options] { options.format = "json"; }, "As --format json");
   command.add_option("--output", options.output, "Write the report into this file")->type_name("FILE");
   addPlotOption(command, options.plot, "error and overlap over the range");
 }

@@ -2,9 +2,16 @@
 #include "tools/watch/screen.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "common/command_line/terminal.hpp"
 
@@ -12,8 +19,10 @@ namespace cartvo {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 WatchedState exampleState() {
   WatchedState state;
@@ -71,6 +80,53 @@ TEST(WatchScreen, FitsTheTerminalAndWrapsSentences) {
 
 TEST(WatchScreen, IsColouredOnlyIfAsked) {
   EXPECT_THAT(textOf(exampleState(), 100, 40, true), HasSubstr("\x1b[30;42m"));
+}
+
+/// What a child process prints on a pseudo terminal of this size.
+std::string printedOnTerminal(unsigned short columns, unsigned short rows, const char* terminal,
+                              const std::function<void()>& print) {
+  winsize size{};
+  size.ws_col = columns;
+  size.ws_row = rows;
+  int descriptor = -1;
+  const pid_t child = ::forkpty(&descriptor, nullptr, nullptr, &size);
+  if (child == 0) {
+    ::setenv("TERM", terminal, 1);
+    ::setenv("NO_COLOR", "1", 1);
+    print();
+    std::fflush(stdout);
+    ::_exit(0);
+  }
+  std::string printed;
+  char part[4096];
+  for (ssize_t bytes = 0; (bytes = ::read(descriptor, part, sizeof part)) > 0;)  // EIO at the child's end
+    printed.append(part, static_cast<std::size_t>(bytes));
+  ::waitpid(child, nullptr, 0);
+  ::close(descriptor);
+  return printed;
+}
+
+TEST(WatchScreen, IsShownOnATerminalAndLeavesItAsItWasAfterAnError) {
+  const std::string printed = printedOnTerminal(80, 24, "xterm", [] {
+    if (!canShowScreen()) return;
+    try {
+      Screen screen;
+      screen.draw(exampleState(), SpeedHistory());
+      throw std::runtime_error("an error");
+    } catch (const std::runtime_error&) {
+      return;
+    }
+  });
+  EXPECT_THAT(printed, AllOf(StartsWith("\x1b[?1049h\x1b[?25l"), HasSubstr(" valid "),
+                             EndsWith("\x1b[?25h\x1b[?1049l"), Not(HasSubstr("\x1b[30;42m"))));
+}
+
+TEST(WatchScreen, IsNotShownOnSmallOrDumbTerminals) {
+  const auto answer = [] { std::fputs(canShowScreen() ? "screen" : "line", stdout); };
+  EXPECT_EQ(printedOnTerminal(80, 24, "xterm", answer), "screen");
+  EXPECT_EQ(printedOnTerminal(80, 24, "dumb", answer), "line");
+  EXPECT_EQ(printedOnTerminal(40, 24, "xterm", answer), "line");
+  EXPECT_EQ(printedOnTerminal(80, 5, "xterm", answer), "line");
 }
 
 TEST(SpeedHistory, DrawsBarsUpToTheLargestSpeed) {

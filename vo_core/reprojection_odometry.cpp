@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/integrity/codec_error_model.hpp"
 #include "vo_core/track/visual_track.hpp"

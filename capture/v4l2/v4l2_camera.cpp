@@ -13,7 +13,7 @@
 #include "capture/frozen_picture_detector.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
 #include "common/host_clock.hpp"
-#include "common/wake_event.hpp"
+#include "common/threads/wake_event.hpp"
 
 namespace cartvo::capture {
 namespace {

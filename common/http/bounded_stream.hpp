@@ -8,7 +8,7 @@
 #include <httplib.h>
 #include <sys/types.h>
 
-#include "common/wake_event.hpp"
+#include "common/threads/wake_event.hpp"
 
 namespace cartvo {
 

@@ -16,7 +16,7 @@
 
 #include "common/http/bounded_stream.hpp"
 #include "common/http/listen_address.hpp"
-#include "common/wake_event.hpp"
+#include "common/threads/wake_event.hpp"
 
 // What the small HTTP servers share. Library cartvo_http. Include it after Eigen: <resolv.h>, which httplib
 // includes, defines the macro _res.

@@ -10,8 +10,8 @@
 
 #include <cartvo/health_t.hpp>
 
-#include "common/handover_queue.hpp"
-#include "common/mailbox.hpp"
+#include "common/threads/handover_queue.hpp"
+#include "common/threads/mailbox.hpp"
 #include "daemon/page/health_json.hpp"
 #include "daemon/page/page_sample.hpp"
 #include "daemon/pipeline/pair_view.hpp"

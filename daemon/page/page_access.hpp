@@ -20,7 +20,7 @@ class PageAccess {
  public:
   static constexpr std::size_t kMinTokenBytes = 12;
 
-  /// `token`: empty if there is none, with which nobody is a token's holder. Throws std::invalid_argument if
+  /// `token`: empty if there is none; then no request holds it. Throws std::invalid_argument if
   /// it is shorter than kMinTokenBytes.
   PageAccess(const std::string& token, PageReaders readers);
 

@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 
 #include "common/http/http_service.hpp"
-#include "common/thread_priority.hpp"
+#include "common/threads/thread_priority.hpp"
 #include "daemon/page/page_files.hpp"
 
 namespace cartvo::daemon {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "common/host_clock.hpp"
-#include "common/thread_priority.hpp"
+#include "common/threads/thread_priority.hpp"
 #include "daemon/page/live_handover.hpp"
 #include "daemon/page/page_frame.hpp"
 #include "daemon/page/page_history.hpp"

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "calib/rectification/rectifier.hpp"
-#include "common/parallel_loop.hpp"
 #include "common/picture_digest.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "daemon/pipeline/rectified_camera.hpp"
 #include "daemon/pipeline/velocity_at_exposure.hpp"
 

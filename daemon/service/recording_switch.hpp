@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "capture/recording/stream_recorder.hpp"
-#include "common/mailbox.hpp"
+#include "common/threads/mailbox.hpp"
 
 namespace cartvo::daemon {
 

@@ -7,7 +7,7 @@
 
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "daemon/pipeline/rectified_camera.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"

@@ -33,8 +33,7 @@
 #include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
-#include "tools/replay/video/mp4_writer.hpp"
-#include "tools/replay/video/replay_picture.hpp"
+#include "tools/replay/video/video_recorder.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
@@ -117,29 +116,6 @@ std::unique_ptr<ReplayPage> startPage(const Options& options) {
   std::fflush(stdout);
   return page;
 }
-
-/// Writes the video of --video: a viewer whose pairs are drawn once they are processed.
-class VideoRecorder final : public daemon::PairViewer {
- public:
-  explicit VideoRecorder(const std::filesystem::path& file) : writer_(opened(file)) {}
-
-  daemon::PairView* nextView() override { return &view_; }
-  void add(const daemon::PairResult& result) {
-    writer_.add(pictures_.draw(result, view_.left, view_.landmarks), result.left.exposure_ns);
-  }
-  void finish() { writer_.finish(); }
-
- private:
-  static const std::filesystem::path& opened(const std::filesystem::path& file) {
-    checkFileCanBeWritten(file);
-    if (file.has_parent_path()) createFolders(file.parent_path());
-    return file;
-  }
-
-  Mp4Writer writer_;
-  ReplayPictures pictures_;
-  daemon::PairView view_;
-};
 
 Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage* page) {
   // With a page nothing is half written, and a signal must end a pause.

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/estimation/pose_priors.hpp"
 #include "vo_core/estimation/residual_sizes.hpp"
 #include "vo_core/estimation/rig_system.hpp"

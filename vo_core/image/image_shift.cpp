@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/geometry/parabola.hpp"
 
 namespace cartvo::vo {

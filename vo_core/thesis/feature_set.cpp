@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/stereo/stereo_matcher.hpp"
 #include "vo_core/thesis/klt.hpp"
 

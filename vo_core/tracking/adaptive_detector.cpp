@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 
 namespace cartvo::vo {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/stereo/stereo_matcher.hpp"
 #include "vo_core/tracking/alignment_block.hpp"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/parallel_loop.hpp"
+#include "common/threads/parallel_loop.hpp"
 #include "vo_core/image/affine_alignment.hpp"
 #include "vo_core/image/shift_tracking.hpp"
 #include "vo_core/tracking/alignment_block.hpp"

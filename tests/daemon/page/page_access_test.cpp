@@ -37,7 +37,7 @@ TEST(PageAccess, HasACookieThatScriptsAndOtherSitesDoNotGet) {
   EXPECT_EQ(cookie, PageAccess(kToken, PageReaders::everyone).cookie()) << "valid after a restart";
 }
 
-TEST(PageAccess, WithoutATokenNobodyHoldsIt) {
+TEST(PageAccess, WithoutATokenNoRequestHoldsIt) {
   const PageAccess access("", PageReaders::everyone);
   EXPECT_TRUE(access.mayRead("", ""));
   EXPECT_FALSE(access.isToken(""));

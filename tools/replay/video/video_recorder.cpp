@@ -1,0 +1,24 @@
+// The video of a replay.
+#include "tools/replay/video/video_recorder.hpp"
+
+#include "common/atomic_file.hpp"
+
+namespace cartvo {
+namespace {
+
+/// The file, after a check that it can be written.
+const std::filesystem::path& checked(const std::filesystem::path& file) {
+  checkFileCanBeWritten(file);
+  if (file.has_parent_path()) createFolders(file.parent_path());
+  return file;
+}
+
+}  // namespace
+
+VideoRecorder::VideoRecorder(const std::filesystem::path& file) : writer_(checked(file)) {}
+
+void VideoRecorder::add(const daemon::PairResult& result) {
+  writer_.add(pictures_.draw(result, view_.left, view_.landmarks), result.left.exposure_ns);
+}
+
+}  // namespace cartvo

@@ -97,7 +97,7 @@ HttpService::~HttpService() {
 
 void HttpService::Post(const std::string& path, Handler handler) {
   post_paths_.insert(path);
-  httplib::Server::Post(path.c_str(), std::move(handler));
+  httplib::Server::Post(path, std::move(handler));
 }
 
 int HttpService::bind(const ListenAddress& address) {

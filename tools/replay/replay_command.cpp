@@ -376,7 +376,9 @@ void addReplayCommand(CLI::App& cartvo) {
       "  cartvo replay zed_pictures --side-by-side --frame-rate 30 --rig zed.yaml --output-dir out\n"
       "  cartvo replay raw_images --output-dir out --video out/replay.mp4\n"
       "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
-  command->callback([options, page] {
+  command->callback([options, page, command] {
+    if (command->count("--speed") > 0 && !options->publish && page.first->count() == 0)
+      throw CLI::ValidationError("--speed", "needs --publish or --page");
     if (page.first->count() > 0) options->page = pageAddress(*page.second);
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);

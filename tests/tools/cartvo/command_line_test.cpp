@@ -31,7 +31,7 @@ TEST(CommandLine, NamesAnUnknownCommandAndTheNearestOne) {
   EXPECT_THAT(errorOf("recording inf x"), HasSubstr("did you mean 'cartvo recording info'?"));
   EXPECT_THAT(errorOf("calibrate baord --board chessboard:9x6:0.025"),
               HasSubstr("did you mean 'cartvo calibrate board'?"));
-  EXPECT_THAT(errorOf("xyzzy"), HasSubstr("the commands are simulate, replay, recording"));
+  EXPECT_THAT(errorOf("xyzzy"), HasSubstr("the commands are simulate, replay, export, recording"));
 }
 
 TEST(CommandLine, NamesAnUnknownOptionBeforeAMissingOne) {

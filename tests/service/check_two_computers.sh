@@ -37,8 +37,11 @@ on_other ip route add 239.255.76.67/32 dev eth2
 "$make_sequence" "$folder/still"
 run() { # URL: publishes, and watches for five seconds on the other computer; sets `bytes`, `seconds`, and writes watch.json
   "$cartvo" replay "$folder/still" --output-dir "$folder/out" --publish --loop --url "$1" >"$folder/publisher.log" 2>&1 &
-  local publisher=$! before begin
-  sleep 1
+  local publisher=$! before begin tries=0
+  until grep -q 'publishing again' "$folder/publisher.log"; do
+    [ $((tries += 1)) -lt 600 ] || fail "nothing is published"
+    sleep 0.1
+  done
   before=$(cat /sys/class/net/eth1/statistics/tx_bytes) begin=$(date +%s%N)
   code=0
   on_other "$cartvo" watch --url 'udpm://239.255.76.67:7667?ttl=1' --seconds 5 --wait 5 --json >"$folder/watch.json" 2>"$folder/watch.log" || code=$?

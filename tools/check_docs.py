@@ -4,7 +4,8 @@
 Usage: tools/check_docs.py [PATH-OF-CARTVO [PATH-OF-CARTVOD]]
        (default build/release/tools/cartvo/cartvo and, beside it, ../../daemon/cartvod)
 
-Every page: links resolve. Pages outside docs/notebook: commands parse (subcommands, options), paths exist, no issue
+Every page: links and pictures resolve, and pictures have a text that stands for them. docs/pictures: each picture is small, and
+a page shows it. Pages outside docs/notebook: commands parse (subcommands, options), paths exist, no issue
 number, no commit hash, and only docs/accuracy.md links to the notebook, once. docs/how-it-works.md: its length, and the
 code that it names exists. Man pages: they format cleanly, their examples parse, each command has one. Sources: the pages
 that they name exist.
@@ -19,6 +20,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOTEBOOK = ROOT / "docs/notebook"
 NOTEBOOK_READER = ROOT / "docs/accuracy.md"  # the only page that links to it
+PICTURES = ROOT / "docs/pictures"
+PICTURE_MOST_BYTES = 60_000
 HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
 HOW_IT_WORKS_MOST_WORDS = 2000
 FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|library|python|systemd|tests|tools|vo_core"
@@ -66,6 +69,18 @@ def broken_links(page):
             yield f"link to {target}: no such file"
         elif anchor and file.suffix == ".md" and anchor not in anchors_of(file):
             yield f"link to {target}: no such heading"
+
+
+def pictures_without_text(page):
+    for target in re.findall(r"!\[\s*\]\(([^)\s]+)\)", without_code_blocks(page.read_text())):
+        yield f"picture {target}: has no text that stands for it"
+
+
+def problems_of_picture(picture, shown):
+    if picture.stat().st_size > PICTURE_MOST_BYTES:
+        yield f"has {picture.stat().st_size} bytes: at most {PICTURE_MOST_BYTES}"
+    if picture not in shown:
+        yield "no page shows it"
 
 
 def is_notebook(file):
@@ -279,6 +294,7 @@ def man_page_warnings(page):
 
 def problems_of_page(page, programs):
     yield from broken_links(page)
+    yield from pictures_without_text(page)
     if is_notebook(page):
         return
     text = page.read_text()
@@ -312,9 +328,12 @@ def main():
             sys.exit(f"check_docs: {program} does not exist: build it (tools/build), or name it")
     programs = {"cartvo": Program(cartvo), "cartvod": Program(cartvod)}
     pages, man_pages = files("*.md"), files("docs/man/*")
+    pictures = files(*(f"{PICTURES.relative_to(ROOT)}/*.{kind}" for kind in ("png", "svg")))
+    shown = {file for page in pages for _, file, _ in links_of(page)}
     problems = list(undocumented_commands(programs["cartvo"]))
     for check, checked in ((lambda page: problems_of_page(page, programs), pages),
                            (lambda page: problems_of_man_page(page, programs), man_pages),
+                           (lambda picture: problems_of_picture(picture, shown), pictures),
                            (problems_of_source, files("*.cpp", "*.hpp", "*.py", "*.yaml", "*.sh"))):
         for file in checked:
             problems += [f"{file.relative_to(ROOT)}: {problem}" for problem in check(file)]

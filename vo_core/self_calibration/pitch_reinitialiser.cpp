@@ -1,6 +1,7 @@
 // Reinitialisation of the rig's pitch when stereo matches are missing.
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "vo_core/estimation/window_problems.hpp"
@@ -20,20 +21,25 @@ bool PitchReinitialiser::tryReinitialise(const MatchedPair& pair, RigCalibration
         pair.match(trial, trial_rig);
       });
   if (!pitch) return false;
-  rig.reinitialisePitch(*pitch);
-  refine(pair, std::move(landmarks), rig);
+  RigCalibrationFilter found = rig;
+  found.reinitialisePitch(*pitch);
+  const RigCalibrationFilter refined_rig = refined(pair, std::move(landmarks), found);
+  const double change = refined_rig.error().pitch.value - found.error().pitch.value;
+  if (!(std::abs(change) <= pitchSearchRange(camera_.focal_length))) return false;
+  rig = refined_rig;
   return true;
 }
 
 /// Refines the pitch, known to a step of the search, from the rows of the matches at it: in the first round
 /// of those near enough, in the second of all.
-void PitchReinitialiser::refine(const MatchedPair& pair, std::vector<Landmark> landmarks,
-                                RigCalibrationFilter& rig) const {
+RigCalibrationFilter PitchReinitialiser::refined(const MatchedPair& pair, std::vector<Landmark> landmarks,
+                                                 RigCalibrationFilter rig) const {
   for (int round = 0; round < 2; ++round) {
     discardLastStereo(landmarks);
     pair.match(landmarks, rig);
     rig.reinitialisePitch(buildNewestPairProblem(landmarks, pair.window, camera_));
   }
+  return rig;
 }
 
 }  // namespace cartvo::vo

@@ -32,11 +32,13 @@ class PitchReinitialiser {
   explicit PitchReinitialiser(const StereoCamera& camera) : camera_(camera) {}
 
   /// Searches for the pitch if matches are missing and a search is due. Returns whether one was found, which
-  /// is then set in `rig`.
+  /// is then set in `rig`. None is found if the rows of the matches contradict the pitch at which they were
+  /// found: then they match by chance, as in images of two scenes.
   bool tryReinitialise(const MatchedPair& pair, RigCalibrationFilter& rig);
 
  private:
-  void refine(const MatchedPair& pair, std::vector<Landmark> landmarks, RigCalibrationFilter& rig) const;
+  RigCalibrationFilter refined(const MatchedPair& pair, std::vector<Landmark> landmarks,
+                               RigCalibrationFilter rig) const;
 
   StereoCamera camera_;
   std::int64_t next_pair_ = 0;  ///< index of the first pair of the next search

@@ -60,6 +60,10 @@ bool isSignificantGain(int found, int matched) {
 
 }  // namespace
 
+double pitchSearchRange(double focal_length) {
+  return 2.0 * kStep / focal_length;
+}
+
 bool hasFewMatches(const std::vector<Landmark>& landmarks) {
   return landmarks.size() >= kMinimumLandmarks &&
          static_cast<double>(countStereo(landmarks)) <

@@ -13,6 +13,10 @@ namespace cartvo::vo {
 /// Searches the right image for the landmarks' last observations, with the right camera at `pitch` (rad).
 using MatchAtPitch = std::function<void(std::vector<Landmark>& landmarks, double pitch)>;
 
+/// Largest difference of the true pitch from the one that findPitch finds by its matches, rad: the range of
+/// the search over rows.
+double pitchSearchRange(double focal_length);
+
 /// Whether so few of the landmarks' last observations have a stereo match that the pitch of the right camera
 /// may exceed the range of the search over rows.
 bool hasFewMatches(const std::vector<Landmark>& landmarks);

@@ -65,11 +65,11 @@ class PageServerTest : public testing::Test {
     client_->set_read_timeout(test::kTestTimeout);
   }
   int get(const std::string& path, const httplib::Headers& headers = {}) {
-    const httplib::Result answer = client_->Get(path.c_str(), headers);
+    const httplib::Result answer = client_->Get(path, headers);
     return answer ? answer->status : 0;
   }
   int post(const std::string& path, const std::string& body, const httplib::Headers& headers) {
-    const httplib::Result answer = client_->Post(path.c_str(), headers, body, "text/plain");
+    const httplib::Result answer = client_->Post(path, headers, body, "text/plain");
     return answer ? answer->status : 0;
   }
   nlohmann::json about(const httplib::Headers& headers = {}) {

@@ -36,9 +36,9 @@ class ReplayPageTest : public testing::Test {
     added_ = sequence + 1;
   }
 
-  Json get(const std::string& path) { return Json::parse(client_.Get(path.c_str())->body); }
+  Json get(const std::string& path) { return Json::parse(client_.Get(path)->body); }
   Json frame(const std::string& path) {
-    const httplib::Result answer = client_.Get(path.c_str());
+    const httplib::Result answer = client_.Get(path);
     if (answer->status != 200) return {};
     const auto size = static_cast<std::size_t>(static_cast<unsigned char>(answer->body[0])) +
                       256 * static_cast<std::size_t>(static_cast<unsigned char>(answer->body[1]));
@@ -85,7 +85,7 @@ TEST_F(ReplayPageTest, PausesAndSteps) {
   for (std::uint64_t pair = 0; pair < 3; ++pair) {
     EXPECT_TRUE(waitUntilAdded(pair));
     const auto end = std::chrono::steady_clock::now() + test::kTestTimeout;
-    while (client_.Get(("/frame?pair=" + std::to_string(pair)).c_str())->status != 200 &&
+    while (client_.Get("/frame?pair=" + std::to_string(pair))->status != 200 &&
            std::chrono::steady_clock::now() < end) {
     }
     EXPECT_EQ(get("/health.json")["replay"]["state"], "paused");

@@ -30,10 +30,8 @@ Eigen::Isometry3d bodyFromCamera(const std::filesystem::path& summary) {
         "converted to the body; replay with this release of cartvo");
   }
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 4; ++j)
-      T_body_camera.matrix()(i, j) = matrix.at(static_cast<std::size_t>(4 * i + j)).get<double>();
-  }
+  for (std::size_t i = 0; i < kNumbers; ++i)
+    T_body_camera.matrix()(static_cast<int>(i / 4), static_cast<int>(i % 4)) = matrix.at(i).get<double>();
   return T_body_camera;
 }
 

@@ -35,7 +35,7 @@ DrawingColour depthColour(double depth) {
   }();
   constexpr double kLast = 255.0, kDarkest = 40.0;  // the darkest colours are not seen on a dark picture
   const double share = std::clamp(std::log(depth / kNearDepth) / std::log(kFarDepth / kNearDepth), 0.0, 1.0);
-  const auto colour =
+  const auto& colour =
       colours.at<cv::Vec3b>(static_cast<int>(std::lround(kLast - share * (kLast - kDarkest))));
   return {colour[2], colour[1], colour[0]};
 }
@@ -191,7 +191,8 @@ cv::Mat ReplayPictures::draw(const daemon::PairResult& result, const cv::Mat& le
   int scale = 1;
   Canvas canvas(background(left, scale), kLetterSize);
   drawLandmarks(canvas, landmarks, scale);
-  const double right = left.cols * scale / 2 * 2, bottom = left.rows * scale;
+  const int even_width = left.cols * scale / 2 * 2;
+  const double right = even_width, bottom = left.rows * scale;
   drawDepthScale(canvas, right, bottom);
   drawPath(canvas, path_, right);
   const double seconds = 1e-9 * static_cast<double>(result.left.exposure_ns - first_ns_);

@@ -7,9 +7,9 @@
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "common/atomic_file_writer.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/configuration.hpp"
-#include "tools/export/atomic_file_writer.hpp"
 #include "tools/export/export_source.hpp"
 
 namespace cartvo {

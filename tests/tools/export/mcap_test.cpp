@@ -9,12 +9,12 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include "common/atomic_file_writer.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/exported_drive.hpp"
 #include "support/tools/mcap_file.hpp"
 #include "support/tools/run_cartvo.hpp"
-#include "tools/export/atomic_file_writer.hpp"
 #include "tools/export/export_format.hpp"
 #include "tools/export/mcap/foxglove_messages.hpp"
 #include "tools/export/mcap/foxglove_schemas.hpp"

@@ -1,12 +1,10 @@
 // H.264 in MP4, by FFmpeg and libx264.
 #include "tools/replay/video/mp4_writer.hpp"
 
-#include <cerrno>
-#include <cstdlib>
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -14,10 +12,9 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 #include <opencv2/imgproc.hpp>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "capture/codec/ffmpeg_log.hpp"
+#include "common/atomic_file_writer.hpp"
 
 namespace cartvo {
 namespace {
@@ -36,49 +33,19 @@ struct AvDelete {
 template <class T>
 using AvPointer = std::unique_ptr<T, AvDelete>;
 
-/// An empty file beside `file`, which the destructor removes unless it was moved there.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(std::filesystem::path file) : file_(std::move(file)) {
-    std::string name(".");
-    name.append(file_.filename().string()).append(".XXXXXX");
-    name_ = (file_.parent_path() / name).string();
-    const int descriptor = ::mkstemp(name_.data());
-    if (descriptor < 0) {
-      throw std::runtime_error(file_.string() +
-                               ": cannot be written: " + std::generic_category().message(errno));
-    }
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    ::fchmod(descriptor, 0666 & ~mask);
-    ::close(descriptor);
-  }
-  ~TemporaryFile() {
-    if (!moved_) ::unlink(name_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  const std::string& name() const { return name_; }
-  void move() {
-    std::filesystem::rename(name_, file_);
-    moved_ = true;
-  }
-
- private:
-  std::filesystem::path file_;
-  std::string name_;
-  bool moved_ = false;
-};
+/// Throws std::runtime_error unless the file's folder exists.
+const std::filesystem::path& withFolder(const std::filesystem::path& file) {
+  if (file.has_parent_path() && !std::filesystem::is_directory(file.parent_path()))
+    throw std::runtime_error(file.string() + ": cannot be written: its folder does not exist");
+  return file;
+}
 
 }  // namespace
 
 class Mp4Writer::Implementation {
  public:
   explicit Implementation(const std::filesystem::path& file)
-      : file_(std::filesystem::is_symlink(file) ? std::filesystem::weakly_canonical(file) : file),
-        codec_(avcodec_find_encoder_by_name("libx264")),
-        temporary_(file_) {
+      : file_(file), codec_(avcodec_find_encoder_by_name("libx264")), unfinished_(withFolder(file)) {
     if (codec_ == nullptr)
       throw std::runtime_error(file_.string() +
                                ": libavcodec has no encoder libx264: install Debian's "
@@ -103,7 +70,7 @@ class Mp4Writer::Implementation {
     writePackets();
     require(av_write_trailer(output_.get()));
     require(avio_closep(&output_->pb));
-    temporary_.move();
+    unfinished_.commit();
   }
 
  private:
@@ -119,7 +86,7 @@ class Mp4Writer::Implementation {
     frame_.reset(av_frame_alloc());
     packet_.reset(av_packet_alloc());
     AVFormatContext* output = nullptr;
-    require(avformat_alloc_output_context2(&output, nullptr, "mp4", temporary_.name().c_str()));
+    require(avformat_alloc_output_context2(&output, nullptr, "mp4", unfinished_.openPath().c_str()));
     output_.reset(output);
     if (!encoder_ || !frame_ || !packet_) throw std::bad_alloc();
     encoder_->log_level_offset = AV_LOG_ERROR;  // errors only
@@ -138,7 +105,7 @@ class Mp4Writer::Implementation {
     if (stream == nullptr) throw std::bad_alloc();
     require(avcodec_parameters_from_context(stream->codecpar, encoder_.get()));
     stream->time_base = encoder_->time_base;
-    require(avio_open(&output->pb, temporary_.name().c_str(), AVIO_FLAG_WRITE));
+    require(avio_open(&output->pb, unfinished_.openPath().c_str(), AVIO_FLAG_WRITE));
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "+faststart", 0);
     const int result = avformat_write_header(output, &options);
@@ -188,7 +155,7 @@ class Mp4Writer::Implementation {
 
   std::filesystem::path file_;
   const AVCodec* codec_;
-  TemporaryFile temporary_;
+  AtomicFileWriter unfinished_;
   AvPointer<AVCodecContext> encoder_;
   AvPointer<AVFrame> frame_;
   AvPointer<AVPacket> packet_;

@@ -8,8 +8,7 @@
 
 namespace cartvo {
 
-/// Writes pictures as H.264 into an MP4 file. The file gets its name in finish(), under which it is complete;
-/// until then it is a hidden temporary file beside it, which the destructor removes.
+/// Writes pictures as H.264 into an MP4 file, which gets its name in finish() (AtomicFileWriter).
 class Mp4Writer {
  public:
   /// Throws std::runtime_error if libx264 is missing or the file cannot be made. The folder must exist.

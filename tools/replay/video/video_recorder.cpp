@@ -6,16 +6,15 @@
 namespace cartvo {
 namespace {
 
-/// The file, after a check that it can be written.
-const std::filesystem::path& checked(const std::filesystem::path& file) {
-  checkFileCanBeWritten(file);
+/// The file, in a folder that exists.
+const std::filesystem::path& inFolder(const std::filesystem::path& file) {
   if (file.has_parent_path()) createFolders(file.parent_path());
   return file;
 }
 
 }  // namespace
 
-VideoRecorder::VideoRecorder(const std::filesystem::path& file) : writer_(checked(file)) {}
+VideoRecorder::VideoRecorder(const std::filesystem::path& file) : writer_(inFolder(file)) {}
 
 void VideoRecorder::add(const daemon::PairResult& result) {
   writer_.add(pictures_.draw(result, view_.left, view_.landmarks), result.left.exposure_ns);

@@ -1,5 +1,5 @@
 // Tests of files that are written piece by piece: they appear when they are complete, or not at all.
-#include "tools/export/atomic_file_writer.hpp"
+#include "common/atomic_file_writer.hpp"
 
 #include <filesystem>
 #include <fstream>

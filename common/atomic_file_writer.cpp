@@ -1,5 +1,5 @@
 // Writes a large file piece by piece; it appears when it is complete.
-#include "tools/export/atomic_file_writer.hpp"
+#include "common/atomic_file_writer.hpp"
 
 #include <cerrno>
 #include <cstdio>

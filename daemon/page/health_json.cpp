@@ -1,33 +1,25 @@
 // Health, recording and replay as JSON for the status page.
 #include "daemon/page/health_json.hpp"
 
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "daemon/publish/camera_health_names.hpp"
 
 namespace cartvo::daemon {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 6> kStates{"connecting", "streaming", "stalled",
-                                             "refused",    "ended",     "frozen"};
-constexpr std::array<const char*, 5> kInstants{"file", "sender reports", "arrival", "pictures", "kernel"};
-
-template <std::size_t count>
-const char* named(const std::array<const char*, count>& names, int value) {
-  return value >= 0 && static_cast<std::size_t>(value) < count ? names[static_cast<std::size_t>(value)] : "";
-}
-
 Json finite(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json cameraJson(const camera_health_t& camera) {
-  return {{"state", named(kStates, camera.state)},
-          {"instants", named(kInstants, camera.instant_source)},
+  return {{"state", cameraStateName(camera.state)},
+          {"instants", instantSourceName(camera.instant_source)},
           {"frames", camera.frames},
           {"damaged", camera.damaged},
           {"reconnections", camera.reconnections},

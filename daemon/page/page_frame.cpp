@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "daemon/page/page_sample.hpp"
 
@@ -17,23 +18,6 @@ namespace {
 constexpr int kMaxWidth = 960;  // px
 constexpr int kQuality = 65;    // percent
 constexpr int kDigits = 5;
-
-/// Writes the mean of each block of `scale` times `scale` pixels.
-void reduce(const cv::Mat& from, int scale, cv::Mat to) {
-  if (scale == 1) return from.copyTo(to);
-  for (int y = 0; y < to.rows; ++y) {
-    auto* row = to.ptr<std::uint8_t>(y);
-    for (int x = 0; x < to.cols; ++x) {
-      int sum = 0;
-      for (int dy = 0; dy < scale; ++dy) {
-        const auto* source = from.ptr<std::uint8_t>(scale * y + dy) + std::ptrdiff_t{scale} * x;
-        for (int dx = 0; dx < scale; ++dx)
-          sum += source[dx];
-      }
-      row[x] = static_cast<std::uint8_t>((sum + scale * scale / 2) / (scale * scale));
-    }
-  }
-}
 
 }  // namespace
 
@@ -45,8 +29,14 @@ EncodedPictures encodePictures(const PairView& view) {
   pictures.width = view.left.cols / pictures.scale;
   pictures.height = view.left.rows / pictures.scale;
   cv::Mat both(2 * pictures.height, pictures.width, CV_8UC1);
-  reduce(view.left, pictures.scale, both.rowRange(0, pictures.height));
-  reduce(view.right, pictures.scale, both.rowRange(pictures.height, both.rows));
+  // Whole blocks of scale x scale pixels, so that the landmarks' positions are divided by the scale.
+  const cv::Rect blocks(0, 0, pictures.scale * pictures.width, pictures.scale * pictures.height);
+  int row = 0;
+  for (const cv::Mat& picture : {view.left, view.right}) {
+    cv::Mat part = both.rowRange(row, row + pictures.height);
+    cv::resize(picture(blocks), part, part.size(), 0.0, 0.0, cv::INTER_AREA);
+    row += pictures.height;
+  }
   std::vector<unsigned char> jpeg;
   if (cv::imencode(".jpg", both, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality}))
     pictures.jpeg.assign(jpeg.begin(), jpeg.end());

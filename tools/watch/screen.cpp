@@ -15,6 +15,7 @@
 #include "common/command_line/terminal.hpp"
 #include "common/printable_text.hpp"
 #include "common/units.hpp"
+#include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "tools/watch/watch.hpp"
 
@@ -90,13 +91,10 @@ std::string offsetText(const WatchedState& state) {
 }
 
 Line cameraLine(std::string_view name, const camera_health_t& camera) {
-  constexpr std::array<const char*, 6> kStates{"connecting", "streaming", "stalled",
-                                               "refused",    "ended",     "frozen"};
-  const auto state = static_cast<std::size_t>(camera.state);
   const bool is_good = camera.state == camera_health_t::STREAMING;
   std::string text = fmt::format("{}, {:.1f} pictures/s, {} damaged, {} reconnections",
-                                 state < kStates.size() ? kStates[state] : "?", camera.frame_rate,
-                                 camera.damaged, camera.reconnections);
+                                 daemon::cameraStateName(camera.state), camera.frame_rate, camera.damaged,
+                                 camera.reconnections);
   if (!is_good && !camera.last_error.empty()) text += ": " + printableExcerpt(camera.last_error, 200);
   return {labelled(name, text), is_good ? Colour::none : Colour::bad};
 }

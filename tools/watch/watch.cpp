@@ -15,6 +15,7 @@
 #include "common/command_line/terminal.hpp"
 #include "common/host_clock.hpp"
 #include "common/units.hpp"
+#include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "daemon/service/awaited_signals.hpp"
@@ -296,14 +297,12 @@ std::string adviceText(const health_t& message) {
 }
 
 std::string clockText(const health_t& message) {
-  constexpr std::array<const char*, 5> kSources{"file", "sender reports", "arrival", "pictures", "kernel"};
-  const auto source = static_cast<std::size_t>(message.right.instant_source);
   const std::string readouts = message.left_readout_deviation_ms > 0.0F
                                    ? fmt::format("  readout {:.1f} ±{:.1f}, {:.1f} ±{:.1f} ms",
                                                  message.left_readout_ms, message.left_readout_deviation_ms,
                                                  message.right_readout_ms, message.right_readout_deviation_ms)
                                    : std::string();
-  return fmt::format("by {} ±{:.1f} ms{}", source < kSources.size() ? kSources[source] : "?",
+  return fmt::format("by {} ±{:.1f} ms{}", daemon::instantSourceName(message.right.instant_source),
                      message.clock_deviation_ms, readouts);
 }
 

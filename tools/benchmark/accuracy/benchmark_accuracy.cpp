@@ -134,7 +134,7 @@ void mergeJobs(const AccuracyOptions& options) {
 void runAccuracy(const AccuracyOptions& options) {
   checkResultFiles({options.common.output, options.samples});
   AccuracySettings settings = settingsOf(options);
-  const std::size_t sequences = sequenceNames(settings).size();
+  const std::size_t sequences = options.only > 0 ? sequenceNames(settings).size() : 0;
   if (options.only > sequences)
     throw std::runtime_error("--only " + std::to_string(options.only) + ": there are " +
                              std::to_string(sequences) + " sequences");

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace cartvo::daemon {
+
+/// Name of a value of camera_health_t.state, such as "streaming"; "unknown" for one of a later version.
+const char* cameraStateName(int state);
+
+/// Name of a value of camera_health_t.instant_source, such as "sender reports"; "unknown" for one of a later
+/// version.
+const char* instantSourceName(int source);
+
+}  // namespace cartvo::daemon

@@ -13,17 +13,37 @@ constexpr int kRowStep = 8;
 // noise has more than half, a black one with a line of text less than a 20th.
 constexpr int kVariedShare = 8;
 
+std::uint64_t bytesAt(const std::uint8_t* bytes, std::size_t count) {
+  std::uint64_t eight = 0;
+  std::memcpy(&eight, bytes, count);
+  return eight;
+}
+
+/// 255 for each byte that is not zero.
+std::uint64_t nonZeroBytes(std::uint64_t eight) {
+  eight |= (eight >> 4) & 0x0f0f0f0f0f0f0f0fU;
+  eight |= (eight >> 2) & 0x3333333333333333U;
+  eight |= (eight >> 1) & 0x5555555555555555U;
+  return 255U * (eight & 0x0101010101010101U);
+}
+
 }  // namespace
+
+std::uint64_t pictureDigest(const cv::Mat& image) {
+  return pictureDigest(image, {});
+}
 
 /// Fowler, Noll, Vo: FNV-1a, eight bytes at a time, with the upper half of each product mixed into the lower
 /// one, because a product carries upwards only.
-std::uint64_t pictureDigest(const cv::Mat& image) {
+std::uint64_t pictureDigest(const cv::Mat& image, const cv::Mat& mask) {
   std::uint64_t digest = 14695981039346656037U;
   for (int row = 0; row < image.rows; row += kRowStep) {
     const std::uint8_t* const pixels = image.ptr(row);
+    const std::uint8_t* const used = mask.empty() ? nullptr : mask.ptr(row);
     for (int column = 0; column < image.cols; column += static_cast<int>(sizeof digest)) {
-      std::uint64_t eight = 0;
-      std::memcpy(&eight, pixels + column, std::min<std::size_t>(sizeof eight, image.cols - column));
+      const std::size_t count = std::min<std::size_t>(sizeof digest, image.cols - column);
+      std::uint64_t eight = bytesAt(pixels + column, count);
+      if (used != nullptr) eight &= nonZeroBytes(bytesAt(used + column, count));
       digest = (digest ^ eight) * 1099511628211U;
       digest ^= digest >> 32;
     }

@@ -52,6 +52,17 @@ enum class OdometryReason : std::uint8_t {
 };
 constexpr int kOdometryReasonCount = 14;
 
+/// How far the images can be trusted after a pair. Only the estimates of `tracking` and `standstill` are
+/// valid. IntegrityMonitor has the transitions.
+enum class IntegrityState : std::uint8_t {
+  tracking,
+  standstill,    ///< zero-velocity updates hold the pose
+  left_frozen,   ///< the left camera repeats its image while the cart moves
+  right_frozen,  ///< the right one does
+  both_frozen,   ///< both do
+  lost,          ///< no motion is known: before the first one, and while tracking fails
+};
+
 /// A gross fault of the rig or of the pairs, at which a motion may look good and be wrong.
 enum class StereoFault : std::uint8_t {
   none,
@@ -112,9 +123,10 @@ struct ExposureTwist {
 /// Within an epoch the pose has no jumps: T_world_camera = reference pose * T_previous_current, up to what a
 /// pair corrects of its reference, which has already been published.
 struct OdometryEstimate {
-  std::int64_t exposure_ns = 0;     ///< of the left image
-  bool valid = false;               ///< whether a motion was measured
-  OdometryReasons reasons;          ///< empty if valid, except for zero_velocity
+  std::int64_t exposure_ns = 0;  ///< of the left image
+  bool valid = false;            ///< whether a motion was measured
+  OdometryReasons reasons;       ///< empty if valid, except for zero_velocity
+  IntegrityState state = IntegrityState::lost;
   std::uint32_t reset_counter = 0;  ///< number of the epoch, from 0
   double time_step = 0.0;           ///< s from the reference, left exposure to left exposure; 0 if invalid
   /// Motion since the reference, whose pose is as estimated now (`estimator: thesis`: as published); identity

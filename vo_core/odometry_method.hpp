@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/integrity/integrity_monitor.hpp"
 #include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/stage_observer.hpp"
@@ -12,7 +12,8 @@ namespace cartvo::vo {
 class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;
-  virtual OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
+  /// Processes a pair that the evidence of its images does not reject. Updates `integrity` by its own.
+  virtual OdometryEstimate process(const StereoImages& images, IntegrityMonitor& integrity,
                                    StageObserver& observer) = 0;
   virtual void setTargetFeatureCount(int features) = 0;
   /// See StereoOdometry::acquireBuffers(). Lends nothing by default.

@@ -1,5 +1,5 @@
-// `estimator: reprojection`: the state machine over the running track, a candidate track after a loss, and
-// frozen cameras.
+// `estimator: reprojection`: the running track, a candidate track after a loss, and the states of
+// IntegrityMonitor.
 #include "vo_core/reprojection_odometry.hpp"
 
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/threads/parallel_loop.hpp"
-#include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/integrity/codec_error_model.hpp"
 #include "vo_core/track/visual_track.hpp"
 
@@ -25,10 +24,6 @@ SharedPyramid buildPyramid(const cv::Mat& image, PyramidPool& pool, PyramidLease
   return lease.holds(image) ? pool.build(std::exchange(lease, {})) : pool.build(image);
 }
 
-double secondsSince(const VisualTrack& track, std::int64_t exposure_ns) {
-  return 1e-9 * static_cast<double>(exposure_ns - track.lastExposure());
-}
-
 class ReprojectionOdometry final : public OdometryMethod {
  public:
   ReprojectionOdometry(const StereoCamera& camera, const OdometrySettings& settings,
@@ -40,7 +35,7 @@ class ReprojectionOdometry final : public OdometryMethod {
         right_pyramids_(kLandmarkLevels, ImageMask(masks.right)),
         pitch_reinitialiser_(camera) {}
 
-  OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
+  OdometryEstimate process(const StereoImages& images, IntegrityMonitor& integrity,
                            StageObserver& observer) override;
   void setTargetFeatureCount(int features) override;
   void acquireBuffers(StereoImages& images) override;
@@ -48,15 +43,11 @@ class ReprojectionOdometry final : public OdometryMethod {
 
  private:
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
-  bool offsetInRange(const PreparedPair& pair) const;
   OdometryEstimate reject(const PreparedPair& pair, OdometryReason reason) const;
-  bool timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const;
-  bool stopIsImplausible(const PreparedPair& pair) const;
-  bool isStandstill(const TrackedMotion& motion) const;
   LearntByTracks latestLearnt() const;
-  enum class TrackHandover { none, frozen, done };  ///< frozen: the candidate stands though the cart moves
-  TrackHandover tryRelocalise(const PreparedPair& pair, TrackedMotion& motion, StageObserver& observer);
-  void restartCodecModel(const PreparedPair& pair, const TrackedMotion& motion);
+  IntegrityAction tryRelocalise(PreparedPair pair, IntegrityMonitor& integrity, TrackedMotion& motion,
+                                StageObserver& observer);
+  void useCandidate();
   void compensateCodecShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate startTrack(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate startEpoch(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
@@ -78,10 +69,6 @@ class ReprojectionOdometry final : public OdometryMethod {
   CodecErrorModel codec_errors_;
   std::optional<PoseShift> codec_shift_;  ///< of the track's last pair; removed from published poses
   int lost_pairs_ = 0;
-  /// Left exposure (ns) of the first pair of a standstill that starts faster than the cart can stop: a frozen
-  /// camera. Empty if there is none.
-  std::optional<std::int64_t> frozen_since_ns_;
-  bool right_frozen_ = false;  ///< the right image has repeated since the cart moved
   std::uint32_t epoch_ = 0;
   std::int64_t next_index_ = 0;
 };
@@ -121,16 +108,6 @@ PreparedPair ReprojectionOdometry::prepare(const StereoImages& images, StageObse
   return pair;
 }
 
-bool ReprojectionOdometry::timeStepInRange(const VisualTrack& track, std::int64_t exposure_ns) const {
-  const double step = secondsSince(track, exposure_ns);
-  return step > 0.0 && step <= settings_.validity.maximum_time_step;
-}
-
-bool ReprojectionOdometry::offsetInRange(const PreparedPair& pair) const {
-  const double offset = 1e-9 * static_cast<double>(pair.right_exposure_ns - pair.left_exposure_ns);
-  return std::abs(offset) <= settings_.validity.maximum_offset;
-}
-
 /// Estimate of a pair that is ignored: the last pose.
 OdometryEstimate ReprojectionOdometry::reject(const PreparedPair& pair, OdometryReason reason) const {
   TrackedMotion motion;
@@ -138,83 +115,71 @@ OdometryEstimate ReprojectionOdometry::reject(const PreparedPair& pair, Odometry
   return toEstimate(pair, motion);
 }
 
-OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, const ImageRepeats& repeats,
+OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, IntegrityMonitor& integrity,
                                                StageObserver& observer) {
   PreparedPair pair = prepare(images, observer);
-  pair.repeats = repeats;
-  if (!offsetInRange(pair)) return reject(pair, OdometryReason::offset_too_large);
+  const double offset = 1e-9 * static_cast<double>(pair.right_exposure_ns - pair.left_exposure_ns);
+  if (std::abs(offset) > settings_.validity.maximum_offset)
+    return reject(pair, OdometryReason::offset_too_large);
   if (!(pair.offset_stddev <= settings_.validity.maximum_offset_uncertainty))
     return reject(pair, OdometryReason::offset_uncertain);
-  right_frozen_ = right_frozen_ && pair.repeats.right;
-  if (right_frozen_) return reject(pair, OdometryReason::repeated_picture);
+  pair.evidence = integrity.evidence();
+  const double step =
+      track_ ? 1e-9 * static_cast<double>(pair.left_exposure_ns - track_->lastExposure()) : 0.0;
+  pair.evidence.no_track = step <= 0.0;
+  pair.evidence.late = step > settings_.validity.maximum_time_step;
+  const bool starts = integrity.update(pair.evidence) == IntegrityAction::start_epoch;
   if (!track_) return startTrack(pair, OdometryReason::first_pair, observer);
-  const bool in_time = timeStepInRange(*track_, pair.left_exposure_ns);
-  // A track whose left camera is frozen must be continued, however late, to detect that the camera recovers.
-  if (!in_time && !(track_->leftIsFrozen() && secondsSince(*track_, pair.left_exposure_ns) > 0.0))
-    return startEpoch(pair, OdometryReason::time_step, observer);
-  const bool from_frozen = frozen_since_ns_ && track_->lastExposure() >= *frozen_since_ns_;
+  if (starts) return startEpoch(pair, OdometryReason::time_step, observer);
+  pair.state = integrity.state();
   TrackedMotion motion = track_->process(pair, observer);
-  if (motion.reason == OdometryReason::repeated_picture) {
-    right_frozen_ = !track_->leftIsFrozen();
-    return reject(pair, motion.reason);
-  }
-  if (!in_time) return startEpoch(pair, OdometryReason::repeated_picture, observer);
-  if (motion.valid() && frozen_since_ns_) {
-    if (isStandstill(motion)) {
-      restartCodecModel(pair, motion);
-      return reject(pair, OdometryReason::repeated_picture);
-    }
-    frozen_since_ns_.reset();
-    // The track starts at a frozen image, whose instant is not that of its timestamp: the motion from there
-    // is not measured.
-    if (from_frozen) return startEpoch(pair, OdometryReason::repeated_picture, observer);
-  }
+  IntegrityAction action = integrity.update(motion.evidence);
   // Restart at once: in a later pair more of the vehicle would be found again than of the static world.
   if (motion.ambiguous) return startTrack(pair, motion.reason, observer);
-  if (!motion.valid()) {
-    const TrackHandover handover = tryRelocalise(pair, motion, observer);
-    if (handover == TrackHandover::frozen) return reject(pair, OdometryReason::repeated_picture);
-    if (handover == TrackHandover::none) return handleLoss(pair, motion, observer);
-  }
+  if (action == IntegrityAction::relocalise) action = tryRelocalise(pair, integrity, motion, observer);
+  if (action == IntegrityAction::reject) return reject(pair, OdometryReason::repeated_picture);
+  if (action == IntegrityAction::relocalise) return handleLoss(pair, motion, observer);
+  if (action == IntegrityAction::start_epoch)
+    return startEpoch(pair, OdometryReason::repeated_picture, observer);
   candidate_track_.reset();
   lost_pairs_ = 0;
   compensateCodecShift(pair, motion);
   return toEstimate(pair, motion);
 }
 
-/// Continues the candidate track at a pair that the running track has lost. On `done` it has replaced the
-/// running track, and `motion` is its motion.
-ReprojectionOdometry::TrackHandover ReprojectionOdometry::tryRelocalise(const PreparedPair& pair,
-                                                                        TrackedMotion& motion,
-                                                                        StageObserver& observer) {
-  if (!candidate_track_) return TrackHandover::none;
-  const TrackedMotion candidate_motion = candidate_track_->process(pair, observer);
-  if (!candidate_motion.valid()) return TrackHandover::none;
-  if (isStandstill(candidate_motion) && (frozen_since_ns_ || stopIsImplausible(pair))) {
-    if (!frozen_since_ns_) frozen_since_ns_ = pair.left_exposure_ns;
-    return TrackHandover::frozen;
-  }
-  if (frozen_since_ns_) {  // the candidate started at a frozen image
-    frozen_since_ns_.reset();
-    return TrackHandover::none;
-  }
-  track_ = std::move(candidate_track_);
-  ++epoch_;
-  codec_shift_ = codec_errors_.restart(candidate_key_frames_);
+/// Continues the candidate track, if there is one, at a pair that the running track has lost. If its motion
+/// is to be published, it has replaced the running track, and `motion` is its motion.
+IntegrityAction ReprojectionOdometry::tryRelocalise(PreparedPair pair, IntegrityMonitor& integrity,
+                                                    TrackedMotion& motion, StageObserver& observer) {
+  pair.state = integrity.state();
+  pair.evidence.by_candidate = true;
+  TrackedMotion candidate_motion;
+  candidate_motion.evidence = pair.evidence;
+  candidate_motion.evidence.lost = true;
+  if (candidate_track_) candidate_motion = candidate_track_->process(pair, observer);
+  const IntegrityAction action = integrity.update(candidate_motion.evidence);
+  if (action != IntegrityAction::publish) return action;
+  useCandidate();
   motion = candidate_motion;
-  return TrackHandover::done;
+  return action;
 }
 
-/// Restarts the codec model after a motion that is not used to update it.
-void ReprojectionOdometry::restartCodecModel(const PreparedPair& pair, const TrackedMotion& motion) {
-  const std::optional<PoseShift> shift = codec_errors_.restart(pair.key_frames);
-  // During a standstill the pose is kept, with the shift already removed from it.
-  if (motion.reason != OdometryReason::zero_velocity) codec_shift_ = shift;
+/// Replaces the running track by the candidate, in a new epoch.
+void ReprojectionOdometry::useCandidate() {
+  track_ = std::move(candidate_track_);
+  candidate_track_.reset();
+  lost_pairs_ = 0;
+  ++epoch_;
+  codec_shift_ = codec_errors_.restart(candidate_key_frames_);
 }
 
 /// Removes the shifts of key frames from the start and end of a motion. The track itself keeps them.
 void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, TrackedMotion& motion) {
-  if (motion.reason == OdometryReason::zero_velocity) return restartCodecModel(pair, motion);
+  if (motion.reason == OdometryReason::zero_velocity) {
+    // The pose is kept, with the shift already removed from it.
+    codec_errors_.restart(pair.key_frames);
+    return;
+  }
   const std::optional<PoseShift> before = codec_shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
   codec_shift_ = codec_errors_.update(pair.key_frames, {vectorFromMotion(T), motion.stddev_by_landmarks,
@@ -227,18 +192,6 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
   if (!codec_shift_) return;
   motion.motion_covariance += codec_shift_->variance.asDiagonal();
   T = withoutShift(T, *codec_shift_);
-}
-
-/// Whether the cart cannot have stopped since the last tracked pair. RepeatedImageDetector detects a frozen
-/// camera by the bytes of its images, unless an encoder continues to refine the same image.
-bool ReprojectionOdometry::stopIsImplausible(const PreparedPair& pair) const {
-  return track_->velocity() && !canStop(*track_->velocity(), secondsSince(*track_, pair.left_exposure_ns));
-}
-
-bool ReprojectionOdometry::isStandstill(const TrackedMotion& motion) const {
-  const Vector6d moved = vectorFromMotion(motion.T_previous_current);
-  return moved.head<3>().norm() <= 2.0 * settings_.standstill.translation &&
-         moved.tail<3>().norm() <= 2.0 * settings_.standstill.rotation;
 }
 
 /// Rig calibration of the newest track, even if that track fails: a search for the pitch is not repeated
@@ -281,11 +234,7 @@ OdometryEstimate ReprojectionOdometry::handleLoss(const PreparedPair& pair, cons
   motion.counts.detected = candidate_track_->landmarkCount();
   motion.counts.stereo = candidate_track_->stereoCount();
   if (++lost_pairs_ > settings_.tracking.search_again) {
-    track_ = std::move(candidate_track_);
-    candidate_track_.reset();
-    lost_pairs_ = 0;
-    ++epoch_;
-    codec_shift_ = codec_errors_.restart(candidate_key_frames_);
+    useCandidate();
   }
   if (motion.counts.detected < settings_.validity.minimum_features)
     motion.reason = OdometryReason::too_few_features;

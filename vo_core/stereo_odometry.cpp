@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/integrity/integrity_monitor.hpp"
 #include "vo_core/integrity/stereo_geometry_check.hpp"
 #include "vo_core/reprojection_odometry.hpp"
 #include "vo_core/thesis/thesis_odometry.hpp"
@@ -46,7 +46,7 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const OdometrySetting
       settings_(settings),
       shutters_(shutters),
       masks_{masks.left.clone(), masks.right.clone()},
-      repeated_images_(std::make_unique<RepeatedImageDetector>(masks_)) {
+      integrity_(std::make_unique<IntegrityMonitor>(masks_)) {
   validate(camera);
   validate(settings);
   validate(shutters);
@@ -78,17 +78,19 @@ void StereoOdometry::viewLandmarks(LandmarkViews& views) const {
 OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserver& observer) {
   checkImage(images.left, camera_, "left");
   checkImage(images.right, camera_, "right");
-  const ImageRepeats repeats = repeated_images_->update(images, last_);
-  const StereoFault fault = stereo_geometry_->update(images, repeats.left || repeats.right);
-  if (repeats.while_moving) {
+  integrity_->beginPair(images);
+  const IntegrityEvidence& seen = integrity_->evidence();
+  const StereoFault fault = stereo_geometry_->update(images, seen.left_repeats || seen.right_repeats);
+  if (integrity_->update(seen) == IntegrityAction::reject) {
     last_ = rejected(last_, images, OdometryReason::repeated_picture);
   } else if (fault != StereoFault::none) {
     last_ = rejectWrongGeometry(images, fault);
   } else {
-    last_ = method_->process(images, repeats, observer);
+    last_ = method_->process(images, *integrity_, observer);
     last_.reset_counter += first_epoch_;
     method_is_new_ = false;
   }
+  integrity_->endPair(last_);
   return last_;
 }
 
@@ -97,6 +99,7 @@ OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserv
 OdometryEstimate StereoOdometry::rejectWrongGeometry(const StereoImages& images, StereoFault fault) {
   OdometryEstimate estimate = rejected(last_, images, OdometryReason::wrong_stereo_geometry);
   estimate.stereo_fault = fault;
+  integrity_->update({.no_track = true});
   estimate.rig.reset();
   if (method_is_new_) return estimate;
   method_ = makeMethod(camera_, settings_, shutters_, masks_);

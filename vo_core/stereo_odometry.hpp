@@ -12,8 +12,8 @@
 
 namespace cartvo::vo {
 
+class IntegrityMonitor;
 class OdometryMethod;
-class RepeatedImageDetector;
 class StereoGeometryCheck;
 
 /// Stereo visual odometry: estimates the motion of a stereo camera from rectified image pairs.
@@ -69,7 +69,7 @@ class StereoOdometry {
   StereoShutters shutters_;
   StereoMasks masks_;
   std::unique_ptr<OdometryMethod> method_;
-  std::unique_ptr<RepeatedImageDetector> repeated_images_;
+  std::unique_ptr<IntegrityMonitor> integrity_;
   std::unique_ptr<StereoGeometryCheck> stereo_geometry_;
   bool method_is_new_ = true;      ///< it has processed no pair
   std::uint32_t first_epoch_ = 0;  ///< reset_counter of the method's first epoch

@@ -25,6 +25,22 @@ TEST(PictureDigest, DistinguishesPictures) {
   }
 }
 
+TEST(PictureDigest, LeavesOutMaskedPixels) {
+  cv::Mat image = texture();
+  cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(1));
+  EXPECT_EQ(pictureDigest(image, mask), pictureDigest(image));
+  for (const int column : {0, 7, 17, 40}) {
+    mask.at<std::uint8_t>(8, column) = 0;
+    const std::uint64_t digest = pictureDigest(image, mask);
+    ++image.at<std::uint8_t>(8, column);
+    EXPECT_EQ(pictureDigest(image, mask), digest) << column;
+    if (column < 40) {
+      ++image.at<std::uint8_t>(8, column + 1);
+      EXPECT_NE(pictureDigest(image, mask), digest) << column;
+    }
+  }
+}
+
 TEST(PictureDigest, TellsUniformPictures) {
   EXPECT_FALSE(isUniform(texture()));
   cv::Mat image(16, 41, CV_8UC1, cv::Scalar(16));

@@ -22,9 +22,11 @@ class StandstillDetector {
   }
 
   /// Whether a motion exceeds the translation or rotation that a standstill permits.
-  bool exceedsLimits(const Eigen::Isometry3d& motion) const {
-    return motion.translation().norm() > settings_.translation ||
-           Eigen::AngleAxisd(motion.linear()).angle() > settings_.rotation;
+  bool exceedsLimits(const Eigen::Isometry3d& motion) const { return exceedsLimits(motion, 1.0); }
+  /// The same of `factor` times these limits.
+  bool exceedsLimits(const Eigen::Isometry3d& motion, double factor) const {
+    return motion.translation().norm() > factor * settings_.translation ||
+           Eigen::AngleAxisd(motion.linear()).angle() > factor * settings_.rotation;
   }
 
   /// Covariance of the true pose at a standstill: uniform within the limits.

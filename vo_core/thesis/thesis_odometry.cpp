@@ -24,7 +24,7 @@ class ThesisOdometry final : public OdometryMethod {
         window_(std::max(settings.tracking.search_again + 1, settings.refinement.frames)),
         meter_(camera, settings) {}
 
-  OdometryEstimate process(const StereoImages& images, const ImageRepeats& repeats,
+  OdometryEstimate process(const StereoImages& images, IntegrityMonitor& integrity,
                            StageObserver& observer) override;
   void setTargetFeatureCount(int features) override { features_.setTargetFeatureCount(features); }
   void viewLandmarks(LandmarkViews& views) const override;
@@ -81,7 +81,7 @@ void ThesisOdometry::viewLandmarks(LandmarkViews& views) const {
   }
 }
 
-OdometryEstimate ThesisOdometry::process(const StereoImages& images, const ImageRepeats&,
+OdometryEstimate ThesisOdometry::process(const StereoImages& images, IntegrityMonitor& integrity,
                                          StageObserver& observer) {
   beginPair(images.left_exposure_ns);
   ImagePyramid left;
@@ -127,6 +127,7 @@ OdometryEstimate ThesisOdometry::process(const StereoImages& images, const Image
     refineMotion();
   }
   current_.left.grey = std::move(left.grey);
+  integrity.update({.tracked = motion_.valid(), .lost = !motion_.valid()});
   return finishPair();
 }
 

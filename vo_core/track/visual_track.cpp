@@ -11,7 +11,6 @@
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
-#include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
 
@@ -82,7 +81,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       rig_(learnt.rig),
       pitch_reinitialiser_(camera),
       standstill_(settings.standstill),
-      frozen_camera_(camera, settings),
+      frozen_camera_(settings.standstill),
       still_regions_(learnt.still_regions),
       last_exposure_ns_(first.left_exposure_ns) {
   // All buffers reserve the capacity of these lists.
@@ -136,14 +135,17 @@ double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
   return seconds(pair.left_exposure_ns - last_exposure_ns_);
 }
 
-/// Pose at constant velocity or, while the left camera is frozen, the last pose.
+/// Pose at constant velocity.
 Eigen::Isometry3d VisualTrack::expectedPose(const PreparedPair& pair) const {
   const Eigen::Isometry3d& last = window_.back().T_world_camera;
-  return velocity_ && !leftIsFrozen() ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
+  return velocity_ ? last * motionFromVector(secondsSinceLast(pair) * *velocity_) : last;
 }
 
 TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& observer) {
   TrackedMotion motion = track(pair, observer);
+  motion.evidence.tracked = motion.valid();
+  motion.evidence.zero_velocity = motion.reason == OdometryReason::zero_velocity;
+  motion.evidence.lost = !motion.valid();
   draft_.window.clear();  // releases the images
   return motion;
 }
@@ -151,6 +153,7 @@ TrackedMotion VisualTrack::process(const PreparedPair& pair, StageObserver& obse
 TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observer) {
   TrackedMotion motion;
   motion.time_step = secondsSinceLast(pair);
+  motion.evidence = pair.evidence;
   Draft& draft = draft_;
   draft.window = window_;
   draft.window.push_back(frameOf(pair));
@@ -162,11 +165,10 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   }
   const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
                                                             draft.window.back().T_world_camera);
-  checkRightCamera(pair, within_standstill, draft, observer);
-  if (leftIsFrozen() || (!within_standstill && pair.repeats.right)) {
-    motion.reason = OdometryReason::repeated_picture;
-    return motion;
-  }
+  motion.evidence.stands = within_standstill;
+  motion.evidence.moves = !within_standstill;
+  checkRightCamera(pair, draft, motion.evidence, observer);
+  if (isRejected(pair, motion)) return motion;
   const bool still_stands = standing_ && within_standstill;
   const bool stood = standing_;
   if (standing_) {

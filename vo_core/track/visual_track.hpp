@@ -8,7 +8,7 @@
 #include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
 #include "vo_core/integrity/frozen_camera_detector.hpp"
-#include "vo_core/integrity/repeated_image_detector.hpp"
+#include "vo_core/integrity/integrity_monitor.hpp"
 #include "vo_core/integrity/standstill.hpp"
 #include "vo_core/integrity/still_regions.hpp"
 #include "vo_core/landmark_view.hpp"
@@ -37,7 +37,8 @@ struct PreparedPair {
   bool from_video = false;            ///< its stream has had a key frame
   double pose_noise_inflation = 1.0;  ///< factor on the variance of its pose: CodecErrorModel
   SharedPyramid left, right;
-  ImageRepeats repeats;
+  IntegrityState state = IntegrityState::tracking;  ///< before the pair
+  IntegrityEvidence evidence;
 };
 
 /// Motion of a track to a pair.
@@ -54,6 +55,7 @@ struct TrackedMotion {
   Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
   bool ambiguous = false;  ///< the first motion, and another one has nearly as many inliers
   FeatureCounts counts;
+  IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
 };
@@ -82,10 +84,6 @@ class VisualTrack {
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
-  /// Whether the left image stands still while the right camera moves.
-  bool leftIsFrozen() const { return frozen_camera_.leftIsFrozen(); }
-  /// Velocity of the camera at the last pair in its axes, m/s and rad/s; empty after the first pair.
-  const std::optional<Vector6d>& velocity() const { return velocity_; }
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   /// Adds the landmarks that the pair with this index observed.
   void viewLandmarks(std::int64_t pair, LandmarkViews& views) const;
@@ -128,9 +126,11 @@ class VisualTrack {
   // visual_track_standstill.cpp
   void applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion);
   void refreshStandstill(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
-  bool expectsMotion(const PreparedPair& pair) const;
-  void checkRightCamera(const PreparedPair& pair, bool within_standstill, Draft& draft,
+  std::optional<RightDisplacement> localiseRight(const std::vector<WindowFrame>& window,
+                                                 const std::vector<Landmark>& landmarks);
+  void checkRightCamera(const PreparedPair& pair, Draft& draft, IntegrityEvidence& evidence,
                         StageObserver& observer);
+  bool isRejected(const PreparedPair& pair, TrackedMotion& motion) const;
 
   // visual_track_rows.cpp
   enum class RigSide : std::uint8_t { left, right };
@@ -153,7 +153,7 @@ class VisualTrack {
   BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
-  bool stopsTooFast(const TrackedMotion& motion) const;
+  bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
                                   const RigCorrection& applied);
@@ -175,8 +175,8 @@ class VisualTrack {
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;
-  std::vector<WindowFrame> window_;  ///< oldest first; never empty
-  std::optional<Vector6d> velocity_;
+  std::vector<WindowFrame> window_;   ///< oldest first; never empty
+  std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
   Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddev_by_landmarks of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
   // State of the current pair; members to reuse their memory.

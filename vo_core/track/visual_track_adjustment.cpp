@@ -12,7 +12,8 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one is free
+constexpr int kMinimumFixedPoses = 3;   // with fewer poses only the newest one is free
+constexpr double kStopTolerance = 2.0;  // factor on the limits of a standstill, for the noise of a motion
 constexpr double kMinimumRigChange =
     0.02;  // px, change of the rig's correction that requires a new adjustment
 
@@ -93,7 +94,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
   // Without the inflation, which makes a motion uncertain but not degenerate.
   motion.reason = validate(motion, uncertainty.by_landmarks + uncertainty.byOffset());
-  if (!motion.valid()) return;
+  if (!motion.valid() || stopsTooFast(pair, motion)) return;
   const double startup_inflation =
       startupInflation(static_cast<int>(draft.window.size()) - 1, settings_.bundle.frames);
   // The scale depends on disparities, which codec errors affect too.
@@ -133,15 +134,17 @@ void VisualTrack::updateLandmarks(Draft& draft) {
                 [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
 }
 
-/// Whether the motion is a stop from a speed at which the cart cannot stop: that of a camera that is frozen.
-bool VisualTrack::stopsTooFast(const TrackedMotion& motion) const {
-  return velocity_ && !canStop(*velocity_, motion.time_step) &&
-         !standstill_.exceedsLimits(motion.T_previous_current);
+/// Whether the adjusted motion is a stop that the pair's evidence excludes; sets the reason.
+bool VisualTrack::stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const {
+  if (standstill_.exceedsLimits(motion.T_previous_current, kStopTolerance)) return false;
+  motion.evidence.stands = true;
+  motion.evidence.moves = false;
+  return isRejected(pair, motion);
 }
 
 OdometryReason VisualTrack::validate(const TrackedMotion& motion, const Matrix6d& covariance) const {
   const ValiditySettings& validity = settings_.validity;
-  if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity) || stopsTooFast(motion))
+  if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
   if (!(covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
     return OdometryReason::degenerate_geometry;

@@ -1,7 +1,8 @@
 // Standstill of a track: zero-velocity update and the check by the right camera.
-#include <algorithm>
 #include <cmath>
 
+#include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/self_calibration/newest_pair.hpp"
 #include "vo_core/track/visual_track.hpp"
 
 namespace cartvo::vo {
@@ -9,7 +10,6 @@ namespace {
 
 // m and rad, standard deviations of a motion during a standstill.
 constexpr double kStandstillTranslation = 3e-4, kStandstillRotation = 5e-5;
-constexpr double kMotionSignificance = 5.0;  // standard deviations of a motion that is certain
 
 }  // namespace
 
@@ -43,37 +43,55 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   landmarks_when_stopped_ = countWithDepth(landmarks_);
 }
 
-/// Whether the last velocity implies a motion beyond a standstill that exceeds its uncertainty clearly.
-bool VisualTrack::expectsMotion(const PreparedPair& pair) const {
-  if (!velocity_) return false;
-  const Vector6d motion = secondsSinceLast(pair) * *velocity_;
-  const auto is_significant = [&](const auto& part, const auto& stddev) {
-    return part.norm() > kMotionSignificance * stddev.norm();
-  };
-  return standstill_.exceedsLimits(motionFromVector(motion)) &&
-         (is_significant(motion.head<3>(), last_stddev_.head<3>()) ||
-          is_significant(motion.tail<3>(), last_stddev_.tail<3>()));
+/// Localises the right camera of the window's last pair by its own image; empty if that fails. The anchors of
+/// pose_problem_ are those of the landmarks.
+std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<WindowFrame>& window,
+                                                            const std::vector<Landmark>& landmarks) {
+  PoseProblem& problem = pose_problem_;
+  problem.start =
+      window.back().T_world_camera * newestRightFromLeft(timedPoses(window), camera_.baseline).inverse();
+  problem.expected = problem.start;
+  toPosePoints(landmarks, window, camera_, problem.points, chosen_);
+  toRightCameraPoints(landmarks, chosen_, camera_, rig_.correction(), problem.points);
+  if (static_cast<int>(problem.points.size()) < settings_.validity.minimum_matches) return std::nullopt;
+  SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
+  const auto found = pose_finder_.find(problem, settings_.pose_search, random);
+  if (!found || !hasEnoughInliers(*found, settings_.validity)) return std::nullopt;
+  return RightDisplacement{problem.start.inverse() * found->T_world_camera, found->inliers};
 }
 
-/// Checks a left image without motion against the right camera: during a standstill, when a motion was
+/// Compares a left image without motion with the right camera: during a standstill, when a motion was
 /// expected, and when the image equals the previous one.
-void VisualTrack::checkRightCamera(const PreparedPair& pair, bool within_standstill, Draft& draft,
+void VisualTrack::checkRightCamera(const PreparedPair& pair, Draft& draft, IntegrityEvidence& evidence,
                                    StageObserver& observer) {
-  const bool due = standing_ || frozen_camera_.isActive() || pair.repeats.left || expectsMotion(pair);
-  if (!within_standstill || !due) return frozen_camera_.reset();
+  const bool due = standing_ || frozen_camera_.isActive() || evidence.left_repeats ||
+                   standstill_.exceedsLimits(window_.back().T_world_camera.inverse() * expectedPose(pair));
+  if (!evidence.stands || !due) return frozen_camera_.reset();
   const StageScope stage(observer, Stage::disparity);
-  const double offset = std::abs(draft.window.back().offset);
-  const Vector6d slack = 2.0 * offset * velocity_.value_or(Vector6d::Zero());
-  frozen_camera_.update({{tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
-                         pair.left_exposure_ns,
-                         pair.repeats.left,
-                         rig_,
-                         noise_,
-                         admissibleChange(pair),
-                         slack.head<3>().norm(),
-                         slack.tail<3>().norm()},
-                        {window_, landmarks_}, draft.landmarks, {pose_problem_, chosen_, pose_finder_});
+  pose_problem_.admissible_change = admissibleChange(pair);
+  if (!frozen_camera_.isActive()) {
+    const auto before = localiseRight(window_, landmarks_);
+    if (!before) return;  // no right-camera pose: cannot cross-check
+    const double offset = std::abs(draft.window.back().offset);
+    frozen_camera_.start(*before, window_.back().exposure_ns,
+                         2.0 * offset * velocity_.value_or(Vector6d::Zero()));
+  }
+  matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
+                     newestRightFromLeft(timedPoses(draft.window), camera_.baseline), rig_, draft.landmarks);
+  const RightMotion right = frozen_camera_.update(localiseRight(draft.window, draft.landmarks),
+                                                  pair.left_exposure_ns, evidence.left_repeats);
   discardLastStereo(draft.landmarks);
+  evidence.right_moves = right == RightMotion::moves;
+  evidence.right_stays = right == RightMotion::stays;
+}
+
+/// Whether the evidence so far suffices to reject the pair; sets the reason.
+bool VisualTrack::isRejected(const PreparedPair& pair, TrackedMotion& motion) const {
+  const IntegrityAction action = decide(pair.state, motion.evidence).action;
+  if (action == IntegrityAction::measure) return false;
+  motion.reason = action == IntegrityAction::reject ? OdometryReason::repeated_picture
+                                                    : OdometryReason::implausible_motion;
+  return true;
 }
 
 }  // namespace cartvo::vo

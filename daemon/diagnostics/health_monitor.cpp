@@ -68,6 +68,24 @@ std::int8_t sourceCode(capture::InstantSource source) {
   return camera_health_t::ARRIVAL;
 }
 
+std::int8_t stateCode(vo::IntegrityState state) {
+  switch (state) {
+    case vo::IntegrityState::tracking:
+      return health_t::TRACKING;
+    case vo::IntegrityState::standstill:
+      return health_t::STANDSTILL;
+    case vo::IntegrityState::left_frozen:
+      return health_t::LEFT_FROZEN;
+    case vo::IntegrityState::right_frozen:
+      return health_t::RIGHT_FROZEN;
+    case vo::IntegrityState::both_frozen:
+      return health_t::BOTH_FROZEN;
+    case vo::IntegrityState::lost:
+      return health_t::LOST;
+  }
+  return health_t::LOST;
+}
+
 /// NaN if unknown.
 float milliseconds(const std::optional<double>& nanoseconds) {
   return static_cast<float>(1e-6 * nanoseconds.value_or(std::numeric_limits<double>::quiet_NaN()));
@@ -166,6 +184,7 @@ void HealthMonitor::addPair(const PairResult& result, const odometry_t& message)
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
   self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);
+  window_.state = result.estimate.state;
   if (window_.latency.size() >= kMaxWindowPairs) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
   window_.process.push_back(result.times.total * 1e3);
@@ -196,6 +215,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   setCounts(message, snapshot.counts);
   message.estimates_valid = valid_;
   message.estimates_invalid = invalid_;
+  message.odometry_state = stateCode(window_.state);
   message.pair_rate = static_cast<float>(rate(snapshot.counts.pairs, last_pairs_));
   message.offset_ms = static_cast<float>(percentile(window_.offset, 0.5));
   message.latency_p50_ms = static_cast<float>(percentile(window_.latency, 0.5));

@@ -54,6 +54,7 @@ class HealthMonitor {
   /// Statistics of the pairs since the last message.
   struct Window {
     int features = std::numeric_limits<int>::max();                           // smallest target number
+    vo::IntegrityState state = vo::IntegrityState::lost;                      // after the last pair
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
 

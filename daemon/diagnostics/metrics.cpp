@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "vo_core/stage_observer.hpp"
 
@@ -170,6 +171,7 @@ std::string metricsText(const health_t& health, const PairTotals& totals) {
     writer.addOne(name, "gauge", health.*field);
   writer.addOne("features_configured", "gauge", health.features_configured);
   writer.addOne("features_least", "gauge", health.features_least);
+  writer.addOne("odometry_state", "gauge", health.odometry_state);
   writeRotations(writer, "right_rotation_deg", health.right_rotation_deg);
   writeRotations(writer, "right_rotation_deviation_deg", health.right_rotation_deviation_deg);
   writeCameras(writer, health.left, health.right);
@@ -194,7 +196,8 @@ HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_poi
       health.left.state == camera_health_t::REFUSED || health.right.state == camera_health_t::REFUSED;
   if (const char* camera = waitingCamera(health); camera != nullptr && !is_refused)
     return {true, std::string("waiting for ") + camera + problem};
-  return {false, "invalid (" + reasonNames(state.reasons) + ")" + problem};
+  return {false, fmt::format("invalid ({}; {}){}", reasonNames(state.reasons),
+                             odometryStateName(health.odometry_state), problem)};
 }
 
 }  // namespace cartvo::daemon

@@ -55,6 +55,7 @@ std::string healthMembers(const health_t& health) {
        {"pairs_skipped", health.pairs_skipped},
        {"estimates_valid", health.estimates_valid},
        {"estimates_invalid", health.estimates_invalid},
+       {"odometry_state", odometryStateName(health.odometry_state)},
        {"pair_rate", finite(health.pair_rate)},
        {"offset_ms", finite(health.offset_ms)},
        {"offset_stddev_ms", finite(health.clock_deviation_ms)},

@@ -19,6 +19,12 @@ const char* cameraStateName(int state) {
   return named<6>({"connecting", "streaming", "stalled", "refused", "ended", "frozen"}, state);
 }
 
+const char* odometryStateName(int state) {
+  return named<6>(
+      {"tracking", "standstill", "left camera frozen", "right camera frozen", "both cameras frozen", "lost"},
+      state);
+}
+
 const char* instantSourceName(int source) {
   return named<5>({"file", "sender reports", "arrival", "pictures", "kernel"}, source);
 }

@@ -5,6 +5,10 @@ namespace cartvo::daemon {
 /// Name of a value of camera_health_t.state, such as "streaming"; "unknown" for one of a later version.
 const char* cameraStateName(int state);
 
+/// Name of a value of health_t.odometry_state, such as "left camera frozen"; "unknown" for one of a later
+/// version.
+const char* odometryStateName(int state);
+
 /// Name of a value of camera_health_t.instant_source, such as "sender reports"; "unknown" for one of a later
 /// version.
 const char* instantSourceName(int source);

@@ -8,6 +8,7 @@
 #include <pybind11/stl.h>
 
 #include "capture/camera_source.hpp"
+#include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
@@ -150,6 +151,9 @@ void bindHealthMessage(py::module_& module) {
       .def_readonly("pairs_skipped", &Health::pairs_skipped, "dropped because a newer one was available")
       .def_readonly("estimates_valid", &Health::estimates_valid)
       .def_readonly("estimates_invalid", &Health::estimates_invalid)
+      .def_property_readonly(
+          "odometry_state", [](const Health& self) { return daemon::odometryStateName(self.odometry_state); },
+          "such as \"tracking\" or \"left camera frozen\"")
       .def_readonly("pair_rate", &Health::pair_rate, "Hz")
       .def_readonly("offset_ms", &Health::offset_ms, "right minus left exposure, median")
       .def_readonly("latency_p50_ms", &Health::latency_p50_ms, "last packet to publication")

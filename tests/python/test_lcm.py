@@ -33,6 +33,7 @@ def test_health(health_bytes):
     message = cartvo.lcm.decode_health(health_bytes)
     assert message.version == cartvo.__version__ and message.left.state == cartvo.lcm.CameraState.STREAMING
     assert message.pairs > 0 and message.right.frames > 0 and message.left.last_error == ""
+    assert message.odometry_state in ("tracking", "standstill", "lost")
     assert message.right_rotation_deg.shape == (3,)
     assert message.encode() == health_bytes
 

@@ -141,6 +141,8 @@ std::vector<Line> contents(const WatchedState& state, const SpeedHistory& speeds
        Colour::none},
       {"", Colour::none}};
   if (state.health) {
+    lines.push_back(
+        {labelled("state", daemon::odometryStateName(state.health->odometry_state)), Colour::none});
     lines.push_back(cameraLine("left", state.health->left));
     lines.push_back(cameraLine("right", state.health->right));
   } else {

@@ -100,6 +100,7 @@ export function programRows(health) {
     ['Version', health.version],
     ['Running since', `${number(health.uptime_s / 60, 1)} min`],
     ['Pairs', `${health.pairs}, ${number(health.pair_rate, 1, 'Hz')}; ${health.pairs_skipped} skipped, ${health.dropped_no_partner} frames without a partner`],
+    ['State', health.odometry_state],
     ['Estimates', `${health.estimates_valid} valid, ${health.estimates_invalid} invalid`],
     ['Landmarks aimed at', `${health.features_least} of ${health.features_configured}`],
     ['Memory', number(health.memory_mb, 0, 'MB')],
@@ -113,7 +114,7 @@ export function programRows(health) {
 export function sentences(health, reasons) {
   const found = [];
   if (health.problem) found.push(health.problem);
-  if (reasons) found.push(`No valid odometry: ${reasons}.`);
+  if (reasons) found.push(`No valid odometry: ${reasons} (${health.odometry_state}).`);
   for (const side of ['left', 'right']) {
     const camera = health[side];
     if (camera.state && camera.state !== 'streaming' && camera.state !== 'ended')

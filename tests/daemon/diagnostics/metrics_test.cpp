@@ -36,7 +36,7 @@ std::vector<std::string> numbersOf(const std::string& struct_name) {
 TEST(MetricsText, HasEachNumberOfTheHealthMessage) {
   const std::string text = metricsText({}, {});
   const std::vector<std::string> of_daemon = numbersOf("health_t"), of_camera = numbersOf("camera_health_t");
-  EXPECT_EQ(of_daemon.size(), 31U);
+  EXPECT_EQ(of_daemon.size(), 32U);
   EXPECT_EQ(of_camera.size(), 10U);
   for (const std::string& name : of_daemon)
     EXPECT_THAT(text, testing::ContainsRegex("\ncartvo_" + name + "[{ ]"));
@@ -142,8 +142,9 @@ TEST_F(HealthAnswerTest, IsNotHealthyWhileACameraRefusesTheLogin) {
 TEST_F(HealthAnswerTest, IsNotHealthyWhilePicturesGiveNoMotion) {
   state_.last_valid -= milliseconds(1001);
   state_.reasons = odometry_t::REASON_TOO_FEW_FEATURES;
+  state_.health.odometry_state = health_t::LOST;
   EXPECT_FALSE(answer().is_healthy);
-  EXPECT_EQ(answer().line, "invalid (too few features)");
+  EXPECT_EQ(answer().line, "invalid (too few features; lost)");
 }
 
 TEST_F(HealthAnswerTest, IsNotHealthyWithAStalledStage) {

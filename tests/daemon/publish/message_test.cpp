@@ -13,6 +13,7 @@
 #include <regex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <cartvo/health_t.hpp>
 #include <gmock/gmock.h>
@@ -288,6 +289,28 @@ TEST(HealthMessage, ReportsReducedFeatures) {
   const health_t without_pairs = monitor.summarise({}, slow);
   EXPECT_EQ(without_pairs.features_least, 1000);
   EXPECT_EQ(without_pairs.problem, "");
+}
+
+TEST(HealthMessage, HoldsTheStateAfterTheLastPair) {
+  // A copy of each constant: they have no address.
+  const std::vector<std::pair<vo::IntegrityState, int>> codes{
+      {vo::IntegrityState::tracking, +health_t::TRACKING},
+      {vo::IntegrityState::standstill, +health_t::STANDSTILL},
+      {vo::IntegrityState::left_frozen, +health_t::LEFT_FROZEN},
+      {vo::IntegrityState::right_frozen, +health_t::RIGHT_FROZEN},
+      {vo::IntegrityState::both_frozen, +health_t::BOTH_FROZEN},
+      {vo::IntegrityState::lost, +health_t::LOST}};
+  HealthMonitor monitor{{}};
+  PairResult result = validResult();
+  for (const auto& [state, code] : codes) {
+    result.estimate.state = state;
+    monitor.addPair(result, odometryMessage(result));
+    EXPECT_EQ(monitor.summarise({}, snapshot(1)).odometry_state, code);
+  }
+  result.estimate.state = vo::IntegrityState::tracking;
+  monitor.addPair(result, odometryMessage(result));
+  monitor.summarise({}, snapshot(1));
+  EXPECT_EQ(monitor.summarise({}, snapshot(1)).odometry_state, +health_t::LOST) << "no pair";
 }
 
 TEST(HealthMessage, HoldsSelfCheckResult) {

@@ -54,6 +54,16 @@ TEST(DaemonChecks, AcceptAHealthyDaemon) {
   EXPECT_EQ(worstVerdict(camera), Verdict::ok) << areaText(camera);
 }
 
+TEST(DaemonChecks, NameTheStateOfTheOdometry) {
+  health_t health = goodHealth();
+  health.odometry_state = health_t::STANDSTILL;
+  EXPECT_EQ(worstVerdict(checked(health)), Verdict::ok);
+  health.odometry_state = health_t::LEFT_FROZEN;
+  EXPECT_THAT(findingOf(checked(health), "odometry"), Saw(Verdict::broken, "left camera frozen"));
+  health.odometry_state = health_t::LOST;
+  EXPECT_THAT(findingOf(checked(health), "odometry"), Saw(Verdict::look_at, "lost"));
+}
+
 TEST(DaemonChecks, LookAtProblemsOfTheDaemon) {
   health_t health = goodHealth();
   health.version = "0.0.1";

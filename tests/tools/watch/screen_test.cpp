@@ -49,10 +49,11 @@ std::string textOf(const WatchedState& state, std::size_t columns, std::size_t r
 }
 
 TEST(WatchScreen, ShowsMotionTimesAndBothCameras) {
-  EXPECT_THAT(textOf(exampleState(), 100, 40, false),
-              AllOf(HasSubstr("+3.21 m/s forward"), HasSubstr("deg/s"), HasSubstr("+0.40 ms"),
-                    HasSubstr("18.0 pairs/s"), HasSubstr("left        streaming"),
-                    HasSubstr("right       streaming"), HasSubstr("no problem"), Not(HasSubstr("\x1b"))));
+  EXPECT_THAT(
+      textOf(exampleState(), 100, 40, false),
+      AllOf(HasSubstr("+3.21 m/s forward"), HasSubstr("deg/s"), HasSubstr("+0.40 ms"),
+            HasSubstr("18.0 pairs/s"), HasSubstr("state       tracking"), HasSubstr("left        streaming"),
+            HasSubstr("right       streaming"), HasSubstr("no problem"), Not(HasSubstr("\x1b"))));
 }
 
 TEST(WatchScreen, SaysWhyAMessageIsNotValidAndThatNoneComes) {

@@ -11,6 +11,7 @@
 
 #include "capture/isapi/http_connection.hpp"
 #include "daemon/diagnostics/readout_check.hpp"
+#include "daemon/publish/camera_health_names.hpp"
 
 namespace cartvo::doctor {
 namespace {
@@ -36,6 +37,16 @@ void checkSpeed(const health_t& health, FindingList& findings) {
                    health.features_configured, health.pairs_skipped),
        fmt::format("latency below {:.0f} ms, all features", kMaxLatency_ms),
        "stop other programs, or lower odometry.features"});
+}
+
+/// A frozen camera is a fault; a loss of tracking may be the place.
+void checkOdometryState(const health_t& health, FindingList& findings) {
+  const bool measures =
+      health.odometry_state == health_t::TRACKING || health.odometry_state == health_t::STANDSTILL;
+  const Verdict verdict = health.odometry_state == health_t::LOST ? Verdict::look_at : Verdict::broken;
+  findings.add("odometry", okIf(measures, verdict),
+               {daemon::odometryStateName(health.odometry_state), "tracking or standstill",
+                "a frozen camera: switch it off and on; lost: see docs/troubleshooting.md for the reasons"});
 }
 
 void checkOffset(const health_t& health, const daemon::Configuration& configuration, FindingList& findings) {
@@ -111,6 +122,7 @@ void checkHealth(const health_t& health, const daemon::Configuration& configurat
        CARTVO_VERSION, "restart cartvod after an update"});
   addText("problem", health.problem, findings);
   addText("self-check", health.self_check, findings);
+  checkOdometryState(health, findings);
   checkSpeed(health, findings);
   checkOffset(health, configuration, findings);
   checkEstimatedReadouts(health, rig_readouts, findings);

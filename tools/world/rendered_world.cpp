@@ -12,11 +12,14 @@
 
 #include "tools/world/motion/drive.hpp"
 #include "tools/world/motion/mount_shake.hpp"
+#include "tools/world/motion/wind.hpp"
 #include "tools/world/render/lens.hpp"
+#include "tools/world/render/lens_drops.hpp"
 #include "tools/world/render/photometry.hpp"
 #include "tools/world/render/renderer.hpp"
 #include "tools/world/render/scene.hpp"
 #include "tools/world/render/veiling_glare.hpp"
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/scene/campus.hpp"
 #include "tools/world/scene/steps.hpp"
 #include "tools/world/scene/traffic.hpp"
@@ -75,8 +78,7 @@ std::size_t sideIndex(capture::CameraSide side) {
 }
 
 TextureStyle styleOf(const WorldSettings& settings) {
-  const bool smooth = settings.scenario == Scenario::low_texture || settings.scenario == Scenario::motorway;
-  return {smooth ? 0.3F : 1.0F, static_cast<std::uint32_t>(settings.seed) * 7919U};
+  return {traitsOf(settings.scenario).texture_contrast, static_cast<std::uint32_t>(settings.seed) * 7919U};
 }
 
 /// Seed of the sample patterns from the camera pose, rounded to 0.01 mm and 1 urad. A camera at standstill
@@ -189,11 +191,13 @@ class RenderedWorld::Implementation {
     SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
         : campus(buildCampus(path, settings)),
           traffic(path, drive, settings, campus),
+          wind(path, settings, campus),
           scene(campus.meshes, campus.instances,
                 settings.left_readout == 0.0 && settings.right_readout == 0.0 ? 1 : kTimeSteps) {}
 
     Campus campus;
     Traffic traffic;
+    Wind wind;
     Scene scene;
   };
 
@@ -207,6 +211,7 @@ class RenderedWorld::Implementation {
     for (int step = 0; step < scene.timeSteps(); ++step) {
       const double share = scene.timeSteps() == 1 ? 0.0 : static_cast<double>(step) / (kTimeSteps - 1) - 0.5;
       scene_state->traffic.placeAt(seconds + share * readout, scene_state->campus.instances);
+      scene_state->wind.placeAt(seconds + share * readout, scene_state->campus.instances);
       scene.place(step);
     }
     scene.update();
@@ -241,6 +246,9 @@ class RenderedWorld::Implementation {
     cv::Mat radiance =
         renderRadiance(scene_state->scene, lighting, style, sampling, rowViewAt(seconds, camera));
     addVeilingGlare(radiance, (camera == 0 ? rig.left : rig.right).fx);
+    if (traitsOf(settings.scenario).drops_on_lens)
+      addLensDrops(radiance,
+                   hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(camera)}));
     return radiance;
   }
 

@@ -8,7 +8,7 @@
 namespace cartvo::world {
 namespace {
 
-constexpr std::array<std::pair<Scenario, std::string_view>, 16> kNames{{
+constexpr std::array<std::pair<Scenario, std::string_view>, 25> kNames{{
     {Scenario::campus, "campus"},
     {Scenario::loop, "loop"},
     {Scenario::turns, "turns"},
@@ -25,6 +25,15 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 16> kNames{{
     {Scenario::motorway, "motorway"},
     {Scenario::rough, "rough"},
     {Scenario::rough_road, "rough_road"},
+    {Scenario::garage, "garage"},
+    {Scenario::hedges, "hedges"},
+    {Scenario::rain, "rain"},
+    {Scenario::flicker, "flicker"},
+    {Scenario::slope, "slope"},
+    {Scenario::bridge, "bridge"},
+    {Scenario::crowd, "crowd"},
+    {Scenario::wind, "wind"},
+    {Scenario::tunnel, "tunnel"},
 }};
 
 }  // namespace

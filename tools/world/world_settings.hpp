@@ -27,6 +27,15 @@ enum class Scenario : std::uint8_t {
   motorway,     ///< fast in a wide bend on smooth asphalt, all else far away: few near points
   rough,        ///< no road: pitch and roll of some degrees, kicks in yaw and pitch within a frame period
   rough_road,   ///< a road with potholes: vertical accelerations of 3 g at the cameras
+  garage,       ///< a parking garage: lamps, a low ceiling, columns, equal bays
+  hedges,       ///< a narrow winding path with tall hedges close on both sides
+  rain,         ///< drops on both lenses, an overcast sky
+  flicker,      ///< a low sun behind the trees of an avenue: light and shadow alternate
+  slope,        ///< a road up and down steep hills
+  bridge,       ///< a high bridge with railings of equal bars before a far background
+  crowd,        ///< slow, among many walking people
+  wind,         ///< trees and bushes that sway, leaves blown over the road
+  tunnel,       ///< out of a dark tunnel into daylight
 };
 
 /// All scenarios in the order of the enumeration.

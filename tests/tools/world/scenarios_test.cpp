@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "tools/world/render/lens_drops.hpp"
 #include "tools/world/rendered_world.hpp"
 #include "tools/world/scene/steps.hpp"
 
@@ -154,6 +156,69 @@ TEST(RenderedWorldScenarios, UnderpassDarkensAndBrightensWithinOneSecond) {
   EXPECT_GT(rise, 1.2);
   EXPECT_GT(stops.front() - *darkest, 3.5);
   EXPECT_GT(*std::max_element(darkest, stops.end()) - *darkest, 3.5);
+}
+
+/// Largest and smallest pitch of the body in the axes of its start, rad; nose down is positive.
+std::pair<double, double> pitchRange(const RenderedWorld& world, double seconds) {
+  double low = 0.0, high = 0.0;
+  for (const double t : world::stepsBelow(seconds, 0.0, 0.1)) {
+    const double pitch = std::asin(-world.T_world_body(t).linear()(2, 0));
+    low = std::min(low, pitch);
+    high = std::max(high, pitch);
+  }
+  return {low, high};
+}
+
+TEST(RenderedWorldScenarios, SlopePitchesTheCart) {
+  const auto [low, high] = pitchRange(RenderedWorld(smallDrive(Scenario::slope, 15.0)), 15.0);
+  EXPECT_GT(high - low, 0.15);
+  const auto [level_low, level_high] = pitchRange(RenderedWorld(smallDrive(Scenario::campus, 15.0)), 15.0);
+  EXPECT_LT(level_high - level_low, 0.1);
+}
+
+TEST(RenderedWorldScenarios, TunnelEndsInDaylight) {
+  const RenderedWorld world(smallDrive(Scenario::tunnel));
+  EXPECT_GT(std::log2(world.meanRadiance(9.5) / world.meanRadiance(0.0)), 2.0);
+}
+
+TEST(RenderedWorldScenarios, CrowdCoversPartOfTheImage) {
+  const std::vector<double> shares = sortedMovingFractions(RenderedWorld(smallDrive(Scenario::crowd)), 36);
+  ASSERT_FALSE(shares.empty());
+  EXPECT_GT(shares[shares.size() / 2], 0.1);
+}
+
+/// Fraction of the left image that changes by more than two grey levels between two instants of the lead-in.
+double changeAtStandstill(Scenario scenario) {
+  WorldSettings settings = smallDrive(scenario, 4.0);
+  settings.noise = 0.0;
+  const RenderedWorld world(settings);
+  const cv::Mat first = world.image(2, capture::CameraSide::left);
+  const cv::Mat second = world.image(14, capture::CameraSide::left);
+  cv::Mat difference;
+  cv::absdiff(first, second, difference);
+  return cv::countNonZero(difference > 2) / static_cast<double>(difference.total());
+}
+
+TEST(RenderedWorldScenarios, WindMovesTheFoliage) {
+  EXPECT_GT(changeAtStandstill(Scenario::wind), 3.0 * changeAtStandstill(Scenario::campus));
+}
+
+/// Pixels of a random image that drops change, 255 or 0.
+cv::Mat changedByDrops(std::uint64_t image_seed, std::uint32_t drop_seed) {
+  cv::Mat image(105, 170, CV_32FC1);
+  cv::RNG(image_seed).fill(image, cv::RNG::UNIFORM, 0.5, 1.5);
+  cv::Mat wet = image.clone();
+  world::addLensDrops(wet, drop_seed);
+  return wet != image;
+}
+
+TEST(RenderedWorldScenarios, DropsStayWhereTheyAreInTheImage) {
+  const cv::Mat drops = changedByDrops(1, 5);
+  const double share = cv::countNonZero(drops) / static_cast<double>(drops.total());
+  EXPECT_GT(share, 0.05);
+  EXPECT_LT(share, 0.4);
+  EXPECT_EQ(cv::norm(drops, changedByDrops(2, 5), cv::NORM_INF), 0.0);
+  EXPECT_GT(cv::norm(drops, changedByDrops(1, 6), cv::NORM_INF), 0.0);
 }
 
 TEST(RenderedWorldScenarios, GlareSaturatesPartOfTheImage) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/world/motion/speed_profile.hpp"
-#include "tools/world/scene/terrain.hpp"
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/surface/hash.hpp"
 #include "tools/world/surface/noise.hpp"
 
@@ -34,13 +34,6 @@ struct Spring {
 double roughness(double distance, double lateral, double amplitude, std::uint32_t seed) {
   return amplitude *
          noise(static_cast<float>(distance), static_cast<float>(lateral), 0.3F, {9.6F, 0.6F, 0.62F}, seed);
-}
-
-double roughnessAmplitude(Scenario scenario) {
-  if (scenario == Scenario::bumpy || scenario == Scenario::rough_road) return 0.032;
-  if (scenario == Scenario::rough) return 0.06;
-  if (scenario == Scenario::motorway) return 0.001;
-  return scenario == Scenario::low_texture ? 0.003 : 0.006;
 }
 
 /// Kicks of a rough road in one axis: impulses of acceleration, one at a random instant of each second.
@@ -98,11 +91,13 @@ KickRates kickRates(Scenario scenario) {
 }  // namespace
 
 Drive::Drive(const Path& path, const WorldSettings& settings)
-    : path_(path), speed_(kSpeedStep, speedProfile(path, settings)) {
+    : path_(path),
+      terrain_(traitsOf(settings.scenario).terrain),
+      speed_(kSpeedStep, speedProfile(path, settings)) {
   constexpr double kPitchPerAcceleration = -0.011;  // rad/(m/s^2): the nose rises under acceleration
   constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): the body rolls outward in a bend
   const auto seed = hashOf({static_cast<std::uint32_t>(settings.seed), 501U});
-  const double amplitude = roughnessAmplitude(settings.scenario);
+  const double amplitude = traitsOf(settings.scenario).roughness;
   const auto wheel_height = [&](double distance, int wheel) {
     return roughness(distance + ((wheel & 2) != 0 ? kWheelbase : 0.0),
                      (wheel & 1) != 0 ? 0.5 * kTrack : -0.5 * kTrack, amplitude, seed);
@@ -160,7 +155,7 @@ Eigen::Isometry3d Drive::T_map_body(double seconds) const {
                      Eigen::AngleAxisd(roll_.value(seconds), Eigen::Vector3d::UnitX()))
                         .toRotationMatrix();
   if (yaw_) sprung.rotate(Eigen::AngleAxisd(yaw_->value(seconds), Eigen::Vector3d::UnitZ()));
-  return groundPose(path_.at(distance(seconds)), 0.0, kWheelbase) * sprung;
+  return groundPose(terrain_, path_.at(distance(seconds)), 0.0, kWheelbase) * sprung;
 }
 
 }  // namespace cartvo::world

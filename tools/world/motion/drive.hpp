@@ -5,6 +5,7 @@
 
 #include "tools/world/motion/uniform_spline.hpp"
 #include "tools/world/scene/path.hpp"
+#include "tools/world/scene/terrain.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::world {
@@ -25,6 +26,7 @@ class Drive {
 
  private:
   const Path& path_;
+  Terrain terrain_;
   UniformSpline speed_;
   UniformSpline heave_;               ///< m
   UniformSpline pitch_;               ///< rad, nose down is positive

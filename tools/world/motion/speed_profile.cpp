@@ -39,6 +39,10 @@ double wantedSpeed(Scenario scenario, double time) {
       return 0.0;
     case Scenario::traffic:
       return 3.6 + 0.8 * std::sin(0.4 * time);
+    case Scenario::garage:
+      return 2.6 + 0.3 * std::sin(0.83 * time);
+    case Scenario::crowd:
+      return 1.6 + 0.4 * std::sin(0.83 * time);
     case Scenario::stop_and_go:
       return std::fmod(time, 11.0) < 6.5 ? cruise : 0.0;
     case Scenario::reversing: {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "tools/world/scene/terrain.hpp"
 #include "tools/world/surface/hash.hpp"
 
 namespace cartvo::world {
@@ -159,8 +158,9 @@ bool covers(const Building& building, const Eigen::Vector2d& point, double margi
          std::abs(offset.dot(y)) < 0.5 * building.depth + margin;
 }
 
-void addBuilding(Mesh& mesh, const Building& building) {
-  const auto ground = static_cast<float>(terrainHeight(building.centre.x(), building.centre.y())) - 0.25F;
+void addBuilding(Mesh& mesh, const Building& building, const Terrain& terrain) {
+  const auto ground =
+      static_cast<float>(terrain.landHeight(building.centre.x(), building.centre.y())) - 0.25F;
   const auto yaw = static_cast<float>(building.yaw);
   const Vector3f x = static_cast<float>(building.length) * Vector3f(std::cos(yaw), std::sin(yaw), 0.0F);
   const Vector3f y = static_cast<float>(building.depth) * Vector3f(-std::sin(yaw), std::cos(yaw), 0.0F);
@@ -178,7 +178,9 @@ void addBuilding(Mesh& mesh, const Building& building) {
     addWall(mesh, wall, building, height, 20U + i);
     offset += wall.length;
   }
-  mesh.addBox(centre - Vector3f(0, 0, 0.6F), Vector3f(x.norm() + 0.08F, y.norm() + 0.08F, 1.15F), yaw,
+  const float deeper = 0.6F * static_cast<float>(terrain.relief - 1.0);  // on steep ground
+  mesh.addBox(centre - Vector3f(0, 0, 0.6F + deeper),
+              Vector3f(x.norm() + 0.08F, y.norm() + 0.08F, 1.15F + deeper), yaw,
               {Material::concrete, hashOf({building.seed, 9U}), 0.3F});
   addRoof(mesh, foot, building, height);
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "tools/world/scene/mesh.hpp"
+#include "tools/world/scene/terrain.hpp"
 
 namespace cartvo::world {
 
@@ -22,6 +23,6 @@ struct Building {
 bool covers(const Building& building, const Eigen::Vector2d& point, double margin);
 
 /// Adds a house to `mesh`: walls with recessed windows, doors and sills, plinth and roof.
-void addBuilding(Mesh& mesh, const Building& building);
+void addBuilding(Mesh& mesh, const Building& building, const Terrain& terrain);
 
 }  // namespace cartvo::world

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/scene/furniture.hpp"
+#include "tools/world/scene/garage.hpp"
 #include "tools/world/scene/steps.hpp"
-#include "tools/world/scene/terrain.hpp"
 #include "tools/world/scene/underpass.hpp"
 #include "tools/world/scene/vegetation.hpp"
 #include "tools/world/scene/vehicle.hpp"
@@ -20,27 +21,8 @@ using Eigen::Vector2d;
 
 constexpr double kLeafDetailRange = 28.0;  // m from the path; farther trees use sprays of leaves
 constexpr double kOpenClearance = 45.0;    // m from the path; open land has no objects nearer
-
-std::vector<Vector2d> loopPolygon(Scenario scenario) {
-  if (scenario == Scenario::turns) {
-    return {{0, 0},     {18, 0},    {34, 17},   {56, -3},  {78, 15},  {97, -12},
-            {80, -33},  {97, -55},  {70, -70},  {52, -50}, {34, -69}, {12, -50},
-            {-10, -66}, {-30, -45}, {-18, -24}, {-38, -8}, {-20, 0}};
-  }
-  if (scenario == Scenario::loop) {
-    return {{0, 0}, {45, 0}, {62, -21}, {62, -59}, {38, -80}, {-13, -80}, {-38, -57}, {-38, -19}};
-  }
-  if (scenario == Scenario::motorway) {
-    return {{0, 0}, {250, -40}, {420, -220}, {420, -480}, {250, -650}, {0, -690}, {-180, -520}, {-180, -170}};
-  }
-  return {{0, 0},    {70, 0},   {92, -27},  {138, -27}, {138, -95},
-          {52, -95}, {34, -72}, {-20, -72}, {-45, -52}, {-45, 0}};
-}
-
-double cornerRadius(Scenario scenario) {  // m
-  if (scenario == Scenario::turns) return 7.5;
-  return scenario == Scenario::motorway ? 200.0 : 11.5;
-}
+constexpr float kTreeSway = 0.03F;         // see Instance::sway
+constexpr float kBushSway = 0.15F;
 
 /// Adds objects to a campus and keeps the ground plans of its buildings to avoid collisions.
 class Layout {
@@ -49,8 +31,7 @@ class Layout {
       : path_(path),
         campus_(campus),
         random_(hashOf({static_cast<std::uint32_t>(settings.seed), 101U})),
-        sparse_(settings.scenario == Scenario::low_texture || settings.scenario == Scenario::motorway),
-        open_(settings.scenario == Scenario::motorway) {
+        traits_(traitsOf(settings.scenario)) {
     for (const double s : stepsBelow(path.length(), 0.0, 2.0))
       samples_.push_back(path.at(s));
   }
@@ -58,6 +39,8 @@ class Layout {
   void addUnderpasses(const std::vector<Underpass>& underpasses);
   void addBuildings();
   void addBorders();
+  void addLining();
+  void addAvenue();
   void addTrees();
   void addStreetFurniture();
   void addParkedCars();
@@ -71,7 +54,7 @@ class Layout {
 
   /// Whether a disc at `place` lies outside road and pavements.
   bool clearOfRoad(const Vector2d& place, double radius) const {
-    if (open_ && distanceToPath(place) < kOpenClearance + radius) return false;
+    if (traits_.open && distanceToPath(place) < kOpenClearance + radius) return false;
     for (const PathPoint& p : samples_) {
       const Vector2d offset = place - p.position;
       if (offset.squaredNorm() > 900.0) continue;
@@ -91,7 +74,7 @@ class Layout {
   void tryBuilding(const Vector2d& centre, double yaw, int max_storeys);
   void place(std::uint32_t mesh, const Vector2d& at, double yaw, double scale);
   Vector2d randomPosition(double margin);
-  static Eigen::Affine3f placementOnGround(const Vector2d& at, double yaw);
+  Eigen::Affine3f placementOnGround(const Vector2d& at, double yaw) const;
   double distanceToPath(const Vector2d& at) const {
     double nearest = 1e9;
     for (const PathPoint& p : samples_)
@@ -102,8 +85,7 @@ class Layout {
   const Path& path_;
   Campus& campus_;
   Random random_;
-  bool sparse_;  ///< few objects
-  bool open_;    ///< no objects within kOpenClearance of the path
+  const ScenarioTraits traits_;
   std::vector<PathPoint> samples_;
   std::vector<Building> buildings_;
 };
@@ -137,24 +119,25 @@ void Layout::tryBuilding(const Vector2d& centre, double yaw, int max_storeys) {
   house.storeys = 1 + random_.below(max_storeys);
   const double kind = random_.uniform(0.0, 1.0);
   house.wall = kind < 0.5 ? Material::brick : kind < 0.75 ? Material::plaster : Material::concrete;
-  if (sparse_) house.wall = Material::plaster;
+  if (traits_.sparse) house.wall = Material::plaster;
   house.seed = random_.bits();
   if (!hasRoom(house)) return;
   buildings_.push_back(house);
-  addBuilding(fixed(), house);
+  addBuilding(fixed(), house, traits_.terrain);
 }
 
 void Layout::addUnderpasses(const std::vector<Underpass>& underpasses) {
   for (const Underpass& underpass : underpasses) {
-    addUnderpass(fixed(), underpass, path_);
+    addUnderpass(fixed(), underpass, path_, traits_.terrain);
     buildings_.push_back(groundPlan(underpass));
   }
 }
 
 void Layout::addBuildings() {
+  if (!traits_.houses) return;
   for (const double s : stepsBelow(path_.length(), 0.0, 3.0)) {
     for (const double side : {1.0, -1.0}) {
-      if (random_.chance(sparse_ ? 0.75 : 0.35)) continue;
+      if (random_.chance(traits_.sparse ? 0.75 : 0.35)) continue;
       const PathPoint p = path_.at(s);
       const double border = side > 0.0 ? campus_.road.leftBorder() : -campus_.road.rightBorder();
       const double setback = border + random_.uniform(2.2, 9.0) + 6.0;
@@ -162,13 +145,13 @@ void Layout::addBuildings() {
       tryBuilding(p.beside(side * setback), yaw + random_.uniform(-0.06, 0.06), 3);
     }
   }
-  for (int i = 0; i < (sparse_ ? 60 : 260); ++i) {
+  for (int i = 0; i < (traits_.sparse ? 60 : 260); ++i) {
     tryBuilding(randomPosition(75.0), random_.uniform(0.0, std::numbers::pi), 6);
   }
 }
 
 void Layout::addBorders() {
-  if (sparse_) return;
+  if (traits_.sparse || traits_.lining != Lining::none) return;
   for (const double side : {1.0, -1.0}) {
     double s = random_.uniform(0.0, 8.0);
     while (s < path_.length() - 20.0) {
@@ -187,18 +170,61 @@ void Layout::addBorders() {
         continue;
       const double kind = random_.uniform(0.0, 1.0);
       if (kind < 0.35) {
-        addFence(fixed(), from, to, random_.bits());
+        addFence(fixed(), from, to, random_.bits(), traits_.terrain);
       } else if (kind < 0.68) {
-        addHedge(fixed(), from, to, random_.bits());
+        addHedge(fixed(), from, to, random_.bits(), traits_.terrain);
       } else {
-        addGardenWall(fixed(), from, to, random_.bits());
+        addGardenWall(fixed(), from, to, random_.bits(), traits_.terrain);
       }
     }
   }
 }
 
-Eigen::Affine3f Layout::placementOnGround(const Vector2d& at, double yaw) {
-  const Eigen::Vector3d foot(at.x(), at.y(), terrainHeight(at.x(), at.y()) - 0.08);
+/// Lines both borders of the road with equal pieces. Hedges come in few variants; railings are all the same.
+void Layout::addLining() {
+  constexpr double kPieceLength = 2.0;  // m
+  constexpr int kHedges = 3;
+  if (traits_.lining == Lining::none) return;
+  const bool hedge = traits_.lining == Lining::hedge;
+  std::vector<std::uint32_t> pieces;
+  for (int i = 0; i < (hedge ? kHedges : 1); ++i) {
+    pieces.push_back(
+        addMesh(hedge ? makeHedgePiece(random_.bits(), kPieceLength, 2.1) : makeRailingPiece(kPieceLength)));
+  }
+  const double beyond_border = hedge ? 0.6 : -0.1;
+  const double spacing = hedge ? 0.75 * kPieceLength : kPieceLength;  // hedges overlap, in bends too
+  for (const double s : stepsBelow(path_.length(), 0.0, spacing)) {
+    const PathPoint p = path_.at(s);
+    for (const double lateral :
+         {campus_.road.leftBorder() + beyond_border, campus_.road.rightBorder() - beyond_border}) {
+      Instance piece;
+      piece.mesh = pieces[static_cast<std::size_t>(random_.below(static_cast<int>(pieces.size())))];
+      piece.placement = Eigen::Affine3f(
+          groundPose(traits_.terrain, p, clampWithinBend(p, lateral), kPieceLength).matrix().cast<float>());
+      campus_.instances.push_back(piece);
+    }
+  }
+}
+
+/// Plants trees at equal distances along both borders of the road.
+void Layout::addAvenue() {
+  constexpr double kSpacing = 6.5;  // m
+  if (!traits_.avenue) return;
+  std::vector<std::uint32_t> trees;
+  for (int i = 0; i < 4; ++i)
+    trees.push_back(addMesh(makeTree(random_.bits(), Detail::leaves)));
+  for (const double s : stepsBelow(path_.length(), 0.0, kSpacing)) {
+    const PathPoint p = path_.at(s);
+    for (const double lateral : {campus_.road.leftBorder() + 0.8, campus_.road.rightBorder() - 0.8}) {
+      place(trees[static_cast<std::size_t>(random_.below(4))], p.beside(lateral), random_.uniform(0.0, 6.28),
+            random_.uniform(0.95, 1.1));
+      if (traits_.wind) campus_.instances.back().sway = kTreeSway;
+    }
+  }
+}
+
+Eigen::Affine3f Layout::placementOnGround(const Vector2d& at, double yaw) const {
+  const Eigen::Vector3d foot(at.x(), at.y(), traits_.terrain.landHeight(at.x(), at.y()) - 0.08);
   return Eigen::Translation3f(foot.cast<float>()) *
          Eigen::Affine3f(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
 }
@@ -217,6 +243,7 @@ void Layout::addTrees() {
   std::vector<std::uint32_t> near_trees;
   std::vector<std::uint32_t> far_trees;
   std::vector<Mesh> bushes;
+  std::vector<std::uint32_t> swaying_bushes;
   std::vector<Mesh> tufts;
   for (int i = 0; i < kKinds; ++i) {
     const std::uint32_t seed = random_.bits();
@@ -224,6 +251,7 @@ void Layout::addTrees() {
     far_trees.push_back(addMesh(makeTree(seed, Detail::sprays)));
     bushes.push_back(makeBush(random_.bits()));
     tufts.push_back(makeTuft(random_.bits()));
+    if (traits_.wind) swaying_bushes.push_back(addMesh(bushes.back()));
   }
   const auto has_room = [&](const Vector2d& at, double room) {
     return clearOfRoad(at, 0.4) && clearOfBuildings(at, room);
@@ -233,6 +261,7 @@ void Layout::addTrees() {
     const bool near = distanceToPath(at) < kLeafDetailRange;
     place((near ? near_trees : far_trees)[random_.below(kKinds)], at, random_.uniform(0.0, 6.28),
           random_.uniform(from, to));
+    if (traits_.wind && near) campus_.instances.back().sway = kTreeSway;
   };
   const auto plant_small = [&](const std::vector<Mesh>& kinds, const Vector2d& at, double room, double from,
                                double to) {
@@ -242,7 +271,14 @@ void Layout::addTrees() {
                     placementOnGround(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale),
                     random_.bits());
   };
-  const double density = sparse_ ? 0.12 : 1.0;
+  const auto plant_bush = [&](const Vector2d& at) {
+    if (!traits_.wind) return plant_small(bushes, at, 0.9, 0.5, 1.3);
+    if (!has_room(at, 0.9)) return;
+    place(swaying_bushes[static_cast<std::size_t>(random_.below(kKinds))], at, random_.uniform(0.0, 6.28),
+          random_.uniform(0.5, 1.3));
+    campus_.instances.back().sway = kBushSway;
+  };
+  const double density = traits_.sparse ? 0.12 : 1.0;
   for (const double s : stepsBelow(path_.length(), 0.0, 1.0)) {
     for (const double side : {1.0, -1.0}) {
       const PathPoint p = path_.at(s + random_.uniform(-0.5, 0.5));
@@ -251,7 +287,7 @@ void Layout::addTrees() {
         return p.beside(border + side * random_.uniform(from, to));
       };
       if (random_.chance(0.075 * density)) plant_tree(off(1.4, 5.5), 0.65, 1.2);
-      if (random_.chance(0.12 * density)) plant_small(bushes, off(1.0, 5.0), 0.9, 0.5, 1.3);
+      if (random_.chance(0.12 * density)) plant_bush(off(1.0, 5.0));
       if (random_.chance(0.9 * density)) plant_small(tufts, off(0.15, 2.4), 0.3, 0.5, 1.3);
     }
   }
@@ -260,14 +296,14 @@ void Layout::addTrees() {
   for (int i = 0; i < 240; ++i) {  // a belt of trees around the campus
     const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random_.uniform(170.0, 230.0);
-    plant_tree(open_ ? randomPosition(120.0)
-                     : Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)),
+    plant_tree(traits_.open ? randomPosition(120.0)
+                            : Vector2d(45.0 + radius * std::cos(angle), -45.0 + radius * std::sin(angle)),
                1.0, 1.9);
   }
 }
 
 void Layout::addStreetFurniture() {
-  if (sparse_) return;
+  if (traits_.sparse || traits_.lining != Lining::none) return;
   const std::uint32_t lamp = addMesh(makeLampPost());
   const std::uint32_t bollard = addMesh(makeBollard());
   const std::uint32_t bench = addMesh(makeBench());
@@ -299,7 +335,7 @@ void Layout::addStreetFurniture() {
 }
 
 void Layout::addParkedCars() {
-  if (sparse_ || campus_.road.left_kerb < 7.0) return;
+  if (traits_.sparse || campus_.road.left_kerb < 7.0) return;
   std::vector<std::uint32_t> kinds;
   kinds.reserve(3);
   for (int i = 0; i < 3; ++i)
@@ -311,18 +347,14 @@ void Layout::addParkedCars() {
     if (random_.chance(0.4) || std::abs(p.curvature) > 0.02) continue;
     const int kind = random_.chance(0.15) ? 2 : random_.below(2);
     const double wheelbase = vehicleWheelbase(static_cast<VehicleKind>(kind));
-    Instance car;
-    car.mesh = kinds[kind];
-    Eigen::Isometry3d pose =
-        groundPose(p, campus_.road.left_kerb - 1.15 + random_.uniform(-0.12, 0.1), wheelbase);
+    Eigen::Isometry3d pose = groundPose(
+        traits_.terrain, p, campus_.road.left_kerb - 1.15 + random_.uniform(-0.12, 0.1), wheelbase);
     const double turned = (random_.chance(0.5) ? 0.0 : std::numbers::pi) + random_.uniform(-0.03, 0.03);
     pose = pose * Eigen::Translation3d(0.5 * wheelbase, 0.0, 0.0) *
            Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) *
            Eigen::Translation3d(-0.5 * wheelbase, 0.0, 0.0);
-    car.placement = Eigen::Affine3f(pose.matrix().cast<float>());
-    car.seed = random_.bits();
-    car.tone_shift = static_cast<float>(random_.uniform(-0.45, 0.5));
-    campus_.instances.push_back(car);
+    campus_.instances.push_back(paintedInstance(kinds[kind], random_));
+    campus_.instances.back().placement = Eigen::Affine3f(pose.matrix().cast<float>());
   }
 }
 
@@ -330,28 +362,35 @@ void Layout::addParkedCars() {
 
 Path campusPath(const WorldSettings& settings) {
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 102U}));
-  std::vector<Vector2d> polygon = loopPolygon(settings.scenario);
-  const double reach = settings.scenario == Scenario::turns ? 1.0 : 4.0;
+  const ScenarioTraits traits = traitsOf(settings.scenario);
+  std::vector<Vector2d> polygon = traits.polygon;
+  const double reach = traits.corner_scatter;
   for (Vector2d& corner : polygon) {
     const double north =
         random.uniform(-reach, reach);  // drawn first: the evaluation order of arguments is unspecified
     corner += Vector2d(random.uniform(-reach, reach), north);
   }
-  return Path(polygon, cornerRadius(settings.scenario));
+  return Path(polygon, traits.corner_radius);
 }
 
 Campus buildCampus(const Path& path, const WorldSettings& settings) {
+  const ScenarioTraits traits = traitsOf(settings.scenario);
   Campus campus;
-  if (settings.scenario == Scenario::turns) campus.road.left_kerb = 2.6;
-  if (settings.scenario == Scenario::motorway) campus.road = {-7.0, 16.0, 2.0};
+  campus.road = traits.road;
   campus.meshes.emplace_back();
   campus.instances.emplace_back();
-  addRoad(campus.meshes.front(), path, campus.road);
-  addGrassland(campus.meshes.front(), path);
+  if (traits.garage) {
+    addGarage(campus, path, settings.seed);
+    return campus;
+  }
+  addRoad(campus.meshes.front(), path, campus.road, traits.terrain);
+  addGrassland(campus.meshes.front(), path, traits.terrain);
   Layout layout(path, settings, campus);
   layout.addUnderpasses(underpasses(path, settings));
   layout.addBuildings();
   layout.addBorders();
+  layout.addLining();
+  layout.addAvenue();
   layout.addTrees();
   layout.addStreetFurniture();
   layout.addParkedCars();

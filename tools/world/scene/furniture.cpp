@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "tools/world/scene/steps.hpp"
-#include "tools/world/scene/terrain.hpp"
 #include "tools/world/surface/hash.hpp"
 
 namespace cartvo::world {
@@ -68,7 +67,22 @@ Mesh makeBin() {
   return mesh;
 }
 
-void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed) {
+Mesh makeRailingPiece(double length) {
+  constexpr float kHeight = 1.15F;       // m
+  constexpr double kBarSpacing = 0.125;  // m
+  const Finish metal{Material::metal, 21, 0.2F};
+  Mesh mesh;
+  const auto at = [](double x, float z) { return Vector3f(static_cast<float>(x), 0.0F, z); };
+  mesh.addBox(Vector3f::Zero(), Vector3f(0.07F, 0.07F, kHeight + 0.05F), 0.0F, metal);
+  mesh.addColumn(at(0.0, kHeight), at(length, kHeight), 0.03F, 0.03F, 8, metal);
+  mesh.addColumn(at(0.0, 0.14F), at(length, 0.14F), 0.018F, 0.018F, 6, metal);
+  for (const double x : stepsBelow(length - 0.5 * kBarSpacing, kBarSpacing, kBarSpacing))
+    mesh.addColumn(at(x, 0.14F), at(x, kHeight), 0.011F, 0.011F, 5, metal);
+  return mesh;
+}
+
+void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+              const Terrain& terrain) {
   Random random(hashOf({seed, 301U}));
   const double length = (to - from).norm();
   const Eigen::Vector2d along = (to - from) / length;
@@ -76,7 +90,7 @@ void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
   const auto tone = static_cast<float>(random.uniform(0.1, 0.9));
   const auto at = [&](double u, double z) {
     const Eigen::Vector2d p = from + u * along;
-    return Vector3f(Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) - 0.1 + z).cast<float>());
+    return Vector3f(Eigen::Vector3d(p.x(), p.y(), terrain.height(p.x(), p.y()) - 0.1 + z).cast<float>());
   };
   for (const double u : stepsBelow(length, 0.0, 0.15)) {
     const auto height = static_cast<float>(1.15 + random.uniform(-0.03, 0.03));
@@ -97,7 +111,8 @@ void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
   }
 }
 
-void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed) {
+void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+                   const Terrain& terrain) {
   const double length = (to - from).norm();
   const Eigen::Vector2d along = (to - from) / length;
   const Eigen::Vector2d across(-along.y(), along.x());
@@ -108,7 +123,7 @@ void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2
     const Eigen::Vector2d p = from + u * along + w * across;
     const Eigen::Vector2d foot = from + u * along;
     return Vector3f(static_cast<float>(p.x()), static_cast<float>(p.y()),
-                    static_cast<float>(terrainHeight(foot.x(), foot.y())) + z);
+                    static_cast<float>(terrain.height(foot.x(), foot.y())) + z);
   };
   for (const double u : stepsBelow(length, 0.0, 2.5)) {
     const double end = std::min(u + 2.5, length);

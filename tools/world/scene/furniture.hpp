@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "tools/world/scene/mesh.hpp"
+#include "tools/world/scene/terrain.hpp"
 
 namespace cartvo::world {
 
@@ -14,10 +15,15 @@ Mesh makeBollard();
 Mesh makeBench();
 Mesh makeBin();
 
+/// A piece of a railing along x from the origin: a post, two rails and thin bars at equal distances.
+Mesh makeRailingPiece(double length);
+
 /// Adds a picket fence from `from` to `to`, campus coordinates in m.
-void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
+void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+              const Terrain& terrain);
 
 /// Adds a brick garden wall with a coping from `from` to `to`.
-void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
+void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+                   const Terrain& terrain);
 
 }  // namespace cartvo::world

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tools/world/scene/steps.hpp"
-#include "tools/world/scene/terrain.hpp"
 
 namespace cartvo::world {
 namespace {
@@ -28,7 +27,7 @@ std::vector<ProfilePoint> crossSection(const RoadProfile& road) {
   const Finish slabs{Material::pavement, 2, 0.5F};
   const Finish stone{Material::kerb, 3, 0.5F};
   const Finish asphalt{Material::asphalt, 4, 0.5F};
-  std::vector<ProfilePoint> section{{road.rightBorder() - 3.0, -0.2, grass},
+  std::vector<ProfilePoint> section{{road.rightBorder() - road.verge_width, -0.2, grass},
                                     {road.rightBorder(), kKerbHeight + 0.02, slabs},
                                     {road.right_kerb - 0.15, kKerbHeight, stone},
                                     {road.right_kerb - 0.02, kKerbHeight, stone}};
@@ -40,12 +39,12 @@ std::vector<ProfilePoint> crossSection(const RoadProfile& road) {
   section.push_back({road.left_kerb + 0.02, kKerbHeight, stone});
   section.push_back({road.left_kerb + 0.15, kKerbHeight, slabs});
   section.push_back({road.leftBorder(), kKerbHeight + 0.02, grass});
-  section.push_back({road.leftBorder() + 3.0, -0.2, grass});
+  section.push_back({road.leftBorder() + road.verge_width, -0.2, grass});
   return section;
 }
 
-Eigen::Vector3f onGround(const Eigen::Vector2d& p, double height) {
-  return Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) + height).cast<float>();
+Eigen::Vector3f placeAt(const Eigen::Vector2d& p, double height) {
+  return Eigen::Vector3d(p.x(), p.y(), height).cast<float>();
 }
 
 /// Grid coordinates: 3 m apart near the campus, 40 m apart beyond it.
@@ -68,7 +67,7 @@ double clampWithinBend(const PathPoint& point, double lateral) {
   return std::copysign(std::min(std::abs(lateral), 0.92 * radius), lateral);
 }
 
-void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile) {
+void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile, const Terrain& terrain) {
   const std::vector<ProfilePoint> section = crossSection(profile);
   const int steps = static_cast<int>(std::round(path.length() / kStep));
   const double step = path.length() / steps;
@@ -85,8 +84,9 @@ void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile) {
       // section.
       const auto v0 = a.finish.material == Material::asphalt ? static_cast<float>(a.lateral) : v;
       const auto across = static_cast<float>(std::hypot(b.lateral - a.lateral, b.height - a.height));
-      const auto corner = [](const PathPoint& at, const ProfilePoint& p) {
-        return onGround(at.beside(clampWithinBend(at, p.lateral)), p.height);
+      const auto corner = [&](const PathPoint& at, const ProfilePoint& p) {
+        const Eigen::Vector2d place = at.beside(clampWithinBend(at, p.lateral));
+        return placeAt(place, terrain.height(place.x(), place.y()) + p.height);
       };
       mesh.addQuad({corner(here, a), corner(next, a), corner(next, b), corner(here, b)},
                    {Eigen::Vector2f(u0, v0), Eigen::Vector2f(u1, v0), Eigen::Vector2f(u1, v0 + across),
@@ -97,7 +97,7 @@ void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile) {
   }
 }
 
-void addGrassland(Mesh& mesh, const Path& path) {
+void addGrassland(Mesh& mesh, const Path& path, const Terrain& terrain) {
   Eigen::AlignedBox2d bounds;
   for (const double s : stepsBelow(path.length(), 0.0, 2.0))
     bounds.extend(path.at(s).position);
@@ -107,7 +107,7 @@ void addGrassland(Mesh& mesh, const Path& path) {
   for (std::size_t i = 0; i + 1 < xs.size(); ++i) {
     for (std::size_t j = 0; j + 1 < ys.size(); ++j) {
       const auto corner = [&](std::size_t a, std::size_t b) {
-        return onGround({xs[a], ys[b]}, -kGrassDepth);
+        return placeAt({xs[a], ys[b]}, terrain.landHeight(xs[a], ys[b]) - kGrassDepth);
       };
       const Mesh::Corners corners{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)};
       Mesh::Coordinates uv;

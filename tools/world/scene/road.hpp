@@ -2,6 +2,7 @@
 
 #include "tools/world/scene/mesh.hpp"
 #include "tools/world/scene/path.hpp"
+#include "tools/world/scene/terrain.hpp"
 
 namespace cartvo::world {
 
@@ -10,6 +11,7 @@ struct RoadProfile {
   double right_kerb = -2.6;
   double left_kerb = 7.4;
   double pavement_width = 2.0;
+  double verge_width = 3.0;  ///< of the grass beside the pavements
 
   double rightBorder() const { return right_kerb - 0.15 - pavement_width; }  ///< start of the grass
   double leftBorder() const { return left_kerb + 0.15 + pavement_width; }
@@ -20,9 +22,9 @@ struct RoadProfile {
 double clampWithinBend(const PathPoint& point, double lateral);
 
 /// Adds road, kerbs, pavements and verges along the path.
-void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile);
+void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile, const Terrain& terrain);
 
-/// Adds grassland around the path, 0.1 m below the road, up to 640 m beyond the campus.
-void addGrassland(Mesh& mesh, const Path& path);
+/// Adds grassland around the path, 0.1 m below the terrain's land, up to 640 m beyond the campus.
+void addGrassland(Mesh& mesh, const Path& path, const Terrain& terrain);
 
 }  // namespace cartvo::world

@@ -5,17 +5,18 @@
 
 namespace cartvo::world {
 
-double terrainHeight(double x, double y) {
-  return 0.55 * std::sin(0.043 * x + 0.017 * y + 0.4) + 0.45 * std::sin(-0.021 * x + 0.049 * y + 1.9) +
-         0.12 * std::sin(0.11 * x + 0.083 * y);
+double Terrain::height(double x, double y) const {
+  return relief * (0.55 * std::sin(0.043 * x + 0.017 * y + 0.4) +
+                   0.45 * std::sin(-0.021 * x + 0.049 * y + 1.9) + 0.12 * std::sin(0.11 * x + 0.083 * y));
 }
 
-Eigen::Isometry3d groundPose(const PathPoint& point, double lateral, double wheelbase) {
+Eigen::Isometry3d groundPose(const Terrain& terrain, const PathPoint& point, double lateral,
+                             double wheelbase) {
   constexpr double kHalfTrack = 0.45;
   const Eigen::Vector2d rear = point.beside(lateral);
   const Eigen::Vector2d forward = point.tangent;
   const Eigen::Vector2d leftward(-forward.y(), forward.x());
-  const auto height = [](const Eigen::Vector2d& p) { return terrainHeight(p.x(), p.y()); };
+  const auto height = [&](const Eigen::Vector2d& p) { return terrain.height(p.x(), p.y()); };
   const double z = height(rear);
   const double climb = std::atan2(height(rear + wheelbase * forward) - z, wheelbase);
   const double lean = std::atan2(height(rear + kHalfTrack * leftward) - height(rear - kHalfTrack * leftward),

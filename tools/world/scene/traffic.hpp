@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "tools/world/motion/drive.hpp"
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/scene/campus.hpp"
 #include "tools/world/scene/path.hpp"
+#include "tools/world/surface/hash.hpp"
 
 namespace cartvo::world {
 
@@ -40,15 +42,26 @@ class Traffic {
     double start = 0.0;                ///< m along the path at time 0
     double speed = 0.0;                ///< m/s, negative: against the path
     double lateral = 0.0;              ///< m left of the path
+    double height = 0.12;              ///< m above the road, of the ground below the feet
     double scale = 1.0;
+    double sway = 0.0;     ///< m, amplitude of the lateral position
+    double phase = 0.0;    ///< rad, of that oscillation
+    bool escorts = false;  ///< keeps its distance `start` to the cart
   };
 
   void addVehicles(const WorldSettings& settings, Campus& campus);
   void addPedestrians(const WorldSettings& settings, Campus& campus);
+  /// People on the whole width of the road, and some who walk ahead of the cart.
+  void addCrowd(const WorldSettings& settings, Campus& campus);
+  void addPerson(Pedestrian person, std::uint32_t torso, Campus& campus, Random& random);
   Eigen::Isometry3d vehiclePose(const Vehicle& vehicle, double seconds) const;
+  Eigen::Isometry3d personPose(const Pedestrian& person, double seconds) const;
+  /// m along the path since time 0.
+  double walked(const Pedestrian& person, double seconds) const;
 
   const Path& path_;
   const Drive& drive_;
+  const ScenarioTraits traits_;
   std::vector<Vehicle> vehicles_;
   std::vector<Pedestrian> pedestrians_;
 };

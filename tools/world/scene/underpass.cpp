@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/scene/steps.hpp"
-#include "tools/world/scene/terrain.hpp"
 #include "tools/world/surface/patterns.hpp"
 
 namespace cartvo::world {
@@ -16,6 +16,7 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr double kLength = 26.0;         // m
+constexpr double kTunnelLength = 37.0;   // m
 constexpr double kFirstPosition = 24.0;  // m, earliest start along the path
 constexpr double kSpacing = 40.0;        // m between underpasses
 constexpr double kMaxCurvature = 0.012;  // 1/m, of a stretch that counts as straight
@@ -33,11 +34,11 @@ bool isStraight(const Path& path, double from, double to) {
                      [&](double s) { return std::abs(path.at(s).curvature) < kMaxCurvature; });
 }
 
-Underpass underpassAt(const Path& path, double from) {
+Underpass underpassAt(const Path& path, const Terrain& terrain, double from, double to) {
   const RoadProfile road;
   Underpass underpass;
   underpass.from = from;
-  underpass.to = from + kLength;
+  underpass.to = to;
   const Vector2d a = path.at(from).position;
   const Vector2d b = path.at(underpass.to).position;
   underpass.middle = (0.5 * (a + b)).cast<float>();
@@ -48,7 +49,7 @@ Underpass underpassAt(const Path& path, double from) {
   double highest = -1e9;
   for (const double s : stepsBelow(underpass.to, from, kPieceLength)) {
     const Vector2d p = path.at(s).position;
-    highest = std::max(highest, terrainHeight(p.x(), p.y()));
+    highest = std::max(highest, terrain.height(p.x(), p.y()));
   }
   underpass.ceiling = static_cast<float>(highest + kClearance);
   return underpass;
@@ -69,9 +70,9 @@ Vector3f pointAt(const Path& path, double s, double lateral, float z) {
 }
 
 /// Height of a wall's foot, 0.4 m below the ground.
-float footHeight(const Path& path, double s, double lateral) {
+float footHeight(const Path& path, const Terrain& terrain, double s, double lateral) {
   const Vector2d p = path.at(s).beside(lateral);
-  return static_cast<float>(terrainHeight(p.x(), p.y()) - 0.4);
+  return static_cast<float>(terrain.height(p.x(), p.y()) - 0.4);
 }
 
 /// Adds the beams below the ceiling.
@@ -94,9 +95,10 @@ void addBeams(Mesh& mesh, const Underpass& underpass, const Path& path, const Fi
 }
 
 /// Adds the faces at both ends: pillars and the edge of the deck.
-void addEnds(Mesh& mesh, const Underpass& underpass, const Path& path, const Finish& face) {
+void addEnds(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain,
+             const Finish& face) {
   const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
-  const auto foot = [&](double s, double lateral) { return footHeight(path, s, lateral); };
+  const auto foot = [&](double s, double lateral) { return footHeight(path, terrain, s, lateral); };
   const double left = underpass.left;
   const double right = underpass.right;
   const float top = underpass.ceiling + kDeckThickness;
@@ -127,23 +129,28 @@ float Underpass::openness(const Eigen::Vector3f& place) const {
 
 std::vector<Underpass> underpasses(const Path& path, const WorldSettings& settings) {
   std::vector<Underpass> found;
-  if (settings.scenario != Scenario::underpass) return found;
+  const ScenarioTraits traits = traitsOf(settings.scenario);
+  if (traits.tunnel_exit) {
+    const double exit = *traits.tunnel_exit;
+    found.push_back(underpassAt(path, traits.terrain, exit - kTunnelLength, exit));
+  }
+  if (!traits.underpasses) return found;
   double next = kFirstPosition;
   for (const double s : stepsBelow(path.length() - kLength - kFirstPosition, kFirstPosition, 1.0)) {
     if (s < next || !isStraight(path, s - 3.0, s + kLength + 3.0)) continue;
-    found.push_back(underpassAt(path, s));
+    found.push_back(underpassAt(path, traits.terrain, s, s + kLength));
     next = s + kLength + kSpacing;
   }
   return found;
 }
 
-void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path) {
+void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain) {
   const Finish brick{Material::brick, kSeed, 0.35F};
   const Finish deck{Material::concrete, kSeed + 1, 0.6F};
   const Finish face{Material::concrete, kSeed + 2, 0.8F};
   const float top = underpass.ceiling + kDeckThickness;
   const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
-  const auto foot = [&](double s, double lateral) { return footHeight(path, s, lateral); };
+  const auto foot = [&](double s, double lateral) { return footHeight(path, terrain, s, lateral); };
   const double left = underpass.left;
   const double right = underpass.right;
   const auto wall = [&](double s0, double s1, double lateral, float z, const Finish& finish) {
@@ -172,7 +179,7 @@ void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path) {
     slab(right - kWallThickness, left + kWallThickness, top);
   }
   addBeams(mesh, underpass, path, deck);
-  addEnds(mesh, underpass, path, face);
+  addEnds(mesh, underpass, path, terrain, face);
 }
 
 Building groundPlan(const Underpass& underpass) {

@@ -7,6 +7,7 @@
 #include "tools/world/scene/mesh.hpp"
 #include "tools/world/scene/path.hpp"
 #include "tools/world/scene/road.hpp"
+#include "tools/world/scene/terrain.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo::world {
@@ -26,11 +27,12 @@ struct Underpass {
   float openness(const Eigen::Vector3f& place) const;
 };
 
-/// The underpasses of the scenario, on straight stretches of the path; none in other scenarios.
+/// The underpasses of the scenario, on straight stretches of the path, and its tunnel; none in most
+/// scenarios.
 std::vector<Underpass> underpasses(const Path& path, const WorldSettings& settings);
 
 /// Adds the walls, the ceiling and the bridge to `mesh`.
-void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path);
+void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain);
 
 /// The ground plan of an underpass, for collision checks with buildings.
 Building groundPlan(const Underpass& underpass);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tools/world/scene/steps.hpp"
-#include "tools/world/scene/terrain.hpp"
 #include "tools/world/surface/hash.hpp"
 
 namespace cartvo::world {
@@ -46,6 +45,37 @@ void addFoliage(Mesh& mesh, const Vector3f& centre, const Vector3f& radii, int l
     const Vector3f place = centre + depth * radii.cwiseProduct(randomDirection(random));
     const auto size = static_cast<float>(leaf_size * random.uniform(0.7, 1.3));
     addLeaf(mesh, place, size, 0.15F + 0.7F * depth, random);
+  }
+}
+
+/// Adds a hedge whose place `u` m along it, `w` m across it and `z` m above its foot is place(u, w, z).
+template <typename Place>
+void addHedge(Mesh& mesh, double length, double height, const Place& place, Random& random) {
+  const double half_width = 0.4;
+  for (const double u : stepsBelow(length, 0.0, 1.5)) {  // dark core that follows the ground
+    const double end = std::min(u + 1.5, length);
+    const Finish core{Material::leaf, 7U, 0.0F};
+    const double w = half_width - 0.12;
+    const double h = height - 0.12;
+    mesh.addPlane({place(u, -w, 0), place(end, -w, 0), place(end, -w, h), place(u, -w, h)}, core);
+    mesh.addPlane({place(u, w, 0), place(end, w, 0), place(end, w, h), place(u, w, h)}, core);
+    mesh.addPlane({place(u, -w, h), place(end, -w, h), place(end, w, h), place(u, w, h)}, core);
+  }
+  const int leaves = static_cast<int>(length * (2.0 * height + 2.0 * half_width) * 190.0);
+  for (int i = 0; i < leaves; ++i) {
+    const double around = random.uniform(0.0, 2.0 * height + 2.0 * half_width);
+    const double u = random.uniform(0.0, length);
+    const double shell = random.uniform(-0.12, 0.05);
+    const auto tone = static_cast<float>(0.45 + 3.0 * shell + random.uniform(-0.1, 0.1));
+    Vector3f centre;
+    if (around < height) {
+      centre = place(u, -half_width - shell, around);
+    } else if (around < 2.0 * height) {
+      centre = place(u, half_width + shell, around - height);
+    } else {
+      centre = place(u, around - 2.0 * height - half_width, height + shell);
+    }
+    addLeaf(mesh, centre, static_cast<float>(random.uniform(0.07, 0.13)), tone, random);
   }
 }
 
@@ -113,42 +143,42 @@ Mesh makeTuft(std::uint32_t seed) {
   return mesh;
 }
 
-void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed) {
+void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+              const Terrain& terrain) {
   Random random(hashOf({seed, 204U}));
   const double length = (to - from).norm();
   const double height = random.uniform(0.9, 1.5);
-  const double half_width = 0.4;
   const Eigen::Vector2d along = (to - from) / length;
   const Eigen::Vector2d across(-along.y(), along.x());
   const auto place = [&](double u, double w, double z) -> Vector3f {
     const Eigen::Vector2d p = from + u * along + w * across;
-    return Eigen::Vector3d(p.x(), p.y(), terrainHeight(p.x(), p.y()) - 0.1 + z).cast<float>();
+    return Eigen::Vector3d(p.x(), p.y(), terrain.height(p.x(), p.y()) - 0.1 + z).cast<float>();
   };
-  for (const double u : stepsBelow(length, 0.0, 1.5)) {  // dark core that follows the ground
-    const double end = std::min(u + 1.5, length);
-    const Finish core{Material::leaf, 7U, 0.0F};
-    const double w = half_width - 0.12;
-    const double h = height - 0.12;
-    mesh.addPlane({place(u, -w, 0), place(end, -w, 0), place(end, -w, h), place(u, -w, h)}, core);
-    mesh.addPlane({place(u, w, 0), place(end, w, 0), place(end, w, h), place(u, w, h)}, core);
-    mesh.addPlane({place(u, -w, h), place(end, -w, h), place(end, w, h), place(u, w, h)}, core);
+  addHedge(mesh, length, height, place, random);
+}
+
+Mesh makeHedgePiece(std::uint32_t seed, double length, double height) {
+  Mesh mesh;
+  Random random(hashOf({seed, 205U}));
+  const auto place = [](double u, double w, double z) -> Vector3f {
+    return Eigen::Vector3d(u, w, z).cast<float>();
+  };
+  addHedge(mesh, length, height, place, random);
+  return mesh;
+}
+
+Mesh makeBlownLeaves(std::uint32_t seed) {
+  constexpr int kLeaves = 45;
+  Mesh mesh;
+  Random random(hashOf({seed, 206U}));
+  for (int i = 0; i < kLeaves; ++i) {
+    const auto x = static_cast<float>(random.uniform(-1.0, 1.0));
+    const auto y = static_cast<float>(random.uniform(-1.0, 1.0));
+    const auto z = static_cast<float>(0.03 + 0.5 * std::pow(random.uniform(0.0, 1.0), 3.0));
+    addLeaf(mesh, {x, y, z}, static_cast<float>(random.uniform(0.06, 0.12)),
+            static_cast<float>(random.uniform(0.3, 1.0)), random);
   }
-  const int leaves = static_cast<int>(length * (2.0 * height + 2.0 * half_width) * 190.0);
-  for (int i = 0; i < leaves; ++i) {
-    const double around = random.uniform(0.0, 2.0 * height + 2.0 * half_width);
-    const double u = random.uniform(0.0, length);
-    const double shell = random.uniform(-0.12, 0.05);
-    const auto tone = static_cast<float>(0.45 + 3.0 * shell + random.uniform(-0.1, 0.1));
-    Vector3f centre;
-    if (around < height) {
-      centre = place(u, -half_width - shell, around);
-    } else if (around < 2.0 * height) {
-      centre = place(u, half_width + shell, around - height);
-    } else {
-      centre = place(u, around - 2.0 * height - half_width, height + shell);
-    }
-    addLeaf(mesh, centre, static_cast<float>(random.uniform(0.07, 0.13)), tone, random);
-  }
+  return mesh;
 }
 
 }  // namespace cartvo::world

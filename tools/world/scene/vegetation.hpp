@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "tools/world/scene/mesh.hpp"
+#include "tools/world/scene/terrain.hpp"
 
 namespace cartvo::world {
 
@@ -23,6 +24,13 @@ Mesh makeBush(std::uint32_t seed);
 Mesh makeTuft(std::uint32_t seed);
 
 /// Adds a clipped hedge from `from` to `to`, campus coordinates in m.
-void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed);
+void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
+              const Terrain& terrain);
+
+/// A piece of a clipped hedge, `length` m along x from the origin, `height` m tall.
+Mesh makeHedgePiece(std::uint32_t seed, double length, double height);
+
+/// Some fallen leaves above a square of 2 m around the origin, up to 0.5 m high.
+Mesh makeBlownLeaves(std::uint32_t seed);
 
 }  // namespace cartvo::world

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/world/scenario_traits.hpp"
 #include "tools/world/surface/hash.hpp"
 #include "tools/world/surface/noise.hpp"
 #include "tools/world/surface/patterns.hpp"
@@ -12,6 +13,15 @@ namespace cartvo::world {
 namespace {
 
 constexpr float kSunRadius = 0.0047F;  // rad
+
+/// Fraction of the light below a lamp that reaches `place`; lamps hang at multiples of `spacing` in x and y.
+float lampLight(const Eigen::Vector3f& place, float spacing) {
+  constexpr float kBetweenLamps = 0.35F;  // fraction where no lamp is near
+  constexpr float kRadius = 0.3F;         // of a lamp's pool of light, in units of the spacing
+  const Eigen::Vector2f cell = place.head<2>() / spacing;
+  const Eigen::Vector2f offset(cell.x() - std::round(cell.x()), cell.y() - std::round(cell.y()));
+  return kBetweenLamps + (1.0F - kBetweenLamps) * std::exp(-offset.squaredNorm() / (kRadius * kRadius));
+}
 
 /// Radiance of the sun's disc and the bright haze around it; `width`: the pixel's angle, rad.
 float sunRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float width) {
@@ -31,10 +41,11 @@ Lighting buildLighting(const WorldSettings& settings, const Path& path) {
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 601U}));
   double azimuth = random.uniform(0.0, 6.28);
   double elevation = random.uniform(0.60, 0.95);
-  if (settings.scenario == Scenario::glare) {  // the sun stands low over the first stretch of road
+  const ScenarioTraits traits = traitsOf(settings.scenario);
+  if (traits.low_sun) {
     const Eigen::Vector2d ahead = path.at(30.0).tangent;
-    azimuth = std::atan2(ahead.y(), ahead.x()) + 0.08 * (azimuth - 3.14);
-    elevation = 0.15 + 0.1 * (elevation - 0.60);
+    azimuth = std::atan2(ahead.y(), ahead.x()) + traits.low_sun->bearing + 0.08 * (azimuth - 3.14);
+    elevation = traits.low_sun->elevation + 0.1 * (elevation - 0.60);
     lighting.glare = true;
   }
   lighting.underpasses = underpasses(path, settings);
@@ -43,18 +54,19 @@ Lighting buildLighting(const WorldSettings& settings, const Path& path) {
                         .cast<float>();
   lighting.clouds = static_cast<float>(random.uniform(0.35, 0.75));
   lighting.seed = random.bits();
-  if (settings.scenario == Scenario::dusk) {
-    constexpr float kDim = 0.05F;
-    lighting.sun = 0.0F;
-    lighting.sky *= kDim;
-    lighting.ground *= kDim;
-  }
-  if (settings.scenario == Scenario::low_texture) {  // overcast: almost no shadows
-    lighting.sun = 0.15F;
-    lighting.sky = 0.6F;
-    lighting.ground = 0.15F;
-  }
+  lighting.sun = traits.light.sun;
+  lighting.sky = traits.light.sky;
+  lighting.ground = traits.light.ground;
+  lighting.lamp_spacing = static_cast<float>(traits.lamp_spacing);
   return lighting;
+}
+
+float Lighting::openness(const Eigen::Vector3f& place) const {
+  float share = 1.0F;
+  for (const Underpass& underpass : underpasses)
+    share *= underpass.openness(place);
+  if (lamp_spacing > 0.0F) share *= lampLight(place, lamp_spacing);
+  return share;
 }
 
 float skyRadiance(const Lighting& lighting, const Eigen::Vector3f& direction, float footprint) {

@@ -22,14 +22,10 @@ struct Lighting {
   std::uint32_t seed = 0;
   bool glare = false;                  ///< whether the sun's disc and its bright haze are drawn
   std::vector<Underpass> underpasses;  ///< attenuate the light of the sky
+  float lamp_spacing = 0.0F;           ///< m between the lamps of a ceiling; 0: none
 
-  /// Fraction of the light of sky and ground that reaches `place`, 0..1.
-  float openness(const Eigen::Vector3f& place) const {
-    float share = 1.0F;
-    for (const Underpass& underpass : underpasses)
-      share *= underpass.openness(place);
-    return share;
-  }
+  /// Fraction of the light of sky, ground and lamps that reaches `place`, 0..1.
+  float openness(const Eigen::Vector3f& place) const;
 
   /// Diffuse light from sky and ground on a surface facing `normal`.
   float ambient(const Eigen::Vector3f& normal) const {

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+#include <opencv2/core/mat.hpp>
+
+namespace cartvo::world {
+
+/// Replaces parts of `radiance` (CV_32FC1) by what drops of water on the lens show: the scene upside down,
+/// smaller and out of focus. The places of the drops in the image depend on `seed` alone.
+void addLensDrops(cv::Mat& radiance, std::uint32_t seed);
+
+}  // namespace cartvo::world

@@ -1,8 +1,11 @@
 // Options, checks and output that all subcommands of `cartvo benchmark` share.
 #include "tools/benchmark/benchmark_options.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include <opencv2/core/version.hpp>
@@ -12,6 +15,8 @@
 namespace cartvo {
 namespace fs = std::filesystem;
 namespace {
+
+using benchmark::WorldSet;
 
 constexpr const char* kNoData = "none";
 
@@ -43,17 +48,53 @@ std::string scenarioList() {
   return list;
 }
 
-std::vector<world::Scenario> scenariosNamed(const std::vector<std::string>& names) {
+std::optional<WorldSet> setOf(const WorldChoice& choice) {
+  return choice.set.empty() ? std::nullopt : std::optional(benchmark::worldSetNamed(choice.set));
+}
+
+/// Throws std::runtime_error if `what` belongs to another set than the chosen one.
+void requireSet(const std::optional<WorldSet>& chosen, WorldSet set, const std::string& what) {
+  if (!chosen || *chosen == set) return;
+  const std::string name(benchmark::worldSetName(set));
+  throw std::runtime_error(what + " belongs to the " + name + " set of worlds, not to the " +
+                           std::string(benchmark::worldSetName(*chosen)) + " set; give --set " + name);
+}
+
+std::vector<world::Scenario> scenariosOf(const WorldChoice& choice) {
+  const std::optional<WorldSet> set = setOf(choice);
+  std::vector<std::string> names = choice.scenarios;
+  if (names.empty())
+    names = set == WorldSet::tuning ? choice.tuning_scenarios : std::vector<std::string>{kAllScenarios};
   std::vector<world::Scenario> scenarios;
   for (const std::string& name : names) {
     if (name == kNoScenario) continue;
     if (name == kAllScenarios) {
-      scenarios.insert(scenarios.end(), world::allScenarios().begin(), world::allScenarios().end());
+      const std::vector<world::Scenario> all = set ? benchmark::scenariosOf(*set) : world::allScenarios();
+      scenarios.insert(scenarios.end(), all.begin(), all.end());
     } else {
       scenarios.push_back(world::scenarioFromName(name));
+      requireSet(set, benchmark::setOf(scenarios.back()), "scenario " + name);
     }
   }
   return scenarios;
+}
+
+/// The seeds with which a scenario is rendered.
+std::vector<std::uint64_t> seedsOf(const WorldChoice& choice, world::Scenario scenario) {
+  for (const std::uint64_t seed : choice.seeds)
+    requireSet(setOf(choice), benchmark::setOfSeed(seed), "seed " + std::to_string(seed));
+  if (!choice.seeds.empty()) return choice.seeds;
+  const WorldSet set = benchmark::setOf(scenario);
+  if (set == WorldSet::tuning) return choice.tuning_seeds;
+  return {benchmark::defaultSeed(set)};
+}
+
+template <typename Item>
+std::string joined(const std::vector<Item>& items) {
+  std::ostringstream text;
+  for (const Item& item : items)
+    text << (text.tellp() > 0 ? "," : "") << item;
+  return text.str();
 }
 
 }  // namespace
@@ -122,24 +163,36 @@ void requireSequences(const fs::path& data, const std::vector<world::WorldSettin
         "nothing to measure: neither real sequences nor scenarios; give --data or --scenarios");
 }
 
-CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
-                            std::vector<std::uint64_t>& seeds) {
-  command.add_option("--seeds", seeds, "Seeds of the worlds; each scenario is rendered with each seed")
-      ->delimiter(',')
-      ->type_name("LIST")
+CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice) {
+  command
+      .add_option("--set", choice.set,
+                  "Set of worlds: those on which numbers of the estimator are chosen (tuning: seeds\n"
+                  "below 10), or those that take no part in it and are reported (reporting: other\n"
+                  "scenarios, seeds from 10 on)" +
+                      std::string(choice.set.empty() ? "\n(default: both)" : ""))
+      ->check(CLI::IsMember({"tuning", "reporting"}))
+      ->type_name("NAME")
       ->capture_default_str();
-  return command.add_option("--scenarios", scenarios, "Rendered drives: " + scenarioList())
+  command
+      .add_option("--seeds", choice.seeds,
+                  "Seeds of the worlds; each scenario is rendered with each seed\n(default: " +
+                      joined(choice.tuning_seeds) + " tuning, " +
+                      std::to_string(benchmark::defaultSeed(WorldSet::reporting)) + " reporting)")
+      ->delimiter(',')
+      ->type_name("LIST");
+  return command
+      .add_option("--scenarios", choice.scenarios,
+                  "Rendered drives: " + scenarioList() + "\n(default: " + joined(choice.tuning_scenarios) +
+                      " tuning, all reporting)")
       ->delimiter(',')
       ->check(CLI::IsMember(scenarioChoices()))
-      ->type_name("LIST")
-      ->capture_default_str();
+      ->type_name("LIST");
 }
 
-std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
-                                               const std::vector<std::uint64_t>& seeds, int threads) {
+std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads) {
   std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenariosNamed(scenarios)) {
-    for (const std::uint64_t seed : seeds) {
+  for (const world::Scenario scenario : scenariosOf(choice)) {
+    for (const std::uint64_t seed : seedsOf(choice, scenario)) {
       world::WorldSettings& world = worlds.emplace_back();
       world.scenario = scenario;
       world.seed = seed;
@@ -149,8 +202,18 @@ std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& s
   return worlds;
 }
 
+std::string worldSetLine(const std::vector<world::WorldSettings>& worlds) {
+  std::vector<std::string> names;
+  for (const world::WorldSettings& world : worlds) {
+    const std::optional<WorldSet> set = benchmark::setOf(world);
+    const std::string name(set ? benchmark::worldSetName(*set) : "neither");
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names.empty() ? "" : "Set of the rendered worlds: " + joined(names) + "\n\n";
+}
+
 void addDriveOptions(CLI::App& command, DriveOptions& options) {
-  addWorldChoice(command, options.scenarios, options.seeds);
+  addWorldChoice(command, options.worlds);
   command.add_option("--seconds", options.seconds, "Length of each drive")
       ->check(CLI::Range(6.0, 3600.0))
       ->capture_default_str();
@@ -163,7 +226,7 @@ void addDriveOptions(CLI::App& command, DriveOptions& options) {
 }
 
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads) {
-  std::vector<world::WorldSettings> worlds = chosenWorlds(options.scenarios, options.seeds, threads);
+  std::vector<world::WorldSettings> worlds = chosenWorlds(options.worlds, threads);
   for (world::WorldSettings& world : worlds) {
     world.seconds = options.seconds;
     world.lead_in_seconds = 0.5;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
+#include "tools/benchmark/world_sets.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/report/table.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
@@ -51,21 +52,30 @@ void requireSequences(const std::filesystem::path& data, const std::vector<world
 inline constexpr const char* kAllScenarios = "all";
 inline constexpr const char* kNoScenario = "none";
 
-/// Adds --scenarios and --seeds, and returns the former. `scenarios` and `seeds` must live as long as the
-/// command.
-CLI::Option* addWorldChoice(CLI::App& command, std::vector<std::string>& scenarios,
-                            std::vector<std::uint64_t>& seeds);
+/// Which rendered worlds are measured; see tools/benchmark/world_sets.hpp.
+struct WorldChoice {
+  /// Those of the tuning set that are measured unless others are given.
+  std::vector<std::string> tuning_scenarios{kAllScenarios};
+  std::vector<std::uint64_t> tuning_seeds{benchmark::defaultSeed(benchmark::WorldSet::tuning)};
 
-/// The worlds of each scenario with each seed; other settings have their defaults. `scenarios` must be values
-/// of
-/// --scenarios: names of scenarios, "all", "none".
-std::vector<world::WorldSettings> chosenWorlds(const std::vector<std::string>& scenarios,
-                                               const std::vector<std::uint64_t>& seeds, int threads);
+  std::string set{};                     ///< "tuning", "reporting", or "" for both
+  std::vector<std::string> scenarios{};  ///< names of scenarios, "all", "none"; empty: the default of the set
+  std::vector<std::uint64_t> seeds{};    ///< empty: the default of each scenario's set
+};
+
+/// Adds --set, --scenarios and --seeds, and returns the second. `choice` must live as long as the command.
+CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice);
+
+/// The worlds of each scenario with each seed; other settings have their defaults. Throws std::runtime_error
+/// that names the scenario or seed which does not belong to the set.
+std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads);
+
+/// A line that says of which set the rendered worlds of a report are; empty if there are none.
+std::string worldSetLine(const std::vector<world::WorldSettings>& worlds);
 
 /// Options of rendered drives, which start moving half a second after the first pair.
 struct DriveOptions {
-  std::vector<std::string> scenarios;
-  std::vector<std::uint64_t> seeds{1};
+  WorldChoice worlds{.set = "tuning"};
   double seconds = 20.0;
   int features = vo::OdometrySettings{}.features;
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();

@@ -63,7 +63,7 @@ std::vector<Sequence> realSequences(const fs::path& data) {
   for (const fs::path& folder : folders) {
     const capture::ImageFolder images = capture::readImageFolder(folder);
     sequences.push_back(
-        {folder.filename().string(), SequenceKind::real, folder, {truthOf(folder, images.left), {}}});
+        {folder.filename().string(), SequenceKind::real, folder, {truthOf(folder, images.left), {}}, {}});
   }
   if (sequences.empty()) {
     throw std::runtime_error(
@@ -77,7 +77,8 @@ std::vector<Sequence> realSequences(const fs::path& data) {
 Sequence renderedSequence(const world::WorldSettings& settings, const WorldCache& cache,
                           const simulate::Progress& progress) {
   const world::RenderedWorld world(settings);
-  Sequence sequence{worldName(settings), SequenceKind::rendered, cache.rendered(world, progress), {}};
+  Sequence sequence{
+      worldName(settings), SequenceKind::rendered, cache.rendered(world, progress), {}, setOf(settings)};
   sequence.truth.left_camera = simulate::cameraTrajectory(world.truth(), world.rig());
   for (const StampedPose& stamped : sequence.truth.left_camera)
     sequence.truth.body_twist.push_back(twistAt(world, stamped.time_ns));

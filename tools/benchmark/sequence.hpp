@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/benchmark/world_cache.hpp"
+#include "tools/benchmark/world_sets.hpp"
 #include "tools/trajectory/trajectory.hpp"
 #include "tools/world/world_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -32,6 +34,7 @@ struct Sequence {
   SequenceKind kind = SequenceKind::real;
   std::filesystem::path folder;  ///< in a layout that `cartvo replay` reads
   SequenceTruth truth;
+  std::optional<WorldSet> set;  ///< of a rendered world; nothing: of neither set
 };
 
 /// The image folders in `data` (of any layout that readImageFolder reads) with a ground truth, sorted by

@@ -32,10 +32,11 @@ TEST(BenchmarkCommand, HelpHasExamplesAndOptions) {
 }
 
 TEST(BenchmarkCommand, RejectsInvalidArguments) {
-  const std::array<std::pair<const char*, const char*>, 14> wrong{{
+  const std::array<std::pair<const char*, const char*>, 15> wrong{{
       {"", "subcommand"},
       {"accuracy --scenarios nowhere", "nowhere"},
       {"accuracy --estimators guess", "guess"},
+      {"accuracy --set both", "--set"},
       {"accuracy --format yaml", "yaml"},
       {"accuracy --bitrates 0", "--bitrates"},
       {"accuracy --features 3", "--features"},
@@ -59,6 +60,10 @@ TEST(BenchmarkCommand, ReportsImpossibleRequestsBeforeTheWork) {
   for (const auto& [arguments, message] :
        {std::pair("accuracy --data /no/such/folder --scenarios none", "/no/such/folder: is no folder"),
         std::pair("accuracy --data none --scenarios none", "nothing to measure"),
+        std::pair("accuracy --set tuning --scenarios rain", "scenario rain belongs to the reporting set"),
+        std::pair("accuracy --set reporting --seeds 1", "seed 1 belongs to the tuning set"),
+        std::pair("robustness --scenarios tunnel", "give --set reporting"),
+        std::pair("ablation --seeds 11", "seed 11 belongs to the reporting set"),
         std::pair("accuracy --data none --output /proc/nope/report",
                   "/proc/nope: the folder cannot be created"),
         std::pair("ablation --data none --scenarios none", "nothing to measure"),

@@ -98,6 +98,31 @@ TEST(AccuracyTable, HasOneRowPerSequenceAndOneForAllWorlds) {
   EXPECT_THAT(table, Not(HasSubstr("Mbit/s")));
 }
 
+TEST(AccuracyTable, SummarisesEachSetOnItsOwn) {
+  SequenceAccuracy tuning = exampleWorld(1.0);
+  tuning.set = WorldSet::tuning;
+  SequenceAccuracy worse = tuning;
+  worse.sequence = "dusk 1";
+  worse.evaluation.short_segments.all.translation = 0.016;
+  SequenceAccuracy reporting = exampleWorld(2.0);
+  reporting.sequence = "rain 11";
+  reporting.set = WorldSet::reporting;
+  reporting.wrong = 3;
+  const std::string table = accuracyTable({tuning, worse, reporting, exampleStanding()}, ReportFormat::text);
+  EXPECT_THAT(table,
+              HasSubstr("\ntuning set, thesis, 2 worlds: 5–40 m: geometric mean 0.800 %, worst 1.60 % "
+                        "(dusk 1); NEES motion 1.00 (campus 1) to 1.00 (campus 1); 4 invalid, 0 wrong\n"));
+  EXPECT_THAT(table,
+              HasSubstr("\nreporting set, thesis, 1 worlds: 5–40 m: geometric mean 0.400 %, worst 0.400 % "
+                        "(rain 11); NEES motion 2.00 (rain 11) to 2.00 (rain 11); 2 invalid, 3 wrong\n"));
+  EXPECT_THAT(table, Not(HasSubstr("neither set,")));
+}
+
+TEST(AccuracyTable, KeepsAWorldOfNeitherSetApart) {
+  EXPECT_THAT(accuracyTable({exampleWorld(1.0)}, ReportFormat::text),
+              HasSubstr("\nneither set, thesis, 1 worlds: "));
+}
+
 TEST(AccuracyTable, MarksValuesOutsideTheBand) {
   EXPECT_THAT(accuracyTable({exampleWorld(2.0)}, ReportFormat::text), HasSubstr("2.00* [0.89, 1.12]"));
 }

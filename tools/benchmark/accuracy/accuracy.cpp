@@ -186,6 +186,7 @@ SequenceAccuracy summarise(const std::string& name, const std::vector<SequenceAc
   SequenceAccuracy all;
   all.sequence = name;
   all.kind = accuracies.front().kind;
+  all.set = accuracies.front().set;
   all.bitrate_mbps = accuracies.front().bitrate_mbps;
   all.estimator = accuracies.front().estimator;
   EvaluationMean evaluation;

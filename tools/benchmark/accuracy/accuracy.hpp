@@ -43,8 +43,9 @@ struct EndError {
 struct SequenceAccuracy {
   std::string sequence;
   SequenceKind kind = SequenceKind::real;
-  double bitrate_mbps = 0.0;  ///< H.264 bit rate of each camera; 0: lossless images
-  std::string estimator;      ///< or a variant of it
+  std::optional<WorldSet> set;  ///< see Sequence
+  double bitrate_mbps = 0.0;    ///< H.264 bit rate of each camera; 0: lossless images
+  std::string estimator;        ///< or a variant of it
 
   std::size_t pairs = 0;                 ///< processed
   std::size_t lost = 0;                  ///< pairs of the sequence that the pipeline did not form

@@ -60,6 +60,7 @@ class AccuracyRun {
     SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
+    accuracy.set = sequence.set;
     accuracy.bitrate_mbps = bitrate_mbps;
     accuracy.estimator = variant.name;
     results_.push_back(std::move(accuracy));

@@ -8,6 +8,7 @@
 
 #include "common/statistics.hpp"
 #include "common/units.hpp"
+#include "tools/benchmark/accuracy/set_summary.hpp"
 #include "tools/benchmark/error_ratios.hpp"
 #include "tools/evaluate/report.hpp"
 
@@ -44,9 +45,14 @@ std::string consistencyCell(const NormalisedErrors& errors) {
          ", " + fixed(band.high, 2) + "]";
 }
 
+std::string setCell(const SequenceAccuracy& a) {
+  return a.kind == SequenceKind::real ? kNoValue : setName(a.set);
+}
+
 std::vector<std::string> cells(const SequenceAccuracy& a) {
   const Evaluation& e = a.evaluation;
   return {a.bitrate_mbps > 0.0 ? a.sequence + ", " + bitrateName(a.bitrate_mbps) : a.sequence,
+          setCell(a),
           a.estimator,
           std::to_string(a.pairs),
           fixed(e.path_length, 1),
@@ -68,25 +74,14 @@ std::vector<std::string> cells(const SequenceAccuracy& a) {
               : fixed(percentile(a.times_ms, 0.5), 1) + " / " + fixed(percentile(a.times_ms, 0.99), 1)};
 }
 
-/// One summary per estimator over all rendered worlds, in order of first occurrence.
-std::vector<SequenceAccuracy> summaries(const std::vector<SequenceAccuracy>& accuracies) {
-  std::vector<std::vector<SequenceAccuracy>> by_estimator;
-  for (const SequenceAccuracy& accuracy : accuracies) {
-    if (accuracy.kind != SequenceKind::rendered || accuracy.bitrate_mbps > 0.0) continue;
-    const auto same = std::find_if(by_estimator.begin(), by_estimator.end(),
-                                   [&](const std::vector<SequenceAccuracy>& group) {
-                                     return group.front().estimator == accuracy.estimator;
-                                   });
-    if (same == by_estimator.end()) {
-      by_estimator.push_back({accuracy});
-    } else {
-      same->push_back(accuracy);
-    }
-  }
+/// One row per estimator and set over its rendered worlds.
+std::vector<SequenceAccuracy> pooled(const std::vector<SetSummary>& summaries) {
   std::vector<SequenceAccuracy> result;
-  result.reserve(by_estimator.size());
-  for (const std::vector<SequenceAccuracy>& group : by_estimator)
-    result.push_back(summarise(std::string("all ") + std::to_string(group.size()) + " worlds", group));
+  result.reserve(summaries.size());
+  for (const SetSummary& summary : summaries) {
+    const std::string name = "all " + std::to_string(summary.worlds.size()) + " worlds";
+    result.push_back(summarise(name, summary.worlds));
+  }
   return result;
 }
 
@@ -149,6 +144,8 @@ std::string bitrateTable(const std::vector<BitratePoint>& points, ReportFormat f
 }
 
 constexpr const char* kLegend =
+    "set: of worlds that choose a number (tuning) or report it (reporting); neither: of the scenario of one "
+    "and the seed\nof the other. "
     "Errors of the left camera's path (cartvo-evaluate(1)): segments of 5 to 40 m and of 100 to 800 m (% and "
     "deg/m),\n"
     "from pair to pair (RPE, RMSE), final drift. end: error of the last pose, if the cart never moves. "
@@ -179,6 +176,7 @@ Json consistencyJson(const NormalisedErrors& errors) {
 Json sequenceJson(const SequenceAccuracy& a) {
   Json json{{"sequence", a.sequence},
             {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
+            {"set", a.kind == SequenceKind::real ? Json(nullptr) : Json(setName(a.set))},
             {"bitrate_mbps", nullptr},
             {"estimator", a.estimator},
             {"pairs", a.pairs},
@@ -221,25 +219,36 @@ Json optionalPercent(const std::optional<double>& fraction) {
 }  // namespace
 
 std::string accuracyTable(const std::vector<SequenceAccuracy>& accuracies, ReportFormat format) {
-  Table table({"sequence", "estimator", "pairs", "length, m", "5–40 m: % / deg/m", "100–800 m: % / deg/m",
-               "RPE: m / deg", "drift: % / m", "end: cm / deg", "standing, m/s", "invalid", "lost", "resets",
-               "wrong", "NEES motion", "NEES pose", "NEES velocity", "ms: median / p99"});
+  Table table({"sequence", "set", "estimator", "pairs", "length, m", "5–40 m: % / deg/m",
+               "100–800 m: % / deg/m", "RPE: m / deg", "drift: % / m", "end: cm / deg", "standing, m/s",
+               "invalid", "lost", "resets", "wrong", "NEES motion", "NEES pose", "NEES velocity",
+               "ms: median / p99"});
   for (const SequenceAccuracy& accuracy : accuracies)
     table.add(cells(accuracy));
-  for (const SequenceAccuracy& summary : summaries(accuracies))
-    table.add(cells(summary));
-  std::string report = table.as(format) + "\n" + kLegend;
+  const std::vector<SetSummary> summaries = setSummaries(accuracies);
+  for (const SequenceAccuracy& row : pooled(summaries))
+    table.add(cells(row));
+  std::string report = table.as(format) + "\n";
+  for (const SetSummary& summary : summaries)
+    report += summaryLine(summary) + "\n";
+  report.append(summaries.empty() ? "" : "\n").append(kLegend);
   if (const std::vector<BitratePoint> points = bitratePoints(accuracies); !points.empty())
     report.append("\n").append(bitrateTable(points, format));
   return report;
 }
 
 Json accuracyJson(const std::vector<SequenceAccuracy>& accuracies) {
-  Json json{{"sequences", Json::array()}, {"summaries", Json::array()}, {"bitrates", Json::array()}};
+  Json json{{"sequences", Json::array()},
+            {"summaries", Json::array()},
+            {"sets", Json::array()},
+            {"bitrates", Json::array()}};
   for (const SequenceAccuracy& accuracy : accuracies)
     json["sequences"].push_back(sequenceJson(accuracy));
-  for (const SequenceAccuracy& summary : summaries(accuracies))
-    json["summaries"].push_back(summaryJson(summary));
+  const std::vector<SetSummary> summaries = setSummaries(accuracies);
+  for (const SequenceAccuracy& row : pooled(summaries))
+    json["summaries"].push_back(summaryJson(row));
+  for (const SetSummary& summary : summaries)
+    json["sets"].push_back(setSummaryJson(summary));
   for (const BitratePoint& point : bitratePoints(accuracies)) {
     json["bitrates"].push_back({{"sequence", point.encoded->sequence},
                                 {"estimator", point.encoded->estimator},

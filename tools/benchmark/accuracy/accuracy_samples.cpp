@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kFormat = 1;                       // of the files
+constexpr int kFormat = 2;                       // of the files
 constexpr std::size_t kMaxFileBytes = 1U << 30;  // an hour at 18 Hz needs 10 MB
 
 Json optionalJson(const std::optional<double>& value) {
@@ -118,6 +118,7 @@ NormalisedErrors errorsOf(const Json& json) {
 Json accuracySamples(const SequenceAccuracy& a) {
   Json json{{"sequence", a.sequence},
             {"rendered", a.kind == SequenceKind::rendered},
+            {"set", a.set ? Json(worldSetName(*a.set)) : Json(nullptr)},
             {"bitrate_mbps", a.bitrate_mbps},
             {"estimator", a.estimator},
             {"pairs", a.pairs},
@@ -141,6 +142,7 @@ SequenceAccuracy accuracyOf(const Json& json) {
   SequenceAccuracy a;
   json.at("sequence").get_to(a.sequence);
   a.kind = json.at("rendered").get<bool>() ? SequenceKind::rendered : SequenceKind::real;
+  if (const Json& set = json.at("set"); !set.is_null()) a.set = worldSetNamed(set.get<std::string>());
   json.at("bitrate_mbps").get_to(a.bitrate_mbps);
   json.at("estimator").get_to(a.estimator);
   json.at("pairs").get_to(a.pairs);

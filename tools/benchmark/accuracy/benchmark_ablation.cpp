@@ -23,7 +23,9 @@ using namespace benchmark;  // NOLINT(google-build-using-namespace): this file i
 
 struct AblationOptions {
   BenchmarkOptions common;
-  DriveOptions drives{.scenarios = {"campus", "turns", "traffic", "dusk", "standing"}, .seconds = 10.0};
+  DriveOptions drives{
+      .worlds = {.tuning_scenarios = {"campus", "turns", "traffic", "dusk", "standing"}, .set = "tuning"},
+      .seconds = 10.0};
   double offset_ms = 0.0;
   std::vector<std::string> variants = ablationNames();
 };
@@ -53,8 +55,9 @@ void run(const AblationOptions& options) {
     report.update(ablationJson(accuracies));
     return report;
   };
-  writeReport(options.common, "ablation", json,
-              [&](ReportFormat format) { return ablationTable(accuracies, format); });
+  writeReport(options.common, "ablation", json, [&](ReportFormat format) {
+    return worldSetLine(settings.worlds) + ablationTable(accuracies, format);
+  });
 }
 
 std::string variantList() {

@@ -28,8 +28,7 @@ using namespace benchmark;  // NOLINT(google-build-using-namespace): this file i
 
 struct AccuracyOptions {
   BenchmarkOptions common;
-  std::vector<std::string> scenarios{kAllScenarios};
-  std::vector<std::uint64_t> seeds{1};
+  WorldChoice worlds;
   double seconds = 0.0;  // 0: the default of each scenario
   double offset_ms = 0.0;
   std::string readout_ms = "0";
@@ -81,8 +80,7 @@ double secondsOf(world::Scenario scenario) {
 
 std::vector<world::WorldSettings> worldsOf(const AccuracyOptions& options) {
   const Readouts readouts = parseReadouts(options.readout_ms);
-  std::vector<world::WorldSettings> worlds =
-      chosenWorlds(options.scenarios, options.seeds, options.common.threads);
+  std::vector<world::WorldSettings> worlds = chosenWorlds(options.worlds, options.common.threads);
   for (world::WorldSettings& world : worlds) {
     world.seconds = options.seconds > 0.0 ? options.seconds : secondsOf(world.scenario);
     world.offset_s = 1e-3 * options.offset_ms;
@@ -182,7 +180,7 @@ void addJobOptions(CLI::App& command, AccuracyOptions& options) {
 }
 
 void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
-  CLI::Option* scenarios = addWorldChoice(command, options.scenarios, options.seeds);
+  CLI::Option* scenarios = addWorldChoice(command, options.worlds);
   CLI::Option* seconds =
       command
           .add_option("--seconds", options.seconds,
@@ -201,6 +199,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
       ->capture_default_str();
   command.add_flag("--quick", options.quick, "Use only the worlds campus and standing, six seconds each")
       ->excludes(scenarios)
+      ->excludes("--set")
       ->excludes(seconds);
 }
 
@@ -236,7 +235,8 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
       "report explains its columns; cartvo-benchmark(1) defines each number.\n"
       "Examples:\n"
       "  cartvo benchmark accuracy --quick                                a first look, in some minutes\n"
-      "  cartvo benchmark accuracy --seeds 1,2 --format markdown          each scenario with two seeds\n"
+      "  cartvo benchmark accuracy --set reporting --seconds 8            worlds on which nothing is tuned\n"
+      "  cartvo benchmark accuracy --set tuning --seeds 1,2               each scenario with two seeds\n"
       "  cartvo benchmark accuracy --scenarios campus --bitrates 2,4,8    the effect of H.264\n"
       "  cartvo benchmark accuracy --data none --scenarios turns --offset-ms 25\n"
       "  cartvo benchmark accuracy --seeds 1,2,3 --list results > jobs    a job for each sequence\n"
@@ -246,7 +246,7 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
   command->callback([options, command] {
     options->given = givenOptions(*command);
     if (options->quick) {
-      options->scenarios = {"campus", "standing"};
+      options->worlds.scenarios = {"campus", "standing"};
       options->seconds = 6.0;
     }
     if (!options->merge.empty()) return mergeJobs(*options);

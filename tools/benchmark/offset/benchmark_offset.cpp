@@ -23,7 +23,8 @@ using namespace benchmark;  // NOLINT(google-build-using-namespace): this file i
 
 struct OffsetOptions {
   BenchmarkOptions common;
-  DriveOptions drives{.scenarios = {"campus", "turns", "bumpy", "traffic"}};
+  DriveOptions drives{
+      .worlds = {.tuning_scenarios = {"campus", "turns", "bumpy", "traffic"}, .set = "tuning"}};
   std::vector<double> offsets_ms{0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0};
   std::vector<std::string> sweeps{"slow", "fast"};
   std::vector<std::string> models = offsetModelNames();
@@ -69,8 +70,9 @@ void run(const OffsetOptions& options) {
     report.update(offsetJson(accuracies));
     return report;
   };
-  writeReport(options.common, "offset", json,
-              [&](ReportFormat format) { return offsetTable(accuracies, format); });
+  writeReport(options.common, "offset", json, [&](ReportFormat format) {
+    return worldSetLine(settings.worlds) + offsetTable(accuracies, format);
+  });
 }
 
 void addClockOptions(CLI::App& command, OffsetOptions& options) {

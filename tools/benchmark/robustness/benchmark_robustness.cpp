@@ -28,7 +28,9 @@ std::vector<std::string> disturbanceNames() {
 struct RobustnessOptions {
   BenchmarkOptions common;
   // Seeds and length are not those of the accuracy benchmark: there, numbers of the estimator are compared.
-  DriveOptions drives{.scenarios = {"campus", "turns", "rough"}, .seeds = {7}, .seconds = 12.0};
+  DriveOptions drives{
+      .worlds = {.tuning_scenarios = {"campus", "turns", "rough"}, .tuning_seeds = {7}, .set = "tuning"},
+      .seconds = 12.0};
   std::vector<std::string> disturbances = disturbanceNames();
   bool quick = false;
 };
@@ -53,7 +55,7 @@ void run(const RobustnessOptions& options) {
         report.update(robustnessJson(rows));
         return report;
       },
-      [&](ReportFormat format) { return robustnessTable(rows, format); });
+      [&](ReportFormat format) { return worldSetLine(settings.worlds) + robustnessTable(rows, format); });
 }
 
 std::string disturbanceHelp() {
@@ -78,6 +80,7 @@ void addRobustnessBenchmark(CLI::App& benchmark) {
       ->capture_default_str();
   command->add_flag("--quick", options->quick, "Use only the world rough, six seconds of it")
       ->excludes("--scenarios")
+      ->excludes("--set")
       ->excludes("--seconds");
   command->footer(
       "Plays every real and rendered sequence as it is and with each disturbance, with `estimator: "
@@ -91,7 +94,7 @@ void addRobustnessBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark robustness --data none --disturbances lose30,bursts --format markdown");
   command->callback([options] {
     if (options->quick) {
-      options->drives.scenarios = {"rough"};
+      options->drives.worlds.scenarios = {"rough"};
       options->drives.seconds = 6.0;
     }
     run(*options);

@@ -26,7 +26,8 @@ using namespace benchmark;  // NOLINT(google-build-using-namespace): this file i
 
 struct ShutterOptions {
   BenchmarkOptions common;
-  DriveOptions drives{.scenarios = {"campus", "turns", "bumpy", "traffic"}};
+  DriveOptions drives{
+      .worlds = {.tuning_scenarios = {"campus", "turns", "bumpy", "traffic"}, .set = "tuning"}};
   std::vector<std::string> readouts_ms{"0", "16", "32", "38", "-32", "32/38"};
   std::vector<double> offsets_ms{0.0, 25.0};
   bool no_sweep = false;
@@ -97,8 +98,9 @@ void run(const ShutterOptions& options) {
     report.update(shutterJson(accuracies));
     return report;
   };
-  writeReport(options.common, "shutter", json,
-              [&](ReportFormat format) { return shutterTable(accuracies, format); });
+  writeReport(options.common, "shutter", json, [&](ReportFormat format) {
+    return worldSetLine(settings.worlds) + shutterTable(accuracies, format);
+  });
   if (!options.plot.empty()) writeDrawing(options.plot, shutterPlot(accuracies));
 }
 

@@ -87,13 +87,13 @@ TEST(AccuracySamples, OfADamagedFileAreRefused) {
   const std::string whole = toJson({1, 1, "", 700, {accuracyOf("first", 0.1)}}).dump();
   for (const std::string& text :
        {std::string(), std::string("[]"), std::string("{}"), whole.substr(0, whole.size() / 2),
-        std::string(R"({"cartvo_accuracy_samples": 1, "job": "one"})")}) {
+        std::string(R"({"cartvo_accuracy_samples": 2, "job": "one"})")}) {
     std::ofstream(folder / "1.json") << text;
     EXPECT_THAT(test::messageOf([&] { mergedSamples(folder.path()); }),
                 HasSubstr("1.json: no results of 'cartvo benchmark accuracy --samples'"))
         << text;
   }
-  std::ofstream(folder / "1.json") << R"({"cartvo_accuracy_samples": 2})";
+  std::ofstream(folder / "1.json") << R"({"cartvo_accuracy_samples": 1})";
   EXPECT_THAT(test::messageOf([&] { mergedSamples(folder.path()); }), HasSubstr("another version"));
 }
 

@@ -81,6 +81,18 @@ int nearestDisparity(const StereoSettings& settings, int width) {
   return std::max(settings.maximum_disparity, width / 2);
 }
 
+void validate(const UncertaintySettings& settings) {
+  requireRange("uncertainty.motion_noise_factor", settings.motion_noise_factor, 0.01, 100.0);
+  requireRange("uncertainty.first_motion_inflation", settings.first_motion_inflation, 0.0, 1e3);
+  requireRange("uncertainty.scale_stddev", settings.scale_stddev, 1e-6, 10.0);
+  requireRange("uncertainty.independent_noise_ratio", settings.independent_noise_ratio, 0.0, 100.0);
+  requireRange("uncertainty.drift_ratio", settings.drift_ratio, 0.0, 100.0);
+  requireRange("uncertainty.full_image_motion", settings.full_image_motion, 0.1, 1e3);
+  requireRange("uncertainty.drift_correlation_pairs", settings.drift_correlation_pairs, 1.0, 1e4);
+  requireRange("uncertainty.standstill_translation", settings.standstill_translation, 1e-9, 1.0);
+  requireRange("uncertainty.standstill_rotation", settings.standstill_rotation, 1e-9, 1.0);
+}
+
 void validate(const OdometrySettings& settings) {
   requireRange("features", settings.features, 50, 20000);
   validate(settings.detection);
@@ -104,6 +116,7 @@ void validate(const OdometrySettings& settings) {
   requireRange("bundle.fixed_pose_weight", settings.bundle.fixed_pose_weight, 0.0, 1.0);
   requireRange("bundle.iterations", settings.bundle.iterations, 1, 100);
   requireRange("bundle.robust_width", settings.bundle.robust_width, 0.1, 1000.0);
+  validate(settings.uncertainty);
   requireRange("standstill.translation", settings.standstill.translation, 0.0, 1.0);
   requireRange("standstill.rotation", settings.standstill.rotation, 0.0, 1.0);
   requireRange("standstill.least_time", settings.standstill.least_time, 0.0, 3600.0);

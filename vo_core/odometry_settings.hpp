@@ -100,6 +100,25 @@ struct BundleSettings {
   double robust_width = 1.5;  ///< standard deviations of a residual that halve its weight
 };
 
+/// Uncertainty of motions and poses (docs/how-it-works.md, section 8; docs/notebook/experiments.md has the
+/// measurements).
+struct UncertaintySettings {
+  /// Factor on the covariance of a motion by its landmarks: both poses are estimated relative to the same
+  /// anchors and share their noise. Fitted on rendered drives.
+  double motion_noise_factor = 0.56;
+  /// Part of the factor of a track's first motion beyond 1. At dusk the squared error of the first motion was
+  /// 11 times its variance, that of the second to the sixth 2.4 times.
+  double first_motion_inflation = 9.0;
+  double scale_stddev = 0.05;  ///< stddev of a scale factor that disparities do not observe
+  // Growth of pose errors, fitted on rendered drives to that after a standstill and after a start at speed.
+  double independent_noise_ratio = 0.5;   ///< share of a pose's noise that is independent in each pair
+  double drift_ratio = 0.2;               ///< drift per pair, of a pose's noise, at full image motion
+  double full_image_motion = 8.0;         ///< px, image motion at which the drift saturates: half a patch
+  double drift_correlation_pairs = 40.0;  ///< pairs until e^-1 of the drift is left
+  double standstill_translation = 3e-4;   ///< m, stddev of a motion during a standstill
+  double standstill_rotation = 5e-5;      ///< rad, the same of its rotation
+};
+
 /// Detection of a standstill: the pose stays within these limits.
 struct StandstillSettings {
   double translation = 0.0015;  ///< m
@@ -140,6 +159,7 @@ struct OdometrySettings {
   RefinementSettings refinement;                          ///< `estimator: thesis` only
   PoseSearchSettings pose_search;                         ///< `estimator: reprojection` only
   BundleSettings bundle;                                  ///< `estimator: reprojection` only
+  UncertaintySettings uncertainty;                        ///< `estimator: reprojection` only
   StandstillSettings standstill;                          ///< `estimator: reprojection` only
   RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
   ValiditySettings validity;

@@ -182,15 +182,15 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
   }
   const std::optional<PoseShift> before = codec_shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
-  codec_shift_ = codec_errors_.update(pair.key_frames, {vectorFromMotion(T), motion.stddev_by_landmarks,
-                                                        motion.time_step, motion.noise_uncalibrated});
+  codec_shift_ = codec_errors_.update(pair.key_frames, {vectorFromMotion(T), motion.stddevByLandmarks(),
+                                                        motion.time_step, motion.noiseIsUncalibrated()});
   if (before) {
     const Matrix6d carried = adjoint(T.inverse());
-    motion.motion_covariance += carried * before->variance.asDiagonal() * carried.transpose();
+    motion.error.by_codec_shift += carried * before->variance.asDiagonal() * carried.transpose();
     T = motionFromVector(before->value) * T;
   }
   if (!codec_shift_) return;
-  motion.motion_covariance += codec_shift_->variance.asDiagonal();
+  motion.error.by_codec_shift += codec_shift_->variance.asDiagonal();
   T = withoutShift(T, *codec_shift_);
 }
 
@@ -263,8 +263,8 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
   if (!estimate.valid) return estimate;
   estimate.time_step = motion.time_step;
   estimate.T_previous_current = motion.T_previous_current;
-  estimate.motion_covariance = motion.motion_covariance;
-  estimate.motion_offset_error = motion.motion_offset_error;
+  estimate.motion_covariance = motion.error.covariance();
+  estimate.motion_offset_error = motion.error.by_offset;
   estimate.twist = motion.twist;
   return estimate;
 }

@@ -63,6 +63,7 @@ struct BundleProblem {
   /// Information matrix of the prior that ties pose i to its initial value; perturbations on the right. At
   /// most one for each pose. Ignored for fixed poses; poses beyond the end of the list have no prior.
   FixedVector<Matrix6d, kMaximumWindowPairs> pose_prior_information;
+  double scale_stddev = UncertaintySettings().scale_stddev;  ///< prior of the window's scale factor
   std::vector<BundleLandmark> landmarks;
   BundleNoises noise;
 };
@@ -87,7 +88,7 @@ struct BundleResult {
   PoseMatrix covariance;
   std::array<NoiseScale, kLandmarkLevels> noise_scale;
   /// Variance of the window's scale factor from its disparities, at most that of an unobserved scale
-  /// (0.05^2).
+  /// (BundleProblem::scale_stddev).
   double scale_variance = 0.0;
   /// Normal equations of the remaining error of the rig calibration: information, and information times
   /// change. The window's scale is marginalised, because it was estimated under the same error.

@@ -2,12 +2,6 @@
 #include "vo_core/estimation/rig_system.hpp"
 
 namespace cartvo::vo {
-namespace {
-
-constexpr double kScaleInformation = 1.0 / (0.05 * 0.05);  // prior: 5 % stddev of an unobserved scale factor
-
-}  // namespace
-
 void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatrix>& factor,
                          BundleResult& result) const {
   Eigen::Matrix<double, kShared, kShared> hessian;
@@ -26,7 +20,7 @@ void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatr
   hessian -= by_poses.transpose() * solved;
   gradient -= solved.transpose() * system.gradient;
   constexpr int n = RigCorrection::kSize;
-  hessian(n, n) += kScaleInformation;
+  hessian(n, n) += scale_information_;
   result.scale_variance = 1.0 / hessian(n, n);
   const RigCorrection::Vector by_scale = hessian.topRightCorner<n, 1>();
   result.rig_information = hessian.topLeftCorner<n, n>() - by_scale * by_scale.transpose() / hessian(n, n);

@@ -14,7 +14,8 @@ namespace cartvo::vo {
 class RigSystem {
  public:
   RigSystem() = default;
-  explicit RigSystem(const BundleProblem& problem) : camera_(problem.camera) {
+  explicit RigSystem(const BundleProblem& problem)
+      : camera_(problem.camera), scale_information_(1.0 / (problem.scale_stddev * problem.scale_stddev)) {
     by_poses_.resize(problem.poses.size() - problem.fixed);
   }
 
@@ -77,6 +78,7 @@ class RigSystem {
   };
 
   StereoCamera camera_;
+  double scale_information_ = 0.0;           // prior of the window's scale factor
   DoubleLanes hessian_[kShared][kShared]{};  // the lower triangle
   DoubleLanes gradient_[kShared]{};
   DoubleLanes by_depth_[kShared]{};  // current block

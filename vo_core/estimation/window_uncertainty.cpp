@@ -4,10 +4,6 @@
 namespace cartvo::vo {
 namespace {
 
-// The covariance of a motion is less than the sum of those of its poses, because both are estimated relative
-// to the same anchors and share their noise. Fitted on rendered worlds (docs/accuracy.md).
-constexpr double kMotionCovarianceFactor = 0.56;
-
 /// Motion from the last but one to the last pair.
 Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
   return window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
@@ -31,7 +27,8 @@ double imageMotion(const BundleProblem& problem) {
 
 /// Updates the poses' covariances; returns the motion's covariance due to the landmarks.
 Matrix6d updateCovariances(const BundleProblem& problem, const BundleResult& result,
-                           const PairInflation& inflation, std::vector<WindowFrame>& window) {
+                           const PairInflation& inflation, const UncertaintySettings& settings,
+                           std::vector<WindowFrame>& window) {
   const auto block = [&](std::size_t a, std::size_t b) -> Matrix6d {
     if (static_cast<int>(a) < problem.fixed || static_cast<int>(b) < problem.fixed) return Matrix6d::Zero();
     const auto at = [&](std::size_t i) { return 6 * (static_cast<Eigen::Index>(i) - problem.fixed); };
@@ -46,11 +43,12 @@ Matrix6d updateCovariances(const BundleProblem& problem, const BundleResult& res
     window[i].uncertainty =
         afterMotion(reference.uncertainty, reference.T_world_camera.inverse() * window[i].T_world_camera,
                     {static_cast<int>(i - last_fixed),
-                     inflation.overlap * inflation.pose_noise_inflation * block(i, i), image_motion});
+                     inflation.overlap * inflation.pose_noise_inflation * block(i, i), image_motion},
+                    settings);
   }
   // The motion has the errors of both poses relative to the landmarks minus their correlation.
   const Matrix6d carried = adjoint(lastMotion(window).inverse());
-  return kMotionCovarianceFactor * inflation.overlap *
+  return settings.motion_noise_factor * inflation.overlap *
          (window[last].local_covariance + carried * window[last - 1].local_covariance * carried.transpose() -
           carried * block(last - 1, last) - block(last, last - 1) * carried.transpose());
 }
@@ -86,12 +84,14 @@ Vector6d updateOffsetErrors(const BundleProblem& problem, double offset_stddev,
 
 }  // namespace
 
-MotionUncertainty updateUncertainties(const BundleProblem& problem, const BundleResult& result,
-                                      const PairInflation& inflation, std::vector<WindowFrame>& window) {
-  MotionUncertainty motion;
-  motion.by_landmarks = updateCovariances(problem, result, inflation, window);
+MotionError updateUncertainties(const BundleProblem& problem, const BundleResult& result,
+                                const PairInflation& inflation, const UncertaintySettings& settings,
+                                std::vector<WindowFrame>& window) {
+  MotionError motion;
+  motion.by_landmarks = updateCovariances(problem, result, inflation, settings, window);
   motion.by_scale = scaledCovariance(window, result.scale_variance);
-  motion.offset_error = updateOffsetErrors(problem, inflation.offset_stddev, window);
+  motion.codec_inflation = inflation.pose_noise_inflation;
+  motion.by_offset = updateOffsetErrors(problem, inflation.offset_stddev, window);
   return motion;
 }
 

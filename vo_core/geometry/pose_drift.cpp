@@ -5,22 +5,11 @@
 #include <cmath>
 
 namespace cartvo::vo {
-namespace {
-
-// Fitted on rendered worlds to the growth of pose errors after a standstill and after a start at speed
-// (docs/accuracy.md).
-constexpr double kIndependentNoiseRatio = 0.5;   // of the noise covariance: independent in each pair
-constexpr double kDriftRatio = 0.2;              // of the noise covariance: drift at full image motion
-constexpr double kFullImageMotion = 8.0;         // px, half a patch; the drift saturates
-constexpr double kDriftCorrelationPairs = 40.0;  // until e^-1 of the drift is left
-
-}  // namespace
-
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
-                            const MotionErrors& errors) {
-  static const double kCorrelation = std::exp(-1.0 / kDriftCorrelationPairs);  // of the drift, per pair
+                            const MotionErrors& errors, const UncertaintySettings& settings) {
+  const double correlation = std::exp(-1.0 / settings.drift_correlation_pairs);  // of the drift, per pair
   const Matrix6d stationary =
-      kDriftRatio * std::min(errors.image_motion / kFullImageMotion, 1.0) * errors.noise;
+      settings.drift_ratio * std::min(errors.image_motion / settings.full_image_motion, 1.0) * errors.noise;
   const Matrix6d carried = adjoint(motion.inverse());
   PoseUncertainty after;
   after.pose = carried * before.pose * carried.transpose();
@@ -28,13 +17,12 @@ PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry
   after.drift = before.drift.isZero(0.0) ? stationary : before.drift;
   after.pose_and_drift = carried * before.pose_and_drift;
   for (int pair = 0; pair < errors.pairs; ++pair) {
-    after.drift =
-        kCorrelation * kCorrelation * after.drift + (1.0 - kCorrelation * kCorrelation) * stationary;
-    after.pose_and_drift *= kCorrelation;
+    after.drift = correlation * correlation * after.drift + (1.0 - correlation * correlation) * stationary;
+    after.pose_and_drift *= correlation;
     after.pose += after.pose_and_drift + after.pose_and_drift.transpose() + after.drift;
     after.pose_and_drift += after.drift;
   }
-  after.pose += kIndependentNoiseRatio * errors.noise;
+  after.pose += settings.independent_noise_ratio * errors.noise;
   return after;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo::vo {
@@ -25,6 +26,6 @@ struct MotionErrors {
 
 /// Propagates the covariance over a motion.
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
-                            const MotionErrors& errors);
+                            const MotionErrors& errors, const UncertaintySettings& settings);
 
 }  // namespace cartvo::vo

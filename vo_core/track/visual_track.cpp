@@ -187,7 +187,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   else
     adjust(pair, draft, motion);
   // The first motion after a standstill starts at the fixed pose, not at the true one.
-  if (stood && !still_stands) motion.motion_covariance += standstill_.covariance();
+  if (stood && !still_stands) motion.error.by_standstill = standstill_.covariance();
   if (!still_stands && motion.valid() && standstill_.update(motion.T_world_camera, pair.left_exposure_ns)) {
     standing_ = true;
     landmarks_when_stopped_ = motion.counts.matched;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/estimation/motion_error.hpp"
 #include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
 #include "vo_core/integrity/frozen_camera_detector.hpp"
@@ -47,17 +48,16 @@ struct TrackedMotion {
   double time_step = 0.0;                        ///< s since the last tracked pair
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
-  Matrix6d motion_covariance = Matrix6d::Zero();
-  Vector6d stddev_by_landmarks = Vector6d::Zero();  ///< of the motion, without inflation
-  Matrix6d covariance_by_rows = Matrix6d::Zero();  ///< of the motion, by the uncertain motion about exposures
-  std::optional<ExposureTwist> twist;              ///< as OdometryEstimate's
-  bool noise_uncalibrated = false;  ///< one of the first motions: the noise level is still an assumption
-  Vector6d motion_offset_error = Vector6d::Zero();  ///< as OdometryEstimate's
-  bool ambiguous = false;  ///< the first motion, and another one has nearly as many inliers
+  MotionError error;
+  std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
+  bool ambiguous = false;              ///< the first motion, and another one has nearly as many inliers
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
+  Vector6d stddevByLandmarks() const { return error.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt(); }
+  /// Whether it is one of the first motions: the noise level is still an assumption.
+  bool noiseIsUncalibrated() const { return error.startup_inflation > 1.0; }
 };
 
 /// What tracks learn about the cameras, handed from one to the next.
@@ -154,7 +154,7 @@ class VisualTrack {
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
-  OdometryReason validate(const TrackedMotion& motion, const Matrix6d& covariance) const;
+  OdometryReason validate(const TrackedMotion& motion) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
                                   const RigCorrection& applied);
 
@@ -177,7 +177,7 @@ class VisualTrack {
   std::vector<Landmark> landmarks_;
   std::vector<WindowFrame> window_;   ///< oldest first; never empty
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
-  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddev_by_landmarks of the last motion
+  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByLandmarks() of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
   // State of the current pair; members to reuse their memory.
   Draft draft_;

@@ -23,16 +23,6 @@ double differenceOf(const RigCorrection& a, const RigCorrection& b) {
          std::abs(a.roll - b.roll);
 }
 
-/// Factor on the variance of the `n`-th motion of a track while the window of `window_pairs` pairs fills: the
-/// noise is still mostly an assumption, and in the dark, where few landmarks of a first pair are found again,
-/// many of them agree by chance. At dusk the squared error of the first motion was 11 times its variance,
-/// that of the second to the sixth 2.4 times (docs/accuracy.md). The covariance of a pose, which exceeds the
-/// sum of those of its motions, needs no factor.
-double startupInflation(int n, int window_pairs) {
-  constexpr double kFirstInflation = 9.0;
-  return n < window_pairs ? 1.0 + kFirstInflation / n : 1.0;
-}
-
 /// Sets priors on published, still free poses with `weight` times their information.
 void addPosePriors(const std::vector<WindowFrame>& window, double weight, BundleProblem& problem) {
   problem.pose_prior_information.clear();
@@ -49,6 +39,7 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
   BundleProblem& problem = bundle_;
   problem.camera = camera_;
   problem.noise = noise_;
+  problem.scale_stddev = settings_.uncertainty.scale_stddev;
   problem.poses = timedPoses(draft.window);
   const int poses = static_cast<int>(draft.window.size());
   problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kMinimumFixedPoses));
@@ -86,30 +77,24 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   updateLandmarks(draft);
-  const MotionUncertainty uncertainty = updateUncertainties(
+  const Matrix6d by_rows = motion.error.by_rows;
+  motion.error = updateUncertainties(
       bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
-      draft.window);
+      settings_.uncertainty, draft.window);
+  motion.error.by_rows = by_rows;
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  // Without the inflation, which makes a motion uncertain but not degenerate.
-  motion.reason = validate(motion, uncertainty.by_landmarks + uncertainty.byOffset());
+  motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
-  const double startup_inflation =
-      startupInflation(static_cast<int>(draft.window.size()) - 1, settings_.bundle.frames);
-  // The scale depends on disparities, which codec errors affect too.
-  motion.motion_covariance =
-      startup_inflation * pair.pose_noise_inflation *
-          (uncertainty.by_landmarks + uncertainty.by_scale + motion.covariance_by_rows) +
-      uncertainty.byOffset();
-  motion.motion_offset_error = uncertainty.offset_error;
+  motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
+                                                    settings_.bundle.frames, settings_.uncertainty);
   if (motion.twist)
-    motion.twist->covariance += uncertainty.byOffset() / (motion.time_step * motion.time_step);
-  motion.stddev_by_landmarks = uncertainty.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt();
-  motion.noise_uncalibrated = startup_inflation > 1.0;
+    motion.twist->covariance +=
+        motion.error.by_offset * motion.error.by_offset.transpose() / (motion.time_step * motion.time_step);
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  last_stddev_ = motion.stddev_by_landmarks;
+  last_stddev_ = motion.stddevByLandmarks();
   noise_ = adapted(noise_, result);
   rig_ = updated_rig;
   accept(pair, draft);
@@ -142,11 +127,11 @@ bool VisualTrack::stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) 
   return isRejected(pair, motion);
 }
 
-OdometryReason VisualTrack::validate(const TrackedMotion& motion, const Matrix6d& covariance) const {
+OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
   const ValiditySettings& validity = settings_.validity;
   if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
-  if (!(covariance.diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
+  if (!(motion.error.measured().diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
     return OdometryReason::degenerate_geometry;
   return OdometryReason::none;
 }

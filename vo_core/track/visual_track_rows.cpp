@@ -201,7 +201,7 @@ void VisualTrack::concludeRowMotion(const TimedPoses& poses, const WindowFrame& 
                                .head<6>();
   const double factor = roughness_.varianceFactor();
   motion.twist = ExposureTwist{pair.motion->velocity, factor * covariance};
-  motion.covariance_by_rows *= factor;
+  motion.error.by_rows *= factor;
 }
 
 /// Position in the window of the first pair whose row shifts are not up to date: older poses and motions
@@ -218,7 +218,7 @@ void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMoti
   // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
   const WindowFrame& before = draft.window[draft.window.size() - 2];
   newest.row_information = before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
-  motion.covariance_by_rows = found.pose_covariance_by_motion;
+  motion.error.by_rows = found.pose_covariance_by_motion;
 }
 
 /// Removes the error that the velocities about all exposures of the window share. Rows measure velocities

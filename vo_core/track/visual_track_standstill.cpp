@@ -6,12 +6,6 @@
 #include "vo_core/track/visual_track.hpp"
 
 namespace cartvo::vo {
-namespace {
-
-// m and rad, standard deviations of a motion during a standstill.
-constexpr double kStandstillTranslation = 3e-4, kStandstillRotation = 5e-5;
-
-}  // namespace
 
 /// Zero-velocity update: the motion is zero and the pose is kept. Pairs of a standstill are compared with the
 /// pairs before it and not added to the window, so that no drift accumulates however long the cart stands and
@@ -19,10 +13,11 @@ constexpr double kStandstillTranslation = 3e-4, kStandstillRotation = 5e-5;
 void VisualTrack::applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion) {
   motion.reason = OdometryReason::zero_velocity;
   motion.T_world_camera = window_.back().T_world_camera;
-  motion.motion_covariance.setZero();
-  motion.motion_covariance.diagonal()
-      << Eigen::Vector3d::Constant(kStandstillTranslation * kStandstillTranslation),
-      Eigen::Vector3d::Constant(kStandstillRotation * kStandstillRotation);
+  const UncertaintySettings& uncertainty = settings_.uncertainty;
+  motion.error = {};
+  motion.error.by_standstill.diagonal()
+      << Eigen::Vector3d::Constant(uncertainty.standstill_translation * uncertainty.standstill_translation),
+      Eigen::Vector3d::Constant(uncertainty.standstill_rotation * uncertainty.standstill_rotation);
   last_exposure_ns_ = pair.left_exposure_ns;
 }
 
@@ -33,7 +28,7 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   current.uncertainty = window_.back().uncertainty;
   current.dpose_doffset = window_.back().dpose_doffset;
   current.offset_error = window_.back().offset_error;
-  current.local_covariance = motion.motion_covariance;
+  current.local_covariance = motion.error.covariance();
   if (timing_.isRolling()) {
     current.motion = ExposureMotion{};
     current.rows.reset();

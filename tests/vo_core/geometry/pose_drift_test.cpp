@@ -20,10 +20,15 @@ MotionErrors errorsOf(int pairs, double image_motion = 10.0) {
   return {pairs, noise(), image_motion};
 }
 
+PoseUncertainty propagate(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
+                          const MotionErrors& errors) {
+  return afterMotion(before, motion, errors, UncertaintySettings());
+}
+
 PoseUncertainty afterPairs(int pairs, const Eigen::Isometry3d& motion, double image_motion = 10.0) {
   PoseUncertainty known;
   for (int pair = 0; pair < pairs; ++pair)
-    known = afterMotion(known, motion, errorsOf(1, image_motion));
+    known = propagate(known, motion, errorsOf(1, image_motion));
   return known;
 }
 
@@ -49,10 +54,10 @@ TEST(PoseDrift, IsSmallWithLittleImageMotion) {
 TEST(PoseDrift, BuildsUpAfterAStandstill) {
   PoseUncertainty known;
   for (int pair = 0; pair < 100; ++pair)
-    known = afterMotion(known, Eigen::Isometry3d::Identity(), errorsOf(1, 0.01));
+    known = propagate(known, Eigen::Isometry3d::Identity(), errorsOf(1, 0.01));
   const double at_standstill = known.pose(1, 1);
   for (int pair = 0; pair < 10; ++pair)
-    known = afterMotion(known, Eigen::Isometry3d::Identity(), errorsOf(1));
+    known = propagate(known, Eigen::Isometry3d::Identity(), errorsOf(1));
   EXPECT_LT(known.pose(1, 1) - at_standstill, 0.7 * heightVariance(10));
 }
 
@@ -60,7 +65,7 @@ TEST(PoseDrift, HeadingErrorsBecomeLateralErrors) {
   PoseUncertainty known;
   known.pose(4, 4) = 1e-4;
   const Matrix6d nothing = Matrix6d::Zero();
-  const Matrix6d carried = afterMotion(known, kAhead, {1, nothing, 10.0}).pose;
+  const Matrix6d carried = propagate(known, kAhead, {1, nothing, 10.0}).pose;
   EXPECT_TRUE(carried.isApprox(composedCovariance(known.pose, kAhead, nothing)));
   EXPECT_NEAR(carried(0, 0), 0.3 * 0.3 * 1e-4, 1e-12);
 }
@@ -68,9 +73,9 @@ TEST(PoseDrift, HeadingErrorsBecomeLateralErrors) {
 TEST(PoseDrift, MotionOverTwoPairsDriftsLikeTwoMotions) {
   const PoseUncertainty before = afterPairs(30, kAhead);
   const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
-  const PoseUncertainty between = afterMotion(before, still, errorsOf(1));
-  const PoseUncertainty one_by_one = afterMotion(between, still, errorsOf(1));
-  const PoseUncertainty at_once = afterMotion(before, still, errorsOf(2));
+  const PoseUncertainty between = propagate(before, still, errorsOf(1));
+  const PoseUncertainty one_by_one = propagate(between, still, errorsOf(1));
+  const PoseUncertainty at_once = propagate(before, still, errorsOf(2));
   EXPECT_TRUE(at_once.drift.isApprox(one_by_one.drift));
   EXPECT_TRUE(at_once.pose_and_drift.isApprox(one_by_one.pose_and_drift));
   // The intermediate pose adds its own noise.
@@ -84,7 +89,7 @@ TEST(PoseDrift, StaysPositiveDefiniteInCurves) {
   PoseUncertainty known;
   double volume = 0.0;
   for (int pair = 0; pair < 500; ++pair) {
-    known = afterMotion(known, motionFromVector(pair % 100 < 50 ? curve : Vector6d(-curve)), errorsOf(1));
+    known = propagate(known, motionFromVector(pair % 100 < 50 ? curve : Vector6d(-curve)), errorsOf(1));
     Eigen::Matrix<double, 12, 12> all;
     all << known.pose, known.pose_and_drift, known.pose_and_drift.transpose(), known.drift;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> solver(all);

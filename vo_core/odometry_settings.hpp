@@ -15,28 +15,43 @@ enum class Estimator : std::uint8_t {
 /// Number of pyramid levels that landmark patches are taken from: the full image and its half.
 constexpr int kLandmarkLevels = 2;
 
+/// Share that counts as most: of landmarks, of inliers, of a weight.
+constexpr double kMajority = 0.5;
+
 /// Detection windows with adaptive FAST thresholds (thesis 4.9).
 struct DetectionSettings {
-  int levels = kLandmarkLevels;  ///< pyramid levels with corners, the full image included
-  int window_columns = 16;       ///< number of windows side by side
-  int window_rows = 5;           ///< number of windows one above the other
-  int minimum_threshold = 6;     ///< grey values, lower bound of a window's threshold
-  int maximum_threshold = 80;    ///< grey values, upper bound of a window's threshold
-  int initial_threshold = 20;    ///< grey values, threshold of each window for the first image
+  int levels = kLandmarkLevels;       ///< pyramid levels with corners, the full image included
+  int window_columns = 16;            ///< number of windows side by side
+  int window_rows = 5;                ///< number of windows one above the other
+  int minimum_threshold = 6;          ///< grey values, lower bound of a window's threshold
+  int maximum_threshold = 80;         ///< grey values, upper bound of a window's threshold
+  int initial_threshold = 20;         ///< grey values, threshold of each window for the first image
+  double corners_per_feature = 2.0;   ///< target number of corners of a window per target feature
+  double adaptation_exponent = 0.2;   ///< of the ratio of counts by which a threshold changes
+  double prior_trials = 4.0;          ///< in the prior of a window's success rate, half of them successful
+  double trial_memory = 60.0;         ///< trials, memory of a window's success rate
+  double prior_return_pairs = 200.0;  ///< time constant of the return to the prior without trials
+  double level_sharpness = 8.0;       ///< exponent of the levels' utilities by which they share a window
 };
 
 constexpr int kMaximumSearchAgain = 7;  ///< upper bound of TrackingSettings::search_again, pairs
 
 /// KLT tracking from frame to frame (thesis 4.10-4.13).
 struct TrackingSettings {
-  int levels = 4;                       ///< pyramid levels, the full image included
-  int iterations = 6;                   ///< maximum number of iterations of the last, affine step
-  double convergence = 0.1;             ///< px, length of a step that ends the iteration
-  double minimum_correlation = 0.8;     ///< normalised cross-correlation of the patches
-  double maximum_backward_error = 0.5;  ///< px, forward-backward error
-  double minimum_score = 60.0;          ///< FAST score (thesis 4.9) of a feature
-  double minimum_distance = 8.0;        ///< px between features; see minimumDistance()
-  int search_again = 5;                 ///< pairs over which a lost feature with a depth is searched for
+  int levels = 4;                          ///< pyramid levels, the full image included
+  int iterations = 6;                      ///< maximum number of iterations of the last, affine step
+  double convergence = 0.1;                ///< px, length of a step that ends the iteration
+  double minimum_correlation = 0.8;        ///< normalised cross-correlation of the patches
+  double maximum_backward_error = 0.5;     ///< px, forward-backward error
+  double minimum_distance = 8.0;           ///< px between features; see minimumDistance()
+  int search_again = 5;                    ///< pairs over which a lost feature with a depth is searched for
+  double minimum_shift_correlation = 0.4;  ///< of the shifted patch, before its warp is estimated
+  double maximum_stretch = 0.35;           ///< of a warp from the identity; above, the anchor changes
+  /// px; landmarks found farther from it contradict a prediction, and have to agree with a corrected one.
+  double maximum_prediction_error = 4.0;
+  double predicted_inverse_depth = 0.02;  ///< 1/m, predicts where landmarks without a depth appear
+  double minimum_patch_noise = 0.07;      ///< px of the level, stddev of the position of the steepest patch
+  double minimum_codec_noise = 0.12;      ///< px, the same in inter-coded pictures
 };
 
 /// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
@@ -45,18 +60,25 @@ struct StereoSettings {
   int maximum_disparity = 128;        ///< px; nearer points are not found, but see nearestDisparity()
   int rows = 1;                       ///< px, rows searched above and below
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
-  double uniqueness = 0.8;  ///< maximum ratio of 1 - correlation of the best to the second-best match
+  double uniqueness = 0.8;         ///< maximum ratio of 1 - correlation of the best to the second-best match
+  double maximum_sad_ratio = 1.3;  ///< of a candidate to the least one; above, it is ignored
+  double maximum_row_residual = 1.5;  ///< px of the level, of a match from its epipolar line
+  double minimum_row_gate = 0.5;      ///< px of the level, of a row residual in inter-coded pictures
+  double row_gate_stddevs = 2.0;      ///< the same in standard deviations of all row residuals
+  double maximum_row_translation =
+      0.005;  ///< m along y and z between the exposures up to which rows are equal
 };
 
 /// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).
 struct MotionSettings {
-  int subsets = 128;             ///< random subsets, each of which gives one pose
-  int subset_size = 4;           ///< features per subset
-  int iterations = 10;           ///< maximum number of iterations of the weights w = 1/|c|
-  double radius = 3.5;           ///< standard deviations of a point beyond which its weight is zero
-  double pixel_noise = 0.2;      ///< px, standard deviation of a tracked position of a distant point
-  double disparity_noise = 0.2;  ///< px, standard deviation of the disparity of a distant point
-  double near_noise = 0.01;      ///< px added to both per px of disparity: near patches deform more
+  int subsets = 128;              ///< random subsets, each of which gives one pose
+  int subset_size = 4;            ///< features per subset
+  int iterations = 10;            ///< maximum number of iterations of the weights w = 1/|c|
+  double radius = 3.5;            ///< standard deviations of a point beyond which its weight is zero
+  double pixel_noise = 0.2;       ///< px, standard deviation of a tracked position of a distant point
+  double disparity_noise = 0.2;   ///< px, standard deviation of the disparity of a distant point
+  double maximum_residual = 3.0;  ///< median residual, in units of that of the assumed noise
+  double near_noise = 0.01;       ///< px added to both per px of disparity: near patches deform more
 };
 
 /// Weights from history: of a feature from its motion over t-2, t-1, t; of a landmark from its residuals.
@@ -81,6 +103,8 @@ struct PoseSearchSettings {
       0.75;  ///< share of the points' weight; a start with as many inliers ends the search
   double maximum_acceleration = 25.0;          ///< m/s^2, gate of the change of the motion
   double maximum_angular_acceleration = 40.0;  ///< rad/s^2, the same of the rotation
+  /// Share of the landmarks that must agree on a pose which the last motion did not predict.
+  double minimum_surprised_share = 0.05;
 };
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included
@@ -100,23 +124,15 @@ struct BundleSettings {
   double robust_width = 1.5;  ///< standard deviations of a residual that halve its weight
 };
 
-/// Uncertainty of motions and poses (docs/how-it-works.md, section 8; docs/notebook/experiments.md has the
-/// measurements).
+/// Uncertainty of motions and poses (docs/how-it-works.md, section 8).
 struct UncertaintySettings {
-  /// Factor on the covariance of a motion by its landmarks: both poses are estimated relative to the same
-  /// anchors and share their noise. Fitted on rendered drives.
-  double motion_noise_factor = 0.56;
-  /// Part of the factor of a track's first motion beyond 1. At dusk the squared error of the first motion was
-  /// 11 times its variance, that of the second to the sixth 2.4 times.
-  double first_motion_inflation = 9.0;
-  double scale_stddev = 0.05;  ///< stddev of a scale factor that disparities do not observe
-  // Growth of pose errors, fitted on rendered drives to that after a standstill and after a start at speed.
+  double motion_noise_factor = 0.56;      ///< on the covariance of a motion by its landmarks
+  double first_motion_inflation = 9.0;    ///< part of the factor of a track's first motion beyond 1
+  double scale_stddev = 0.05;             ///< stddev of a scale factor that disparities do not observe
   double independent_noise_ratio = 0.5;   ///< share of a pose's noise that is independent in each pair
   double drift_ratio = 0.2;               ///< drift per pair, of a pose's noise, at full image motion
-  double full_image_motion = 8.0;         ///< px, image motion at which the drift saturates: half a patch
+  double full_image_motion = 8.0;         ///< px, image motion at which the drift saturates
   double drift_correlation_pairs = 40.0;  ///< pairs until e^-1 of the drift is left
-  double standstill_translation = 3e-4;   ///< m, stddev of a motion during a standstill
-  double standstill_rotation = 5e-5;      ///< rad, the same of its rotation
 };
 
 /// Detection of a standstill: the pose stays within these limits.
@@ -124,6 +140,20 @@ struct StandstillSettings {
   double translation = 0.0015;  ///< m
   double rotation = 0.0002;     ///< rad
   double least_time = 0.25;     ///< s, minimum duration
+  double motion_significance =
+      5.0;  ///< standard deviations; the limits above are as many of a motion at a standstill
+};
+
+/// Motion about exposures from the rows of rolling-shutter images.
+struct RollingShutterSettings {
+  double memory = 0.9;            ///< weight of the previous roughness, per pair
+  double translation_jerk = 4.0;  ///< (m/s^3)^2, variance of a smooth drive
+  double rotation_jerk = 9.0;     ///< (rad/s^3)^2, the same
+  double unknown_velocity = 3.0;  ///< m/s and rad/s, stddev with one pose; per s with two
+  double depth_scale_stddev =
+      0.05;  ///< of the shared error of inverse depths: of their scale, and its tilt over the columns
+  double depth_offset_stddev = 0.015;  ///< 1/m, of their offset, and its tilt over the rows
+  double prior_freedom = 4.0;          ///< degrees of freedom of the expected motion's t distribution
 };
 
 /// Self-calibration of the rig.
@@ -138,7 +168,6 @@ struct ValiditySettings {
   int minimum_matches = 20;                  ///< with a depth, in the current pair and the reference
   int minimum_inliers = 15;                  ///< consistent with the motion
   double minimum_inlier_ratio = 0.3;         ///< inliers / matches
-  double maximum_residual = 3.0;             ///< median residual, in units of that of the assumed noise
   double maximum_time_step = 1.5;            ///< s between pairs: a lost second does not end an epoch
   double maximum_offset = 0.1;               ///< s between the exposures of a pair
   double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of the time offset
@@ -161,6 +190,7 @@ struct OdometrySettings {
   BundleSettings bundle;                                  ///< `estimator: reprojection` only
   UncertaintySettings uncertainty;                        ///< `estimator: reprojection` only
   StandstillSettings standstill;                          ///< `estimator: reprojection` only
+  RollingShutterSettings rolling_shutter;                 ///< `estimator: reprojection` only
   RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
   ValiditySettings validity;
 };

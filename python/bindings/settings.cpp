@@ -22,8 +22,6 @@ void bindValidity(py::module_& module) {
   add(validity, "minimum_matches", &Validity::minimum_matches, "with a depth, in both pairs");
   add(validity, "minimum_inliers", &Validity::minimum_inliers, "consistent with the motion");
   add(validity, "minimum_inlier_ratio", &Validity::minimum_inlier_ratio, "inliers / matches");
-  add(validity, "maximum_residual", &Validity::maximum_residual,
-      "median residual, units of the assumed noise");
   add(validity, "maximum_time_step", &Validity::maximum_time_step, "s between pairs");
   add(validity, "maximum_offset", &Validity::maximum_offset, "s between the exposures of a pair");
   add(validity, "maximum_offset_uncertainty", &Validity::maximum_offset_uncertainty,
@@ -53,7 +51,6 @@ void bindTracking(py::module_& module) {
   add(tracking, "convergence", &Tracking::convergence, "px, length of a step that ends the iteration");
   add(tracking, "minimum_correlation", &Tracking::minimum_correlation, "normalised cross-correlation");
   add(tracking, "maximum_backward_error", &Tracking::maximum_backward_error, "px, forward-backward error");
-  add(tracking, "minimum_score", &Tracking::minimum_score, "FAST score of a feature");
   add(tracking, "minimum_distance", &Tracking::minimum_distance, "px between features");
   add(tracking, "search_again", &Tracking::search_again, "pairs over which a lost feature is searched for");
 }

@@ -52,7 +52,6 @@ class ValiditySettings:
     minimum_matches: int
     minimum_inliers: int
     minimum_inlier_ratio: float
-    maximum_residual: float
     maximum_time_step: float
     maximum_offset: float
     maximum_offset_uncertainty: float
@@ -75,7 +74,6 @@ class TrackingSettings:
     convergence: float
     minimum_correlation: float
     maximum_backward_error: float
-    minimum_score: float
     minimum_distance: float
     search_again: int
 

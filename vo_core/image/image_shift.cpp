@@ -12,9 +12,8 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kMinimumCorrelation = 0.3;  // of the images' overlap; unrelated images reach about 0.2
-constexpr int kMaximumShiftWidth = 120;      // px: the search takes half a millisecond
-constexpr int kRefinement = 2;               // px of the level around the shift found in its half
+constexpr int kMaximumShiftWidth = 120;  // px: the search takes half a millisecond
+constexpr int kRefinement = 2;           // px of the level around the shift found in its half
 
 struct Shift {
   int x = 0, y = 0;
@@ -145,7 +144,7 @@ std::optional<Eigen::Vector2d> findImageShift(const ImagePyramid& before, const 
   const Shift reach{from.width / 6, from.height / 6};
   const Shift coarse = Correlations(halfOf(from), halfOf(to), {}, reach).best();
   const Correlations fine(from, to, {2 * coarse.x, 2 * coarse.y}, {kRefinement, kRefinement});
-  if (fine.highest() < kMinimumCorrelation) return std::nullopt;
+  if (fine.highest() <= 0.0) return std::nullopt;
   return scale * fine.peak();
 }
 

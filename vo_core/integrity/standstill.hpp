@@ -29,6 +29,11 @@ class StandstillDetector {
            Eigen::AngleAxisd(motion.linear()).angle() > factor * settings_.rotation;
   }
 
+  /// Covariance of a motion during a standstill, of which the limits are so many standard deviations.
+  Matrix6d motionCovariance() const {
+    return 3.0 / (settings_.motion_significance * settings_.motion_significance) * covariance();
+  }
+
   /// Covariance of the true pose at a standstill: uniform within the limits.
   Matrix6d covariance() const {
     Vector6d square;

@@ -7,13 +7,6 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kMemory = 0.9;  // weight of the previous estimate, per pair
-// (m/s^3)^2 and (rad/s^3)^2, of a smooth drive: a cart that takes half a second from no to full acceleration.
-constexpr double kTranslationJerk = 4.0, kRotationJerk = 9.0;
-constexpr double kMaximumJerk = 4e6;          // (m/s^3)^2 and (rad/s^3)^2
-constexpr double kUnknownAcceleration = 3.0;  // m/s^2 and rad/s^2, with two poses
-constexpr double kUnknownVelocity = 3.0;      // m/s and rad/s, with one pose
-
 /// Effect of a unit jerk on the velocity and acceleration of the parabola (error of a quadratic
 /// interpolation), and of a unit noise of the motions.
 struct Sensitivity {
@@ -39,19 +32,11 @@ Sensitivity sensitivityOf(std::span<const TimedPose> poses, int index) {
   return sensitivity;
 }
 
-/// Variances of the jerk: those of a smooth drive and an excess.
-Vector6d withExcess(double translation, double rotation) {
-  Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(kTranslationJerk + translation),
-      Eigen::Vector3d::Constant(kRotationJerk + rotation);
-  return jerk;
-}
-
 }  // namespace
 
-void MotionRoughness::Excess::update(double squared, double expected) {
-  squared_ = kMemory * squared_ + (1.0 - kMemory) * squared;
-  expected_ = kMemory * expected_ + (1.0 - kMemory) * expected;
+void MotionRoughness::Excess::update(double squared, double expected, double memory) {
+  squared_ = memory * squared_ + (1.0 - memory) * squared;
+  expected_ = memory * expected_ + (1.0 - memory) * expected;
 }
 
 double MotionRoughness::Excess::excess() const {
@@ -59,18 +44,27 @@ double MotionRoughness::Excess::excess() const {
 }
 
 double MotionRoughness::Excess::measured() const {
-  return std::clamp(squared_ - expected_, 0.0, kMaximumJerk);
+  return std::max(squared_ - expected_, 0.0);
+}
+
+/// Variances of the jerk: those of a smooth drive and an excess.
+Vector6d MotionRoughness::withExcess(double translation, double rotation) const {
+  Vector6d jerk;
+  jerk << Eigen::Vector3d::Constant(settings_.translation_jerk + translation),
+      Eigen::Vector3d::Constant(settings_.rotation_jerk + rotation);
+  return jerk;
 }
 
 RowInformation::Vector MotionRoughness::variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses,
-                                                      int index, const Vector6d& motion_stddev) {
+                                                      int index, const Vector6d& motion_stddev) const {
   RowInformation::Vector variances;
   const Sensitivity by = sensitivityOf(poses, index);
   if (!by.known) {
     const auto [near, far] = parabolaTimes(poses, index);
-    const double velocity = near == 0.0 ? kUnknownVelocity : 0.5 * std::abs(near) * kUnknownAcceleration;
+    const double velocity =
+        near == 0.0 ? settings_.unknown_velocity : 0.5 * std::abs(near) * settings_.unknown_velocity;
     variances.head<6>().setConstant(velocity * velocity);
-    variances.segment<6>(6).setConstant(kUnknownAcceleration * kUnknownAcceleration);
+    variances.segment<6>(6).setConstant(settings_.unknown_velocity * settings_.unknown_velocity);
     variances.tail<3>() = jerk.tail<3>();
     return variances;
   }
@@ -98,8 +92,8 @@ Vector6d MotionRoughness::measuredJerk() const {
 }
 
 void MotionRoughness::compare(const Vector6d& difference, const Vector6d& variances) {
-  inconsistency_ =
-      kMemory * inconsistency_ + (1.0 - kMemory) * difference.cwiseAbs2().cwiseQuotient(variances);
+  inconsistency_ = settings_.memory * inconsistency_ +
+                   (1.0 - settings_.memory) * difference.cwiseAbs2().cwiseQuotient(variances);
 }
 
 void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev,
@@ -111,10 +105,11 @@ void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& m
     const auto mean = [&](const auto& of) { return of.template segment<3>(first).mean() / square; };
     excess.update(mean(rows.squared_difference),
                   mean(rows.row_variances) +
-                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) + smooth);
+                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) + smooth,
+                  settings_.memory);
   };
-  adapt(0, kTranslationJerk, translation_);
-  adapt(3, kRotationJerk, rotation_);
+  adapt(0, settings_.translation_jerk, translation_);
+  adapt(3, settings_.rotation_jerk, rotation_);
 }
 
 }  // namespace cartvo::vo

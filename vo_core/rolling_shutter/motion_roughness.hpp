@@ -5,6 +5,7 @@
 
 #include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/odometry_settings.hpp"
 
 namespace cartvo::vo {
 
@@ -12,6 +13,8 @@ namespace cartvo::vo {
 /// smooth drive and what the rows of the last images have shown in addition.
 class MotionRoughness {
  public:
+  explicit MotionRoughness(const RollingShutterSettings& settings) : settings_(settings) {}
+
   /// Variances of the difference between the motion about poses[index] and motionByPoses(). `motion_stddev`:
   /// of the motion from pair to pair.
   RowInformation::Vector variances(std::span<const TimedPose> poses, int index,
@@ -48,7 +51,7 @@ class MotionRoughness {
   /// Mean of squared jerks, and of what was expected of them without an excess, of the last pairs.
   class Excess {
    public:
-    void update(double squared, double expected);
+    void update(double squared, double expected, double memory);
     double ratio() const { return expected_ > 0.0 ? squared_ / expected_ : 0.0; }
     double excess() const;    ///< 0 unless it is significant
     double measured() const;  ///< the same, significant or not
@@ -57,10 +60,12 @@ class MotionRoughness {
     double squared_ = 0.0, expected_ = 0.0;
   };
 
-  static RowInformation::Vector variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses,
-                                              int index, const Vector6d& motion_stddev);
+  RowInformation::Vector variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses, int index,
+                                       const Vector6d& motion_stddev) const;
+  Vector6d withExcess(double translation, double rotation) const;
   Vector6d jerk() const;
   Vector6d measuredJerk() const;
+  RollingShutterSettings settings_;
   Excess translation_;  ///< (m/s^3)^2
   Excess rotation_;     ///< (rad/s^3)^2
   Vector6d inconsistency_ = Vector6d::Zero();

@@ -15,11 +15,8 @@ constexpr double kSmallDecrease = 0.01;  // of the cost, by a step that is far b
 constexpr int kMotionSize = RowInformation::kSize;
 constexpr int kMotion = RowUnknowns::kMotion, kDepths = RowUnknowns::kDepths;
 constexpr int kReadout = RowUnknowns::kReadout, kUnknowns = RowUnknowns::kSize;
-// Of the depth errors: 1, 1/m, 1/m and 1 per focal length.
-constexpr double kDepthStddevs[RowUnknowns::kDepthErrors] = {0.05, 0.01, 0.02, 0.05};
 constexpr double kKnown = 1e-9;  // s, standard deviation of a known readout
 constexpr std::size_t kMinimumPoints = 15;
-constexpr double kFreedom = 4.0;  // degrees of freedom of the prior's t distribution
 
 using StateMatrix = RowUnknowns::Matrix;
 using StateVector = RowUnknowns::Vector;
@@ -80,14 +77,19 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
   state.motion = problem.start;
   const double readout_information = 1.0 / std::pow(std::max(problem.readout_stddev, kKnown), 2);
   RowInformation::Vector prior_information = problem.variances.cwiseInverse();
+  const RollingShutterSettings& settings = problem.settings;
+  const double depth_stddevs[RowUnknowns::kDepthErrors] = {
+      settings.depth_scale_stddev, settings.depth_offset_stddev, settings.depth_offset_stddev,
+      settings.depth_scale_stddev};
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     RowEquations sums = points_->equationsAt(state);
     for (int i = 0; i < RowUnknowns::kDepthErrors; ++i)
-      sums.addPrior(kDepths + i, 1.0 / (kDepthStddevs[i] * kDepthStddevs[i]), 0.0);
+      sums.addPrior(kDepths + i, 1.0 / (depth_stddevs[i] * depth_stddevs[i]), 0.0);
     const RowInformation::Vector difference = vectorOf(problem.expected) - vectorOf(state.motion);
     if (iteration > 0) {
       const auto squares = difference.array().square() / problem.variances.array();
-      prior_information = (kFreedom + 1.0) / ((kFreedom + squares) * problem.variances.array());
+      prior_information =
+          (settings.prior_freedom + 1.0) / ((settings.prior_freedom + squares) * problem.variances.array());
     }
     RowEquations with_motion = sums;
     for (int i = 0; i < kMotionSize; ++i)

@@ -38,6 +38,7 @@ struct RowMotionProblem {
   ExposureMotion start;              ///< first guess of the motion
   double readout_stddev = 0.0;       ///< s; 0: known
   double robust_width = 1.5;         ///< see BundleSettings
+  RollingShutterSettings settings;
 };
 
 /// Normal equation of one image for the change of its camera's readout from the assumed one, with all else

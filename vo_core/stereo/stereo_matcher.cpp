@@ -17,10 +17,8 @@ namespace {
 constexpr int kCandidates = 3;           // candidates that are kept from the coarsest level
 constexpr int kSearchRadius = 3;         // px at each finer level
 constexpr int kMinimumPeakDistance = 3;  // px of disparity; candidates closer than this are the same peak
+constexpr double kNoiseFloor = 0.002;    // of 1 - correlation: smaller differences are noise
 constexpr double kMinimumColumnsPerDisparity = 0.05;  // px per px of disparity
-constexpr double kMaximumSadRatio =
-    1.3;  // a candidate whose SAD is more than so many times the least is ignored
-constexpr double kNoiseFloor = 0.002;  // of 1 - correlation: smaller differences are noise
 
 bool contains(const PyramidLevel& level, const LevelPixel& pixel) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < level.width() && pixel.y < level.height();
@@ -202,7 +200,7 @@ std::optional<StereoMatch> findUniqueMatch(const MatchRequest& request) {
   StereoMatch best;
   double second_best = 0.0;  // correlation of the best candidate at another disparity
   for (int i = 0; i < candidates.count; ++i) {
-    if (difference[i] > kMaximumSadRatio * least) continue;
+    if (difference[i] > settings.maximum_sad_ratio * least) continue;
     const StereoMatch match = correlateAround<Processor>(
         patch, images.right, left, line, candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;

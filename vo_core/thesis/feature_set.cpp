@@ -106,7 +106,6 @@ void FeatureSet::detect(const DetectionImage& left, SpacingGrid& spacing) {
   for (const Feature& feature : features_)
     if (isSeen(feature)) alive.push_back(feature.last().left);
   for (const Corner& corner : detector_.detect(left, alive, spacing)) {
-    if (corner.score < settings_.tracking.minimum_score) continue;
     Feature feature;
     FeatureObservation observation;
     observation.frame = frame_;

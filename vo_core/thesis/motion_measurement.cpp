@@ -61,7 +61,7 @@ MotionMeasurement MotionMeter::measure(const std::vector<Feature>& features, std
   if (motion->inliers < validity.minimum_inliers ||
       motion->inliers < validity.minimum_inlier_ratio * measurement.matched)
     measurement.reasons.add(OdometryReason::too_few_inliers);
-  if (settings_.refinement.frames == 1 && motion->scale > validity.maximum_residual)
+  if (settings_.refinement.frames == 1 && motion->scale > settings_.motion.maximum_residual)
     measurement.reasons.add(OdometryReason::high_residual);
   if (!isPlausibleMotion(motion->T_reference_current, time_step, validity))
     measurement.reasons.add(OdometryReason::implausible_motion);
@@ -104,7 +104,7 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
       if (again.converged) refined = again;
     }
     measurement.scale = refined.scale;
-    if (measurement.scale > settings_.validity.maximum_residual) {
+    if (measurement.scale > settings_.motion.maximum_residual) {
       measurement.reasons = OdometryReason::high_residual;
       return;
     }

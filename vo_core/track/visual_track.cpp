@@ -17,19 +17,6 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kUnknownSpeed = 3.0;                // m/s, standard deviation of the speed at the first pair
-constexpr double kMinimumStandstillLandmarks = 0.5;  // share of the landmarks at the start of the standstill
-// Maximum weight of the inliers of another first motion, relative to the best one's: on rendered worlds
-// without traffic it was at most 0.26; where a vehicle was taken for the static world, it was at least 0.65.
-constexpr double kMaximumSecondWeight = 0.5;
-// Minimum share of the landmarks that a pose explains which the last motion did not predict: fewer may agree
-// by chance, or on what moves.
-constexpr double kMinimumSurprisedShare = 0.05;
-constexpr double kMinimumGatedSupport =
-    0.5;  // inlier ratio; below, poses beyond the motion gate are searched
-// m and rad, part of the gate that is independent of the time step.
-constexpr double kTranslationSlack = 0.02, kRotationSlack = 0.01;
-
 double seconds(std::int64_t nanoseconds) {
   return 1e-9 * static_cast<double>(nanoseconds);
 }
@@ -76,6 +63,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       settings_(settings),
       timing_(timing),
       readouts_(learnt.readouts),
+      roughness_(settings.rolling_shutter),
       tracker_(camera, settings),
       random_(settings.seed),
       rig_(learnt.rig),
@@ -96,7 +84,8 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   if (timing_.isRolling()) window_.back().motion.emplace();
   matchStereo(first, window_, reinitialiser, landmarks_);
   // The speed is unknown: with a time offset the depths are uncertain.
-  const double relative_stddev = kUnknownSpeed * std::abs(window_.back().offset) / camera.baseline;
+  const double relative_stddev =
+      settings.rolling_shutter.unknown_velocity * std::abs(window_.back().offset) / camera.baseline;
   for (Landmark& landmark : landmarks_) {
     if (!landmark.hasDepth() || relative_stddev == 0.0) continue;
     const double stddev = relative_stddev * std::max(landmark.inverse_depth, 0.0);
@@ -174,8 +163,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   if (standing_) {
     motion.counts.detected = static_cast<int>(landmarks_.size());
     if (still_stands) applyZeroVelocity(pair, motion);
-    const bool enough_landmarks =
-        motion.counts.matched >= kMinimumStandstillLandmarks * landmarks_when_stopped_;
+    const bool enough_landmarks = motion.counts.matched >= kMajority * landmarks_when_stopped_;
     if (still_stands && enough_landmarks) return motion;
     // The pair is added: the cart moves, or too many landmarks of the start of the standstill are lost.
     standing_ = still_stands;
@@ -209,7 +197,7 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   correctNewestRows(draft, draft.start);
   draft.prediction_failed = outcome.prediction_failed;
   if (draft.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
-  if (pair.from_video) inflateCodecNoise(draft.landmarks);
+  if (pair.from_video) inflateCodecNoise(draft.landmarks, settings_.tracking);
   motion.counts.tracked = static_cast<int>(draft.landmarks.size());
 }
 
@@ -261,7 +249,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  if (draft.prediction_failed && found->inliers < kMinimumSurprisedShare * countWithDepth(landmarks_)) {
+  if (draft.prediction_failed &&
+      found->inliers < settings_.pose_search.minimum_surprised_share * countWithDepth(landmarks_)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
@@ -286,7 +275,7 @@ std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
   auto within_gate = search();
   if (!pose_problem_.admissible_change) return within_gate;
-  if (within_gate && within_gate->inlier_ratio >= kMinimumGatedSupport) return within_gate;
+  if (within_gate && within_gate->inlier_ratio >= kMajority) return within_gate;
   const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
   if (auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond)) return beyond;
   pose_problem_.admissible_change = gate;
@@ -308,7 +297,7 @@ bool VisualTrack::isAgreedOnEverywhere(const FoundPose& found) const {
       all += point.weight;
       inliers += point.inlier ? point.weight : 0.0;
     }
-    return inliers > 0.5 * all;
+    return inliers > kMajority * all;
   };
   return most_of([&](const PosePoint& point) { return point.inverse_depth < middle; }) &&
          most_of([&](const PosePoint& point) { return point.inverse_depth >= middle; }) &&
@@ -324,7 +313,7 @@ bool VisualTrack::isAmbiguous(const FoundPose& found) const {
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
   const auto second = PoseFinder().find(outliers, settings_.pose_search, random);
   return second && second->inliers >= settings_.validity.minimum_inliers &&
-         second->weight > kMaximumSecondWeight * found.weight;
+         second->weight > kMajority * found.weight;
 }
 
 /// Motion gate from the maximum linear and angular acceleration.
@@ -332,8 +321,8 @@ Vector6d VisualTrack::admissibleChange(const PreparedPair& pair) const {
   const double square = std::pow(secondsSinceLast(pair), 2);
   const PoseSearchSettings& limits = settings_.pose_search;
   Vector6d change;
-  change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square + kTranslationSlack),
-      Eigen::Vector3d::Constant(limits.maximum_angular_acceleration * square + kRotationSlack);
+  change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square),
+      Eigen::Vector3d::Constant(limits.maximum_angular_acceleration * square);
   return change;
 }
 
@@ -366,7 +355,8 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     match(landmarks, rig_);
   }
   // With a time offset the row residual carries motion; do not gate it.
-  if (pair.from_video && keepsRows(T_right_left)) rejectRowOutliers(landmarks, rows_);
+  if (pair.from_video && keepsRows(T_right_left, settings_.stereo))
+    rejectRowOutliers(landmarks, settings_.stereo, rows_);
 
   const RigCorrection rig = rig_.correction();
   const RowTransform right_from_left(camera_, timing_, window.back(), T_right_left);

@@ -144,7 +144,6 @@ class VisualTrack {
   void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
                        const RowInformation::Vector& variances);
   void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);
-  void removeLevelError(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
   void updateReadouts(const Draft& draft, const TimedPoses& poses);
   void updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
 

@@ -18,12 +18,7 @@ constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
 static_assert(kFirstWindow > 2 * kReadoutNeighbours);
-constexpr double kLargestRatio = 2.0;       // MotionRoughness::ratio() up to which a readout is measured
 constexpr std::size_t kCorrectedPairs = 3;  // whose row shifts are computed anew with each pair
-constexpr double kLevelTime = 0.2;          // s, shortest time that the level of the motions is measured over
-constexpr double kLevelGain = 0.5;          // share of the measured error that is removed
-
-constexpr double kLongestExtrapolation = 0.1;  // s, over which an acceleration is taken to last
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
 Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
@@ -56,7 +51,7 @@ Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
 /// Expects the motion about the pair's exposure: that about the last exposure extrapolated and the mean of
 /// the window, each as far as it has been a good guess.
 void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
-  const double step = std::min(secondsSinceLast(pair), kLongestExtrapolation);
+  const double step = secondsSinceLast(pair);
   RowInformation::Vector mean = RowInformation::Vector::Zero(), spread = RowInformation::Vector::Zero();
   for (const WindowFrame& frame : window_)
     mean += vectorOf(*frame.motion) / static_cast<double>(window_.size());
@@ -81,7 +76,8 @@ void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
 void VisualTrack::correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_world_camera) {
   if (!timing_.isRolling()) return;
   draft.window.back().T_world_camera = T_world_camera;
-  correctRows(camera_, timing_, draft.window, draft.window.size() - 1, draft.landmarks);
+  correctRows(camera_, timing_, draft.window, draft.window.size() - 1,
+              settings_.tracking.predicted_inverse_depth, draft.landmarks);
 }
 
 /// Adds the uncertainty of the expected motion to the noise of the points of the pose search.
@@ -103,6 +99,7 @@ void VisualTrack::buildRowProblem(const Draft& draft, int position, const Exposu
   problem.camera = camera_;
   problem.noise = noise_;
   problem.robust_width = settings_.bundle.robust_width;
+  problem.settings = settings_.rolling_shutter;
   problem.expected = expected;
   problem.variances = variances;
   problem.readout_stddev = readouts_.leftStddev();
@@ -170,13 +167,13 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
   updateMotions(poses, draft.window);
   if (use) {
     roughness_.update(poses, last_stddev_, *draft.window.back().rows);
-    if (roughness_.isRough()) removeLevelError(poses, draft.window);
     updateRowConsistency(draft.window);
     concludeRowMotion(poses, draft.window.back(), motion);
     updateReadouts(draft, poses);
   }
   timing_.setReadouts(readouts_.left(), readouts_.right());
-  correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window), draft.landmarks);
+  correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window),
+              settings_.tracking.predicted_inverse_depth, draft.landmarks);
 }
 
 /// Compares the motions about the last two exposures with the motion between their poses: the errors that the
@@ -221,29 +218,11 @@ void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMoti
   motion.error.by_rows = found.pose_covariance_by_motion;
 }
 
-/// Removes the error that the velocities about all exposures of the window share. Rows measure velocities
-/// relative to those that moved the landmarks to their places: only the poses tell the level.
-void VisualTrack::removeLevelError(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
-  Vector6d sum = Vector6d::Zero();
-  double time = 0.0;
-  for (std::size_t i = 1; i < window.size(); ++i) {
-    if (window[i - 1].row_information.information.isZero()) continue;
-    sum += excessMotion(window[i - 1], window[i]);
-    time += secondsBetween(window[i - 1], window[i]);
-  }
-  if (time < kLevelTime) return;
-  const Vector6d error = kLevelGain / time * sum;
-  for (WindowFrame& frame : window)
-    frame.row_information.gradient -= frame.row_information.information.leftCols<6>() * error;
-  updateMotions(poses, window);
-}
-
-/// Updates the readouts by the rows of a pair in the middle of the window. Only a smooth drive tells them:
+/// Updates the readouts by the rows of a pair in the middle of the window. A rough drive tells them less:
 /// times a motion that is known badly, a readout would be measured wrongly.
 void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
-  if (roughness_.ratio() > kLargestRatio) return;
   const double weight = 1.0 / std::max(1.0, std::pow(roughness_.ratio(), 2));
   const bool right_is_due = frame.index % kReadoutInterval == 0;
   const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;

@@ -13,11 +13,8 @@ namespace cartvo::vo {
 void VisualTrack::applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion) {
   motion.reason = OdometryReason::zero_velocity;
   motion.T_world_camera = window_.back().T_world_camera;
-  const UncertaintySettings& uncertainty = settings_.uncertainty;
   motion.error = {};
-  motion.error.by_standstill.diagonal()
-      << Eigen::Vector3d::Constant(uncertainty.standstill_translation * uncertainty.standstill_translation),
-      Eigen::Vector3d::Constant(uncertainty.standstill_rotation * uncertainty.standstill_rotation);
+  motion.error.by_standstill = standstill_.motionCovariance();
   last_exposure_ns_ = pair.left_exposure_ns;
 }
 

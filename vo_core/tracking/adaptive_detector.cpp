@@ -9,9 +9,6 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kCornersPerFeature = 2.0;   // target number of corners of a window per target feature
-constexpr double kAdaptationExponent = 0.2;  // exponent of the ratio of counts by which a threshold changes
-constexpr double kMaximumThresholdFactor = 1.5;  // largest factor by which a threshold changes per image
 constexpr int kInitialPasses = 6;  // adaptation passes over the first image before its corners are used
 
 // Not functions, so that sorting inlines them.
@@ -64,7 +61,7 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
 void AdaptiveDetector::setTargetFeatureCount(int features) {
   features_ = features;
   chosen_.reserve(features);
-  corner_target_ = kCornersPerFeature * features / static_cast<double>(windows_.size());
+  corner_target_ = settings_.corners_per_feature * features / static_cast<double>(windows_.size());
 }
 
 int AdaptiveDetector::threshold(int index) const {
@@ -74,8 +71,7 @@ int AdaptiveDetector::threshold(int index) const {
 void AdaptiveDetector::adaptThreshold(int index, int corners) {
   corner_counts_[index] = corners;
   const double ratio = (corners + 1.0) / (corner_target_ + 1.0);
-  const double factor = std::clamp(std::pow(ratio, kAdaptationExponent), 1.0 / kMaximumThresholdFactor,
-                                   kMaximumThresholdFactor);
+  const double factor = std::pow(ratio, settings_.adaptation_exponent);
   thresholds_[index] = std::clamp<double>(thresholds_[index] * factor, settings_.minimum_threshold,
                                           settings_.maximum_threshold);
 }

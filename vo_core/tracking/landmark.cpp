@@ -11,9 +11,6 @@
 namespace cartvo::vo {
 namespace {
 
-// Minimum stddev of a position, that of the steepest patch, in single and in inter-coded images. Fitted on
-// rendered worlds and kitti_06 (docs/accuracy.md).
-constexpr double kMinimumPatchNoise = 0.07, kMinimumCodecNoise = 0.12;  // px of the level
 constexpr double kTypicalNoise = 0.1;  // px of the full image: stddev of a typical patch
 
 }  // namespace
@@ -48,25 +45,23 @@ int countWithDepth(const std::vector<Landmark>& landmarks) {
                                         [](const Landmark& landmark) { return landmark.hasDepth(); }));
 }
 
-Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level) {
-  const double floor = kMinimumPatchNoise * levelScale(level);
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level, const TrackingSettings& settings) {
+  const double floor = settings.minimum_patch_noise * levelScale(level);
   return (variance.array() + floor * floor).sqrt() / kTypicalNoise;
 }
 
-void inflateCodecNoise(std::vector<Landmark>& landmarks) {
-  constexpr double kAddedVariance =
-      (kMinimumCodecNoise * kMinimumCodecNoise - kMinimumPatchNoise * kMinimumPatchNoise) /
-      (kTypicalNoise * kTypicalNoise);
+void inflateCodecNoise(std::vector<Landmark>& landmarks, const TrackingSettings& settings) {
+  const double codec = settings.minimum_codec_noise, patch = settings.minimum_patch_noise;
+  const double added_variance = (codec * codec - patch * patch) / (kTypicalNoise * kTypicalNoise);
   for (Landmark& landmark : landmarks) {
     const double scale = levelScale(landmark.level);
     auto noise = landmark.observations.back().relative_noise.array();
-    noise = (noise.square() + kAddedVariance * scale * scale).sqrt();
+    noise = (noise.square() + added_variance * scale * scale).sqrt();
   }
 }
 
-void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& rows) {
-  constexpr double kMinimumGate = 0.5;    // px of the level
-  constexpr double kGateInStddevs = 2.0;  // for rows that all scatter, as those of a rolled rig
+void rejectRowOutliers(std::vector<Landmark>& landmarks, const StereoSettings& settings,
+                       std::vector<double>& rows) {
   rows.clear();
   rows.reserve(landmarks.capacity());
   for (const Landmark& landmark : landmarks)
@@ -75,7 +70,7 @@ void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& ro
   const double common = median(rows);  // nonzero if the rig has a pitch error
   for (double& row : rows)
     row = std::abs(row - common);
-  const double gate = std::max(kMinimumGate, kGateInStddevs * stddevFromMedian(rows));
+  const double gate = std::max(settings.minimum_row_gate, settings.row_gate_stddevs * stddevFromMedian(rows));
   for (Landmark& landmark : landmarks)
     if (std::abs(landmark.row_residual - common) > gate * levelScale(landmark.level))
       landmark.observations.back().stereo = false;

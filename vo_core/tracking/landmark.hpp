@@ -13,9 +13,6 @@
 
 namespace cartvo::vo {
 
-/// 1/m, predicts where landmarks without a depth appear.
-constexpr double kPredictedInverseDepth = 0.02;
-
 /// Observation of a landmark by one pair.
 struct Observation {
   std::int64_t frame = -1;                                  ///< index of the pair
@@ -82,15 +79,16 @@ int countWithDepth(const std::vector<Landmark>& landmarks);
 
 /// Stddev of each coordinate of a left position relative to a typical patch, from the predicted variance of
 /// its alignment (px^2 of the full image), with a floor because no patch is a plane.
-Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level);
+Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level, const TrackingSettings& settings);
 
 /// Increases the noise of the last pair's positions for inter-coded pictures: a block that the encoder copies
 /// unchanged matches perfectly, but its position has an error.
-void inflateCodecNoise(std::vector<Landmark>& landmarks);
+void inflateCodecNoise(std::vector<Landmark>& landmarks, const TrackingSettings& settings);
 
 /// Removes the last pair's stereo matches whose row residuals are outliers. At a low bit rate, blocks of a
 /// video are displaced by up to two pixels in both directions; the known row reveals it. `rows` is a buffer.
-void rejectRowOutliers(std::vector<Landmark>& landmarks, std::vector<double>& rows);
+void rejectRowOutliers(std::vector<Landmark>& landmarks, const StereoSettings& settings,
+                       std::vector<double>& rows);
 
 /// Removes all stereo matches of the last pair.
 void discardLastStereo(std::vector<Landmark>& landmarks);

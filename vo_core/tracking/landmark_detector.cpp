@@ -8,23 +8,15 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kPriorTrials = 4.0;  // trials in the prior of a window, half of them successful
-constexpr double kMinimumSuccessRate =
-    0.05;  // smallest success rate of a window: one in which nothing lasts is tried again
-constexpr double kTrialMemory = 60.0;  // trials, memory of a window's success rate
-constexpr double kPriorReturnPairs =
-    200.0;  // pairs, time constant of the return to the prior where nothing is attempted
-constexpr double kLevelSharpness = 8.0;  // exponent of the levels' utilities by which they share a window
-
 double highest(const LevelShares& utility) {
   return *std::max_element(utility.begin(), utility.end());
 }
 
 /// Shares of the levels in a window by their utilities: nearly all goes to the best.
-LevelShares sharpenedShares(const LevelShares& utility) {
+LevelShares sharpenedShares(const LevelShares& utility, double sharpness) {
   LevelShares split;
   for (std::size_t level = 0; level < utility.size(); ++level)
-    split[level] = std::pow(utility[level], kLevelSharpness);
+    split[level] = std::pow(utility[level], sharpness);
   const double whole = std::accumulate(split.begin(), split.end(), 0.0);
   for (double& share : split)
     share /= whole;
@@ -41,13 +33,14 @@ cv::Mat imageOf(const PyramidLevel& level) {
 
 LandmarkDetector::LandmarkDetector(const DetectionSettings& settings, int features,
                                    const cv::Size& image_size)
-    : features_(features) {
+    : settings_(settings), features_(features) {
   for (int level = 0; level < settings.levels; ++level) {
     AdaptiveDetector detector(settings, features, levelSize(image_size, level), levelScale(level));
     const auto windows = static_cast<std::size_t>(detector.windowCount());
-    levels_.push_back({std::move(detector),
-                       std::vector<TrialCounts>(windows, TrialCounts{kPriorTrials, 0.5 * kPriorTrials}),
-                       std::vector<int>(windows)});
+    levels_.push_back(
+        {std::move(detector),
+         std::vector<TrialCounts>(windows, TrialCounts{settings.prior_trials, 0.5 * settings.prior_trials}),
+         std::vector<int>(windows)});
   }
   setTargetFeatureCount(features);
 }
@@ -66,7 +59,7 @@ int LandmarkDetector::windowOf(int level, const Eigen::Vector2d& pixel) const {
 
 void LandmarkDetector::recordOutcome(const Landmark& landmark, bool tracked) {
   TrialCounts& trials = levels_[landmark.level].trials[windowOf(landmark.level, landmark.anchor().left)];
-  const double kept = 1.0 - 1.0 / kTrialMemory;
+  const double kept = 1.0 - 1.0 / settings_.trial_memory;
   trials.attempted = kept * trials.attempted + 1.0;
   trials.tracked = kept * trials.tracked + (tracked ? 1.0 : 0.0);
 }
@@ -75,8 +68,8 @@ void LandmarkDetector::recordOutcome(const Landmark& landmark, bool tracked) {
 void LandmarkDetector::decayToPrior() {
   for (Level& level : levels_)
     for (TrialCounts& trials : level.trials) {
-      trials.attempted += (kPriorTrials - trials.attempted) / kPriorReturnPairs;
-      trials.tracked += (0.5 * kPriorTrials - trials.tracked) / kPriorReturnPairs;
+      trials.attempted += (settings_.prior_trials - trials.attempted) / settings_.prior_return_pairs;
+      trials.tracked += (0.5 * settings_.prior_trials - trials.tracked) / settings_.prior_return_pairs;
     }
 }
 
@@ -85,7 +78,7 @@ LevelShares LandmarkDetector::utilityOf(int window) const {
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const TrialCounts& trials = levels_[level].trials[window];
     const double scale = levelScale(static_cast<int>(level));
-    utility[level] = std::max(trials.tracked / trials.attempted, kMinimumSuccessRate) / (scale * scale);
+    utility[level] = trials.tracked / (trials.attempted * scale * scale);
   }
   return utility;
 }
@@ -98,7 +91,7 @@ void LandmarkDetector::distributeTargets() {
   LevelShares before{};  // cumulative, so that the rounded numbers add up to features_ exactly
   for (int i = 0; i < windows; ++i) {
     const LevelShares utility = utilityOf(i);
-    const LevelShares split = sharpenedShares(utility);
+    const LevelShares split = sharpenedShares(utility, settings_.level_sharpness);
     for (std::size_t level = 0; level < levels_.size(); ++level) {
       const double after = before[level] + features_ * highest(utility) / sum * split[level];
       levels_[level].wanted[i] = static_cast<int>(std::lround(after) - std::lround(before[level]));

@@ -61,6 +61,7 @@ class LandmarkDetector {
   void distributeTargets();
   void decayToPrior();
 
+  DetectionSettings settings_;
   int features_;
   std::vector<Level> levels_;
   std::vector<LandmarkCorner> corners_;

@@ -13,19 +13,14 @@ namespace cartvo::vo {
 namespace {
 
 // The search beyond the ordinary largest disparity takes longer. It is made for one landmark in eight, and
-// for all if some are nearly as near as the ordinary search reaches.
+// for all if some are nearer than the ordinary search reaches.
 constexpr std::size_t kNearSample = 8, kNearLandmarks = 3;
-constexpr double kNearShare = 0.6;           // of the ordinary largest disparity
-constexpr double kMaximumRowResidual = 1.5;  // px of the level, of a stereo match
-// Motion of the right camera since the left exposure below which rows are the same in both images.
-constexpr double kMaximumRowTranslation = 0.005;  // m, along y and z
-constexpr double kMaximumRowRoll = 0.01;          // rad
 
 /// Warp model from the left to the right image. Between rectified cameras only the columns of a patch are
 /// stretched and sheared, whatever the baseline. A right camera that has moved since the left exposure
 /// changes the rows too; a model without them would bias the match sideways.
-WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left) {
-  return keepsRows(T_right_left) ? WarpModel::stereo : WarpModel::affine;
+WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
+  return keepsRows(T_right_left, settings) ? WarpModel::stereo : WarpModel::affine;
 }
 
 /// Epipolar line in the right image, to first order in the inverse depth.
@@ -44,10 +39,9 @@ EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T
 
 }  // namespace
 
-bool keepsRows(const Eigen::Isometry3d& T_right_left) {
+bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
   const Eigen::Vector3d place = T_right_left.inverse().translation();
-  const double roll = vectorFromMotion(T_right_left)[5];
-  return place.tail<2>().norm() < kMaximumRowTranslation && std::abs(roll) < kMaximumRowRoll;
+  return place.tail<2>().norm() < settings.maximum_row_translation;
 }
 
 /// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
@@ -87,10 +81,9 @@ double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Sce
   return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
 }
 
-/// Whether landmarks are nearly as near as the ordinary search reaches, or no depth is known yet.
+/// Whether landmarks are nearer than the ordinary search reaches, or no depth is known yet.
 bool LandmarkTracker::seesNearSurfaces(const std::vector<Landmark>& landmarks) const {
-  const double nearest =
-      kNearShare * settings_.stereo.maximum_disparity / (camera_.focal_length * camera_.baseline);
+  const double nearest = settings_.stereo.maximum_disparity / (camera_.focal_length * camera_.baseline);
   std::size_t known = 0, near = 0;
   for (const Landmark& landmark : landmarks) {
     if (!landmark.hasDepth()) continue;
@@ -116,7 +109,7 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
     Landmark& landmark = landmarks[i];
     const double row_residual = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
-        std::abs(row_residual) > kMaximumRowResidual * levelScale(landmark.level) ||
+        std::abs(row_residual) > settings_.stereo.maximum_row_residual * levelScale(landmark.level) ||
         !isConsistentBackward(aligned, settings_.tracking) ||
         !view.right.mask.allows(aligned.position, landmark.level))
       return;
@@ -133,7 +126,8 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const RowTransform& right_from_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, right_from_left, warpModelOf(right_from_left.betweenExposures()),
+  const StereoView view{left, right, right_from_left,
+                        warpModelOf(right_from_left.betweenExposures(), settings_.stereo),
                         seesNearSurfaces(landmarks)};
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     matchBlock(std::span(landmarks).subspan(first, count), scene, view);

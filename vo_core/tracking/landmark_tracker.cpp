@@ -13,17 +13,10 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr int kShiftLevel = 1;                    // levels above the patch's own: finest level of the shift
-constexpr double kImageMargin = 8.0;              // px; landmarks predicted farther outside are removed
-constexpr double kMinimumShiftCorrelation = 0.4;  // before the alignment estimates the warp
-constexpr double kMaximumStretch = 0.35;          // of a warp from the identity; above, the anchor changes
-// A prediction fails if fewer landmarks are found near it, or if those found are farther from it: half of
-// what the search near the prediction reaches, so that farther ones are missed.
-constexpr double kMinimumFoundShare = 0.5;
-constexpr double kMaximumPredictionError = 4.0;  // px, median
+constexpr int kShiftLevel = 1;  // levels above the patch's own: finest level of the shift
 
-bool isStretched(const Eigen::Matrix2d& warp) {
-  return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kMaximumStretch;
+bool isStretched(const Eigen::Matrix2d& warp, double maximum) {
+  return (warp - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > maximum;
 }
 
 /// Pyramid levels of the shift before an alignment in `level`; `tracked` is the number of levels in use. With
@@ -118,15 +111,17 @@ std::optional<Eigen::Vector2d> LandmarkTracker::expectedPixel(const Landmark& la
                                                               const Scene& scene) const {
   Eigen::Vector2d pixel = landmark.last().left;
   if (scene.hasPredictedPose()) {
-    const double inverse_depth = landmark.hasDepth() ? landmark.inverse_depth : kPredictedInverseDepth;
+    const double inverse_depth =
+        landmark.hasDepth() ? landmark.inverse_depth : settings_.tracking.predicted_inverse_depth;
     const Projection predicted =
         projectLandmark(camera_, scene.T_camera_frame[static_cast<std::size_t>(anchor)],
                         bearingOf(camera_, landmark.anchor().leftAtExposure()), inverse_depth);
     if (!predicted.valid) return std::nullopt;
     pixel = predicted.pixel + landmark.last().left_row_shift.cast<double>();
   }
-  if (pixel.x() < -kImageMargin || pixel.y() < -kImageMargin || pixel.x() > camera_.width + kImageMargin ||
-      pixel.y() > camera_.height + kImageMargin)
+  constexpr double kMargin = 0.5 * kPatchSide;  // a patch farther outside shows nothing of the image
+  if (pixel.x() < -kMargin || pixel.y() < -kMargin || pixel.x() > camera_.width + kMargin ||
+      pixel.y() > camera_.height + kMargin)
     return std::nullopt;
   return pixel;
 }
@@ -150,7 +145,8 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
                                                      std::int64_t oldest_anchor) const {
   const WindowFrame* last = findFrame(scene.window, landmark.last().frame);
   if (last == nullptr) return std::nullopt;
-  if (landmark.anchor().frame < oldest_anchor || isStretched(landmark.warp))
+  if (landmark.anchor().frame < oldest_anchor ||
+      isStretched(landmark.warp, settings_.tracking.maximum_stretch))
     changeAnchor(landmark, camera_, scene.window, settings_.bundle.fixed_pose_weight);
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
   if (!anchor) return std::nullopt;
@@ -173,7 +169,8 @@ void LandmarkTracker::shiftAll(std::span<Landmark> landmarks, const Scene& scene
     }
   }
   std::array<std::optional<Eigen::Vector2d>, AlignmentBlock::kCapacity> shifted;
-  trackShifts({tasks.begin(), tasks.size()}, kMinimumShiftCorrelation, {shifted.data(), tasks.size()});
+  trackShifts({tasks.begin(), tasks.size()}, settings_.tracking.minimum_shift_correlation,
+              {shifted.data(), tasks.size()});
   for (std::size_t i = 0; i < tasks.size(); ++i)
     attempts[of_landmark[i]].shifted = shifted[i];
 }
@@ -230,14 +227,15 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
     const auto& aligned = attempts[i].aligned;
     results[i] = SearchResult::lost;
     if (!aligned || !scene.left.mask.allows(aligned->position, landmarks[i].level)) continue;
-    const bool near = (aligned->position - attempts[i].expected).norm() <= kMaximumPredictionError;
+    const bool near =
+        (aligned->position - attempts[i].expected).norm() <= settings_.tracking.maximum_prediction_error;
     results[i] = near || !landmarks[i].hasDepth() ? SearchResult::near : SearchResult::far;
     landmarks[i].warp = aligned->warp;
     Observation observation;
     observation.frame = scene.frame;
     observation.left = aligned->position;
     observation.left_row_shift = landmarks[i].last().left_row_shift;  // nearly
-    observation.relative_noise = relativeNoise(aligned->variance, landmarks[i].level);
+    observation.relative_noise = relativeNoise(aligned->variance, landmarks[i].level, settings_.tracking);
     landmarks[i].observations.push_back(observation);
     ++landmarks[i].age;
   }
@@ -278,8 +276,7 @@ TrackingOutcome LandmarkTracker::track(const std::vector<Landmark>& previous, st
 bool LandmarkTracker::predictionFails() const {
   const auto near = std::count(found_.begin(), found_.end(), SearchResult::near);
   const auto far = std::count(found_.begin(), found_.end(), SearchResult::far);
-  return static_cast<double>(near + far) < kMinimumFoundShare * static_cast<double>(found_.size()) ||
-         far > near;
+  return static_cast<double>(near + far) < kMajority * static_cast<double>(found_.size()) || far > near;
 }
 
 /// Searches the landmarks that were not found once more, in all pyramid levels, and marks those found in
@@ -289,7 +286,7 @@ std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector
                                                                const TrackedImage& image) {
   const Eigen::Isometry3d& expected = *image.T_world_camera;
   std::optional<Eigen::Isometry3d> prediction =
-      correctedByLandmarks(tracked, found_, image.window, camera_, expected);
+      correctedByLandmarks(tracked, found_, image.window, camera_, expected, settings_);
   if (!prediction) prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected);
   if (!prediction) prediction = expected;
   Scene scene(image.window, image.left, image.frame, prediction);
@@ -325,7 +322,6 @@ void LandmarkTracker::replenish(std::vector<Landmark>& landmarks, const ImagePyr
   landmarks.swap(now.kept);
 
   for (const LandmarkCorner& corner : detector_.detect(left, landmarks, now.spacing)) {
-    if (corner.score < settings_.tracking.minimum_score) continue;
     Landmark landmark;
     landmark.level = corner.level;
     landmark.age = 1;

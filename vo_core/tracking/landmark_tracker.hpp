@@ -151,7 +151,7 @@ class LandmarkTracker {
 };
 
 /// Whether each point has the same row in both images, each at its own exposure time: false if the right
-/// camera has moved along z or y, or rolled, since the left exposure.
-bool keepsRows(const Eigen::Isometry3d& T_right_left);
+/// camera has moved along z or y since the left exposure.
+bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings);
 
 }  // namespace cartvo::vo

@@ -39,10 +39,6 @@ std::optional<PixelDifference> differenceFromPrediction(std::span<const Landmark
 
 namespace {
 
-// Landmarks found by chance, away from a wrong prediction, are few and do not agree.
-constexpr std::size_t kMinimumLandmarks = 10;
-constexpr double kMaximumDisagreement = 3.0;  // px, median
-
 /// The pose of a camera that is rotated such that the image moves by `pixels`.
 Eigen::Isometry3d rotated(const Eigen::Isometry3d& T_world_camera, const Eigen::Vector2d& pixels,
                           const StereoCamera& camera) {
@@ -59,12 +55,14 @@ std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> 
                                                       std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
-                                                      const Eigen::Isometry3d& T_world_camera) {
+                                                      const Eigen::Isometry3d& T_world_camera,
+                                                      const OdometrySettings& settings) {
   const auto error = differenceFromPrediction(landmarks, used, window, camera, T_world_camera);
-  if (!error || error->landmarks < kMinimumLandmarks) return std::nullopt;
+  if (!error || static_cast<int>(error->landmarks) < settings.validity.minimum_inliers) return std::nullopt;
   const Eigen::Isometry3d corrected = rotated(T_world_camera, error->median, camera);
   const auto left = differenceFromPrediction(landmarks, used, window, camera, corrected);
-  return left && left->size < kMaximumDisagreement ? std::optional(corrected) : std::nullopt;
+  return left && left->size < settings.tracking.maximum_prediction_error ? std::optional(corrected)
+                                                                         : std::nullopt;
 }
 
 std::optional<Eigen::Isometry3d> correctedByImageShift(std::span<const Landmark> landmarks,

@@ -43,7 +43,8 @@ std::optional<Eigen::Isometry3d> correctedByLandmarks(std::span<const Landmark> 
                                                       std::span<const SearchResult> used,
                                                       const std::vector<WindowFrame>& window,
                                                       const StereoCamera& camera,
-                                                      const Eigen::Isometry3d& T_world_camera);
+                                                      const Eigen::Isometry3d& T_world_camera,
+                                                      const OdometrySettings& settings);
 
 /// The predicted pose, rotated so that it agrees with the shift of the image as a whole since the window's
 /// last pair. Returns nothing if the images show no shift, or if it is the one predicted, to a pixel of the

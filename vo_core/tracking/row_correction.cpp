@@ -78,7 +78,7 @@ Eigen::Isometry3d RowTransform::exposureFromLeft(const Eigen::Vector2d& left_pix
 }
 
 void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,
-                 std::size_t first, std::vector<Landmark>& landmarks) {
+                 std::size_t first, double predicted_inverse_depth, std::vector<Landmark>& landmarks) {
   if (!timing.isRolling()) return;
   FixedVector<RowPair, kMaximumWindowPairs> pairs;  // window[first] and later
   for (std::size_t i = first; i < window.size(); ++i)
@@ -88,7 +88,7 @@ void correctRows(const StereoCamera& camera, const RowTiming& timing, const std:
     if (!anchor) continue;
     Eigen::Vector4d place;
     place << bearingOf(camera, landmark.anchor().leftAtExposure()),
-        landmark.hasDepth() ? landmark.inverse_depth : kPredictedInverseDepth;
+        landmark.hasDepth() ? landmark.inverse_depth : predicted_inverse_depth;
     for (Observation& observation : landmark.observations) {
       if (observation.frame < window[first].index) continue;
       const std::optional<int> at = findFrameIndex(window, observation.frame);

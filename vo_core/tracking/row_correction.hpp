@@ -76,8 +76,9 @@ class RowTransform {
 };
 
 /// Recomputes the row shifts of the landmarks' observations by the pairs window[first] and later, from their
-/// depths, the poses and motions of the window. Without a depth, points count as far away.
+/// depths, the poses and motions of the window. `predicted_inverse_depth`: 1/m,
+/// of points without a depth.
 void correctRows(const StereoCamera& camera, const RowTiming& timing, const std::vector<WindowFrame>& window,
-                 std::size_t first, std::vector<Landmark>& landmarks);
+                 std::size_t first, double predicted_inverse_depth, std::vector<Landmark>& landmarks);
 
 }  // namespace cartvo::vo

@@ -181,7 +181,7 @@ TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
 }
 
 TEST(MotionRoughness, WidensCovariancesWhereMotionsAndPosesDisagree) {
-  MotionRoughness agreeing, disagreeing;
+  MotionRoughness agreeing{RollingShutterSettings{}}, disagreeing{RollingShutterSettings{}};
   const Vector6d variances = Vector6d::Constant(1e-6);
   Vector6d difference = Vector6d::Constant(0.5e-3);
   for (int i = 0; i < 50; ++i) {

@@ -75,7 +75,6 @@ class LandmarkTrackerTest : public testing::Test {
   OdometrySettings settings_ = [] {
     OdometrySettings s;
     s.features = 150;
-    s.tracking.minimum_score = 0.0;  // the texture is soft
     return s;
   }();
   LandmarkTracker tracker_{camera(), settings_};

@@ -1,0 +1,54 @@
+// Tests of the list of tuned constants.
+#include "vo_core/tuned_constants.hpp"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace cartvo::vo {
+namespace {
+
+TEST(TunedConstants, HaveDistinctNamesAndSources) {
+  std::set<std::string> names;
+  for (const TunedConstant& constant : tunedConstants()) {
+    EXPECT_TRUE(names.insert(constant.name).second) << constant.name;
+    EXPECT_GT(std::string(constant.source).size(), 5u) << constant.name;
+  }
+}
+
+TEST(TunedConstants, HaveDefaultsWithinTheirRanges) {
+  for (const TunedConstant& constant : tunedConstants()) {
+    const double value = constant.value({});
+    EXPECT_GE(value, constant.low) << constant.name;
+    EXPECT_LE(value, constant.high) << constant.name;
+    EXPECT_LT(constant.low, constant.high) << constant.name;
+  }
+}
+
+TEST(TunedConstants, AreSetOneAtATime) {
+  for (const TunedConstant& constant : tunedConstants()) {
+    OdometrySettings settings;
+    constant.set(constant.low, settings);
+    for (const TunedConstant& other : tunedConstants()) {
+      const double expected = other.member == constant.member ? constant.low : other.value({});
+      EXPECT_EQ(other.value(settings), expected) << constant.name << " changed " << other.name;
+    }
+  }
+}
+
+TEST(TunedConstants, AreValidated) {
+  for (const TunedConstant& constant : tunedConstants()) {
+    OdometrySettings settings;
+    constant.set(constant.low - 1.0, settings);
+    EXPECT_THROW(validate(settings), std::invalid_argument) << constant.name;
+  }
+}
+
+// A new constant takes the place of another one, or raises this limit with a reason.
+TEST(TunedConstants, DoNotBecomeMore) {
+  EXPECT_LE(tunedConstants().size(), 77u);
+}
+
+}  // namespace
+}  // namespace cartvo::vo

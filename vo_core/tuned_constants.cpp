@@ -1,0 +1,139 @@
+// The list of the tuned constants.
+#include "vo_core/tuned_constants.hpp"
+
+#include <cmath>
+
+namespace cartvo::vo {
+namespace {
+
+using Member = std::variant<int*, double*>;
+
+#define CONSTANT(member, unit, low, high, source)                                              \
+  {                                                                                            \
+#member, unit, low, high, source, [](OdometrySettings & s) -> Member { return &s.member; } \
+  }
+
+constexpr TunedConstant kConstants[] = {
+    CONSTANT(
+        features, "", 50, 20000,
+        "measured: half as many add 20 % of error, twice as many remove 5 % (cartvo benchmark ablation)"),
+    CONSTANT(detection.window_columns, "", 1, 100, "thesis 4.9"),
+    CONSTANT(detection.window_rows, "", 1, 100, "thesis 4.9"),
+    CONSTANT(detection.minimum_threshold, "grey", 1, 254, "thesis 4.9: below, corners are noise"),
+    CONSTANT(detection.maximum_threshold, "grey", 1, 254, "thesis 4.9"),
+    CONSTANT(detection.initial_threshold, "grey", 1, 254,
+             "FAST's usual threshold (Rosten and Drummond 2006)"),
+    CONSTANT(detection.corners_per_feature, "", 1, 100, "a choice of two corners for each feature"),
+    CONSTANT(detection.adaptation_exponent, "", 0.01, 1,
+             "a fifth: the count falls with about the fifth power of the threshold"),
+    CONSTANT(detection.prior_trials, "", 0.1, 1000, "assumption: four trials"),
+    CONSTANT(detection.trial_memory, "", 1, 10000, "assumption"),
+    CONSTANT(detection.prior_return_pairs, "", 1, 1e6, "assumption: ten seconds"),
+    CONSTANT(detection.level_sharpness, "", 0.1, 100,
+             "measured: nearly all to the better level (docs/notebook/method.md)"),
+    CONSTANT(tracking.levels, "", 1, 8, "structural: reaches a tenth of the image"),
+    CONSTANT(tracking.convergence, "px", 1e-4, 1, "a tenth of a pixel: below the noise of a patch"),
+    CONSTANT(tracking.minimum_correlation, "", -1, 1, "thesis 4.13"),
+    CONSTANT(tracking.maximum_backward_error, "px", 0, 100,
+             "Kalal et al. 2010; measured (cartvo benchmark ablation)"),
+    CONSTANT(tracking.minimum_distance, "px", 1, 100, "half a patch"),
+    CONSTANT(tracking.search_again, "pairs", 0, 7, "a quarter of a second at 18 Hz"),
+    CONSTANT(tracking.minimum_shift_correlation, "", -1, 1, "above that of unrelated patches"),
+    CONSTANT(tracking.maximum_stretch, "", 0.01, 0.6, "below what the alignment follows, 0.6"),
+    CONSTANT(tracking.maximum_prediction_error, "px", 0.1, 100,
+             "half of what the search near the prediction reaches"),
+    CONSTANT(tracking.predicted_inverse_depth, "1/m", 0, 10, "a point 50 m away"),
+    CONSTANT(tracking.minimum_patch_noise, "px", 0, 10,
+             "fitted on rendered worlds and kitti_06 (docs/notebook/accuracy.md)"),
+    CONSTANT(tracking.minimum_codec_noise, "px", 0, 10,
+             "fitted on rendered worlds and kitti_06 (docs/notebook/accuracy.md)"),
+    CONSTANT(stereo.minimum_disparity, "px", 0.01, 100, "two to three times its noise"),
+    CONSTANT(stereo.maximum_disparity, "px", 16, 1024, "the nearest road that both cameras see"),
+    CONSTANT(stereo.rows, "px", 0, 3, "rectification errors of a pixel"),
+    CONSTANT(stereo.minimum_correlation, "", -1, 1, "thesis 4.4"),
+    CONSTANT(stereo.uniqueness, "", 0, 1, "Lowe's ratio test (2004)"),
+    CONSTANT(stereo.maximum_sad_ratio, "", 1, 100, "assumption"),
+    CONSTANT(stereo.maximum_row_residual, "px", 0.1, 100, "rectification errors of a pixel"),
+    CONSTANT(stereo.minimum_row_gate, "px", 0, 100, "blocks of a codec are displaced by whole pixels"),
+    CONSTANT(stereo.row_gate_stddevs, "", 0.1, 100, "rows that all scatter, as those of a rolled rig"),
+    CONSTANT(stereo.maximum_row_translation, "m", 0, 10, "a tenth of a pixel at 20 m"),
+    CONSTANT(history.half_weight_stddevs, "", 0.1, 100, "a robust scale of two standard deviations"),
+    CONSTANT(history.minimum_weight, "", 0, 1, "assumption"),
+    CONSTANT(pose_search.subsets, "", 0, 10000,
+             "RANSAC: all inliers in one subset of four at 50 % outliers, with 98 %"),
+    CONSTANT(pose_search.gate, "", 0.1, 100, "three standard deviations"),
+    CONSTANT(pose_search.sufficient_support, "", 0, 1, "assumption"),
+    CONSTANT(pose_search.maximum_acceleration, "m/s^2", 0.1, 1e6, "kerbs, measured on a golf cart's shocks"),
+    CONSTANT(pose_search.maximum_angular_acceleration, "rad/s^2", 0.1, 1e6, "the same"),
+    CONSTANT(pose_search.minimum_surprised_share, "", 0, 1, "more than agree by chance"),
+    CONSTANT(bundle.frames, "pairs", 2, 7, "measured (cartvo benchmark ablation)"),
+    CONSTANT(bundle.free_frames, "pairs", 1, 7, "measured (cartvo benchmark ablation)"),
+    CONSTANT(bundle.prior_weight, "", 0, 1000, "measured (cartvo benchmark ablation)"),
+    CONSTANT(bundle.fixed_pose_weight, "", 0, 1, "measured (cartvo benchmark ablation)"),
+    CONSTANT(bundle.iterations, "", 1, 100, "measured: more do not change a pose"),
+    CONSTANT(bundle.convergence, "", 0, 1, "a tenth of the noise"),
+    CONSTANT(bundle.robust_width, "", 0.1, 1000, "Cauchy loss; measured (cartvo benchmark ablation)"),
+    CONSTANT(
+        uncertainty.motion_noise_factor, "", 0.01, 100,
+        "both poses share anchors and their noise: fitted on rendered drives (docs/notebook/experiments.md)"),
+    CONSTANT(uncertainty.first_motion_inflation, "", 0, 1000,
+             "at dusk, squared errors over the variance: 11 of the first motion, 2.4 of the second to sixth"),
+    CONSTANT(uncertainty.scale_stddev, "", 1e-6, 10, "assumption"),
+    CONSTANT(uncertainty.independent_noise_ratio, "", 0, 100,
+             "fitted to the growth of pose errors on rendered drives (docs/notebook/experiments.md)"),
+    CONSTANT(uncertainty.drift_ratio, "", 0, 100, "as independent_noise_ratio"),
+    CONSTANT(uncertainty.full_image_motion, "px", 0.1, 1000, "half a patch"),
+    CONSTANT(uncertainty.drift_correlation_pairs, "pairs", 1, 1e4,
+             "fitted to the growth of pose errors on rendered drives (docs/notebook/experiments.md)"),
+    CONSTANT(standstill.translation, "m", 0, 1, "measured on euroc_still"),
+    CONSTANT(standstill.rotation, "rad", 0, 1, "measured on euroc_still"),
+    CONSTANT(standstill.least_time, "s", 0, 3600, "shorter than any stop"),
+    CONSTANT(standstill.motion_significance, "", 0.1, 100, "certain: five standard deviations"),
+    CONSTANT(rolling_shutter.memory, "", 0, 0.999, "ten pairs"),
+    CONSTANT(rolling_shutter.translation_jerk, "(m/s^3)^2", 1e-6, 1e6,
+             "a cart takes half a second from none to full acceleration"),
+    CONSTANT(rolling_shutter.rotation_jerk, "(rad/s^3)^2", 1e-6, 1e6, "the same of a turn"),
+    CONSTANT(rolling_shutter.unknown_velocity, "m/s", 0.01, 1000, "a golf cart's usual speed"),
+    CONSTANT(rolling_shutter.depth_scale_stddev, "", 1e-6, 10, "assumption"),
+    CONSTANT(rolling_shutter.depth_offset_stddev, "1/m", 1e-6, 10, "assumption"),
+    CONSTANT(rolling_shutter.prior_freedom, "", 0.1, 1000,
+             "Student's t distribution of robust regression (Lange et al. 1989)"),
+    CONSTANT(validity.minimum_features, "", 3, 20000, "requirement"),
+    CONSTANT(validity.minimum_matches, "", 3, 20000, "requirement"),
+    CONSTANT(validity.minimum_inliers, "", 3, 20000, "requirement"),
+    CONSTANT(validity.minimum_inlier_ratio, "", 0, 1, "requirement"),
+    CONSTANT(validity.maximum_time_step, "s", 0.001, 60, "requirement: a lost second does not end an epoch"),
+    CONSTANT(validity.maximum_offset, "s", 0, 10, "requirement"),
+    CONSTANT(validity.maximum_offset_uncertainty, "s", 0, 10, "requirement"),
+    CONSTANT(validity.maximum_speed, "m/s", 0.1, 1000, "requirement"),
+    CONSTANT(validity.maximum_rate, "rad/s", 0.01, 100, "requirement"),
+    CONSTANT(validity.maximum_stddev, "m, rad", 1e-4, 100, "requirement"),
+};
+
+#undef CONSTANT
+
+}  // namespace
+
+double TunedConstant::value(const OdometrySettings& settings) const {
+  OdometrySettings copy = settings;
+  return std::visit([](const auto* number) { return static_cast<double>(*number); }, member(copy));
+}
+
+void TunedConstant::set(double value, OdometrySettings& settings) const {
+  const Member number = member(settings);
+  if (int* const* const integer = std::get_if<int*>(&number))
+    **integer = static_cast<int>(std::lround(value));
+  else
+    *std::get<double*>(number) = value;
+}
+
+bool TunedConstant::isInteger() const {
+  OdometrySettings settings;
+  return std::holds_alternative<int*>(member(settings));
+}
+
+std::span<const TunedConstant> tunedConstants() {
+  return kConstants;
+}
+
+}  // namespace cartvo::vo

@@ -8,6 +8,7 @@
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/offset/benchmark_offset.hpp"
 #include "tools/benchmark/robustness/benchmark_robustness.hpp"
+#include "tools/benchmark/sensitivity/benchmark_sensitivity.hpp"
 #include "tools/benchmark/shutter/benchmark_shutter.hpp"
 #include "tools/benchmark/speed/benchmark_speed.hpp"
 #include "tools/benchmark/thesis/thesis_benchmark.hpp"
@@ -70,6 +71,7 @@ void addBenchmarkCommand(CLI::App& cartvo) {
   addAblationBenchmark(*command);
   addOffsetBenchmark(*command);
   addRobustnessBenchmark(*command);
+  addSensitivityBenchmark(*command);
   addShutterBenchmark(*command);
   addSpeedBenchmark(*command);
   addThesis(*command);

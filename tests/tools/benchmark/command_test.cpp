@@ -23,7 +23,7 @@ CommandResult runBenchmark(const std::string& arguments) {
 }
 
 TEST(BenchmarkCommand, HelpHasExamplesAndOptions) {
-  for (const char* benchmark : {"accuracy", "ablation", "offset", "speed", "thesis"}) {
+  for (const char* benchmark : {"accuracy", "ablation", "offset", "sensitivity", "speed", "thesis"}) {
     const CommandResult run = runBenchmark(std::string(benchmark) + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.output, HasSubstr("Examples:"));

@@ -27,7 +27,11 @@ std::vector<std::string> constantNames() {
 }
 
 struct SensitivityOptions {
-  BenchmarkOptions common{.data = "none"};
+  BenchmarkOptions common = [] {
+    BenchmarkOptions options;
+    options.data = "none";
+    return options;
+  }();
   DriveOptions drives{.scenarios = {"campus"}, .seconds = 8.0};
   std::vector<double> offsets_ms{0.0, 25.0};
   std::vector<double> readouts_ms{0.0, 32.0};

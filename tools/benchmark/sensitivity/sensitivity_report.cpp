@@ -24,7 +24,13 @@ std::string signedPercent(double logarithm) {
 }
 
 std::string signedCount(int count) {
-  return (count > 0 ? "+" : "") + std::to_string(count);
+  char text[16];
+  std::snprintf(text, sizeof text, "%+d", count);
+  return text;
+}
+
+std::string plusMinus(const std::string& value) {
+  return std::string("±").append(value);
 }
 
 /// A cell with the values at the smaller and at the larger constant.
@@ -88,9 +94,9 @@ std::string sensitivityTable(const Sensitivity& sensitivity, ReportFormat format
                fixed(one.effect, 1)});
   }
   const RelativeResult& chance = sensitivity.chance;
-  table.add({"by chance", "", "", "±" + fixed(percentOf(chance.segments), 1),
-             "±" + fixed(percentOf(chance.relative), 1), "±" + fixed(percentOf(chance.nees), 1),
-             "±" + std::to_string(chance.invalid), "±" + std::to_string(chance.wrong), "1.0"});
+  table.add({"by chance", "", "", plusMinus(fixed(percentOf(chance.segments), 1)),
+             plusMinus(fixed(percentOf(chance.relative), 1)), plusMinus(fixed(percentOf(chance.nees), 1)),
+             plusMinus(std::to_string(chance.invalid)), plusMinus(std::to_string(chance.wrong)), "1.0"});
   return table.as(format) + "\n" +
          "Changes with the constant at its smaller and larger value, geometric means over all sequences (" +
          std::to_string(sensitivity.pairs) +

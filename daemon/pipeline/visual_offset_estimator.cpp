@@ -8,7 +8,7 @@
 namespace cartvo::daemon {
 namespace {
 
-constexpr double kMemory = 10.0;          // s: DelayFilter's, so that both are means over the same pairs
+constexpr double kMemory = 10.0;          // s: about that of the odometry's estimate of the delay
 constexpr double kMaxStddev_ns = 3e6;     // an estimate with a larger one is worse than arrival times
 constexpr double kStddevGrowth_ns = 1e4;  // per second without a new estimate
 // The odometry underestimates an offset of 25 ms by 10 %, one of 45 ms by half (docs/notebook/capture.md).

@@ -72,7 +72,7 @@ class VisualTrackTest : public testing::Test {
  protected:
   VisualTrack begin(const OdometrySettings& settings = smallSettings()) {
     return VisualTrack(kCamera, settings, RowTiming(kCamera, {}), prepared(drivePair(0), 0),
-                       {{}, StillRegions(kCamera), {}}, reinitialiser_, observer_);
+                       {RigCalibrationFilter{}, StillRegions(kCamera)}, reinitialiser_, observer_);
   }
   TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
     return track.process(prepared(images, index), observer_);
@@ -293,7 +293,7 @@ TEST_F(VisualTrackTest, StartsWithTheGivenRigCalibration) {
     return track.rigCalibrationError().value().pitch.value;
   };
   const VisualTrack track(kCamera, smallSettings(), RowTiming(kCamera, {}), prepared(drivePair(0), 0),
-                          {known, StillRegions(kCamera), {}}, reinitialiser_, observer_);
+                          {known, StillRegions(kCamera)}, reinitialiser_, observer_);
   EXPECT_EQ(pitch_of(track), 1e-3);
   VisualTrack driven = begin();
   for (int i = 1; i < 7; ++i)

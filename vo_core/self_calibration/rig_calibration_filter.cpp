@@ -1,65 +1,244 @@
-// Combines the filters of columns (yaw, p2), rows (pitch, roll) and delay.
+// Information filter for the errors of the rig's calibration.
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace cartvo::vo {
 namespace {
 
-constexpr double kMinimumWindowPath = 0.5;  // m driven within the window; less does not determine the yaw
-// Added to the yaw's standard deviation: a constant (rad), and a factor of the yaw beyond the limit of the
-// correction (rad per rad): depths are then so wrong that the linearised equations show a fifth of the yaw.
-// Both determined on rendered worlds.
-constexpr double kMinimumYawStddev = 2e-4;
-constexpr double kUncorrectedYawFactor = 4.0;
+constexpr int kRows = RowPatterns::kSize;
+
+double square(double value) {
+  return value * value;
+}
+
+double clampedTo(double value, double limit) {
+  return std::clamp(value, -limit, limit);
+}
+
+std::optional<double> knownReadout(const Shutter& shutter) {
+  return shutter.readout_stddev > 0.0 ? std::nullopt : std::optional(shutter.readout);
+}
+
+/// A significant value, shrunk by the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
+/// non-negative garrote", 1998): zero for |value| <= insignificant, continuous, close to the value far
+/// beyond.
+double shrunk(double value, double insignificant) {
+  const double size = std::abs(value);
+  return size <= insignificant ? 0.0 : value * (1.0 - square(insignificant / size));
+}
+
+/// rad/s, of the newest motion about the camera's y axis.
+double yawRate(const BundleProblem& adjusted) {
+  const TimedPose &before = adjusted.poses[adjusted.poses.size() - 2], &last = adjusted.poses.back();
+  const double time = last.time - before.time;
+  const Eigen::AngleAxisd turn((before.T_world_camera.inverse() * last.T_world_camera).linear());
+  return time > 0.0 ? turn.angle() * turn.axis().y() / time : 0.0;
+}
 
 }  // namespace
 
-void RigCalibrationFilter::update(const BundleProblem& adjusted, const BundleResult& result,
-                                  const RowMeasurement& rows, const RigCorrection& applied,
-                                  double time_step) {
+RigCalibrationFilter::RigCalibrationFilter(const SelfCalibrationSettings& settings,
+                                           const StereoShutters& shutters)
+    : settings_(settings),
+      known_left_(knownReadout(shutters.left)),
+      known_right_(knownReadout(shutters.right)) {
+  Vector stddev = Vector::Constant(settings.lens_stddev);
+  for (const int angle : kAngles)
+    stddev[angle] = settings.rotation_stddev;
+  stddev[kSkew] = settings.skew_stddev;
+  stddev[RowPatterns::kDelay] = settings.delay_stddev;
+  stddev[kLeftReadout] = known_left_ ? settings.readout_stddev : shutters.left.readout_stddev;
+  stddev[kReadoutDifference] = known_right_ ? settings.readout_stddev : shutters.right.readout_stddev;
+  prior_variances_ = stddev.cwiseAbs2();
+  covariance_ = prior_variances_.asDiagonal();
+  estimate_[kLeftReadout] = shutters.left.readout;
+  estimate_[kReadoutDifference] = shutters.right.readout - shutters.left.readout;
+}
+
+void RigCalibrationFilter::predict(double time_step) {
+  Vector drift = Vector::Constant(settings_.rotation_drift);
+  drift[kSkew] = settings_.skew_drift;
+  drift[RowPatterns::kDelay] = settings_.delay_drift;
+  drift[kLeftReadout] = drift[kReadoutDifference] = 0.0;
+  covariance_.diagonal() += time_step * drift.cwiseAbs2();
+  pairs_ *= std::exp(-time_step / settings_.pattern_memory);
+}
+
+/// Updates with the equations, whose images share errors with others. A change beyond innovation_limit is
+/// reduced to it, with its information.
+void RigCalibrationFilter::update(const Equations& equations) {
+  const double weight = equations.images / settings_.correlated_pairs;
+  const Matrix information = weight * equations.information;
+  const Matrix after = (Matrix::Identity() + covariance_ * information).partialPivLu().solve(covariance_);
+  const Vector change = weight * after * equations.gradient;
+  if (!change.allFinite()) return;
+  const Matrix by_pattern = weight * equations.pattern_variance * after * information * after;
+  Vector innovation = Vector::Zero();
+  for (int i = 0; i < kSize; ++i)
+    if (const double variance = covariance_(i, i) - after(i, i) + by_pattern(i, i);
+        variance > 1e-6 * covariance_(i, i))
+      innovation[i] = change[i] / std::sqrt(variance);
+  const double largest = innovation.cwiseAbs().maxCoeff();
+  const double share = std::min(1.0, settings_.innovation_limit / std::max(largest, 1e-9));
+  estimate_ += share * change;
+  covariance_ += share * (after - covariance_);
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+  mean_innovation_ += std::min(1.0, weight) * (share * innovation - mean_innovation_);
+  for (const int angle : kAngles)
+    if (std::abs(mean_innovation_[angle]) > settings_.bump_innovation) bump(angle);
+}
+
+void RigCalibrationFilter::bump(int index) {
+  covariance_(index, index) += square(settings_.rotation_stddev);
+  mean_innovation_[index] = 0.0;
+}
+
+RigCalibrationFilter::Equations RigCalibrationFilter::equationsOf(const RowMeasurement& rows) const {
+  Eigen::Matrix<double, kRows, kSize> patterns = Eigen::Matrix<double, kRows, kSize>::Identity();
+  patterns(RowPatterns::kCrossTerm, kYaw) = 1.0;
+  patterns(RowPatterns::kCrossTerm, kP2) = 2.0;
+  Equations equations;
+  equations.information = patterns.transpose() * rows.information * patterns;
+  equations.gradient = patterns.transpose() * rows.gradient;
+  equations.pattern_variance = square(settings_.row_pattern) * rows.precision;
+  return equations;
+}
+
+void RigCalibrationFilter::updateRows(const RowMeasurement& rows) {
+  if (!(rows.precision > 0.0)) return;
+  update(equationsOf(rows));
+  pairs_ += 1.0;
+  mean_products_ += (rows.mean_products - mean_products_) / pairs_;
+}
+
+void RigCalibrationFilter::updateDisparities(const BundleProblem& adjusted, const BundleResult& result,
+                                             const RigCorrection& applied) {
   const Eigen::Isometry3d path =
       adjusted.poses.front().T_world_camera.inverse() * adjusted.poses.back().T_world_camera;
-  if (path.translation().norm() > kMinimumWindowPath)
-    columns_.update(result.rig_information, result.rig_gradient, applied, time_step);
-  rows_.update(rows, applied, time_step);
-  delay_.update(rows, applied, time_step);
-  if (const double step = rows_.takeYawStep(); step != 0.0) {
-    columns_.applyYawStep(step);
-    delay_.restart(0.0);
-  }
+  if (path.translation().norm() < settings_.window_path) return;
+  Eigen::Matrix<double, RigCorrection::kSize, kSize> observed =
+      Eigen::Matrix<double, RigCorrection::kSize, kSize>::Zero();
+  observed(0, kYaw) = observed(1, kP2) = 1.0;
+  observed(0, RowPatterns::kDelay) = yawRate(adjusted);  // a camera that is exposed late has turned on
+  const RigCorrection::Vector remaining =
+      observed * estimate_ - RigCorrection::Vector(applied.yaw, applied.p2);
+  Equations equations;
+  equations.information = observed.transpose() * result.rig_information * observed;
+  equations.gradient = observed.transpose() * (result.rig_gradient - result.rig_information * remaining);
+  update(equations);
+}
+
+void RigCalibrationFilter::updateReadout(Index index, const ReadoutEquation& equation, double used,
+                                         double images) {
+  Equations equations;
+  equations.images = images;
+  equations.information(index, index) = equation.information;
+  equations.gradient[index] = equation.gradient - equation.information * (estimate_[index] - used);
+  update(equations);
+}
+
+void RigCalibrationFilter::updateLeftReadout(const ReadoutEquation& equation, double images) {
+  updateReadout(kLeftReadout, equation, leftReadout(), images);
+}
+
+void RigCalibrationFilter::updateRightReadout(const ReadoutEquation& equation, double images) {
+  updateReadout(kReadoutDifference, equation, rightReadout() - leftReadout(), images);
+}
+
+void RigCalibrationFilter::reinitialisePitch(double pitch) {
+  for (const int angle : {int{RowPatterns::kRoll}, int{kYaw}})
+    bump(angle);
+  estimate_[RowPatterns::kPitch] += pitch;
+  covariance_.row(RowPatterns::kPitch).setZero();
+  covariance_.col(RowPatterns::kPitch).setZero();
+  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = square(settings_.search_stddev);
 }
 
 void RigCalibrationFilter::reinitialisePitch(const BundleProblem& matches) {
-  const double before = rows_.estimate()[RowErrors::kPitch];
-  rows_.reinitialisePitch(measureRows(matches));
-  if (const double step = rows_.estimate()[RowErrors::kPitch] - before; step != 0.0) delay_.restart(step);
+  const RowMeasurement rows = RowRegression(settings_).measure(matches, expectedRows({}));
+  if (!(rows.precision > 0.0)) return;
+  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) += square(settings_.maximum_rotation);
+  Equations equations = equationsOf(rows);
+  equations.images = settings_.correlated_pairs;  // there is no other pair
+  update(equations);
 }
 
-RigCorrection RigCalibrationFilter::correction() const {
-  RigCorrection correction = columns_.correction();
-  const RigCorrection by_rows = rows_.correction();
-  correction.pitch = by_rows.pitch;
-  correction.roll = by_rows.roll;
+RowPatterns::Vector RigCalibrationFilter::expectedRows(const RigCorrection& applied) const {
+  RowPatterns::Vector expected = estimate_.head<kRows>();
+  expected[RowPatterns::kPitch] -= applied.pitch;
+  expected[RowPatterns::kRoll] -= applied.roll;
+  expected[RowPatterns::kCrossTerm] += estimate_[kYaw] - applied.yaw + 2.0 * (estimate_[kP2] - applied.p2);
+  return expected;
+}
+
+RigCorrection RigCalibrationFilter::limited(RigCorrection correction) const {
+  for (double* angle : {&correction.yaw, &correction.pitch, &correction.roll})
+    *angle = clampedTo(*angle, settings_.maximum_rotation);
+  correction.p2 = clampedTo(correction.p2, settings_.maximum_p2);
   return correction;
 }
 
 RigCorrection RigCalibrationFilter::expected() const {
-  RigCorrection expected = rows_.expected();
-  expected.yaw = columns_.correction().yaw;
-  return expected;
+  return limited({estimate_[kYaw], 0.0, estimate_[RowPatterns::kPitch], estimate_[RowPatterns::kRoll]});
+}
+
+RigCorrection RigCalibrationFilter::correction() const {
+  Vector variances = covariance_.diagonal();
+  variances.head<kRows>() += patternVariances();
+  const auto significant = [&](int index) {
+    return shrunk(estimate_[index], settings_.significance * std::sqrt(variances[index]));
+  };
+  return limited({significant(kYaw), significant(kP2), significant(RowPatterns::kPitch),
+                  significant(RowPatterns::kRoll)});
+}
+
+/// What a row pattern that is not estimated adds to the variances of those that are.
+RowPatterns::Vector RigCalibrationFilter::patternVariances() const {
+  if (!(pairs_ > 0.0)) return RowPatterns::Vector::Zero();
+  RowPatterns::Matrix information = mean_products_ / square(settings_.row_pattern);
+  information.diagonal() += prior_variances_.head<kRows>().cwiseInverse();
+  return information.inverse().diagonal();
 }
 
 RigCalibrationError RigCalibrationFilter::error() const {
-  const RowErrors::Vector& rows = rows_.estimate();
-  const RowErrors::Vector row_stddev = rows_.stddev();
-  const auto of_rows = [&](RowErrors::Index index) {
-    return EstimateWithStddev{rows[index], row_stddev[index]};
+  Vector variances = covariance_.diagonal();
+  variances.head<kRows>() += patternVariances();
+  const double uncorrected = estimate_[kYaw] - clampedTo(estimate_[kYaw], settings_.maximum_rotation);
+  variances[kYaw] +=
+      square(settings_.yaw_pattern_stddev) + square(settings_.uncorrected_yaw_share * uncorrected);
+  const auto estimate = [&](int index) {
+    return EstimateWithStddev{estimate_[index], std::sqrt(variances[index])};
   };
-  const double yaw = columns_.estimate()[0];
-  const double yaw_stddev = std::sqrt(std::pow(columns_.stddev()[0], 2) + std::pow(kMinimumYawStddev, 2) +
-                                      std::pow(kUncorrectedYawFactor * (yaw - columns_.correction().yaw), 2));
-  return {of_rows(RowErrors::kPitch), {yaw, yaw_stddev}, of_rows(RowErrors::kRoll), delay_.delay()};
+  return {estimate(RowPatterns::kPitch), estimate(kYaw), estimate(RowPatterns::kRoll),
+          estimate(RowPatterns::kDelay)};
+}
+
+EstimateWithStddev RigCalibrationFilter::readout(Index index) const {
+  return {estimate_[index], std::sqrt(covariance_(index, index) + square(settings_.readout_model_stddev))};
+}
+
+double RigCalibrationFilter::leftReadout() const {
+  return known_left_.value_or(estimate_[kLeftReadout]);
+}
+
+double RigCalibrationFilter::rightReadout() const {
+  return known_right_.value_or(leftReadout() + estimate_[kReadoutDifference]);
+}
+
+double RigCalibrationFilter::leftReadoutStddev() const {
+  return known_left_ ? 0.0 : readout(kLeftReadout).stddev;
+}
+
+double RigCalibrationFilter::rightReadoutStddev() const {
+  return known_right_ ? 0.0 : readout(kReadoutDifference).stddev;
+}
+
+ReadoutEstimates RigCalibrationFilter::readouts() const {
+  const EstimateWithStddev left = readout(kLeftReadout), difference = readout(kReadoutDifference);
+  return {left, {left.value + difference.value, std::hypot(left.stddev, difference.stddev)}};
 }
 
 }  // namespace cartvo::vo

@@ -1,46 +1,110 @@
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/rig_calibration_error.hpp"
-#include "vo_core/self_calibration/delay_filter.hpp"
-#include "vo_core/self_calibration/pitch_roll_filter.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
-#include "vo_core/self_calibration/yaw_filter.hpp"
+#include "vo_core/self_calibration/self_calibration_settings.hpp"
+#include "vo_core/shutter.hpp"
 
 namespace cartvo::vo {
 
-/// Estimates the rig's calibration error while driving: yaw and p2 from the disparities of stereo matches;
-/// pitch, roll and delay from their rows.
+/// Information filter for the errors of the rig's calibration while driving. Its state: pitch, roll, yaw, p2,
+/// delay, the other errors that RowPatterns names, and both readouts. Rows of stereo matches measure all but
+/// the readouts, of yaw and p2 only a sum; disparities measure yaw and p2; rows of single images measure
+/// readouts. Each error does a random walk (process noise). One whose innovations are larger than that allows
+/// has been bumped, and its variance grows by that of a bump.
 class RigCalibrationFilter {
  public:
-  /// Updates with the newest pair of an adjusted problem, whose right pixels were corrected by `applied`.
-  /// `rows`: measureRows() of the problem. `time_step`: s since the previous pair.
-  void update(const BundleProblem& adjusted, const BundleResult& result, const RowMeasurement& rows,
-              const RigCorrection& applied, double time_step);
+  /// A readout that `shutters` know is estimated to check it, but the estimate is not used.
+  explicit RigCalibrationFilter(const SelfCalibrationSettings& settings = {},
+                                const StereoShutters& shutters = {});
 
-  /// Adds a pitch (rad) that a coarse search found; restarts the estimates from rows with its uncertainty.
-  void reinitialisePitch(double pitch) {
-    rows_.reinitialisePitch(pitch);
-    delay_.restart(pitch);
-  }
+  /// Adds the process noise of `time_step` (s).
+  void predict(double time_step);
 
-  /// Restarts with the pitch measured from the rows of one pair's uncorrected stereo matches
+  /// Updates with the rows of a pair, measured about expectedRows().
+  void updateRows(const RowMeasurement& rows);
+
+  /// Updates with the disparities of an adjusted problem, whose right pixels were corrected by `applied`.
+  void updateDisparities(const BundleProblem& adjusted, const BundleResult& result,
+                         const RigCorrection& applied);
+
+  /// Update with the rows of left or right images, timed with leftReadout() and rightReadout(). `images`:
+  /// number of images that the equation stands for.
+  void updateLeftReadout(const ReadoutEquation& equation, double images);
+  void updateRightReadout(const ReadoutEquation& equation, double images);
+
+  /// Adds a pitch (rad) that a coarse search found after a bump.
+  void reinitialisePitch(double pitch);
+
+  /// Measures the pitch after a bump from the rows of one pair's uncorrected stereo matches
   /// (buildNewestPairProblem()).
   void reinitialisePitch(const BundleProblem& matches);
 
-  /// Rotation and p2 to correct: only significant errors.
-  RigCorrection correction() const;
+  /// Row patterns that the state lets expect in rows that were corrected by `applied`.
+  RowPatterns::Vector expectedRows(const RigCorrection& applied) const;
 
-  /// Rotation of the right camera for the search for matches: as correction(), but with a lower significance
-  /// level. Without p2.
+  /// Rotation of the right camera for the search for matches: the estimate, limited. Without p2.
   RigCorrection expected() const;
+
+  /// Rotation and p2 to correct: significant errors, limited.
+  RigCorrection correction() const;
 
   RigCalibrationError error() const;
 
+  /// Readouts (s) to time rows with: known ones, else the estimates.
+  double leftReadout() const;
+  double rightReadout() const;
+  /// Standard deviations (s): 0 if known; of the right readout with a given left one.
+  double leftReadoutStddev() const;
+  double rightReadoutStddev() const;
+  /// Estimates of known and unknown readouts.
+  ReadoutEstimates readouts() const;
+
  private:
-  YawFilter columns_;
-  PitchRollFilter rows_;
-  DelayFilter delay_;
+  // The first components are those of RowPatterns, with kSkew in the place of the cross term, which is
+  // yaw + 2 p2 + skew. The map is made with the rows of the left camera, so that those of the right one
+  // measure the difference of the readouts.
+  enum Index {
+    kSkew = RowPatterns::kCrossTerm,
+    kYaw = RowPatterns::kSize,
+    kP2,
+    kLeftReadout,
+    kReadoutDifference,
+    kSize
+  };
+  static constexpr std::array<int, 3> kAngles{RowPatterns::kPitch, kYaw, RowPatterns::kRoll};
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+  /// Normal equations of a measurement about the estimate.
+  struct Equations {
+    Matrix information = Matrix::Zero();
+    Vector gradient = Vector::Zero();
+    double images = 1.0;            ///< that they stand for
+    double pattern_variance = 0.0;  ///< of the error of the model, in units of the noise's
+  };
+
+  void update(const Equations& equations);
+  void updateReadout(Index index, const ReadoutEquation& equation, double used, double images);
+  void bump(int index);
+  Equations equationsOf(const RowMeasurement& rows) const;
+  RowPatterns::Vector patternVariances() const;
+  RigCorrection limited(RigCorrection correction) const;
+  EstimateWithStddev readout(Index index) const;
+
+  SelfCalibrationSettings settings_;
+  std::optional<double> known_left_, known_right_;  ///< s
+  Vector estimate_ = Vector::Zero();
+  Vector prior_variances_;
+  Matrix covariance_;
+  Vector mean_innovation_ = Vector::Zero();  ///< running mean of innovations in standard deviations
+  RowPatterns::Matrix mean_products_ = RowPatterns::Matrix::Zero();  ///< running mean of RowMeasurement's
+  double pairs_ = 0.0;                                               ///< in that mean
 };
 
 }  // namespace cartvo::vo

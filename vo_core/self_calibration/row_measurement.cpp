@@ -1,7 +1,6 @@
 // Robust regression of vertical disparities on the row errors of the right camera.
 #include "vo_core/self_calibration/row_measurement.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -14,29 +13,20 @@
 namespace cartvo::vo {
 namespace {
 
-using Vector = RowErrors::Vector;
-using Matrix = RowErrors::Matrix;
+using Vector = RowPatterns::Vector;
+using Matrix = RowPatterns::Matrix;
 
 constexpr std::size_t kMinimumMatches = 30;
-constexpr int kIterations = 4;  // of weights and noise; each halves the remaining effect of the initial guess
-constexpr double kMinimumNoise = 0.02;  // px, of a row
-constexpr double kRobustWidth = 2.0;    // standard deviations of a residual that halve its weight
-// Standard deviations of the prior that keeps undetermined errors near zero: rad, rad, rad, s.
-const Vector kPriorStddev(1e-2, 1e-2, 1e-2, 1e-1);
-// rad/s, standard deviation of the angular rate between two pairs' exposures: times the offset, the rotation
-// between left and right exposure that the poses do not show.
-constexpr double kRateStddev = 0.02;
-constexpr double kUnknownRateStddev = 0.3;  // rad/s, of a single pair: 3 m/s past a point 10 m away
 
 /// Stereo matches of one anchor, one per lane.
 struct RowBlock {
   int anchor = 0;
   PlaceLanes place{};
-  DoubleLanes x{}, y{};                         // right observation, at z = 1
-  DoubleLanes residual{};                       // px, measured vertical disparity minus predicted
-  DoubleLanes counted{};                        // 1 if the point is in front of both cameras
-  DoubleLanes weight{};                         // 0 for the others
-  DoubleLanes by_errors[RowPatterns::kSize]{};  // the first are by RowErrors
+  DoubleLanes x{}, y{};    // right observation, at z = 1
+  DoubleLanes residual{};  // px, measured vertical disparity minus predicted
+  DoubleLanes counted{};   // 1 if the point is in front of both cameras
+  DoubleLanes weight{};    // 0 for the others
+  DoubleLanes by_pattern[RowPatterns::kSize]{};
 };
 
 /// Stereo matches of a problem's newest pair, grouped by anchor.
@@ -104,19 +94,19 @@ void linearise(const StereoCamera& camera, const RowCamerasOfAnchors& cameras,
     block.weight *= block.counted;
     const ViewLanes left = viewOf(left_ray), right = viewOf(right_ray);
     block.residual -= f * (left.y - right.y);
-    block.by_errors[RowErrors::kPitch] = -f * (1.0 + block.y * block.y);
-    block.by_errors[RowErrors::kRoll] = f * block.x;
-    block.by_errors[RowErrors::kCrossTerm] = f * block.x * block.y;
+    block.by_pattern[RowPatterns::kPitch] = -f * (1.0 + block.y * block.y);
+    block.by_pattern[RowPatterns::kRoll] = f * block.x;
+    block.by_pattern[RowPatterns::kCrossTerm] = f * block.x * block.y;
     const PoseLanes by_right = rowByCamera(right, block.place);
-    DoubleLanes& by_delay = block.by_errors[RowErrors::kDelay] = DoubleLanes{};
+    DoubleLanes& by_delay = block.by_pattern[RowPatterns::kDelay] = DoubleLanes{};
     for (int i = 0; i < 6; ++i)
       by_delay -= f * right_by_offset[i] * by_right.value[i];
     const DoubleLanes x_squared = block.x * block.x, y_squared = block.y * block.y;
-    block.by_errors[RowPatterns::kRowScale] = f * block.y;
-    block.by_errors[RowPatterns::kRadial] = f * block.y * (x_squared + y_squared);
-    block.by_errors[RowPatterns::kDecentring] = f * (x_squared + 3.0 * y_squared);
-    block.by_errors[RowPatterns::kHeight] = -f * camera.baseline * by_right.value[1];
-    block.by_errors[RowPatterns::kDepth] = -f * camera.baseline * by_right.value[2];
+    block.by_pattern[RowPatterns::kRowScale] = f * block.y;
+    block.by_pattern[RowPatterns::kRadial] = f * block.y * (x_squared + y_squared);
+    block.by_pattern[RowPatterns::kDecentring] = f * (x_squared + 3.0 * y_squared);
+    block.by_pattern[RowPatterns::kHeight] = -f * camera.baseline * by_right.value[1];
+    block.by_pattern[RowPatterns::kDepth] = -f * camera.baseline * by_right.value[2];
   }
 }
 
@@ -133,101 +123,55 @@ void linearise(const BundleProblem& problem, std::vector<RowBlock>& blocks) {
   linearise(problem.camera, cameras, right.by_offset, blocks);
 }
 
-/// Residuals after the errors, px.
-inline void remainingResidual(const RowBlock& block, const Vector& errors, DoubleLanes& remaining) {
-  remaining = block.residual;
-  for (int i = 0; i < RowErrors::kSize; ++i)
-    remaining -= errors[i] * block.by_errors[i];
+/// Subtracts the patterns that are expected from the residuals, px.
+CARTVO_TARGET_CLONES
+void subtract(const Vector& expected, std::vector<RowBlock>& blocks) {
+  for (RowBlock& block : blocks)
+    for (int i = 0; i < RowPatterns::kSize; ++i)
+      block.residual -= expected[i] * block.by_pattern[i];
 }
 
-CARTVO_TARGET_CLONES
-void collectSizes(const std::vector<RowBlock>& blocks, const Vector& errors, std::vector<double>& sizes) {
+/// Standard deviation of the residuals, px; 0 if there are too few.
+double noiseOf(const std::vector<RowBlock>& blocks, double least, std::vector<double>& sizes) {
   sizes.clear();
   sizes.reserve(kDoubleLanes * blocks.capacity());
-  for (const RowBlock& block : blocks) {
-    DoubleLanes remaining;
-    remainingResidual(block, errors, remaining);
+  for (const RowBlock& block : blocks)
     for (int lane = 0; lane < kDoubleLanes; ++lane)
-      if (block.counted[lane] > 0.0) sizes.push_back(std::abs(remaining[lane]));
-  }
+      if (block.counted[lane] > 0.0) sizes.push_back(std::abs(block.residual[lane]));
+  return sizes.size() < kMinimumMatches ? 0.0 : std::max(stddevFromMedian(sizes), least);
 }
 
-/// Sums of the normal equations for the first `Size` patterns, px.
-template <int Size>
+/// Sums of the normal equations, px.
 struct RowSums {
-  Eigen::Matrix<double, Size, Size> information(double noise) const {
-    Eigen::Matrix<double, Size, Size> all;
-    for (int i = 0; i < Size; ++i)
-      for (int j = 0; j <= i; ++j)
-        all(i, j) = all(j, i) = sumOf(products[i][j]);
-    return all / (noise * noise);
-  }
-  Eigen::Matrix<double, Size, 1> scaledGradient(double noise) const {
-    Eigen::Matrix<double, Size, 1> all;
-    for (int i = 0; i < Size; ++i)
-      all[i] = sumOf(gradient[i]);
-    return all / (noise * noise);
-  }
-
-  DoubleLanes products[Size][Size]{};  // the lower triangle
-  DoubleLanes gradient[Size]{};
+  DoubleLanes products[RowPatterns::kSize][RowPatterns::kSize]{};  // the lower triangle
+  DoubleLanes gradient[RowPatterns::kSize]{};
   DoubleLanes weights{};
 };
 
-template <int Size>
-inline void addRows(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
-                    RowSums<Size>& sums) {
-  const double inverse_width_squared = 1.0 / (kRobustWidth * kRobustWidth * noise * noise);
+/// `width`: px, of a residual that halves its weight.
+CARTVO_TARGET_CLONES
+void sumRows(const std::vector<RowBlock>& blocks, double width, RowSums& sums) {
+  const double inverse_width_squared = 1.0 / (width * width);
   for (const RowBlock& block : blocks) {
-    DoubleLanes remaining;
-    remainingResidual(block, errors, remaining);
-    const DoubleLanes weight = block.weight / (1.0 + inverse_width_squared * (remaining * remaining));
+    const DoubleLanes weight =
+        block.weight / (1.0 + inverse_width_squared * (block.residual * block.residual));
     sums.weights += weight;
-    for (int i = 0; i < Size; ++i) {
-      const DoubleLanes weighted = weight * block.by_errors[i];
+    for (int i = 0; i < RowPatterns::kSize; ++i) {
+      const DoubleLanes weighted = weight * block.by_pattern[i];
       sums.gradient[i] += weighted * block.residual;
       for (int j = 0; j <= i; ++j)
-        sums.products[i][j] += weighted * block.by_errors[j];
+        sums.products[i][j] += weighted * block.by_pattern[j];
     }
   }
 }
 
-CARTVO_TARGET_CLONES
-void sumErrors(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
-               RowSums<RowErrors::kSize>& sums) {
-  addRows(blocks, errors, noise, sums);
-}
-
-CARTVO_TARGET_CLONES
-void sumPatterns(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
-                 RowSums<RowPatterns::kSize>& sums) {
-  addRows(blocks, errors, noise, sums);
-}
-
 /// (I^-1 + D)^-1 I^-1 = (1 + I D)^-1, where I may be singular. D: variance (rad^2) of an unknown pitch and
 /// roll.
-template <int Size>
-Eigen::Matrix<double, Size, Size> rotationUncertaintyFactor(
-    const Eigen::Matrix<double, Size, Size>& information, double variance) {
-  Eigen::Matrix<double, Size, 1> variances = Eigen::Matrix<double, Size, 1>::Zero();
-  variances[RowErrors::kPitch] = variances[RowErrors::kRoll] = variance;
-  const Eigen::Matrix<double, Size, Size> covariance = variances.asDiagonal();
-  return (Eigen::Matrix<double, Size, Size>::Identity() + information * covariance).inverse();
-}
-
-RowEquations rowEquations(const std::vector<RowBlock>& blocks, const Vector& errors, double noise,
-                          double rotation_variance) {
-  RowSums<RowPatterns::kSize> sums;
-  sumPatterns(blocks, errors, noise, sums);
-  const double weights = sumOf(sums.weights);
-  if (!(weights > 0.0)) return {};
-  RowEquations equations;
-  equations.information = sums.information(noise);
-  equations.mean_products = sums.information(1.0) / weights;
-  const RowPatterns::Matrix factor = rotationUncertaintyFactor(equations.information, rotation_variance);
-  equations.gradient = factor * sums.scaledGradient(noise);
-  equations.information = factor * equations.information.eval();
-  return equations;
+Matrix rotationUncertaintyFactor(const Matrix& information, double variance) {
+  Vector variances = Vector::Zero();
+  variances[RowPatterns::kPitch] = variances[RowPatterns::kRoll] = variance;
+  const Matrix covariance = variances.asDiagonal();
+  return (Matrix::Identity() + information * covariance).inverse();
 }
 
 }  // namespace
@@ -237,43 +181,36 @@ struct RowRegression::Work {
   std::vector<double> sizes;
 };
 
-RowRegression::RowRegression() : work_(std::make_unique<Work>()) {}
+RowRegression::RowRegression(const SelfCalibrationSettings& settings)
+    : settings_(settings), work_(std::make_unique<Work>()) {}
 RowRegression::RowRegression(RowRegression&&) noexcept = default;
 RowRegression& RowRegression::operator=(RowRegression&&) noexcept = default;
 RowRegression::~RowRegression() = default;
 
-RowMeasurement measureRows(const BundleProblem& adjusted) {
-  return RowRegression().measure(adjusted);
-}
-
-RowMeasurement RowRegression::measure(const BundleProblem& adjusted) {
-  RowMeasurement measurement;
+RowMeasurement RowRegression::measure(const BundleProblem& adjusted, const Vector& expected) {
   auto& [rows, sizes] = *work_;
   rows.fill(adjusted);
   linearise(adjusted, rows.blocks);
-  const Matrix prior = kPriorStddev.cwiseAbs2().cwiseInverse().asDiagonal();
-  double noise = kMinimumNoise;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    collectSizes(rows.blocks, measurement.errors, sizes);
-    if (sizes.size() < kMinimumMatches) return {};
-    noise = std::max(stddevFromMedian(sizes), kMinimumNoise);
-    RowSums<RowErrors::kSize> sums;
-    sumErrors(rows.blocks, measurement.errors, noise, sums);
-    const double weights = sumOf(sums.weights);
-    if (!(weights > 0.0)) return {};
-    measurement.information = sums.information(noise);
-    measurement.mean_products = sums.information(1.0) / weights;
-    measurement.errors = (measurement.information + prior).ldlt().solve(sums.scaledGradient(noise));
+  subtract(expected, rows.blocks);
+  const double noise = noiseOf(rows.blocks, settings_.row_noise, sizes);
+  if (!(noise > 0.0)) return {};
+  RowSums sums;
+  sumRows(rows.blocks, settings_.row_robust_width * noise, sums);
+  RowMeasurement measurement;
+  measurement.precision = sumOf(sums.weights) / (noise * noise);
+  for (int i = 0; i < RowPatterns::kSize; ++i) {
+    measurement.gradient[i] = sumOf(sums.gradient[i]) / (noise * noise);
+    for (int j = 0; j <= i; ++j)
+      measurement.information(i, j) = measurement.information(j, i) =
+          sumOf(sums.products[i][j]) / (noise * noise);
   }
-  const double rotation_stddev =
-      (adjusted.poses.size() > 1 ? kRateStddev : kUnknownRateStddev) * adjusted.poses.back().offset;
-  const double rotation_variance = rotation_stddev * rotation_stddev;
-  measurement.equations = rowEquations(rows.blocks, measurement.errors, noise, rotation_variance);
-  measurement.information =
-      rotationUncertaintyFactor(measurement.information, rotation_variance) * measurement.information.eval();
-  if (!measurement.errors.allFinite() || !measurement.information.allFinite()) return {};
-  if (!measurement.equations.information.allFinite() || !measurement.equations.gradient.allFinite())
-    measurement.equations = {};
+  measurement.mean_products = measurement.information / measurement.precision;
+  const double rate = adjusted.poses.size() > 1 ? settings_.rate_stddev : settings_.unknown_rate_stddev;
+  const double rotation = rate * adjusted.poses.back().offset;
+  const Matrix factor = rotationUncertaintyFactor(measurement.information, rotation * rotation);
+  measurement.information = factor * measurement.information.eval();
+  measurement.gradient = factor * measurement.gradient.eval();
+  if (!measurement.information.allFinite() || !measurement.gradient.allFinite()) return {};
   return measurement;
 }
 

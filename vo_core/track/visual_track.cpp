@@ -62,7 +62,6 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     : camera_(camera),
       settings_(settings),
       timing_(timing),
-      readouts_(learnt.readouts),
       roughness_(settings.rolling_shutter),
       tracker_(camera, settings),
       random_(settings.seed),
@@ -71,7 +70,8 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
       still_regions_(learnt.still_regions),
-      last_exposure_ns_(first.left_exposure_ns) {
+      last_exposure_ns_(first.left_exposure_ns),
+      row_regression_({}) {
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
@@ -95,7 +95,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
 
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
   if (!timing_.isRolling()) return std::nullopt;
-  return readouts_.estimates();
+  return rig_.readouts();
 }
 
 void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {

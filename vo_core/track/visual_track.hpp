@@ -18,7 +18,6 @@
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
 #include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
-#include "vo_core/self_calibration/readout_filter.hpp"
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
@@ -64,7 +63,6 @@ struct TrackedMotion {
 struct LearntByTracks {
   RigCalibrationFilter rig;
   StillRegions still_regions;
-  ReadoutFilters readouts;
 };
 
 /// Motion through an uninterrupted sequence of pairs: a sliding window of poses and the landmarks they share.
@@ -91,7 +89,7 @@ class VisualTrack {
   const RigCalibrationFilter& rig() const { return rig_; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
   const StillRegions& stillRegions() const { return still_regions_; }
-  LearntByTracks learnt() const { return {rig_, still_regions_, readouts_}; }
+  LearntByTracks learnt() const { return {rig_, still_regions_}; }
   std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters
 
  private:
@@ -160,13 +158,12 @@ class VisualTrack {
   StereoCamera camera_;
   OdometrySettings settings_;
   RowTiming timing_;
-  ReadoutFilters readouts_;
   MotionRoughness roughness_;
   RowInformation::Vector expected_variances_ = RowInformation::Vector::Zero();  ///< of the expected motion
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
-  RigCalibrationFilter rig_;                ///< unchanged unless RigRefinement::correct
+  RigCalibrationFilter rig_;                ///< without RigRefinement::correct, only its readouts change
   PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;
   FrozenCameraDetector frozen_camera_;

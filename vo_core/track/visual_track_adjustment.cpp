@@ -143,7 +143,9 @@ RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const D
   RigCalibrationFilter rig = rig_;
   if (!result.converged || !estimatesRig()) return rig;
   const double time_step = secondsBetween(window_.back(), draft.window.back());
-  rig.update(bundle_, result, row_regression_.measure(bundle_), applied, time_step);
+  rig.predict(time_step);
+  rig.updateDisparities(bundle_, result, applied);
+  rig.updateRows(row_regression_.measure(bundle_, rig.expectedRows(applied)));
   return rig;
 }
 

@@ -102,7 +102,7 @@ void VisualTrack::buildRowProblem(const Draft& draft, int position, const Exposu
   problem.settings = settings_.rolling_shutter;
   problem.expected = expected;
   problem.variances = variances;
-  problem.readout_stddev = readouts_.leftStddev();
+  problem.readout_stddev = rig_.leftReadoutStddev();
   addRowPoints(draft, position, draft.window[position].T_world_camera, RigSide::left);
 }
 
@@ -171,7 +171,7 @@ void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
     concludeRowMotion(poses, draft.window.back(), motion);
     updateReadouts(draft, poses);
   }
-  timing_.setReadouts(readouts_.left(), readouts_.right());
+  timing_.setReadouts(rig_.leftReadout(), rig_.rightReadout());
   correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window),
               settings_.tracking.predicted_inverse_depth, draft.landmarks);
 }
@@ -225,23 +225,23 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const WindowFrame& frame = draft.window[position];
   const double weight = 1.0 / std::max(1.0, std::pow(roughness_.ratio(), 2));
   const bool right_is_due = frame.index % kReadoutInterval == 0;
-  const int left_interval = readouts_.leftStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
+  const int left_interval = rig_.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;
   const ExposureMotion expected =
       motionByPolynomial(poses, position, position - kReadoutNeighbours, position + kReadoutNeighbours);
   buildRowProblem(draft, position, expected, roughness_.variances(poses, position, last_stddev_));
   row_problem_.start = expected;
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    readouts_.updateLeft(found.readout, weight * left_interval);
+    rig_.updateLeftReadout(found.readout, weight * left_interval);
   if (!right_is_due) return;
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   row_problem_.expected = row_problem_.start =
       motionAbout(expected, frame.offset, T_left_right, timing_.range());
-  row_problem_.readout_stddev = readouts_.rightStddev();
+  row_problem_.readout_stddev = rig_.rightReadoutStddev();
   addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
                RigSide::right);
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    readouts_.updateRight(found.readout, weight * kReadoutInterval);
+    rig_.updateRightReadout(found.readout, weight * kReadoutInterval);
 }
 
 /// Motions about all exposures of the window: those of the poses, unless the rows contradict them.

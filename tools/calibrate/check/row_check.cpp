@@ -151,7 +151,7 @@ bool seemsSwapped(const RowCheck& check) {
 bool isSlightlyTurned(const RowCheck& check, double max_rms) {
   constexpr double kMaxTurn = 0.1 / kDegreesPerRadian;  // rad; SelfCheck reports larger ones as a fault
   // The term of yaw contains that of the tangential distortion p2. The odometry corrects 1e-2 rad of yaw and
-  // 3e-3 of p2 (yaw_filter.cpp).
+  // 3e-3 of p2 (SelfCalibrationSettings).
   constexpr double kMaxYaw = 1e-2 + 2.0 * 3e-3;
   const Eigen::Vector3d max_turn(kMaxTurn, kMaxYaw, kMaxTurn);
   return check.rms > max_rms && check.scatter <= max_rms &&

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "vo_core/self_calibration/self_calibration_settings.hpp"
+
 // Settings of StereoOdometry with their defaults; validate() has the permitted ranges.
 
 namespace cartvo::vo {
@@ -192,6 +194,7 @@ struct OdometrySettings {
   StandstillSettings standstill;                          ///< `estimator: reprojection` only
   RollingShutterSettings rolling_shutter;                 ///< `estimator: reprojection` only
   RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
+  SelfCalibrationSettings self_calibration;               ///< `estimator: reprojection` only
   ValiditySettings validity;
 };
 

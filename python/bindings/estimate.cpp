@@ -30,6 +30,13 @@ void bindRigError(py::module_& module) {
   py::class_<Value>(module, "EstimateWithStddev", "A value and its standard deviation, in the same unit.")
       .def_readonly("value", &Value::value)
       .def_readonly("stddev", &Value::stddev);
+  using Observability = vo::RigObservability;
+  py::class_<Observability>(module, "RigObservability",
+                            "Shares of the initial variances that measurements have removed: 0 to 1.")
+      .def_readonly("pitch", &Observability::pitch)
+      .def_readonly("yaw", &Observability::yaw)
+      .def_readonly("roll", &Observability::roll)
+      .def_readonly("delay", &Observability::delay);
   using Error = vo::RigCalibrationError;
   py::class_<Error>(module, "RigCalibrationError",
                     "Error of the rig as estimated while driving: of the right camera against the left one, "
@@ -37,7 +44,8 @@ void bindRigError(py::module_& module) {
       .def_readonly("pitch", &Error::pitch, "rad, positive if it looks too far up")
       .def_readonly("yaw", &Error::yaw, "rad, positive if it looks too far right")
       .def_readonly("roll", &Error::roll, "rad, positive if it is turned clockwise")
-      .def_readonly("delay", &Error::delay, "s, by which the right exposure is later than its timestamp");
+      .def_readonly("delay", &Error::delay, "s, by which the right exposure is later than its timestamp")
+      .def_readonly("observability", &Error::observability);
 }
 
 template <typename Class>

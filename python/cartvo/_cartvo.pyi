@@ -182,6 +182,17 @@ class EstimateWithStddev:
     @property
     def stddev(self) -> float: ...
 
+class RigObservability:
+    """Shares of the initial variances that measurements have removed: 0 to 1."""
+    @property
+    def pitch(self) -> float: ...
+    @property
+    def yaw(self) -> float: ...
+    @property
+    def roll(self) -> float: ...
+    @property
+    def delay(self) -> float: ...
+
 class RigCalibrationError:
     """Error of the rig as estimated while driving: rad, and s for the delay."""
     @property
@@ -192,6 +203,8 @@ class RigCalibrationError:
     def roll(self) -> EstimateWithStddev: ...
     @property
     def delay(self) -> EstimateWithStddev: ...
+    @property
+    def observability(self) -> RigObservability: ...
 
 class Estimate:
     """Result of Odometry for one pair, in the axes of the rectified left camera: x right, y down, z forward."""

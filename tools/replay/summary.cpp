@@ -205,7 +205,12 @@ Json selfCheckJson(const Replay& replay) {
   return {{"right_late_ms", scaled(rig.delay, 1e3)},
           {"right_pitch_deg", scaled(rig.pitch, kDegreesPerRadian)},
           {"right_yaw_deg", scaled(rig.yaw, kDegreesPerRadian)},
-          {"right_roll_deg", scaled(rig.roll, kDegreesPerRadian)}};
+          {"right_roll_deg", scaled(rig.roll, kDegreesPerRadian)},
+          {"observability",
+           {{"late", rig.observability.delay},
+            {"pitch", rig.observability.pitch},
+            {"yaw", rig.observability.yaw},
+            {"roll", rig.observability.roll}}}};
 }
 
 Json stillRegionsJson(const vo::ImageRegions& regions) {

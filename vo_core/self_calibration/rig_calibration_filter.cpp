@@ -212,8 +212,15 @@ RigCalibrationError RigCalibrationFilter::error() const {
   const auto estimate = [&](int index) {
     return EstimateWithStddev{estimate_[index], std::sqrt(variances[index])};
   };
-  return {estimate(RowPatterns::kPitch), estimate(kYaw), estimate(RowPatterns::kRoll),
-          estimate(RowPatterns::kDelay)};
+  const auto observability = [&](int index) {
+    return std::clamp(1.0 - variances[index] / prior_variances_[index], 0.0, 1.0);
+  };
+  return {estimate(RowPatterns::kPitch),
+          estimate(kYaw),
+          estimate(RowPatterns::kRoll),
+          estimate(RowPatterns::kDelay),
+          {observability(RowPatterns::kPitch), observability(kYaw), observability(RowPatterns::kRoll),
+           observability(RowPatterns::kDelay)}};
 }
 
 EstimateWithStddev RigCalibrationFilter::readout(Index index) const {

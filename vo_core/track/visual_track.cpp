@@ -71,7 +71,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       frozen_camera_(settings.standstill),
       still_regions_(learnt.still_regions),
       last_exposure_ns_(first.left_exposure_ns),
-      row_regression_({}) {
+      row_regression_(settings.self_calibration) {
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);

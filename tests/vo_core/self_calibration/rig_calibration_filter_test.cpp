@@ -108,6 +108,7 @@ TEST(RigCalibrationFilter, KnowsNothingInitially) {
   EXPECT_EQ(rig.correction().pitch, 0.0);
   EXPECT_EQ(rig.correction().yaw, 0.0);
   EXPECT_GT(error.pitch.stddev, 1e-3);
+  EXPECT_EQ(error.observability.pitch, 0.0);
 }
 
 TEST(RigCalibrationFilter, FindsPitchAndRollByRows) {
@@ -141,6 +142,7 @@ TEST(RigCalibrationFilter, FindsTheDelayOfASynchronousAndOfALateCamera) {
     const RigCalibrationError found = errorAfter(6.0, truth, {});
     EXPECT_NEAR(found.delay.value, truth, 0.2e-3);
     EXPECT_LT(found.delay.stddev, 1e-3);
+    EXPECT_GT(found.observability.delay, 0.9);
   }
 }
 

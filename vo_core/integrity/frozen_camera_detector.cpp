@@ -1,6 +1,9 @@
 // Detection of a frozen left camera by the right camera's motion.
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace cartvo::vo {
 namespace {
 
@@ -17,8 +20,10 @@ constexpr double kMinimumLandmarkShare = 0.25;
 FrozenCameraDetector::Start FrozenCameraDetector::startAt(const RightDisplacement& displacement,
                                                           std::int64_t exposure_ns) const {
   StandstillSettings limits = settings_;
-  limits.translation *= kLimitFactor;
-  limits.rotation *= kLimitFactor;
+  // Two displacements are compared, each of which errs. In the dark that is more than the limits.
+  const Vector6d noise = std::sqrt(2.0) * settings_.motion_significance * displacement.stddev;
+  limits.translation = std::max(kLimitFactor * limits.translation, noise.head<3>().norm());
+  limits.rotation = std::max(kLimitFactor * limits.rotation, noise.tail<3>().norm());
   return {displacement, exposure_ns, limits};
 }
 

@@ -10,8 +10,9 @@ namespace cartvo::vo {
 
 /// The right camera, localised by its own image.
 struct RightDisplacement {
-  Eigen::Isometry3d motion;  ///< from its place by the left camera's pose to its own pose
-  int landmarks = 0;         ///< number of inliers
+  Eigen::Isometry3d motion;            ///< from its place by the left camera's pose to its own pose
+  int landmarks = 0;                   ///< number of inliers
+  Vector6d stddev = Vector6d::Zero();  ///< of a measured motion of the left camera; m and rad
 };
 
 /// What the right camera does while the left image shows a standstill.

@@ -49,7 +49,7 @@ std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<Wi
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
   const auto found = pose_finder_.find(problem, settings_.pose_search, random);
   if (!found || !hasEnoughInliers(*found, settings_.validity)) return std::nullopt;
-  return RightDisplacement{problem.start.inverse() * found->T_world_camera, found->inliers};
+  return RightDisplacement{problem.start.inverse() * found->T_world_camera, found->inliers, last_stddev_};
 }
 
 /// Compares a left image without motion with the right camera: during a standstill, when a motion was

@@ -32,7 +32,7 @@ struct SensitivityOptions {
     options.data = "none";
     return options;
   }();
-  DriveOptions drives{.scenarios = {"campus"}, .seconds = 8.0};
+  DriveOptions drives{.worlds = {.tuning_scenarios = {"campus"}, .set = "tuning"}, .seconds = 8.0};
   std::vector<double> offsets_ms{0.0, 25.0};
   std::vector<double> readouts_ms{0.0, 32.0};
   double image_scale = 1.0;
@@ -87,7 +87,9 @@ void run(const SensitivityOptions& options) {
   const Sensitivity sensitivity = runSensitivityBenchmark(settings, display.observer());
   writeReport(
       options.common, "sensitivity", [&] { return sensitivityJson(sensitivity); },
-      [&](ReportFormat format) { return sensitivityTable(sensitivity, format); });
+      [&](ReportFormat format) {
+        return worldSetLine(settings.sequences.worlds) + sensitivityTable(sensitivity, format);
+      });
 }
 
 void addChanges(CLI::App& command, SensitivityOptions& options) {

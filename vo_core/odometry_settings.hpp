@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "vo_core/self_calibration/self_calibration_settings.hpp"
+#include "vo_core/self_calibration_settings.hpp"
 
 // Settings of StereoOdometry with their defaults; validate() has the permitted ranges.
 

@@ -7,7 +7,7 @@
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
-#include "vo_core/self_calibration/self_calibration_settings.hpp"
+#include "vo_core/self_calibration_settings.hpp"
 #include "vo_core/shutter.hpp"
 
 namespace cartvo::vo {

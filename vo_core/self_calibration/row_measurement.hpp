@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
-#include "vo_core/self_calibration/self_calibration_settings.hpp"
+#include "vo_core/self_calibration_settings.hpp"
 
 // Measurement of the right camera's calibration error from the vertical disparities of one pair.
 

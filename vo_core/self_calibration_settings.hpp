@@ -33,7 +33,7 @@ struct SelfCalibrationSettings {
   double uncorrected_yaw_share = 4.0;  ///< error of a yaw beyond the limit per rad: depths are then wrong
   double readout_model_stddev = 8e-4;  ///< s, error of a readout by those of depths and poses
 
-  // Innovation test: a component whose changes have a mean beyond what was foretold has been bumped.
+  // Innovation test: a component whose changes have a mean beyond the predicted one has been bumped.
   double innovation_limit = 5.0;  ///< standard deviations of one change; larger ones are reduced to it
   double bump_innovation = 0.5;   ///< standard deviations of the mean change over correlated_pairs
 

@@ -106,7 +106,7 @@ TEST_F(VisualTrackTest, ErrorsAgreeWithItsCovariances) {
     ASSERT_TRUE(motion.valid()) << i;
     const Eigen::Isometry3d truth = drive(i - 1).inverse() * drive(i);
     const Vector6d error = vectorFromMotion(motion.T_previous_current.inverse() * truth);
-    EXPECT_LT(error.dot(motion.motion_covariance.ldlt().solve(error)), kFarOut) << i;
+    EXPECT_LT(error.dot(motion.error.covariance().ldlt().solve(error)), kFarOut) << i;
     EXPECT_LT(error.head<3>().norm(), 0.05 * kStep) << i;
     const Vector6d pose_error = vectorFromMotion(motion.T_world_camera.inverse() * drive(i));
     EXPECT_LT(pose_error.dot(track.poseCovariance().ldlt().solve(pose_error)), kFarOut) << i;
@@ -118,7 +118,7 @@ TEST_F(VisualTrackTest, ErrorsAgreeWithItsCovariances) {
 
 /// Factor of the yaw variance over that by the landmarks; the scale does not affect it.
 double inflationOf(const TrackedMotion& motion) {
-  return motion.motion_covariance(4, 4) / std::pow(motion.stddev_by_landmarks[4], 2);
+  return motion.error.covariance()(4, 4) / std::pow(motion.stddevByLandmarks()[4], 2);
 }
 
 TEST_F(VisualTrackTest, InflatesTheCovarianceOfFirstMotions) {
@@ -129,7 +129,7 @@ TEST_F(VisualTrackTest, InflatesTheCovarianceOfFirstMotions) {
     ASSERT_TRUE(motion.valid()) << i;
     const double inflation = inflationOf(motion);
     EXPECT_NEAR(inflation, i < frames ? 1.0 + 9.0 / i : 1.0, 1e-6) << i;
-    EXPECT_EQ(motion.noise_uncalibrated, i < frames) << i;
+    EXPECT_EQ(motion.noiseIsUncalibrated(), i < frames) << i;
   }
 }
 
@@ -142,10 +142,10 @@ TEST_F(VisualTrackTest, StartupInflationExcludesTheOffsetError) {
   pair.right_exposure_ns += 10'000'000;  // its effect on the motion does not matter
   const TrackedMotion motion = track.process(pair, observer_);
   ASSERT_TRUE(motion.valid());
-  const Vector6d by_offset = motion.motion_offset_error;
+  const Vector6d by_offset = motion.error.by_offset;
   ASSERT_GT(by_offset.norm(), 0.0);
-  const Matrix6d own = motion.motion_covariance - by_offset * by_offset.transpose();
-  EXPECT_NEAR(own(4, 4), inflation * std::pow(motion.stddev_by_landmarks[4], 2), 1e-6 * own(4, 4));
+  const Matrix6d own = motion.error.covariance() - by_offset * by_offset.transpose();
+  EXPECT_NEAR(own(4, 4), inflation * std::pow(motion.stddevByLandmarks()[4], 2), 1e-6 * own(4, 4));
 }
 
 TEST_F(VisualTrackTest, PoseNoiseInflationScalesCovariancesOnly) {
@@ -155,8 +155,8 @@ TEST_F(VisualTrackTest, PoseNoiseInflationScalesCovariancesOnly) {
   pair.pose_noise_inflation = 4.0;
   const TrackedMotion shared = video.process(pair, observer_);
   EXPECT_EQ(shared.T_world_camera.matrix(), alone.T_world_camera.matrix());
-  EXPECT_EQ(shared.stddev_by_landmarks, alone.stddev_by_landmarks);
-  EXPECT_TRUE(shared.motion_covariance.isApprox(4.0 * alone.motion_covariance, 1e-9));
+  EXPECT_EQ(shared.stddevByLandmarks(), alone.stddevByLandmarks());
+  EXPECT_TRUE(shared.error.covariance().isApprox(4.0 * alone.error.covariance(), 1e-9));
   EXPECT_TRUE(video.poseCovariance().isApprox(4.0 * images.poseCovariance(), 1e-9));
 }
 
@@ -166,7 +166,7 @@ TEST_F(VisualTrackTest, PoseNoiseInflationKeepsAMotionValid) {
   pair.pose_noise_inflation = 1e8;
   const TrackedMotion motion = track.process(pair, observer_);
   EXPECT_TRUE(motion.valid());
-  EXPECT_GT(motion.motion_covariance(2, 2), 1.0);
+  EXPECT_GT(motion.error.covariance()(2, 2), 1.0);
 }
 
 TEST_F(VisualTrackTest, InvalidMotionLeavesTheTrackUnchanged) {
@@ -250,7 +250,7 @@ TEST_F(VisualTrackTest, KeepsThePoseExactlyDuringAStandstill) {
     const TrackedMotion motion = show(track, drivePair(0), i);
     ASSERT_EQ(motion.reason, OdometryReason::zero_velocity);
     EXPECT_EQ(motion.T_previous_current.matrix(), Eigen::Matrix4d::Identity());
-    EXPECT_GT(motion.motion_covariance.diagonal().minCoeff(), 0.0) << "a standstill is not exact";
+    EXPECT_GT(motion.error.covariance().diagonal().minCoeff(), 0.0) << "a standstill is not exact";
     EXPECT_NEAR(motion.time_step, 0.05, 1e-9);
   }
   EXPECT_EQ(track.pose().matrix(), pose.matrix());
@@ -268,7 +268,7 @@ TEST_F(VisualTrackTest, StandstillEndsWithTheFirstMotion) {
     EXPECT_NEAR(motion.T_previous_current.translation().z(), (place - before) * kStep, 0.001) << place;
     // The pose of a standstill is known to within its limits.
     const Matrix6d limits = StandstillDetector(StandstillSettings{}).covariance();
-    EXPECT_EQ(motion.motion_covariance(3, 3) > limits(3, 3), before == 0.0);
+    EXPECT_EQ(motion.error.covariance()(3, 3) > limits(3, 3), before == 0.0);
     before = place;
   }
 }

@@ -240,11 +240,8 @@ void Layout::place(std::uint32_t mesh, const Vector2d& at, double yaw, double sc
 
 void Layout::addTrees() {
   constexpr int kKinds = 6;
-  std::vector<std::uint32_t> near_trees;
-  std::vector<std::uint32_t> far_trees;
-  std::vector<Mesh> bushes;
-  std::vector<std::uint32_t> swaying_bushes;
-  std::vector<Mesh> tufts;
+  std::vector<std::uint32_t> near_trees, far_trees, swaying_bushes;
+  std::vector<Mesh> bushes, tufts;
   for (int i = 0; i < kKinds; ++i) {
     const std::uint32_t seed = random_.bits();
     near_trees.push_back(addMesh(makeTree(seed, Detail::leaves)));

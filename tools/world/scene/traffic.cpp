@@ -177,7 +177,7 @@ Eigen::Isometry3d Traffic::personPose(const Pedestrian& person, double seconds) 
   const double lateral = person.lateral + person.sway * std::sin(kSwayFrequency * seconds + person.phase);
   const Eigen::Isometry3d ground = groundPose(traits_.terrain, at, clampWithinBend(at, lateral), 0.3);
   const Eigen::Vector3d foot = ground.translation() + Eigen::Vector3d(0.0, 0.0, person.height);
-  const Eigen::Isometry3d pose =
+  Eigen::Isometry3d pose =
       Eigen::Translation3d(foot) *
       Eigen::AngleAxisd(std::atan2(at.tangent.y(), at.tangent.x()), Eigen::Vector3d::UnitZ());
   if (person.speed >= 0.0) return pose;

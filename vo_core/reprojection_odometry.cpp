@@ -197,7 +197,8 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
 /// Rig calibration of the newest track, even if that track fails: a search for the pitch is not repeated
 /// soon.
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
-  if (!track_) return {RigCalibrationFilter(settings_.self_calibration, timing_.shutters()), StillRegions(camera_)};
+  if (!track_)
+    return {RigCalibrationFilter(settings_.self_calibration, timing_.shutters()), StillRegions(camera_)};
   LearntByTracks learnt = track_->learnt();
   if (candidate_track_) learnt.rig = candidate_track_->rig();
   return learnt;

@@ -22,15 +22,17 @@ struct MotionError {
   double codec_inflation =
       1.0;  ///< of measurements in inter-coded pictures: CodecErrorModel::poseNoiseInflation()
 
+  Matrix6d offsetCovariance() const { return by_offset * by_offset.transpose(); }
+
   /// What the measurements show. It decides whether the geometry is degenerate: an inflation makes a motion
   /// uncertain, but not degenerate.
-  Matrix6d measured() const { return by_landmarks + by_offset * by_offset.transpose(); }
+  Matrix6d measured() const { return by_landmarks + offsetCovariance(); }
 
   /// Covariance of the motion. The inflations apply to what follows from image measurements: the scale
   /// depends on disparities, which codec errors affect too.
   Matrix6d covariance() const {
-    return startup_inflation * codec_inflation * (by_landmarks + by_scale + by_rows) +
-           by_offset * by_offset.transpose() + by_standstill + by_codec_shift;
+    return startup_inflation * codec_inflation * (by_landmarks + by_scale + by_rows) + offsetCovariance() +
+           by_standstill + by_codec_shift;
   }
 };
 

@@ -2,6 +2,7 @@
 #include "vo_core/estimation/rig_system.hpp"
 
 namespace cartvo::vo {
+
 void RigSystem::conclude(const ReducedSystem& system, const Eigen::LDLT<PoseMatrix>& factor,
                          BundleResult& result) const {
   Eigen::Matrix<double, kShared, kShared> hessian;

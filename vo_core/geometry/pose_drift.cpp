@@ -5,6 +5,7 @@
 #include <cmath>
 
 namespace cartvo::vo {
+
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
                             const MotionErrors& errors, const UncertaintySettings& settings) {
   const double correlation = std::exp(-1.0 / settings.drift_correlation_pairs);  // of the drift, per pair

@@ -90,8 +90,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
                                                     settings_.bundle.frames, settings_.uncertainty);
   if (motion.twist)
-    motion.twist->covariance +=
-        motion.error.by_offset * motion.error.by_offset.transpose() / (motion.time_step * motion.time_step);
+    motion.twist->covariance += motion.error.offsetCovariance() / (motion.time_step * motion.time_step);
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByLandmarks();

@@ -67,10 +67,26 @@ std::vector<CameraAccess> openCameras(const daemon::Configuration& configuration
   return cameras;
 }
 
+void addThisComputer(OdometryNeeds& needs, const daemon::Configuration& configuration) {
+  std::vector<HostAddress> addresses;
+  try {
+    addresses = hostAddresses();
+  } catch (const std::runtime_error&) {
+    return;
+  }
+  for (const HostAddress& address : addresses)
+    needs.host_addresses.push_back(ipv4Text(address.address));
+  const std::array cameras{&configuration.left, &configuration.right};
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!cameras[i]->isV4l2())
+      needs.addresses_near[i] = addressNear(capture::parseRtspUrl(cameras[i]->url).host, addresses);
+  }
+}
+
 OdometryNeeds needsOf(const daemon::Configuration& configuration) {
   OdometryNeeds needs;
   needs.frame_rate = configuration.frame_rate;
-  needs.host_addresses = hostAddressTexts();
+  addThisComputer(needs, configuration);
   std::error_code error;
   if (configuration.rig.empty() || !std::filesystem::exists(configuration.rig, error)) return needs;
   const calib::Rig rig = calib::readRig(configuration.rig);

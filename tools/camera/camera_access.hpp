@@ -43,6 +43,9 @@ std::vector<CameraAccess> openCameras(const daemon::Configuration& configuration
 /// HttpConnection::fetchKey and KnownCameras do.
 capture::IsapiSettings withoutLogin(const daemon::CameraConfiguration& camera, const AccessOptions& options);
 
+/// Adds the addresses of this computer, as the configured cameras see it. Adds none if they cannot be listed.
+void addThisComputer(OdometryNeeds& needs, const daemon::Configuration& configuration);
+
 /// What the configuration and its rig file ask of the cameras. Without a rig file any picture size is
 /// accepted.
 OdometryNeeds needsOf(const daemon::Configuration& configuration);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -46,6 +47,8 @@ struct OdometryNeeds {
   std::optional<int> width, height;  ///< px, of the rig
   /// IPv4 addresses of this computer. Cameras at two ports have one time server at two addresses.
   std::vector<std::string> host_addresses = {};
+  /// This computer's address in the network of the left and the right camera; empty: it is in none of theirs.
+  std::array<std::string, 2> addresses_near = {};
 };
 
 /// All settings, for cameras that run at `frame_rate` Hz.
@@ -80,6 +83,9 @@ bool sameValue(const std::string& one, const std::string& other);
 /// server.
 bool alike(const Setting& setting, const std::string& one, const std::string& other,
            const OdometryNeeds& needs);
+
+/// Whether a time server is this computer.
+bool isThisComputer(const std::string& time_server, const OdometryNeeds& needs);
 
 /// Values that the camera offers for a setting; empty if it names none.
 std::vector<std::string> offeredValues(const Setting& setting, const CameraDocuments& camera);

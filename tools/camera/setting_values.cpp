@@ -158,11 +158,13 @@ bool sameValue(const std::string& one, const std::string& other) {
 
 bool alike(const Setting& setting, const std::string& one, const std::string& other,
            const OdometryNeeds& needs) {
-  const auto is_host = [&](const std::string& address) {
-    return std::find(needs.host_addresses.begin(), needs.host_addresses.end(), address) !=
-           needs.host_addresses.end();
-  };
-  return sameValue(one, other) || (setting.rule == Rule::time_server && is_host(one) && is_host(other));
+  return sameValue(one, other) ||
+         (setting.rule == Rule::time_server && isThisComputer(one, needs) && isThisComputer(other, needs));
+}
+
+bool isThisComputer(const std::string& time_server, const OdometryNeeds& needs) {
+  return std::find(needs.host_addresses.begin(), needs.host_addresses.end(), time_server) !=
+         needs.host_addresses.end();
 }
 
 std::optional<std::string> valueOf(const Setting& setting, const CameraDocuments& camera) {

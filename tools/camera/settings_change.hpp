@@ -39,7 +39,8 @@ std::string nameProblem(const Selection& selection);
 
 /// Plans changes. A setting that must be alike gets one value on both: the wanted one, else the best that
 /// both offer, else the left camera's. Settings that are good and alike are left alone unless the user wants
-/// another value. Throws std::runtime_error for a name that is no setting.
+/// another value. This computer as a time server is named to each camera by the address in its network.
+/// Throws std::runtime_error for a name that is no setting.
 ChangePlan planChanges(const CameraPair& cameras, const OdometryNeeds& needs, const Selection& selection);
 
 /// How a change ended.

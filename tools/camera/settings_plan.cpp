@@ -21,10 +21,23 @@ bool isChangedByAll(const Setting& setting) {
   return std::find(by_name.begin(), by_name.end(), setting.name) == by_name.end();
 }
 
+/// The time server that all cameras get: this computer if one of them has it, because a camera's port may
+/// lead to no other; else that of the first camera that has one.
+std::optional<std::string> commonTimeServer(const Findings& findings, const OdometryNeeds& needs) {
+  std::optional<std::string> server;
+  for (const Finding* finding : findings) {
+    if (!canBeSet(finding)) continue;
+    if (isThisComputer(finding->value, needs)) return finding->value;
+    if (!server) server = finding->value;
+  }
+  return server;
+}
+
 /// The value that all cameras get; nothing if none is known.
 std::optional<std::string> target(const Setting& setting, const Findings& findings, const CameraPair& cameras,
-                                  const std::optional<std::string>& wish) {
+                                  const OdometryNeeds& needs, const std::optional<std::string>& wish) {
   if (wish) return wish;
+  if (setting.rule == Rule::time_server) return commonTimeServer(findings, needs);
   std::vector<const CameraDocuments*> able;
   for (std::size_t i = 0; i < findings.size(); ++i)
     if (canBeSet(findings[i])) able.push_back(cameras[i]);
@@ -39,16 +52,25 @@ std::optional<std::string> target(const Setting& setting, const Findings& findin
   return bestValue(setting, able);
 }
 
+/// The value that one camera gets: this computer is a time server at the address that the camera reaches.
+std::optional<std::string> valueFor(std::size_t side, const Setting& setting,
+                                    const std::optional<std::string>& common, const OdometryNeeds& needs) {
+  const bool is_near = common && setting.rule == Rule::time_server && isThisComputer(*common, needs) &&
+                       !needs.addresses_near[side].empty();
+  return is_near ? needs.addresses_near[side] : common;
+}
+
 void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& cameras,
              const OdometryNeeds& needs, const std::optional<std::string>& wish, bool is_named) {
   const Setting& setting = (findings[0] != nullptr ? findings[0] : findings[1])->setting;
   const bool switches_off = isSwitch(setting) && (!wish || fits(setting, *wish));
-  const std::optional<std::string> common = target(setting, findings, cameras, wish);
+  const std::optional<std::string> common = target(setting, findings, cameras, needs, wish);
   for (std::size_t i = 0; i < findings.size(); ++i) {
     const Finding* finding = findings[i];
     if (finding == nullptr) continue;
     if (switches_off && finding->verdict == Verdict::good) continue;
-    const std::optional<std::string> value = switches_off ? bestValue(setting, {cameras[i]}) : common;
+    const std::optional<std::string> value =
+        switches_off ? bestValue(setting, {cameras[i]}) : valueFor(i, setting, common, needs);
     if (!canBeSet(finding)) {
       if (is_named)
         plan.problems[i].push_back(setting.name +
@@ -62,7 +84,7 @@ void planOne(ChangePlan& plan, const Findings& findings, const CameraPair& camer
       }
     } else if (const std::string problem = offerProblem(setting, *cameras[i], *value); !problem.empty()) {
       plan.problems[i].push_back(setting.name + ": cannot be " + *value + ": " + problem);
-    } else if (wish ? !sameValue(finding->value, *value) : !alike(setting, finding->value, *value, needs)) {
+    } else if (!sameValue(finding->value, *value)) {
       plan.changes[i].push_back({setting, finding->value, *value});
     }
   }

@@ -188,7 +188,7 @@ void Run::examineCameras(const daemon::Configuration& configuration, const std::
   }
   OdometryNeeds needs;
   needs.frame_rate = configuration.frame_rate;
-  needs.host_addresses = hostAddressTexts();
+  addThisComputer(needs, configuration);
   if (examination_.rig) {
     needs.width = examination_.rig->left.size.width;
     needs.height = examination_.rig->left.size.height;

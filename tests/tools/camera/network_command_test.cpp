@@ -61,6 +61,15 @@ TEST(CameraAddress, IsOneThatACameraCanHave) {
     EXPECT_THROW(parseCameraAddress(text), std::invalid_argument) << text;
 }
 
+TEST(HostAddress, IsNearACameraOfItsNetwork) {
+  const std::vector<HostAddress> addresses{{"enp1s0", parseCameraAddress("10.0.0.5"), 8},
+                                           {"enp2s0", parseCameraAddress("192.168.101.1"), 24}};
+  EXPECT_EQ(addressNear("192.168.101.64", addresses), "192.168.101.1");
+  EXPECT_EQ(addressNear("10.200.0.1", addresses), "10.0.0.5");
+  EXPECT_EQ(addressNear("192.168.102.64", addresses), "");
+  EXPECT_EQ(addressNear("camera.example", addresses), "");
+}
+
 TEST(CameraPorts, HaveTheFirstFreeAddressOfTheCamerasNetwork) {
   const auto ports = planPorts(twoPorts("10.0.1.64", "10.0.2.1"));
   ASSERT_EQ(ports.size(), 2U);

@@ -1,5 +1,6 @@
 // Changing of settings on cameras with several firmwares.
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -145,6 +146,46 @@ TEST(SettingsApply, ReportsWhatWasChangedBeforeAFailure) {
     EXPECT_EQ(one.is_taken, is_first) << one.change.setting.name;
     EXPECT_EQ(one.problem, is_first ? "" : "it was not changed") << one.change.setting.name;
   }
+}
+
+/// The cameras' changes of the time server: "camera's server now -> planned"; "" if it stays.
+std::array<std::string, 2> plannedTimeServers(const std::array<std::string, 2>& servers,
+                                              const OdometryNeeds& needs,
+                                              const std::optional<std::string>& wish = std::nullopt) {
+  std::vector<CameraDocuments> cameras;
+  for (const std::string& server : servers) {
+    const IsapiServer camera({}, test::replaced(test::factoryDocuments(), "time.windows.com", server));
+    cameras.push_back(test::readSimulatedCamera(camera));
+  }
+  Selection selection;
+  selection.settings["time-server"] = wish;
+  const ChangePlan plan = planChanges({&cameras[0], &cameras[1]}, needs, selection);
+  std::array<std::string, 2> planned;
+  for (std::size_t i = 0; i < planned.size(); ++i)
+    for (const Change& change : plan.changes[i])
+      planned[i] = change.to;
+  return planned;
+}
+
+TEST(SettingsPlan, GivesEachCameraATimeServerThatItReaches) {
+  using Servers = std::array<std::string, 2>;
+  OdometryNeeds two_ports;
+  two_ports.host_addresses = {"10.0.0.5", "192.168.101.1", "192.168.102.1"};
+  two_ports.addresses_near = {"192.168.101.1", "192.168.102.1"};
+  EXPECT_EQ(plannedTimeServers({"192.168.101.1", "time.windows.com"}, two_ports),
+            (Servers{"", "192.168.102.1"}));
+  EXPECT_EQ(plannedTimeServers({"time.windows.com", "192.168.102.1"}, two_ports),
+            (Servers{"192.168.101.1", ""}));
+  EXPECT_EQ(plannedTimeServers({"192.168.101.1", "192.168.101.1"}, two_ports),
+            (Servers{"", "192.168.102.1"}));
+  EXPECT_EQ(plannedTimeServers({"192.168.101.1", "192.168.102.1"}, two_ports), (Servers{"", ""}));
+  EXPECT_EQ(plannedTimeServers({"time.windows.com", "time.windows.com"}, two_ports, "10.0.0.5"),
+            (Servers{"192.168.101.1", "192.168.102.1"}));
+  // Servers elsewhere, and cameras in networks of which this computer has no address.
+  EXPECT_EQ(plannedTimeServers({"pool.example", "time.windows.com"}, two_ports),
+            (Servers{"", "pool.example"}));
+  two_ports.addresses_near = {};
+  EXPECT_EQ(plannedTimeServers({"time.windows.com", "10.0.0.5"}, two_ports), (Servers{"10.0.0.5", ""}));
 }
 
 TEST(SettingsPlan, LeadsBothCamerasToOneValue) {

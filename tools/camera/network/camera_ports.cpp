@@ -130,15 +130,13 @@ std::vector<HostAddress> hostAddresses() {
   return addresses;
 }
 
-std::vector<std::string> hostAddressTexts() {
-  std::vector<std::string> texts;
-  try {
-    for (const HostAddress& host : hostAddresses())
-      texts.push_back(ipv4Text(host.address));
-  } catch (const std::runtime_error&) {
-    texts.clear();
-  }
-  return texts;
+std::string addressNear(const std::string& camera, const std::vector<HostAddress>& addresses) {
+  in_addr parsed{};
+  if (::inet_pton(AF_INET, camera.c_str(), &parsed) != 1) return {};
+  const auto host = std::find_if(addresses.begin(), addresses.end(), [&](const HostAddress& one) {
+    return networksOverlap(one.address, one.prefix, ntohl(parsed.s_addr), one.prefix);
+  });
+  return host != addresses.end() ? ipv4Text(host->address) : std::string();
 }
 
 std::vector<std::string> overlapsWithHost(const std::vector<CameraPort>& ports,

@@ -55,8 +55,9 @@ struct HostAddress {
 /// they cannot be listed.
 std::vector<HostAddress> hostAddresses();
 
-/// hostAddresses() as text; empty if they cannot be listed.
-std::vector<std::string> hostAddressTexts();
+/// This computer's address in the network of `camera`, an IPv4 address; empty if it has none there or
+/// `camera` is a name.
+std::string addressNear(const std::string& camera, const std::vector<HostAddress>& addresses);
 
 /// For each port whose network overlaps that of another interface: what overlaps, and what to do. A port's
 /// own addresses do not count.

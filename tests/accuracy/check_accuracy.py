@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_accuracy.py CARTVO --limits FILE --cache DIR: holds `cartvo benchmark accuracy` to committed limits.
+"""check_accuracy.py CARTVO --limits FILE --cache-dir DIR: holds `cartvo benchmark accuracy` to committed limits.
 
 FILE (JSON) lists runs: the arguments of `cartvo benchmark accuracy`, and for each sequence of the report the largest
 value that each figure may have, named by its path in the report ("evaluation/rpe_rmse_m"). Limits are about 1.3 times
@@ -32,8 +32,8 @@ def figure(sequence: dict, path: str) -> float:
 
 
 def measure(program: str, arguments: list[str], cache: str) -> dict[str, dict]:
-    command = [program, "benchmark", "accuracy", *arguments, "--estimators", "reprojection", "--threads", "2", "--cache", cache,
-               "--format", "json"]
+    command = [program, "benchmark", "accuracy", *arguments, "--estimators", "reprojection", "--threads", "2",
+               "--cache-dir", cache, "--json"]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: exit {done.returncode}")
@@ -67,10 +67,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--limits", type=pathlib.Path, required=True)
-    parser.add_argument("--cache", required=True)
+    parser.add_argument("--cache-dir", required=True)
     options = parser.parse_args()
     problems = [problem for run in json.loads(options.limits.read_text())["runs"]
-                for problem in check(options.program, run, options.cache)]
+                for problem in check(options.program, run, options.cache_dir)]
     print("\n".join(problems) if problems else "all within their limits")
     return 1 if problems else 0
 

@@ -54,7 +54,7 @@ def main():
     cartvo, cartvod, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    subprocess.run([cartvo, "simulate", *CONTENT, "--render", folder / "images"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([cartvo, "simulate", *CONTENT, "--render", "--output-dir", folder / "images"], check=True, stdout=subprocess.DEVNULL)
     record(cartvo, cartvod, folder)
     for source, options in (("images", []), ("recording", ["--clock", "recorded"])):
         subprocess.run([cartvo, "replay", folder / source, *options, "--output-dir", folder / f"replay-{source}"], check=True,

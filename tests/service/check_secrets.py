@@ -31,7 +31,7 @@ CONTENT = ["--world", "turns", "--seconds", "3", "--size", "240x148", "--frame-r
            "--offset-ms", "0"]
 # Arguments beside the configuration of the commands that need some. All others run with nothing else.
 ARGUMENTS = {
-    ("calibrate",): ["live", "--board", "chessboard:9x6:0.025", "--output", "out-rig.yaml", "--report", "report", "--page", "0"],
+    ("calibrate",): ["live", "--board", "chessboard:9x6:0.025", "--output", "out-rig.yaml", "--report", "report.html", "--page", "0"],
     ("calibrate", "readout"): ["live", "--seconds", "3", "--output", "out-readout.yaml"],
     ("camera", "apply"): ["--all", "--yes", "--timeout", "0.5"],
     ("camera", "check"): ["--json", "--timeout", "0.5"],

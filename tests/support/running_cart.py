@@ -111,8 +111,8 @@ class Cameras:
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self.log = folder, folder / "simulate.log"
         self.urls = [f"rtsp://127.0.0.1:{port}/Streaming/Channels/101" for port in ports]
-        self.command = [cartvo, "simulate", *content, "--loop", "--output-dir", folder, "--left", f"127.0.0.1:{ports[0]}",
-                        "--right", f"127.0.0.1:{ports[1]}"]
+        self.command = [cartvo, "simulate", *content, "--loop", "--output-dir", folder, "--left-address", f"127.0.0.1:{ports[0]}",
+                        "--right-address", f"127.0.0.1:{ports[1]}"]
         if password_file:
             self.command += ["--password-file", password_file]
         self.password_file = password_file or folder / "password"

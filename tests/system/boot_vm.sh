@@ -69,7 +69,7 @@ install_check() {
   printf '%s\n' "${content[@]}" >"$root/var/lib/simulation/content"
   rm -rf "$work/v4l2"
   build/release/tools/cartvo/cartvo simulate --world stop_and_go --seconds 1 --size 320x180 --frame-rate 2 --offset-ms 0 --readout-ms 0 \
-    --render "$work/v4l2"
+    --render --output-dir "$work/v4l2"
   cp "$work/v4l2/rig.yaml" "$root/var/lib/simulation/v4l2-rig.yaml"
   echo "${CARTVO_VM_CHECKS:-all}" >"$root/var/lib/simulation/checks"
   cp "$package" "$root/var/lib/simulation/cartvo.deb" # for upgrades

@@ -65,12 +65,11 @@ is_same_process() { is MainPID "$1" && is NRestarts "$2" && is_active; }
 
 received() { # received SECONDS COMPARISON...: such as 'valid -gt 10', on the summary of `cartvo watch`
   local file value
-  file=$(mktemp -d)
-  chmod 777 "$file"
-  setpriv --reuid=nobody --regid=nogroup --clear-groups cartvo watch --plain --wait 30 --seconds "$1" --summary "$file/summary" >/dev/null 2>&1
+  file=$(mktemp)
+  setpriv --reuid=nobody --regid=nogroup --clear-groups cartvo watch --plain --wait 30 --seconds "$1" --json >"$file" 2>/dev/null
   shift
   while [ $# -gt 0 ]; do
-    value=$(sed -n 's/^ *"'"$1"'": \([0-9]*\).*/\1/p' "$file/summary" 2>/dev/null)
+    value=$(sed -n 's/^ *"'"$1"'": \([0-9]*\).*/\1/p' "$file")
     if [ -z "$value" ] || ! test "$value" "$2" "$3"; then
       echo "     | $1 is '$value', expected $2 $3"
       return 1
@@ -87,7 +86,8 @@ cameras_on() {
   local before
   before=$(journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p')
   systemd-run --quiet --collect --unit=cameras -E HOME=/root cartvo simulate "${content[@]}" --loop \
-    --cache-dir "$simulation/streams" --output-dir "$simulation" --left $left_address:8554 --right $right_address:8554
+    --cache-dir "$simulation/streams" --output-dir "$simulation" \
+    --left-address $left_address:8554 --right-address $right_address:8554
   await 120 are_serving "$before"
 }
 are_serving() { journalctl -u cameras --after-cursor="$1" --no-pager -o cat | grep '^ready: ' >/dev/null; }

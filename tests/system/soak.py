@@ -224,7 +224,7 @@ def start_cameras(folder):
     simulate = subprocess.Popen(
         [BUILD + "/tools/cartvo/cartvo", "simulate", "--world", "campus", "--seconds", str(CONTENT_S), "--size", "340x210",
          "--bitrate-kbps", "1500", "--offset-ms", "-13.9", "--readout-ms", "0", "--loop", "--output-dir", folder + "/sim",
-         "--left", "127.0.0.1:8554", "--right", "127.0.0.1:8555"], stdout=subprocess.PIPE, text=True)
+         "--left-address", "127.0.0.1:8554", "--right-address", "127.0.0.1:8555"], stdout=subprocess.PIPE, text=True)
     for line in simulate.stdout:
         if line.startswith("content: "):
             return simulate

@@ -56,7 +56,7 @@ void addThesis(CLI::App& benchmark) {
       "the thesis.\n"
       "Examples:\n"
       "  cartvo benchmark thesis --data ../shared/data\n"
-      "  cartvo benchmark thesis --format json --output thesis.json");
+      "  cartvo benchmark thesis --json --output thesis.json");
   command->callback([options] { runThesis(*options); });
 }
 

@@ -48,7 +48,7 @@ std::string scenarioList() {
   return list;
 }
 
-std::optional<WorldSet> setOf(const WorldChoice& choice) {
+std::optional<WorldSet> chosenSet(const WorldChoice& choice) {
   return choice.set.empty() ? std::nullopt : std::optional(benchmark::worldSetNamed(choice.set));
 }
 
@@ -60,8 +60,8 @@ void requireSet(const std::optional<WorldSet>& chosen, WorldSet set, const std::
                            std::string(benchmark::worldSetName(*chosen)) + " set; give --set " + name);
 }
 
-std::vector<world::Scenario> scenariosOf(const WorldChoice& choice) {
-  const std::optional<WorldSet> set = setOf(choice);
+std::vector<world::Scenario> chosenScenarios(const WorldChoice& choice) {
+  const std::optional<WorldSet> set = chosenSet(choice);
   std::vector<std::string> names = choice.scenarios;
   if (names.empty())
     names = set == WorldSet::tuning ? choice.tuning_scenarios : std::vector<std::string>{kAllScenarios};
@@ -82,7 +82,7 @@ std::vector<world::Scenario> scenariosOf(const WorldChoice& choice) {
 /// The seeds with which a scenario is rendered.
 std::vector<std::uint64_t> seedsOf(const WorldChoice& choice, world::Scenario scenario) {
   for (const std::uint64_t seed : choice.seeds)
-    requireSet(setOf(choice), benchmark::setOfSeed(seed), "seed " + std::to_string(seed));
+    requireSet(chosenSet(choice), benchmark::setOfSeed(seed), "seed " + std::to_string(seed));
   if (!choice.seeds.empty()) return choice.seeds;
   const WorldSet set = benchmark::setOf(scenario);
   if (set == WorldSet::tuning) return choice.tuning_seeds;
@@ -100,7 +100,7 @@ std::string joined(const std::vector<Item>& items) {
 }  // namespace
 
 ReportFormat BenchmarkOptions::reportFormat() const {
-  if (format == "json") return ReportFormat::json;
+  if (json) return ReportFormat::json;
   return format == "markdown" ? ReportFormat::markdown : ReportFormat::text;
 }
 
@@ -117,12 +117,11 @@ void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
   command.add_option("--threads", options.threads, "Threads for rendering and image operations")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command.add_option("--format", options.format, "text, markdown or json")
-      ->check(CLI::IsMember({"text", "markdown", "json"}))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command.add_flag_callback(
-      "--json", [&options] { options.format = "json"; }, "As --format json");
+  CLI::Option* format = command.add_option("--format", options.format, "text or markdown")
+                            ->check(CLI::IsMember({"text", "markdown"}))
+                            ->type_name("NAME")
+                            ->capture_default_str();
+  command.add_flag("--json", options.json, "Report as JSON, with all numbers")->excludes(format);
   command.add_option("--output", options.output, "Write the report to this file instead of the terminal")
       ->type_name("FILE");
 }
@@ -191,7 +190,7 @@ CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice) {
 
 std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads) {
   std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : scenariosOf(choice)) {
+  for (const world::Scenario scenario : chosenScenarios(choice)) {
     for (const std::uint64_t seed : seedsOf(choice, scenario)) {
       world::WorldSettings& world = worlds.emplace_back();
       world.scenario = scenario;
@@ -220,7 +219,7 @@ void addDriveOptions(CLI::App& command, DriveOptions& options) {
   command.add_option("--features", options.features, "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
-  command.add_option("--cache-dir,--cache", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
+  command.add_option("--cache-dir", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
       ->type_name("DIR")
       ->capture_default_str();
 }
@@ -235,10 +234,10 @@ std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int thre
 }
 
 benchmark::WorkObserver WorkDisplay::observer() {
-  return {[this](const std::string& what) {
+  return {[this](const std::string& what, const std::string& unit) {
             bar_.reset();
             std::fprintf(stderr, "%s\n", what.c_str());
-            bar_.emplace("pairs");
+            bar_.emplace(unit);
           },
           [this](int done, int total) {
             if (bar_) bar_->show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));

@@ -25,12 +25,13 @@ struct BenchmarkOptions {
   std::filesystem::path data;
   int threads = 2;
   std::string format = "text";
+  bool json = false;
   std::filesystem::path output;
 
   ReportFormat reportFormat() const;
 };
 
-/// Adds --threads, --format and --output. `options` must live as long as the command.
+/// Adds --threads, --format, --json and --output. `options` must live as long as the command.
 void addReportOptions(CLI::App& command, BenchmarkOptions& options);
 
 /// Adds --data and the options of addReportOptions. `options` must live as long as the command.

@@ -25,9 +25,10 @@ void addCalibrateCommand(CLI::App& cartvo) {
       "is not changed. See cartvo-calibrate(1).\n"
       "Examples:\n"
       "  cartvo calibrate board --board chessboard:9x6:0.025 --output board.pdf\n"
-      "  cartvo calibrate images --board chessboard:9x6:0.0252 --output rig.yaml --report report\n"
+      "  cartvo calibrate images --board chessboard:9x6:0.0252 --output rig.yaml --report report.html\n"
       "  cartvo calibrate live --page --board chessboard:9x6:0.0252 --output rig.yaml\n"
-      "  cartvo calibrate images --left 'left*.jpg' --right 'right*.jpg' --board aprilgrid:6x6:0.088:0.3 "
+      "  cartvo calibrate images --left-images 'left*.jpg' --right-images 'right*.jpg' --board "
+      "aprilgrid:6x6:0.088:0.3 "
       "--output rig.yaml");
   addCalibrateRig(*command);
   addCalibrateBoard(*command);

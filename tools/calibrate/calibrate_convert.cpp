@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
@@ -22,16 +24,37 @@ struct Options {
   std::vector<fs::path> files;
   std::string format = "cartvo";
   std::string image_size;
-  bool unusual_geometry = false;
+  bool unusual_geometry = false, json = false;
   fs::path output;
 };
 
-void write(const fs::path& output, const std::vector<calib::RigFile>& files) {
+/// Returns the paths of the written files.
+std::vector<std::string> write(const fs::path& output, const std::vector<calib::RigFile>& files) {
+  std::vector<std::string> paths;
   for (const calib::RigFile& file : files) {
     const fs::path path = file.name.empty() ? output : output / file.name;
     writeResultFile(path, file.text);
-    std::printf("%s\n", path.c_str());
+    paths.push_back(path);
   }
+  return paths;
+}
+
+/// The files on standard output and the rig on standard error, or both as JSON.
+void report(const Options& options, const std::vector<std::string>& files, const calib::Rig& rig,
+            const calib::Rectification& rectified) {
+  if (options.json) {
+    const nlohmann::ordered_json json{{"format", options.format},
+                                      {"files", files},
+                                      {"size", {rig.left.size.width, rig.left.size.height}},
+                                      {"baseline_m", rectified.baseline},
+                                      {"rectified_focal_length_px", rectified.focal_length}};
+    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    return;
+  }
+  for (const std::string& file : files)
+    std::printf("%s\n", file.c_str());
+  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
+               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
 }
 
 void warnOfLostScaleUncertainty(const calib::Rig& rig, calib::RigFormat format) {
@@ -58,9 +81,7 @@ void run(const Options& options) {
   // Rejects a rig that cannot be rectified now, not at the daemon's start.
   const calib::Rectification rectified = calib::computeRectification(rig, rig.rectification);
   const calib::RigFormat format = calib::parseRigFormat(options.format);
-  write(options.output, calib::rigFilesOf(rig, format));
-  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
-               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
+  report(options, write(options.output, calib::rigFilesOf(rig, format)), rig, rectified);
   warnOfLostScaleUncertainty(rig, format);
   warnOfLostMasks(rig, format);
   if (format == calib::RigFormat::cartvo) printNextStep(rig, options.output);
@@ -77,7 +98,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
                    "right file, for OpenCV's sample intrinsics.yml and extrinsics.yml")
       ->required()
       ->expected(1, 2);
-  command->add_option("--to", options->format, "Format to write")
+  command->add_option("--format", options->format, "Format to write")
       ->check(CLI::IsMember(calib::rigFormatNames()))
       ->type_name("NAME")
       ->capture_default_str();
@@ -94,6 +115,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
       "--unusual-geometry", options->unusual_geometry,
       "Accept numbers that are unusual for a stereo pair on a vehicle, such as a principal point "
       "near the rim, and confirm them in the rig file");
+  command->add_flag("--json", options->json, "Print what was written as JSON");
   command->footer(
       "The format of FILE is detected from its contents. Other formats contain neither the cameras' mounting "
       "on\n"
@@ -101,7 +123,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
       "Examples:\n"
       "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
       "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"
-      "  cartvo calibrate convert rig.yaml --to ros --output camera_info");
+      "  cartvo calibrate convert rig.yaml --format ros --output camera_info");
   command->callback([options] { run(*options); });
 }
 

@@ -218,14 +218,10 @@ void calibrate(const Options& options, const calib::BoardSpec& board, const std:
                                                          modelChoices().at(options.model));
   calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
                               found.views.rejected.end());
-  const std::string json = calibrationJson(calibration).dump(2) + "\n";
-  if (!options.report.empty()) {
-    writeResultFile(options.report / "calibration.json", json);
-    writeResultFile(options.report / "report.html",
-                    calibrationReport(calibration, reportPair(found, calibration)));
-  }
+  if (!options.report.empty())
+    writeResultFile(options.report, calibrationReport(calibration, reportPair(found, calibration)));
   summary = calibrationText(calibration);
-  std::fputs((options.json ? json : summary).c_str(), stdout);
+  std::fputs((options.json ? calibrationJson(calibration).dump(2) + "\n" : summary).c_str(), stdout);
   if (!calibration.passed()) {
     throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
                              " is not changed");
@@ -248,10 +244,10 @@ void printKeptViews(const KeptViews& kept, const Options& options) {
       options.output.c_str());
 }
 
-/// Where the views of live cameras are kept: in the report, else beside the rig file until that is written.
+/// Where the views of live cameras are kept: beside the report, else beside the rig file until that is
+/// written.
 std::filesystem::path viewsFolder(const Options& options) {
-  if (!options.report.empty()) return options.report / "views";
-  std::filesystem::path folder = options.output;
+  std::filesystem::path folder = options.report.empty() ? options.output : options.report;
   return folder.replace_extension().concat("-views");
 }
 
@@ -266,8 +262,7 @@ std::unique_ptr<LivePage> servePage(const ListenAddress& address, const calib::B
 void run(const Options& options) {
   const calib::BoardSpec board = calib::parseBoardSpec(options.board);
   const std::optional<calib::Rig> before = rigBefore(options.output);
-  checkResultFiles({options.output});
-  if (!options.report.empty()) checkResultFiles({options.report / "report.html"});
+  checkResultFiles({options.output, options.report});
   std::optional<KeptViews> kept;
   if (options.source == "live" && usesStreams(options)) kept.emplace(viewsFolder(options));
   const std::unique_ptr<LivePage> page = options.page ? servePage(*options.page, board) : nullptr;
@@ -285,16 +280,17 @@ void run(const Options& options) {
 }
 
 void addSourceOptions(CLI::App& calibrate, Options& options) {
-  calibrate.add_option("SOURCE", options.source,
-                       "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
-                       "'live': the configured cameras; with --left and --right the folder of the images");
-  CLI::Option* const left =
-      calibrate
-          .add_option("--left", options.left, "The left images: a pattern with one '*', such as 'L*.jpg'")
-          ->type_name("PATTERN");
+  calibrate.add_option(
+      "SOURCE", options.source,
+      "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
+      "'live': the configured cameras; with --left-images and --right-images the folder of the images");
+  CLI::Option* const left = calibrate
+                                .add_option("--left-images", options.left,
+                                            "The left images: a pattern with one '*', such as 'L*.jpg'")
+                                ->type_name("PATTERN");
   CLI::Option* const right =
       calibrate
-          .add_option("--right", options.right,
+          .add_option("--right-images", options.right,
                       "The right images; the text matched by '*' pairs them with the left ones")
           ->type_name("PATTERN");
   left->needs(right);
@@ -315,8 +311,10 @@ void addResultOptions(CLI::App& calibrate, Options& options) {
       ->capture_default_str();
   calibrate.add_option("--output", options.output, "Rig file to write if the calibration passes")
       ->type_name("FILE");
-  calibrate.add_option("--report", options.report, "Folder for the report; created if it is missing")
-      ->type_name("DIR");
+  calibrate
+      .add_option("--report", options.report,
+                  "File for a report (one HTML page): residuals, coverage, models, error of the depth")
+      ->type_name("FILE");
   std::vector<std::string> models;
   for (const auto& [name, model] : modelChoices())
     models.push_back(name);
@@ -343,7 +341,7 @@ void addResultOptions(CLI::App& calibrate, Options& options) {
 /// Throws CLI::Error for options that are missing or do not fit together.
 void checkOptions(Options& options, bool has_page, const std::string& page) {
   if (options.source.empty() && options.left.empty())
-    throw CLI::RequiredError("SOURCE, or --left and --right");
+    throw CLI::RequiredError("SOURCE, or --left-images and --right-images");
   if (options.board.empty()) throw CLI::RequiredError("--board");
   if (options.output.empty()) throw CLI::RequiredError("--output");
   try {

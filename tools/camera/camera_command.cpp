@@ -137,18 +137,24 @@ std::runtime_error changeError(const CameraAccess& failed, const std::string& fa
                             "once that is mended");
 }
 
-/// Makes the planned changes and prints how each ended. True if a camera needs a reboot.
-bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
+void printResult(const CameraAccess& access, const ApplyResult& result) {
+  for (const ChangeResult& one : result.results) {
+    print(access.side + " camera: " + one.change.setting.name + " " +
+          (one.is_taken ? "is " + one.change.to : "is not confirmed: " + one.problem) + "\n");
+  }
+  if (result.needs_reboot)
+    print(access.side + " camera: it needs a reboot: cartvo camera reboot --camera " + access.side + "\n");
+}
+
+/// Makes the planned changes and prints how each ended, unless that is printed as JSON afterwards. True if a
+/// camera needs a reboot.
+bool change(std::vector<CameraAccess>& cameras, const Options& options, AppliedChanges& applied) {
   bool needs_reboot = false;
   for (CameraAccess& access : cameras) {
-    const ApplyResult result =
-        applyChanges(*access.client, access.channels, plan.changes[access.side == "right" ? 1 : 0]);
-    for (const ChangeResult& one : result.results) {
-      print(access.side + " camera: " + one.change.setting.name + " " +
-            (one.is_taken ? "is " + one.change.to : "is not confirmed: " + one.problem) + "\n");
-    }
-    if (result.needs_reboot)
-      print(access.side + " camera: it needs a reboot: cartvo camera reboot --camera " + access.side + "\n");
+    const std::size_t index = access.side == "right" ? 1 : 0;
+    const ApplyResult& result = applied.results[index].emplace(
+        applyChanges(*access.client, access.channels, applied.plan->changes[index]));
+    if (!options.json) printResult(access, result);
     if (!result.failure.empty())
       throw changeError(access, result.failure, &access == &cameras.back() ? nullptr : &cameras.back());
     needs_reboot = needs_reboot || result.needs_reboot;
@@ -156,17 +162,38 @@ bool change(std::vector<CameraAccess>& cameras, const ChangePlan& plan) {
   return needs_reboot;
 }
 
-/// Prints what is left. True if all that was selected is as it should be on all cameras.
-bool reportRest(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Selection& selection) {
+/// Plans what is left, and prints it unless that is printed as JSON afterwards. True if all that was selected
+/// is as it should be on all cameras.
+bool planRest(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Options& options,
+              AppliedChanges& applied) {
   const ReportedPair pair = readAll(cameras);
   for (const ReportedCamera& camera : pair) {
     if (!camera.documents)
       throw std::runtime_error("the changes above were made, but what is left is not known: " + camera.error);
   }
-  const ChangePlan rest = planChanges(pairOf(pair), needs, selection);
+  const ChangePlan& rest = applied.rest.emplace(planChanges(pairOf(pair), needs, selectionOf(options)));
   if (rest.isEmpty() && rest.problems[0].empty() && rest.problems[1].empty()) return true;
-  print("left over:\n" + planText(pair, rest));
+  if (!options.json) print("left over:\n" + planText(pair, rest));
   return false;
+}
+
+/// Makes the planned changes. Ends the command with the exit code of what is left.
+void applyPlan(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Options& options,
+               AppliedChanges& applied) {
+  const auto print_json = [&] {
+    if (options.json) print(appliedJson(applied).dump(2) + "\n");
+  };
+  bool needs_reboot = false, is_done = false;
+  try {
+    needs_reboot = change(cameras, options, applied);
+    is_done = planRest(cameras, needs, options, applied);
+  } catch (...) {
+    print_json();
+    throw;
+  }
+  print_json();
+  if (needs_reboot) exitWith(kRebootNeeded);
+  if (!is_done) exitWith(kNotAsNeeded);
 }
 
 void apply(const Options& options) {
@@ -175,6 +202,8 @@ void apply(const Options& options) {
     throw CLI::ValidationError("SETTING", "name at least one setting, or --all");
   if (const std::string problem = nameProblem(selection); !problem.empty())
     throw CLI::ValidationError("SETTING", problem);
+  if (options.json && !options.yes && !options.dry_run)
+    throw CLI::ValidationError("--json", "asks nothing: add --yes or --dry-run");
   const daemon::Configuration configuration =
       daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
   const OdometryNeeds needs = needsOf(configuration);
@@ -185,17 +214,16 @@ void apply(const Options& options) {
       throw std::runtime_error("nothing was changed, because both cameras must end alike: " + camera.error);
   }
   const ChangePlan plan = planChanges(pairOf(pair), needs, selection);
-  print(planText(pair, plan));
+  AppliedChanges applied{&pair, &plan};
+  if (!options.json) print(planText(pair, plan));
   const bool has_problems = !plan.problems[0].empty() || !plan.problems[1].empty();
   if (options.dry_run || plan.isEmpty()) {
+    if (options.json) print(appliedJson(applied).dump(2) + "\n");
     if (has_problems) exitWith(kNotAsNeeded);
     return;
   }
   requireConsent(options, "Change this?");
-  const bool needs_reboot = change(cameras, plan);
-  const bool is_done = reportRest(cameras, needs, selection);
-  if (needs_reboot) exitWith(kRebootNeeded);
-  if (!is_done) exitWith(kNotAsNeeded);
+  applyPlan(cameras, needs, options, applied);
 }
 
 /// A camera that was told to reboot.
@@ -285,6 +313,7 @@ void addApply(CLI::App& command) {
                    "Change all settings that are not as needed, except picture size and flip");
   action->add_flag("--dry-run", options->dry_run, "Only show the changes");
   action->add_flag("--yes", options->yes, "Do not ask");
+  action->add_flag("--json", options->json, "Print plan and results as JSON; needs --yes or --dry-run");
   action->footer(
       "Both cameras end alike. Each change is read back. Exit codes: 0 all is as selected, 1 failure or not "
       "agreed,\n"

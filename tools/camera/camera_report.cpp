@@ -180,4 +180,32 @@ std::string planText(const ReportedPair& cameras, const ChangePlan& plan) {
   return text;
 }
 
+nlohmann::json appliedJson(const AppliedChanges& applied) {
+  const auto plan_json = [](const ChangePlan& plan, std::size_t index) {
+    nlohmann::json changes = nlohmann::json::array();
+    for (const Change& change : plan.changes[index])
+      changes.push_back({{"name", change.setting.name}, {"from", change.from}, {"to", change.to}});
+    return nlohmann::json{{"changes", std::move(changes)}, {"problems", plan.problems[index]}};
+  };
+  nlohmann::json list = nlohmann::json::array();
+  for (const ReportedCamera& camera : *applied.cameras) {
+    const std::size_t index = indexOf(camera);
+    nlohmann::json json = cameraJson(camera);
+    json["planned"] = plan_json(*applied.plan, index);
+    json["left_over"] = applied.rest ? plan_json(*applied.rest, index) : nlohmann::json();
+    json["results"] = nlohmann::json::array();
+    if (const std::optional<ApplyResult>& result = applied.results[index]) {
+      for (const ChangeResult& one : result->results)
+        json["results"].push_back({{"name", one.change.setting.name},
+                                   {"to", one.change.to},
+                                   {"taken", one.is_taken},
+                                   {"problem", one.problem}});
+      json["needs_reboot"] = result->needs_reboot;
+      json["failure"] = result->failure;
+    }
+    list.push_back(std::move(json));
+  }
+  return {{"cameras", std::move(list)}};
+}
+
 }  // namespace cartvo

@@ -49,6 +49,16 @@ nlohmann::json checkJson(const CheckReport& report);
 /// Lines "  wdr: open -> close".
 std::string planText(const ReportedPair& cameras, const ChangePlan& plan);
 
+/// What `cartvo camera apply` planned and did. `results`: nothing for a camera that was not begun. `rest`:
+/// what is left to do afterwards; nothing if the cameras were not read again.
+struct AppliedChanges {
+  const ReportedPair* cameras = nullptr;
+  const ChangePlan* plan = nullptr;
+  std::array<std::optional<ApplyResult>, 2> results = {};
+  std::optional<ChangePlan> rest = {};
+};
+nlohmann::json appliedJson(const AppliedChanges& applied);
+
 /// The left and the right camera of the report; nothing for one that is missing or could not be read.
 CameraPair pairOf(const ReportedPair& cameras);
 

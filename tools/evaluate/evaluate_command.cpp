@@ -23,7 +23,7 @@ namespace {
 struct Options {
   std::filesystem::path estimate;
   std::filesystem::path truth;
-  std::string json;
+  bool json = false;
   std::filesystem::path plot;
   std::filesystem::path odometry;
   std::filesystem::path report;
@@ -64,22 +64,17 @@ void writeReport(const Options& options, const AssociatedTrajectories& associate
   writeFigures(options.figures, figures);
 }
 
-void run(const Options& options, bool wants_json) {
-  const bool json_alone = wants_json && (options.json.empty() || options.json == "-");
-  checkResultFiles({json_alone ? "" : options.json, options.plot, options.report});
+void run(const Options& options) {
+  checkResultFiles({options.plot, options.report});
   const AssociatedTrajectories associated = associateFiles(options.estimate, options.truth);
   const Evaluation evaluation = evaluate(associated);
-  if (wants_json) {
+  if (options.json) {
     nlohmann::ordered_json json{{"estimate", options.estimate.string()}, {"truth", options.truth.string()}};
     json.update(evaluationJson(evaluation));
-    const std::string text = json.dump(2) + "\n";
-    if (json_alone) {
-      std::fputs(text.c_str(), stdout);
-    } else {
-      writeResultFile(options.json, text);
-    }
+    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+  } else {
+    std::fputs(evaluationTable(evaluation).c_str(), stdout);
   }
-  if (!json_alone) std::fputs(evaluationTable(evaluation).c_str(), stdout);
   if (!options.plot.empty()) writeDrawing(options.plot, plotTrajectories(associated, viewOf(options)));
   if (!options.report.empty() || !options.figures.empty()) writeReport(options, associated, evaluation);
 }
@@ -95,12 +90,7 @@ void addEvaluateCommand(CLI::App& cartvo) {
       ->add_option("TRUTH", options->truth,
                    "The true trajectory of the same frame (camera or body), in one of these formats")
       ->required();
-  CLI::Option* json = command
-                          ->add_option("--json", options->json,
-                                       "Write the results as JSON to FILE; with '-' or no FILE to standard "
-                                       "output instead of the table")
-                          ->type_name("FILE")
-                          ->expected(0, 1);
+  command->add_flag("--json", options->json, "Print the results as JSON instead of the table");
   addPlotOption(*command, options->plot, "both paths and the error");
   CLI::Option* report =
       command
@@ -125,13 +115,13 @@ void addEvaluateCommand(CLI::App& cartvo) {
       "times: it is compared row by row, and both files must have the same number of rows.\n"
       "Examples:\n"
       "  cartvo evaluate out/poses.txt kitti_06/poses.txt --plot out/path.png\n"
-      "  cartvo evaluate out/trajectory.tum truth.tum --json out/errors.json\n"
+      "  cartvo evaluate out/trajectory.tum truth.tum --json\n"
       "  cartvo evaluate out/trajectory.tum truth.tum --report out/report.html");
-  command->callback([options, json, report, figures] {
+  command->callback([options, report, figures] {
     if (!options->odometry.empty() && report->count() + figures->count() == 0)
       throw CLI::ValidationError("--odometry",
                                  "is used by --report and --figures-dir only; name one of them");
-    run(*options, json->count() > 0);
+    run(*options);
   });
 }
 

@@ -5,10 +5,12 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/export/export_format.hpp"
@@ -21,19 +23,23 @@ struct Options {
   std::filesystem::path source, rig, output;
   std::string format;
   int threads = 2;
+  bool json = false;
 };
 
-ExportSource readWithProgress(const Options& options) {
+ExportSource readWithProgress(const Options& options, const Interruption& interruption) {
   ProgressBar progress("pairs");
   return readExportSource(options.source, options.rig,
                           [&](const daemon::PairResult& result, std::size_t expected) {
+                            interruption.check();
                             progress.show(result.sequence + 1, expected);
                           });
 }
 
-void writeWithProgress(const ExportSource& source, ExportFormat format, const std::filesystem::path& file) {
+void writeWithProgress(const ExportSource& source, ExportFormat format, const std::filesystem::path& file,
+                       const Interruption& interruption) {
   std::optional<ProgressBar> progress;
   writeExport(source, format, file, [&](std::size_t pictures) {
+    interruption.check();
     if (!progress) progress.emplace("pictures");
     progress->show(pictures, 0);
   });
@@ -52,10 +58,18 @@ void run(const Options& options) {
   for (const std::filesystem::path& file : exportedFiles(format, options.output))
     checkResultFiles({file});
   cv::setNumThreads(options.threads);
-  const ExportSource source = readWithProgress(options);
+  const Interruption interruption;
+  const ExportSource source = readWithProgress(options, interruption);
   if (source.replay) printWarnings(*source.replay);
-  writeWithProgress(source, format, options.output);
+  writeWithProgress(source, format, options.output, interruption);
   const std::size_t count = source.replay ? source.replay->pairs.size() : source.poses.size();
+  if (options.json) {
+    const nlohmann::ordered_json json{{"output", options.output.string()},
+                                      {"format", options.format},
+                                      {source.replay ? "pairs" : "poses", count}};
+    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    return;
+  }
   std::printf("%zu %s written to %s\n", count, source.replay ? "pairs" : "poses", options.output.c_str());
 }
 
@@ -71,7 +85,7 @@ void addExportCommand(CLI::App& cartvo) {
           "A recording (cartvod --record), a folder of images as for cartvo replay, an output folder of "
           "cartvo replay, or a trajectory in TUM's or EuRoC's format")
       ->required();
-  command->add_option("--to", options->format, "What to write")
+  command->add_option("--format", options->format, "What to write")
       ->required()
       ->check(CLI::IsMember(exportFormatNames()))
       ->type_name("FORMAT");
@@ -85,6 +99,7 @@ void addExportCommand(CLI::App& cartvo) {
                    "Threads for image operations; the results do not depend on it")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  command->add_flag("--json", options->json, "Print what was written as JSON");
   command->footer(
       "  mcap     for Foxglove, Rerun and PlotJuggler: odometry, poses, frames, log, and the pictures of a\n"
       "           recording as the cameras sent them\n"
@@ -98,10 +113,10 @@ void addExportCommand(CLI::App& cartvo) {
       "A recording or image folder is replayed first, as by cartvo replay. A trajectory has poses only: it\n"
       "can become mcap, tum, kitti and euroc. See cartvo-export(1).\n"
       "Examples:\n"
-      "  cartvo export drive --to mcap --output drive.mcap\n"
-      "  cartvo export drive --to rosbag2-mcap --output drive_bag\n"
-      "  cartvo export drive --to lcm-log --output drive.lcmlog\n"
-      "  cartvo export out --to euroc --output drive.csv");
+      "  cartvo export drive --format mcap --output drive.mcap\n"
+      "  cartvo export drive --format rosbag2-mcap --output drive_bag\n"
+      "  cartvo export drive --format lcm-log --output drive.lcmlog\n"
+      "  cartvo export out --format euroc --output drive.csv");
   command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/time_option.hpp"
 #include "tools/recording/information.hpp"
@@ -42,9 +43,28 @@ void verify(const Options& options) {
   if (!verification.isWhole()) throw CLI::RuntimeError(EXIT_FAILURE);
 }
 
+TrimmedRecording trimWithProgress(const Options& options) {
+  const Interruption interruption;
+  ProgressBar progress("pictures");
+  return trimRecording(options.folder, options.part, options.output,
+                       [&](std::size_t pictures, std::size_t expected) {
+                         interruption.check();
+                         progress.show(pictures, expected);
+                       });
+}
+
 void trim(const Options& options) {
   if (options.part.to <= options.part.from) throw CLI::ValidationError("--to", "must be after --from");
-  const TrimmedRecording trimmed = trimRecording(options.folder, options.part, options.output);
+  const TrimmedRecording trimmed = trimWithProgress(options);
+  if (options.json) {
+    const nlohmann::ordered_json json{{"output", options.output.string()},
+                                      {"from_s", trimmed.from},
+                                      {"to_s", trimmed.to},
+                                      {"left", {{"pictures", trimmed.pictures[0]}}},
+                                      {"right", {{"pictures", trimmed.pictures[1]}}}};
+    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    return;
+  }
   std::printf("%llu left and %llu right pictures, %.1f to %.1f s, written to %s\n",
               static_cast<unsigned long long>(trimmed.pictures[0]),
               static_cast<unsigned long long>(trimmed.pictures[1]), trimmed.from, trimmed.to,
@@ -86,10 +106,10 @@ void addRecordingCommand(CLI::App& cartvo) {
   part->add_option("--to", options->part.to, "End of the part since the first picture, as --from")
       ->transform(timeInSeconds())
       ->type_name("TIME");
-  part->add_option("--output-dir,--output", options->output,
-                   "Folder for the new recording; created if missing")
+  part->add_option("--output-dir", options->output, "Folder for the new recording; created if missing")
       ->required()
       ->type_name("DIR");
+  part->add_flag("--json", options->json, "Print what was copied as JSON");
   part->footer(
       "Each camera starts with its last key picture at or before --from, so the part may begin earlier; the "
       "result\n"

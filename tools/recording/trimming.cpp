@@ -39,9 +39,14 @@ class TrimmedCamera {
       : side_(side), reader_(recording, side), to_ns_(to_ns), first_order_(1) {
     capture::RecordingIndexReader rows(recording, side);
     finished_ = true;
-    for (const capture::IndexRow* row = rows.next(); row != nullptr && finished_; row = rows.next()) {
-      if (row->key && row->arrival_ns <= from_ns) first_order_ = row->order;
-      finished_ = row->arrival_ns < from_ns;
+    for (const capture::IndexRow* row = rows.next(); row != nullptr && row->arrival_ns <= to_ns;
+         row = rows.next()) {
+      if (finished_ && row->key && row->arrival_ns <= from_ns) {
+        first_order_ = row->order;
+        expected_ = 0;
+      }
+      ++expected_;
+      finished_ = finished_ && row->arrival_ns < from_ns;
     }
     if (!finished_) advance();
   }
@@ -49,6 +54,8 @@ class TrimmedCamera {
   capture::CameraSide side() const { return side_; }
   bool isFinished() const { return finished_; }
   const capture::RecordedUnit& unit() const { return unit_; }
+  /// Number of pictures to copy.
+  std::size_t expected() const { return expected_; }
 
   void advance() {
     do {
@@ -61,6 +68,7 @@ class TrimmedCamera {
   capture::RecordingReader reader_;
   std::int64_t to_ns_;
   std::uint64_t first_order_;
+  std::size_t expected_ = 0;
   capture::RecordedUnit unit_;
   bool finished_ = false;
 };
@@ -73,10 +81,11 @@ TrimmedCamera& earlierOf(TrimmedCamera& left, TrimmedCamera& right) {
 }
 
 void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingWriter& writer,
-                  std::int64_t first_ns, TrimmedRecording& trimmed) {
+                  std::int64_t first_ns, const TrimProgress& progress, TrimmedRecording& trimmed) {
   std::array<std::uint64_t, 2> connections{};
   trimmed.from = std::numeric_limits<double>::infinity();
   while (!left.isFinished() || !right.isFinished()) {
+    progress(trimmed.pictures[0] + trimmed.pictures[1], left.expected() + right.expected());
     TrimmedCamera& next = earlierOf(left, right);
     const auto index = static_cast<std::size_t>(next.side());
     if (next.unit().connection != connections[index]) writer.beginConnection(next.side(), next.unit().format);
@@ -105,7 +114,7 @@ void removeContents(const std::filesystem::path& folder, bool existed) {
 }  // namespace
 
 TrimmedRecording trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
-                               const std::filesystem::path& output) {
+                               const std::filesystem::path& output, const TrimProgress& progress) {
   const capture::RecordingInfo info = capture::readRecordingInfo(recording);
   const std::int64_t first_ns = firstArrival(recording);
   const auto after_first = [first_ns](double seconds) {
@@ -125,7 +134,7 @@ TrimmedRecording trimRecording(const std::filesystem::path& recording, const Tri
   TrimmedRecording trimmed;
   try {
     capture::RecordingWriter writer(output, info, kSegmentLength);
-    copyPictures(left, right, writer, first_ns, trimmed);
+    copyPictures(left, right, writer, first_ns, progress, trimmed);
     writer.sync();
   } catch (...) {
     if (was_empty) removeContents(output, existed);

@@ -264,7 +264,7 @@ void addEstimationOptions(CLI::App& command, Options& options) {
       ->type_name("NAME")
       ->capture_default_str();
   command
-      .add_option("--offset-uncertainty-ms,--offset-uncertainty", options.offset_uncertainty_ms,
+      .add_option("--offset-uncertainty-ms", options.offset_uncertainty_ms,
                   "Standard deviation of the time offset in an image folder, ms; not used for recordings")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MS")

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <utility>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -26,6 +28,21 @@ std::string decimalSeconds(std::int64_t time_ns) {
                 static_cast<long long>(magnitude % 1'000'000'000));
   return text;
 }
+
+/// Removes a folder at the end of the scope; none is left once it was renamed.
+class PartialFolder {
+ public:
+  explicit PartialFolder(fs::path folder) : folder_(std::move(folder)) {}
+  ~PartialFolder() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
+
+ private:
+  fs::path folder_;
+};
 
 void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
   char name[24];
@@ -66,6 +83,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   if (!partial.has_filename()) partial = partial.parent_path();
   partial += ".partial";
   fs::remove_all(partial);  // from an interrupted run
+  const PartialFolder removed_on_failure(partial);
   createFolders(partial / "image_0");
   createFolders(partial / "image_1");
 

@@ -14,6 +14,7 @@
 #include "common/atomic_file.hpp"
 #include "common/units.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
@@ -131,8 +132,8 @@ CameraPairSettings pairSettings(const SimulateOptions& options) {
   const auto nanoseconds = [](double seconds) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(Seconds(seconds));
   };
-  return {.left = parseEndpoint(options.left),
-          .right = parseEndpoint(options.right),
+  return {.left = parseEndpoint(options.left_address),
+          .right = parseEndpoint(options.right_address),
           .user = options.user,
           .password = options.password_file.empty() ? ensurePassword(options.output / "password")
                                                     : capture::readPasswordFile(options.password_file),
@@ -180,12 +181,14 @@ void serve(const SimulateOptions& options, const Content& content,
 
 void run(const SimulateOptions& options) {
   const std::unique_ptr<Content> content = makeContent(options);
-  if (!options.render.empty()) {
+  if (options.render) {
+    const Interruption interruption;
     ProgressBar bar("pairs");
-    renderFolder(options.render, *content, [&bar](int done, int total) {
+    renderFolder(options.output, *content, [&](int done, int total) {
+      interruption.check();
       bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
     });
-    std::printf("%d pairs: %s\n", content->pairCount(), options.render.c_str());
+    std::printf("%d pairs: %s\n", content->pairCount(), options.output.c_str());
     return;
   }
   if (!options.prepare_only) checkResultFiles({options.output / "cameras.json"});
@@ -214,7 +217,7 @@ void addSimulateCommand(CLI::App& cartvo) {
       "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
       "  cartvo simulate --offset-ms 0 --readout-ms 0         synchronised global shutters\n"
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
-      "  cartvo simulate --render drive --seconds 20          an image folder instead of streams");
+      "  cartvo simulate --render --output-dir drive          an image folder instead of streams");
   command->callback([options] { run(*options); });
 }
 

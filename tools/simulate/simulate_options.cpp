@@ -99,11 +99,11 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
 
 void addCameraOptions(CLI::App& command, SimulateOptions& options) {
   const auto group = command.add_option_group("Cameras", "How the cameras send it");
-  group->add_option("--left", options.left, "Address of the left camera's RTSP server")
+  group->add_option("--left-address", options.left_address, "Address of the left camera's RTSP server")
       ->type_name("ADDRESS:PORT")
       ->check(validatorFor(simulate::parseEndpoint))
       ->capture_default_str();
-  group->add_option("--right", options.right, "Address of the right camera's RTSP server")
+  group->add_option("--right-address", options.right_address, "Address of the right camera's RTSP server")
       ->type_name("ADDRESS:PORT")
       ->check(validatorFor(simulate::parseEndpoint))
       ->capture_default_str();
@@ -149,10 +149,8 @@ void addFileOptions(CLI::App& command, SimulateOptions& options) {
       ->capture_default_str();
   group->add_flag("--no-cache", options.no_cache, "Neither read nor write the cache");
   group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
-  group
-      ->add_option("--render", options.render,
-                   "Write an image folder with its ground truth instead of serving cameras")
-      ->type_name("DIR");
+  group->add_flag("--render", options.render,
+                  "Serve no cameras: write an image folder with its ground truth, the output folder");
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ struct SimulateOptions {
   std::string readout_ms;                  ///< empty: see cameraTiming
   double shake_degrees = 0.0;
 
-  std::string left = "127.0.0.1:8554";
-  std::string right = "127.0.0.1:8555";
+  std::string left_address = "127.0.0.1:8554";
+  std::string right_address = "127.0.0.1:8555";
   std::string user = "admin";
   std::filesystem::path password_file;
   simulate::EncoderSettings encoder;
@@ -49,7 +49,7 @@ struct SimulateOptions {
   double cache_gigabytes = 4.0;
   bool no_cache = false;
   bool prepare_only = false;
-  std::filesystem::path render;
+  bool render = false;
 };
 
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.

@@ -17,21 +17,23 @@ namespace {
 
 struct Options {
   WatchSettings watch;
-  std::filesystem::path trajectory;
-  std::filesystem::path summary;
+  std::filesystem::path output;  ///< folder; empty: none
   bool json = false;
   std::optional<double> required_percent;
 };
 
 void run(const Options& options) {
-  checkResultFiles({options.trajectory, options.summary});
+  const std::filesystem::path trajectory = options.output / "trajectory.tum",
+                              summary_file = options.output / "summary.json";
+  if (!options.output.empty()) checkResultFiles({trajectory, summary_file});
   const OdometryStatistics statistics = watchOdometry(options.watch);
   const OdometrySummary summary = statistics.summarise();
   const std::string json = summaryJson(summary);
   std::fputs((options.json ? json : summaryText(summary)).c_str(), stdout);
-  if (!options.trajectory.empty())
-    writeTum(options.trajectory, statistics.trajectory(), TrajectoryFrame::body);
-  if (!options.summary.empty()) writeResultFile(options.summary, json);
+  if (!options.output.empty()) {
+    writeTum(trajectory, statistics.trajectory(), TrajectoryFrame::body);
+    writeResultFile(summary_file, json);
+  }
   if (options.required_percent && validPercent(summary) < *options.required_percent) {
     char text[120];
     std::snprintf(text, sizeof text, "%.1f %% of the pairs were valid, --require-valid asks for %.1f %%",
@@ -59,8 +61,11 @@ void addWatchCommand(CLI::App& cartvo) {
   command->add_option("--wait", watch.first_message, "Seconds to wait for the first message")
       ->transform(positiveTimeInSeconds())
       ->capture_default_str();
-  command->add_option("--trajectory", options->trajectory, "File for the valid body poses (TUM format)");
-  command->add_option("--summary", options->summary, "File for the summary (JSON)");
+  command
+      ->add_option("--output-dir", options->output,
+                   "Folder for the valid body poses (trajectory.tum) and the summary (summary.json); created "
+                   "if it is missing")
+      ->type_name("DIR");
   command->add_flag("--plain", watch.plain,
                     "Print one line per second instead of a full screen or a redrawn line");
   command->add_flag("--json", options->json,

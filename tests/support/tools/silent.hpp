@@ -6,7 +6,7 @@ namespace cartvo::test {
 
 /// A work observer that prints nothing.
 inline benchmark::WorkObserver silent() {
-  return {[](const std::string&) {}, [](int, int) {}};
+  return {[](const std::string&, const std::string&) {}, [](int, int) {}};
 }
 
 }  // namespace cartvo::test

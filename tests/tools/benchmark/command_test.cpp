@@ -38,7 +38,7 @@ TEST(BenchmarkCommand, RejectsInvalidArguments) {
       {"accuracy --estimators guess", "guess"},
       {"accuracy --set both", "--set"},
       {"accuracy --format yaml", "yaml"},
-      {"accuracy --bitrates 0", "--bitrates"},
+      {"accuracy --bitrates-kbps 49", "--bitrates-kbps"},
       {"accuracy --features 3", "--features"},
       {"accuracy --quick --seconds 5", "--quick"},
       {"ablation --variants guess", "guess"},
@@ -93,7 +93,7 @@ nlohmann::json reportOn(const std::filesystem::path& sequence, const std::string
   std::filesystem::create_directory_symlink(std::filesystem::canonical(sequence), data / sequence.filename());
   const std::filesystem::path report = folder / "report.json";
   const CommandResult run =
-      runBenchmark(arguments + " --format json --data " + data.string() + " --output " + report.string());
+      runBenchmark(arguments + " --json --data " + data.string() + " --output " + report.string());
   EXPECT_EQ(run.exit_code, 0) << run.output;
   std::ifstream file(report);
   return nlohmann::json::parse(file, nullptr, false);

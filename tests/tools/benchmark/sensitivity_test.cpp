@@ -70,7 +70,8 @@ TEST(Sensitivity, SortsConstantsByTheirEffect) {
   settings.constants = {"validity.maximum_speed", "validity.maximum_rate", "stereo.minimum_correlation"};
   settings.factor = 1e9;
   int last_done = 0, last_total = 0;
-  const WorkObserver observer{[](const std::string&) {},
+  std::string last_unit;
+  const WorkObserver observer{[&](const std::string&, const std::string& unit) { last_unit = unit; },
                               [&](int done, int total) {
                                 last_done = done;
                                 last_total = total;
@@ -80,6 +81,7 @@ TEST(Sensitivity, SortsConstantsByTheirEffect) {
   for (std::size_t i = 1; i < 3; ++i)
     EXPECT_GE(sensitivity.constants[i - 1].effect, sensitivity.constants[i].effect);
   EXPECT_EQ(last_done, last_total);
+  EXPECT_EQ(last_unit, "runs");
   EXPECT_EQ(last_total, 10) << "four runs by chance and two for each constant";
   const std::string table = sensitivityTable(sensitivity, ReportFormat::text);
   EXPECT_THAT(table, HasSubstr("stereo.minimum_correlation"));

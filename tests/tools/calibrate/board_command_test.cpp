@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
@@ -22,11 +23,21 @@ TEST(CalibrateBoardCommand, WritesABoardAndPrintsInstructions) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
+TEST(CalibrateBoardCommand, PrintsJson) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.svg";
+  const auto json = nlohmann::json::parse(
+      test::pipeCartvo("calibrate board --board chessboard:9x6:0.025 --json --output " + file).output);
+  EXPECT_EQ(json["output"], file);
+  EXPECT_EQ(json["paper"], "A4");
+  EXPECT_NEAR(json["pattern_mm"][0].get<double>(), 250.0, 1e-9);
+}
+
 TEST(CalibrateBoardCommand, RefusesBoardsThatCannotBePrinted) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "board.pdf";
   const test::CommandResult large =
-      test::runCartvo("calibrate board --board charuco:11x8:0.03:0.022 --page A4 --output " + file);
+      test::runCartvo("calibrate board --board charuco:11x8:0.03:0.022 --paper A4 --output " + file);
   EXPECT_EQ(large.exit_code, 1);
   EXPECT_THAT(large.output, HasSubstr("does not fit on A4"));
   const test::CommandResult unknown =

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"
 #include "support/calib/rigs.hpp"
@@ -24,7 +25,7 @@ TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
   const test::TemporaryFolder folder;
   calib::writeRig(folder / "rig.yaml", test::wideRig());
   const test::CommandResult out = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                                  " --to ros --output " + in(folder, "camera_info"));
+                                                  " --format ros --output " + in(folder, "camera_info"));
   ASSERT_EQ(out.exit_code, 0) << out.output;
   EXPECT_THAT(out.output, HasSubstr("camera_info/right.yaml"));
   EXPECT_THAT(out.output, HasSubstr("680x420 px, baseline 0.1150 m"));
@@ -36,13 +37,25 @@ TEST(CalibrateConvertCommand, WritesAPairOfFilesAndReadsThemBack) {
       calib::readRig(folder / "back.yaml").T_right_left.isApprox(test::wideRig().T_right_left, 1e-12));
 }
 
+TEST(CalibrateConvertCommand, PrintsJson) {
+  const test::TemporaryFolder folder;
+  calib::writeRig(folder / "rig.yaml", test::wideRig());
+  const auto json =
+      nlohmann::json::parse(test::pipeCartvo("calibrate convert " + in(folder, "rig.yaml") +
+                                             " --format ros --json --output " + in(folder, "camera_info"))
+                                .output);
+  EXPECT_EQ(json["format"], "ros");
+  EXPECT_EQ(json["files"].size(), 2U);
+  EXPECT_NEAR(json["baseline_m"].get<double>(), 0.115, 1e-4);
+}
+
 TEST(CalibrateConvertCommand, WarnsThatOtherFormatsLoseTheScaleStddev) {
   const test::TemporaryFolder folder;
   calib::Rig rig = test::rectifiedRig();
   const auto said_of = [&](const char* format) {
     calib::writeRig(folder / "rig.yaml", rig);
-    return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --to " + format + " --output " +
-                           in(folder, "out.yaml"))
+    return test::runCartvo("calibrate convert " + in(folder, "rig.yaml") + " --format " + format +
+                           " --output " + in(folder, "out.yaml"))
         .output;
   };
   EXPECT_THAT(said_of("opencv"), Not(HasSubstr("scale")));
@@ -72,7 +85,7 @@ TEST(CalibrateConvertCommand, ReadsEurocAndKittiFiles) {
   const std::string mav = (euroc / "mav0").string();
   const test::CommandResult from_euroc =
       test::runCartvo("calibrate convert " + mav + "/cam0/sensor.yaml " + mav +
-                      "/cam1/sensor.yaml --to kalibr --output " + in(folder, "camchain.yaml"));
+                      "/cam1/sensor.yaml --format kalibr --output " + in(folder, "camchain.yaml"));
   EXPECT_EQ(from_euroc.exit_code, 0) << from_euroc.output;
   EXPECT_EQ(calib::readRig(folder / "camchain.yaml").left.fx, 458.654);
   const std::string convert =
@@ -86,7 +99,7 @@ TEST(CalibrateConvertCommand, KeepsTheOutputFileOnFailure) {
   calib::writeRig(folder / "rig.yaml", test::cartRig());
   calib::writeRig(folder / "out.yaml", test::rectifiedRig());
   const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                                  " --to kalibr --output " + in(folder, "out.yaml"));
+                                                  " --format kalibr --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("Kalibr's radtan model holds the first 4"));
   EXPECT_EQ(calib::readRig(folder / "out.yaml").name, "rectified");
@@ -98,7 +111,7 @@ TEST(CalibrateConvertCommand, RefusesSwappedCameras) {
   swapped.T_right_left = swapped.T_right_left.inverse();
   calib::writeRig(folder / "rig.yaml", swapped);
   const test::CommandResult run = test::runCartvo("calibrate convert " + in(folder, "rig.yaml") +
-                                                  " --to opencv --output " + in(folder, "out.yaml"));
+                                                  " --format opencv --output " + in(folder, "out.yaml"));
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("the cameras are swapped"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.yaml"));

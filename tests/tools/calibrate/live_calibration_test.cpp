@@ -132,7 +132,7 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   auto recorded_right = std::make_unique<RecordedCamera>(*right_, recorder.right());
   test::RunningCartvo cartvo("calibrate live --config " + (folder_ / "cartvod.yaml").string() + kBoard +
                                  "--page 0 --output " + (folder_ / "live.yaml").string() + " --report " +
-                                 (folder_ / "live").string(),
+                                 (folder_ / "report.html").string(),
                              folder_ / "said");
   ASSERT_TRUE(comes([&] { return !pageOf(cartvo.output()).empty(); })) << cartvo.output();
   startContentFor(2);
@@ -161,19 +161,19 @@ TEST_F(LiveCalibration, CalibratesOverRtspWithPageAndFromTheRecording) {
   EXPECT_EQ(cartvo.wait(), 0) << cartvo.output();
   EXPECT_THAT(cartvo.output(), AllOf(HasSubstr("view 8 taken at"), HasSubstr("the calibration passes")));
   expectTruth(calib::readRig(folder_ / "live.yaml"));
-  EXPECT_EQ(cv::imread((folder_ / "live/views/image_1/008.png").string(), cv::IMREAD_GRAYSCALE).size(),
+  EXPECT_EQ(cv::imread((folder_ / "report-views/image_1/008.png").string(), cv::IMREAD_GRAYSCALE).size(),
             cv::Size(320, 240));
-  const test::CommandResult kept = test::runCartvo("calibrate " + (folder_ / "live/views").string() + kBoard +
-                                                   "--output " + (folder_ / "kept.yaml").string());
+  const test::CommandResult kept = test::runCartvo("calibrate " + (folder_ / "report-views").string() +
+                                                   kBoard + "--output " + (folder_ / "kept.yaml").string());
   EXPECT_EQ(kept.exit_code, 0) << kept.output;
   expectTruth(calib::readRig(folder_ / "kept.yaml"));
 
   recorded_left.reset();
   recorded_right.reset();
   recorder.finish();
-  const test::CommandResult again =
-      test::runCartvo("calibrate " + (folder_ / "recording").string() + kBoard + "--output " +
-                      (folder_ / "recorded.yaml").string() + " --report " + (folder_ / "report").string());
+  const test::CommandResult again = test::runCartvo("calibrate " + (folder_ / "recording").string() + kBoard +
+                                                    "--output " + (folder_ / "recorded.yaml").string() +
+                                                    " --report " + (folder_ / "recorded.html").string());
   EXPECT_EQ(again.exit_code, 0) << again.output;
   expectTruth(calib::readRig(folder_ / "recorded.yaml"));
 }

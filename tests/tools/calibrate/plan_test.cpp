@@ -57,7 +57,7 @@ TEST(CalibratePlanCommand, ReportsEachCombinationInEachFormat) {
   const std::string plot = folder / "plan.svg";
   const std::string arguments =
       "calibrate plan --baseline 0.115,0.3 --width 680,1280 --focal-mm 4 --sensor-width 5.6 --ranges 5,20 ";
-  const test::CommandResult json = test::runCartvo(arguments + "--format json --plot " + plot);
+  const test::CommandResult json = test::runCartvo(arguments + "--json --plot " + plot);
   ASSERT_EQ(json.exit_code, 0) << json.output;
   const auto plan = nlohmann::json::parse(json.output);
   ASSERT_EQ(plan["designs"].size(), 4u);
@@ -73,7 +73,7 @@ TEST(CalibratePlanCommand, IncludesARig) {
   const test::TemporaryFolder folder;
   calib::writeRig(folder / "rig.yaml", test::rectifiedRig());
   const test::CommandResult run =
-      test::runCartvo("calibrate plan --format json --rig " + (folder / "rig.yaml").string());
+      test::runCartvo("calibrate plan --json --rig " + (folder / "rig.yaml").string());
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const auto plan = nlohmann::json::parse(run.output);
   ASSERT_EQ(plan["designs"].size(), 1u);

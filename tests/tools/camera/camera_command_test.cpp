@@ -93,8 +93,19 @@ TEST_F(CameraCommand, ChecksAppliesAndIsThenContent) {
   EXPECT_THAT(unasked.output, HasSubstr("nothing was changed: standard input is no terminal"));
   EXPECT_THAT(left_->requests(), Not(testing::Contains(testing::StartsWith("PUT"))));
 
-  const CommandResult applied = run("apply --all --yes");
+  EXPECT_EQ(run("apply --all --json").exit_code, 2) << "would ask";
+  const nlohmann::json planned = nlohmann::json::parse(run("apply --all --dry-run --json").output);
+  EXPECT_FALSE(planned["cameras"][0]["planned"]["changes"].empty());
+  EXPECT_TRUE(planned["cameras"][0]["results"].empty());
+  const CommandResult applied = run("apply --all --yes --json");
   EXPECT_EQ(applied.exit_code, 0) << applied.output;
+  const nlohmann::json done = nlohmann::json::parse(applied.output);
+  for (const nlohmann::json& camera : done["cameras"]) {
+    EXPECT_EQ(camera["results"].size(), camera["planned"]["changes"].size());
+    for (const nlohmann::json& result : camera["results"])
+      EXPECT_EQ(result["taken"], true) << result.dump();
+    EXPECT_TRUE(camera["left_over"]["changes"].empty());
+  }
   const CommandResult after = run("check --json");
   EXPECT_EQ(after.exit_code, 0) << after.output;
   EXPECT_EQ(nlohmann::json::parse(after.output)["good"], true);

@@ -37,7 +37,7 @@ class ExportCommand : public ::testing::Test {
  protected:
   test::CommandResult run(const std::string& source, const std::string& format,
                           const std::string& output) const {
-    return test::runCartvo("export " + (folder_ / source).string() + " --to " + format + " --output " +
+    return test::runCartvo("export " + (folder_ / source).string() + " --format " + format + " --output " +
                            (folder_ / output).string());
   }
 

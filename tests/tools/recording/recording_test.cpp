@@ -158,7 +158,7 @@ TEST_F(RecordingCommand, VerifyDetectsDamage) {
 
 TEST_F(RecordingCommand, TrimCopiesPartUnchanged) {
   const std::string output = (folder_ / "part").string();
-  const test::CommandResult trimmed = run("trim", "--from 1.2 --to 1.6 --output " + output);
+  const test::CommandResult trimmed = run("trim", "--from 1.2 --to 1.6 --output-dir " + output);
   EXPECT_EQ(trimmed.exit_code, 0) << trimmed.output;
   std::vector<std::uint64_t> sequences;
   capture::RecordingSource source(output, capture::CameraSide::left);
@@ -173,45 +173,55 @@ TEST_F(RecordingCommand, TrimCopiesPartUnchanged) {
   EXPECT_EQ(sequences.back(), 32U);
   EXPECT_EQ(source.health().last_error, "");
   EXPECT_EQ(test::runCartvo("recording verify " + output).exit_code, 0);
-  EXPECT_THAT(run("trim", "--output " + output).output, HasSubstr("already contains a recording"));
+  EXPECT_THAT(run("trim", "--output-dir " + output).output, HasSubstr("already contains a recording"));
 }
 
 TEST_F(RecordingCommand, TrimTakesMinutesAndStatesWhatItCopied) {
   const test::CommandResult trimmed =
-      run("trim", "--from 0:01.2 --to 0:00:01.6 --output " + (folder_ / "part").string());
+      run("trim", "--from 0:01.2 --to 0:00:01.6 --output-dir " + (folder_ / "part").string());
   EXPECT_EQ(trimmed.exit_code, 0) << trimmed.output;
   EXPECT_THAT(trimmed.output,
               ::testing::ContainsRegex("right pictures, [01]\\.[0-9] to 1\\.6 s, written to"));
   for (const char* time : {"1:60", "-1", "nan", "1:2:3:4", "1:-2", ":", "1e400"}) {
-    const test::CommandResult wrong = run("trim", std::string("--from=") + time + " --output x");
+    const test::CommandResult wrong = run("trim", std::string("--from=") + time + " --output-dir x");
     EXPECT_EQ(wrong.exit_code, 2) << time;
     EXPECT_THAT(wrong.output, HasSubstr("is no time, such as 90, 1.5 or 1:30")) << time;
   }
+}
+
+TEST_F(RecordingCommand, TrimPrintsJson) {
+  const std::string output = (folder_ / "part").string();
+  const auto json =
+      nlohmann::json::parse(run("trim", "--from 1.2 --to 1.6 --json --output-dir " + output).output);
+  EXPECT_EQ(json["output"], output);
+  EXPECT_GT(json["left"]["pictures"].get<int>(), 0);
+  EXPECT_GT(json["right"]["pictures"].get<int>(), 0);
+  EXPECT_LE(json["to_s"].get<double>(), 1.6);
 }
 
 TEST_F(RecordingCommand, FailedTrimLeavesNothingBehind) {
   const std::filesystem::path output = folder_ / "part";
   const test::CommandResult failed =
       test::runCommand("trap '' XFSZ; ulimit -f 4; " + test::cartvoProgram().string() + " recording trim " +
-                       (folder_ / "drive").string() + " --output " + output.string() + " 2>&1");
+                       (folder_ / "drive").string() + " --output-dir " + output.string() + " 2>&1");
   EXPECT_EQ(failed.exit_code, 1) << failed.output;
   EXPECT_FALSE(std::filesystem::exists(output));
-  EXPECT_EQ(run("trim", "--output " + output.string()).exit_code, 0);
+  EXPECT_EQ(run("trim", "--output-dir " + output.string()).exit_code, 0);
 }
 
 TEST_F(RecordingCommand, TrimRefusesAFolderWithOtherFiles) {
   std::filesystem::create_directory(folder_ / "photos");
   std::ofstream(folder_ / "photos/cat.jpg") << "cat";
-  EXPECT_THAT(run("trim", "--output " + (folder_ / "photos").string()).output, HasSubstr("is not empty"));
+  EXPECT_THAT(run("trim", "--output-dir " + (folder_ / "photos").string()).output, HasSubstr("is not empty"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "photos/cat.jpg"));
 }
 
 TEST_F(RecordingCommand, RejectsInvalidArguments) {
   EXPECT_EQ(test::runCartvo("recording").exit_code, 2);
   EXPECT_EQ(test::runCartvo("recording trim x").exit_code, 2);
-  EXPECT_EQ(run("trim", "--from 2 --to 1 --output x").exit_code, 2);
+  EXPECT_EQ(run("trim", "--from 2 --to 1 --output-dir x").exit_code, 2);
   EXPECT_EQ(test::runCartvo("recording info /nowhere").exit_code, 1);
-  const test::CommandResult late = run("trim", "--from 100 --output " + (folder_ / "late").string());
+  const test::CommandResult late = run("trim", "--from 100 --output-dir " + (folder_ / "late").string());
   EXPECT_EQ(late.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "late"));
 }

@@ -21,8 +21,8 @@ TEST(SimulateCommand, RejectsInvalidArguments) {
   const std::array<std::pair<const char*, const char*>, 10> invalid{{
       {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
       {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
-      {"--left here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
-      {"--right 127.0.0.1:99999", "'127.0.0.1:99999' is not ADDRESS:PORT"},
+      {"--left-address here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
+      {"--right-address 127.0.0.1:99999", "'127.0.0.1:99999' is not ADDRESS:PORT"},
       {"--seconds -1", "--seconds"},
       {"--readout-ms 32,", "'32,' is not the readout of both cameras or LEFT,RIGHT in ms"},
       {"--readout-ms 320", "'320' is not the readout of both cameras or LEFT,RIGHT in ms"},
@@ -55,7 +55,7 @@ TEST(SimulateCommand, LooksAtItsOutputFolderBeforeRendering) {
 nlohmann::json renderedRig(const std::string& options, const test::TemporaryFolder& folder) {
   const std::string images = (folder.path() / "images").string();
   const test::CommandResult run = test::runCartvo(
-      "simulate --size 64x48 --seconds 0.25 --frame-rate 8 --render " + images + " " + options);
+      "simulate --size 64x48 --seconds 0.25 --frame-rate 8 --render --output-dir " + images + " " + options);
   EXPECT_EQ(run.exit_code, 0) << run.output;
   const calib::Rig rig = calib::readRig(folder.path() / "images" / "rig.yaml");
   std::ifstream left(folder.path() / "images" / "times_0.txt");
@@ -86,8 +86,8 @@ TEST(SimulateCommand, RendersTheTimingThatIsWanted) {
 TEST(SimulateCommand, CacheThatCannotBeWrittenIsAWarning) {
   const test::TemporaryFolder folder;
   const test::CommandResult run = test::runCartvo(
-      "simulate --cache-dir /proc/nope --size 64x48 --seconds 0.1 --lead-in 0.1 --left 127.0.0.1:0 --right "
-      "127.0.0.1:0 --output-dir " +
+      "simulate --cache-dir /proc/nope --size 64x48 --seconds 0.1 --lead-in 0.1 --left-address 127.0.0.1:0 "
+      "--right-address 127.0.0.1:0 --output-dir " +
       folder.path().string());
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output,

@@ -74,7 +74,7 @@ await 'a node that is idle' is_idle
 "$make_sequence" data/near_still 16
 "$make_sequence" data/far_still 8
 
-options=(--data data --scenarios none --estimators reprojection --cache cache)
+options=(--data data --scenarios none --estimators reprojection --cache-dir cache)
 "$cartvo" benchmark accuracy "${options[@]}" --list results >job_lines
 "$run_jobs" job_lines --parallel 2 --then 'cartvo benchmark accuracy --merge results' >merged || fail "the jobs failed"
 "$cartvo" benchmark accuracy "${options[@]}" >whole 2>/dev/null

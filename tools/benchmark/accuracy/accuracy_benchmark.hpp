@@ -33,9 +33,10 @@ struct AccuracySettings {
 /// (AccuracySettings::only). Throws as runAccuracyBenchmark does.
 std::vector<std::string> sequenceNames(const AccuracySettings& settings);
 
-/// Receives the progress of a benchmark: the name of each step when it begins, then its progress.
+/// Receives the progress of a benchmark: the name of each step and of what it counts when it begins, then its
+/// progress.
 struct WorkObserver {
-  std::function<void(const std::string& step)> begin;
+  std::function<void(const std::string& step, const std::string& unit)> begin;
   simulate::Progress progress;
 };
 

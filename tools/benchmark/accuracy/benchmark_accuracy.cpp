@@ -32,7 +32,7 @@ struct AccuracyOptions {
   double seconds = 0.0;  // 0: the default of each scenario
   double offset_ms = 0.0;
   std::string readout_ms = "0";
-  std::vector<double> bitrates;
+  std::vector<double> bitrates_kbps;
   std::vector<std::string> estimators = estimatorNames();
   int features = vo::OdometrySettings{}.features;
   fs::path cache = simulate::StreamCache::defaultFolder();
@@ -99,7 +99,8 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
     settings.variants.back().odometry.estimator = estimatorNamed(name);
     settings.variants.back().odometry.features = options.features;
   }
-  settings.bitrates_mbps = options.bitrates;
+  for (const double bitrate : options.bitrates_kbps)
+    settings.bitrates_mbps.push_back(bitrate / 1000.0);
   settings.cache = options.cache;
   requireSequences(settings.data, settings.worlds);
   return settings;
@@ -175,7 +176,7 @@ void addJobOptions(CLI::App& command, AccuracyOptions& options) {
           ->excludes(merge);
   for (CLI::Option* option : {list, merge, only, samples})
     option->group(kJobOptions);
-  for (const char* name : {"--format", "--output"})
+  for (const char* name : {"--format", "--json", "--output"})
     command.get_option(name)->group(kJobOptions);
 }
 
@@ -193,7 +194,7 @@ void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
       ->capture_default_str();
   addReadoutOption(command, options.readout_ms, "default: 0");
   command
-      .add_option("--cache-dir,--cache", options.cache,
+      .add_option("--cache-dir", options.cache,
                   "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
       ->type_name("DIR")
       ->capture_default_str();
@@ -220,11 +221,11 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
   command
-      ->add_option("--bitrates", options->bitrates,
-                   "Measure the same images also as H.264 at these rates (Mbit/s per camera),\n"
+      ->add_option("--bitrates-kbps", options->bitrates_kbps,
+                   "Measure the same images also as H.264 at these rates (kbit/s per camera),\n"
                    "encoded as by a camera and decoded by the decoder of cartvod")
       ->delimiter(',')
-      ->check(CLI::Range(0.05, 200.0))
+      ->check(CLI::Range(50.0, 200'000.0))
       ->type_name("LIST");
   addJobOptions(*command, *options);
   command->footer(
@@ -237,7 +238,7 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark accuracy --quick                                a first look, in some minutes\n"
       "  cartvo benchmark accuracy --set reporting --seconds 8            worlds on which nothing is tuned\n"
       "  cartvo benchmark accuracy --set tuning --seeds 1,2               each scenario with two seeds\n"
-      "  cartvo benchmark accuracy --scenarios campus --bitrates 2,4,8    the effect of H.264\n"
+      "  cartvo benchmark accuracy --scenarios campus --bitrates-kbps 2000   the effect of H.264\n"
       "  cartvo benchmark accuracy --data none --scenarios turns --offset-ms 25\n"
       "  cartvo benchmark accuracy --seeds 1,2,3 --list results > jobs    a job for each sequence\n"
       "  sh jobs && cartvo benchmark accuracy --merge results             and the table of all of them\n"

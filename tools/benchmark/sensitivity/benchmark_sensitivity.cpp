@@ -36,7 +36,7 @@ struct SensitivityOptions {
   std::vector<double> offsets_ms{0.0, 25.0};
   std::vector<double> readouts_ms{0.0, 32.0};
   double image_scale = 1.0;
-  std::vector<double> bitrates;
+  std::vector<double> bitrates_kbps;
   std::vector<std::string> constants = constantNames();
   double factor = 1.3;
   bool list = false;
@@ -65,7 +65,8 @@ SensitivitySettings settingsOf(const SensitivityOptions& options) {
   SensitivitySettings settings;
   settings.sequences.data = dataFolder(options.common);
   settings.sequences.worlds = worldsOf(options);
-  settings.sequences.bitrates_mbps = options.bitrates;
+  for (const double bitrate : options.bitrates_kbps)
+    settings.sequences.bitrates_mbps.push_back(bitrate / 1000.0);
   settings.sequences.cache = options.drives.cache;
   settings.odometry.features = options.drives.features;
   settings.constants = options.constants;
@@ -135,9 +136,11 @@ void addSensitivityBenchmark(CLI::App& benchmark) {
                    "Factor on the size of rendered images: 0.5 is four times as fast")
       ->check(CLI::Range(0.25, 2.0))
       ->capture_default_str();
-  command->add_option("--bitrates", options->bitrates, "Also as H.264 at these rates, Mbit/s per camera")
+  command
+      ->add_option("--bitrates-kbps", options->bitrates_kbps,
+                   "Also as H.264 at these rates, kbit/s per camera")
       ->delimiter(',')
-      ->check(CLI::Range(0.05, 200.0))
+      ->check(CLI::Range(50.0, 200'000.0))
       ->type_name("LIST");
   command->footer(
       "Two runs for each constant, --threads at a time. Constants that change the results no more than "
@@ -148,7 +151,7 @@ void addSensitivityBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark sensitivity --list\n"
       "  cartvo benchmark sensitivity --constants stereo.uniqueness,bundle.frames\n"
       "  cartvo benchmark sensitivity --scenarios dusk,low_texture --image-scale 0.5 --factor 100\n"
-      "  cartvo benchmark sensitivity --bitrates 2 --format markdown --output sensitivity.md");
+      "  cartvo benchmark sensitivity --bitrates-kbps 2000 --format markdown --output sensitivity.md");
   command->callback([options] { run(*options); });
 }
 

@@ -90,7 +90,7 @@ void addChoices(CLI::App& command, SpeedOptions& options) {
   command.add_option("--repeats", options.repeats, "Repetitions of each drive")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--cache-dir,--cache", options.cache, "Folder for rendered worlds")
+  command.add_option("--cache-dir", options.cache, "Folder for rendered worlds")
       ->type_name("DIR")
       ->capture_default_str();
 }

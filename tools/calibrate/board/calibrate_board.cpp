@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "calib/board/board_spec.hpp"
 #include "calib/board/marker_dictionary.hpp"
 #include "tools/calibrate/board/board_print.hpp"
@@ -17,15 +19,27 @@ namespace {
 struct Options {
   std::string board;
   std::filesystem::path output;
-  std::string page = "auto";
+  std::string paper = "auto";
   double dots_per_inch = 300.0;
+  bool json = false;
 };
 
 void run(const Options& options) {
   const calibrate::BoardSheet sheet =
-      calibrate::layOutBoard(calib::parseBoardSpec(options.board), options.page);
+      calibrate::layOutBoard(calib::parseBoardSpec(options.board), options.paper);
   calibrate::printBoard(sheet, options.output, options.dots_per_inch);
   const std::string dictionary = calib::dictionaryName(sheet.board);
+  if (options.json) {
+    const nlohmann::ordered_json json{
+        {"output", options.output.string()},
+        {"board", calib::boardSpecText(sheet.board)},
+        {"markers", dictionary.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(dictionary)},
+        {"pattern_mm", {sheet.pattern.width, sheet.pattern.height}},
+        {"paper", sheet.page.name},
+        {"paper_mm", {sheet.page.size.width, sheet.page.size.height}}};
+    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    return;
+  }
   std::printf(
       "%s: %s%s, %.1f x %.1f mm on %s. Print it at 100 %%, check both scales with a ruler, mount it flat,\n"
       "and give the measured lengths to 'cartvo calibrate --board'.\n",
@@ -50,19 +64,20 @@ void addCalibrateBoard(CLI::App& calibrate) {
       ->required()
       ->type_name("FILE");
   command
-      ->add_option("--page", options->page,
+      ->add_option("--paper", options->paper,
                    "A4, A3, A2, A1, A0 or WIDTHxHEIGHT in mm; auto: the smallest that fits")
       ->capture_default_str();
   command->add_option("--dpi", options->dots_per_inch, "Pixels per inch of a .png")
       ->check(CLI::Range(20.0, 1200.0))
       ->capture_default_str();
+  command->add_flag("--json", options->json, "Print what was written as JSON");
   command->footer(
       "The markers of a ChArUco board are those of OpenCV's smallest dictionary with enough of them: "
       "DICT_4X4_50 "
       "for up to\n"
       "50 markers, then _100, _250, _1000 (DICT_5X5_50 with 5x5 bits, and so on).\n"
       "Examples:\n"
-      "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --page A3\n"
+      "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --paper A3\n"
       "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "
       "A0");
   command->callback([options] { run(*options); });

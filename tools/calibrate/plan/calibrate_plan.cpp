@@ -31,6 +31,7 @@ struct Options {
   calibrate::PlanSettings questions{
       vo::OdometrySettings{}.motion.disparity_noise, std::nullopt, 0.0, {5.0, 10.0, 20.0, 40.0}};
   std::string format = "text";
+  bool json = false;
   std::filesystem::path output, plot;
 };
 
@@ -67,7 +68,7 @@ std::vector<StereoDesign> designsOf(const Options& options) {
 }
 
 std::string reportOf(const Options& options, const std::vector<StereoDesign>& designs) {
-  if (options.format == "json") return calibrate::planJson(designs, options.questions).dump(2) + "\n";
+  if (options.json) return calibrate::planJson(designs, options.questions).dump(2) + "\n";
   return calibrate::planTable(designs, options.questions,
                               options.format == "markdown" ? ReportFormat::markdown : ReportFormat::text);
 }
@@ -132,11 +133,11 @@ void addQuestionOptions(CLI::App& command, Options& options) {
 }
 
 void addReportOptions(CLI::App& command, Options& options) {
-  command.add_option("--format", options.format, "text, markdown or json")
-      ->check(CLI::IsMember({"text", "markdown", "json"}))
-      ->capture_default_str();
-  command.add_flag_callback(
-      "--json", [&options] { options.format = "json"; }, "As --format json");
+  CLI::Option* format = command.add_option("--format", options.format, "text or markdown")
+                            ->check(CLI::IsMember({"text", "markdown"}))
+                            ->type_name("NAME")
+                            ->capture_default_str();
+  command.add_flag("--json", options.json, "Report as JSON, with all numbers")->excludes(format);
   command.add_option("--output", options.output, "Write the report into this file")->type_name("FILE");
   addPlotOption(command, options.plot, "error and overlap over the range");
 }

@@ -76,8 +76,8 @@ ImagePairs pairsInFolder(const fs::path& folder) {
   const capture::ImageSubfolders images = capture::findImageSubfolders(folder);
   if (images.left.empty()) {
     throw std::runtime_error(folder.string() +
-                             ": contains no subfolders image_0 (left) and image_1 (right); or give --left "
-                             "and --right with patterns "
+                             ": contains no subfolders image_0 (left) and image_1 (right); or give "
+                             "--left-images and --right-images with patterns "
                              "such as 'L*.jpg' and 'R*.jpg'");
   }
   capture::NamedPairs named =

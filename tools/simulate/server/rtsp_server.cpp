@@ -148,7 +148,7 @@ void RtspServer::listen(const SimulatedCameraSettings& settings) {
     g_clear_error(&error);
     throw std::runtime_error("a simulated camera cannot listen on " + settings.address + ":" +
                              std::to_string(settings.port) + ": " + reason +
-                             "; give another port with --left or --right");
+                             "; give another port with --left-address or --right-address");
   }
   g_source_attach(listener_.get(), context_.get());
   port_ = static_cast<std::uint16_t>(gst_rtsp_server_get_bound_port(server_.get()));

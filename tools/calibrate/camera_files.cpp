@@ -14,14 +14,16 @@ CameraFiles openCameraFiles(const std::filesystem::path& source, const std::file
   if (std::filesystem::is_regular_file(source)) {
     capture::VideoFileTime time;
     time.frame_rate = frame_rate;
-    cameras.left = std::make_unique<capture::VideoFileSource>(source, time);
+    auto left = std::make_unique<capture::VideoFileSource>(source, time);
+    cameras.pictures = left->expectedPictures();
+    cameras.left = std::move(left);
     if (!right.empty()) cameras.right = std::make_unique<capture::VideoFileSource>(right, time);
     return cameras;
   }
   capture::SourceSettings settings;
   settings.frame_rate = frame_rate;
   capture::StereoSource both = capture::openSource(source, settings);
-  return {std::move(both.left), std::move(both.right)};
+  return {std::move(both.left), std::move(both.right), both.pairs};
 }
 
 }  // namespace cartvo::calibrate

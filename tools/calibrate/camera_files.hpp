@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -11,6 +12,7 @@ namespace cartvo::calibrate {
 struct CameraFiles {
   std::unique_ptr<capture::CameraSource> left;
   std::unique_ptr<capture::CameraSource> right;  ///< null if `left` is a single video
+  std::size_t pictures = 0;                      ///< of each camera, about; 0: unknown
 };
 
 /// Opens a recording, an image folder, or videos: `right` is the right camera's video, and empty if `source`

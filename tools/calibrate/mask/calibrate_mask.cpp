@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using calibrate::StaticParts;
 using Options = calibrate::RigUpdateOptions;
 
-StaticParts find(capture::CameraSource& camera, const std::string& side) {
+StaticParts find(capture::CameraSource& camera, const std::string& side, std::size_t expected) {
   calibrate::StaticPartFinder finder;
   ProgressBar progress("pictures, " + side);
   std::size_t pictures = 0;
@@ -40,7 +40,7 @@ StaticParts find(capture::CameraSource& camera, const std::string& side) {
       if (outcome == capture::ReadOutcome::ended) break;
       if (outcome != capture::ReadOutcome::frame || frame.status != capture::FrameStatus::good) continue;
       finder.add(frame.image, frame.exposure_ns);
-      progress.show(++pictures, 0);
+      progress.show(++pictures, expected);
     }
     return finder.result();
   } catch (const std::runtime_error& error) {
@@ -101,7 +101,8 @@ void run(const Options& options) {
   }
   const calibrate::CameraFiles cameras =
       calibrate::openCameraFiles(options.source, options.right_video, options.frame_rate);
-  const StaticParts left = find(*cameras.left, "left"), right = find(*cameras.right, "right");
+  const StaticParts left = find(*cameras.left, "left", cameras.pictures),
+                    right = find(*cameras.right, "right", cameras.pictures);
   if (!options.output.empty()) {
     requireSize(left, "left", rig.left);
     requireSize(right, "right", rig.right);

@@ -15,6 +15,7 @@
 #include "tools/calibrate/readout/mains_bands.hpp"
 #include "tools/calibrate/readout/profile_source.hpp"
 #include "tools/calibrate/rig_update.hpp"
+#include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 
 namespace cartvo {
@@ -32,10 +33,12 @@ struct Options : calibrate::RigUpdateOptions {
 };
 
 calibrate::StereoProfiles readAll(const Options& options) {
+  ProgressBar progress(options.isLive() ? "s" : "pictures");
+  const auto show = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
   if (!options.isLive())
-    return calibrate::profilesOfFiles(options.source, options.right_video, options.frame_rate);
+    return calibrate::profilesOfFiles(options.source, options.right_video, options.frame_rate, show);
   std::fprintf(stderr, "cartvo: reading both cameras for %.0f s\n", options.seconds);
-  return calibrate::profilesOfLiveCameras(options.configuration, options.seconds);
+  return calibrate::profilesOfLiveCameras(options.configuration, options.seconds, show);
 }
 
 std::string textOf(const char* side, const ReadoutMeasurement& measured) {

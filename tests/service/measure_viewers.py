@@ -103,7 +103,7 @@ def percentile(values, share):
 
 
 def main():
-    cartvo, cartvod, cache = sys.argv[1:4]
+    cartvo, cartvod, cache = (pathlib.Path(name).resolve() for name in sys.argv[1:4])
     seconds = float(sys.argv[4]) if len(sys.argv) > 4 else 60.0
     rounds = int(sys.argv[5]) if len(sys.argv) > 5 else 3
     listener = Listener()

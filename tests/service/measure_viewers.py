@@ -40,7 +40,7 @@ class Viewers:
     def guarded(self, work):
         try:
             work()
-        except OSError as error:
+        except (OSError, AssertionError, http.client.HTTPException) as error:
             self.errors.append(error)
 
     def get(self, connection, path):
@@ -122,11 +122,11 @@ def main():
                 print(f"  {case}: median {statistics.median(latencies):.2f} ms, p99 {percentile(latencies, 0.99):.2f} ms, "
                       f"{invalid} invalid, {share:.1f} % CPU, {answers:.0f} answers a second", flush=True)
         daemon.stop()
-    print(f"{rounds} rounds of {seconds:g} s, latency of all pairs:")
+    print(f"{rounds} rounds of {seconds:g} s, latency of the valid pairs:")
     for case, parts in results.items():
         latencies = [value for part in parts for value in part[0]]
         print(f"{case:26} median {statistics.median(latencies):6.2f} ms, p99 {percentile(latencies, 0.99):6.2f} ms, "
-              f"{sum(part[1] for part in parts)} invalid of {len(latencies)}, "
+              f"{len(latencies)} valid pairs, {sum(part[1] for part in parts)} invalid, "
               f"CPU {statistics.median(part[2] for part in parts):5.1f} %")
 
 

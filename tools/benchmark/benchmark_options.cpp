@@ -113,6 +113,22 @@ void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options) {
   addReportOptions(command, options);
 }
 
+void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps,
+                       const std::string& description) {
+  command
+      .add_option_function<std::vector<double>>(
+          "--bitrates-kbps",
+          [&bitrates_mbps](const std::vector<double>& bitrates_kbps) {
+            bitrates_mbps.clear();
+            for (const double bitrate : bitrates_kbps)
+              bitrates_mbps.push_back(bitrate / 1000.0);
+          },
+          description)
+      ->delimiter(',')
+      ->check(CLI::Range(50.0, 200'000.0))
+      ->type_name("LIST");
+}
+
 void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
   command.add_option("--threads", options.threads, "Threads for rendering and image operations")
       ->check(CLI::Range(1, 64))

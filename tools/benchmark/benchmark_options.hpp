@@ -34,6 +34,10 @@ struct BenchmarkOptions {
 /// Adds --threads, --format, --json and --output. `options` must live as long as the command.
 void addReportOptions(CLI::App& command, BenchmarkOptions& options);
 
+/// Adds --bitrates-kbps, which sets `bitrates_mbps`, Mbit/s per camera. It must live as long as the
+/// command.
+void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps, const std::string& description);
+
 /// Adds --data and the options of addReportOptions. `options` must live as long as the command.
 void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
 

@@ -1,6 +1,7 @@
 // The configured cameras' ISAPI.
 #include "tools/camera/camera_access.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>

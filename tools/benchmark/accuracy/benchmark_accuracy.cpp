@@ -32,7 +32,7 @@ struct AccuracyOptions {
   double seconds = 0.0;  // 0: the default of each scenario
   double offset_ms = 0.0;
   std::string readout_ms = "0";
-  std::vector<double> bitrates_kbps;
+  std::vector<double> bitrates_mbps;
   std::vector<std::string> estimators = estimatorNames();
   int features = vo::OdometrySettings{}.features;
   fs::path cache = simulate::StreamCache::defaultFolder();
@@ -99,8 +99,7 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
     settings.variants.back().odometry.estimator = estimatorNamed(name);
     settings.variants.back().odometry.features = options.features;
   }
-  for (const double bitrate : options.bitrates_kbps)
-    settings.bitrates_mbps.push_back(bitrate / 1000.0);
+  settings.bitrates_mbps = options.bitrates_mbps;
   settings.cache = options.cache;
   requireSequences(settings.data, settings.worlds);
   return settings;
@@ -220,13 +219,9 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
   command->add_option("--features", options->features, "Target number of features in each left image")
       ->check(CLI::Range(50, 20000))
       ->capture_default_str();
-  command
-      ->add_option("--bitrates-kbps", options->bitrates_kbps,
-                   "Measure the same images also as H.264 at these rates (kbit/s per camera),\n"
-                   "encoded as by a camera and decoded by the decoder of cartvod")
-      ->delimiter(',')
-      ->check(CLI::Range(50.0, 200'000.0))
-      ->type_name("LIST");
+  addBitratesOption(*command, options->bitrates_mbps,
+                    "Measure the same images also as H.264 at these rates (kbit/s per camera),\n"
+                    "encoded as by a camera and decoded by the decoder of cartvod");
   addJobOptions(*command, *options);
   command->footer(
       "Runs every real and rendered sequence through the daemon's pipeline, as `cartvo replay` does, and\n"

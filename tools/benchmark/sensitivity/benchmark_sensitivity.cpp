@@ -36,7 +36,7 @@ struct SensitivityOptions {
   std::vector<double> offsets_ms{0.0, 25.0};
   std::vector<double> readouts_ms{0.0, 32.0};
   double image_scale = 1.0;
-  std::vector<double> bitrates_kbps;
+  std::vector<double> bitrates_mbps;
   std::vector<std::string> constants = constantNames();
   double factor = 1.3;
   bool list = false;
@@ -65,8 +65,7 @@ SensitivitySettings settingsOf(const SensitivityOptions& options) {
   SensitivitySettings settings;
   settings.sequences.data = dataFolder(options.common);
   settings.sequences.worlds = worldsOf(options);
-  for (const double bitrate : options.bitrates_kbps)
-    settings.sequences.bitrates_mbps.push_back(bitrate / 1000.0);
+  settings.sequences.bitrates_mbps = options.bitrates_mbps;
   settings.sequences.cache = options.drives.cache;
   settings.odometry.features = options.drives.features;
   settings.constants = options.constants;
@@ -136,12 +135,7 @@ void addSensitivityBenchmark(CLI::App& benchmark) {
                    "Factor on the size of rendered images: 0.5 is four times as fast")
       ->check(CLI::Range(0.25, 2.0))
       ->capture_default_str();
-  command
-      ->add_option("--bitrates-kbps", options->bitrates_kbps,
-                   "Also as H.264 at these rates, kbit/s per camera")
-      ->delimiter(',')
-      ->check(CLI::Range(50.0, 200'000.0))
-      ->type_name("LIST");
+  addBitratesOption(*command, options->bitrates_mbps, "Also as H.264 at these rates, kbit/s per camera");
   command->footer(
       "Two runs for each constant, --threads at a time. Constants that change the results no more than "
       "chance\n"

@@ -29,11 +29,7 @@ Message decode(const py::buffer& data) {
   Message message{};
   int used = -1;
   constexpr py::ssize_t kMostBytes = 1 << 20;
-  try {
-    if (bytes.size <= kMostBytes) used = message.decode(bytes.ptr, 0, static_cast<unsigned>(bytes.size));
-  } catch (const std::exception&) {  // a length of a text that cannot be
-    used = -1;
-  }
+  if (bytes.size <= kMostBytes) used = message.decode(bytes.ptr, 0, static_cast<unsigned>(bytes.size));
   if (used < 0 || used != bytes.size) {
     throw py::value_error(std::to_string(bytes.size) + " bytes are not a message of type " + type +
                           ": another channel, another version of cartvo, or cut short");

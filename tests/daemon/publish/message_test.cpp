@@ -29,6 +29,8 @@
 namespace cartvo::daemon {
 namespace {
 
+using namespace std::string_literals;
+
 constexpr int kEthernetFrame = 1400;  // bytes that LCM sends unfragmented, without its header
 
 constexpr std::int32_t bits(std::int32_t first, std::int32_t second) {
@@ -339,6 +341,40 @@ TEST(HealthMessage, HoldsReadouts) {
   EXPECT_FLOAT_EQ(health.right_readout_ms, -38.4F);
   EXPECT_FLOAT_EQ(health.right_readout_deviation_ms, 0.2F);
   EXPECT_THAT(health.self_check, testing::HasSubstr("-38.4 ± 0.2 ms, not 32.0 ms"));
+}
+
+std::string encoded(const health_t& message) {
+  std::string bytes(static_cast<std::size_t>(message.getEncodedSize()), '\0');
+  EXPECT_EQ(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), message.getEncodedSize());
+  return bytes;
+}
+
+TEST(HealthMessage, WithAnImpossibleLengthOfATextIsRefused) {
+  health_t health{};
+  health.version = "version";
+  health.left.last_error = "left";
+  health.right.last_error = "right";
+  health.self_check = "self-check";
+  health.problem = "problem";
+  const std::string bytes = encoded(health);
+  for (const std::string& text :
+       {health.version, health.left.last_error, health.right.last_error, health.self_check, health.problem}) {
+    for (const std::string& length : {"\x80\0\0\0"s, "\xff\xff\xff\xff"s, "\0\0\0\0"s, "\x7f\xff\xff\xff"s}) {
+      std::string damaged = bytes;
+      damaged.replace(bytes.find(text) - length.size(), length.size(), length);
+      health_t decoded{};
+      EXPECT_LT(decoded.decode(damaged.data(), 0, static_cast<int>(damaged.size())), 0) << text;
+    }
+  }
+}
+
+TEST(HealthMessage, HoldsFieldsOfLaterLayoutsAtItsEnd) {
+  constexpr std::size_t kLaterFields = sizeof(std::int8_t) + 4 * sizeof(float);  // odometry_state, readouts
+  health_t health{};
+  health.problem = "unplugged";
+  std::string bytes = encoded(health);
+  bytes.resize(bytes.size() - kLaterFields - 1);  // and the text's terminating zero
+  EXPECT_THAT(bytes, testing::EndsWith("unplugged"));
 }
 
 TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {

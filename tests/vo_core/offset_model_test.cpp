@@ -46,7 +46,7 @@ double finalError(double actual, double assumed) {
     const StereoImages pair{image(i, false), image(i + actual, true), i * kPeriod,
                             i * kPeriod + std::llround(assumed * kPeriod)};
     estimate = odometry.process(pair, observer);
-    EXPECT_TRUE(i == 0 || estimate.valid) << i;
+    EXPECT_TRUE(i == 0 || estimate.valid || assumed != actual) << i;
   }
   const Eigen::Isometry3d truth = drive(kPairs - 1);
   return 100.0 * (estimate.T_world_camera.translation() - truth.translation()).norm() /

@@ -15,6 +15,7 @@ namespace {
 constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
 constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
 constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
+constexpr double kWide = 2.0;               // factor on the gate for inaccurate poses
 constexpr double kConvergedStep = 1e-5;     // m and rad
 constexpr double kBehindCameraError = 1e3;  // normalised error of a point behind the camera
 static_assert(kSubsetSize <= kDoubleLanes);
@@ -54,16 +55,17 @@ void addEquations(const PoseProblem& problem, const PointBlock& block, const Tra
   equations.add(problem, block, at, at.in_front * block.weight);
 }
 
-/// Score of a pose: sum of the points' weights, each reduced linearly with its squared error.
+/// Sum of the weights of the points within the gate, each reduced linearly with its squared error, and by the
+/// factor 1 / (1 + sharpness * squared error).
 CARTVO_TARGET_CLONES
-double scoreOf(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
-               const Transforms& T_camera_anchor, double gate) {
+double sumOfFits(const PoseProblem& problem, const std::vector<PointBlock>& blocks,
+                 const Transforms& T_camera_anchor, double gate, double sharpness) {
   DoubleLanes sum{};
   for (const PointBlock& block : blocks) {
     const PointResiduals at = residualsOf(problem, T_camera_anchor[block.anchor], block);
     DoubleLanes fit = 1.0 - at.square / (gate * gate);
     clampToMinimum(0.0, fit);
-    sum += block.weight * at.in_front * fit;
+    sum += block.weight * at.in_front * fit / (1.0 + sharpness * at.square);
   }
   return sumOf(sum);
 }
@@ -127,12 +129,10 @@ class Search {
 
   /// Returns the best pose, or nothing if no pose within the motion gate was scored.
   std::optional<Eigen::Isometry3d> run() {
-    consider(start_);
-    if (const auto refined = refine(start_, 3.0 * settings_.gate)) consider(*refined);
-    if (best_score_ < settings_.sufficient_support * weight_) drawSubsets();
-    if (best_score_ < 0.0) return std::nullopt;
-    for (const double gate : {2.0 * settings_.gate, settings_.gate})
-      if (const auto refined = refine(best_, gate); refined && isAdmissible(*refined)) best_ = *refined;
+    explore(start_);
+    if (const auto refined = refine(start_, 3.0 * settings_.gate)) explore(*refined);
+    if (highest_support_ < settings_.sufficient_support * weight_) drawSubsets();
+    if (highest_score_ < 0.0) return std::nullopt;
     return best_;
   }
 
@@ -155,7 +155,9 @@ class Search {
         *next = std::min(static_cast<int>(random_.uniform() * count), count - 1);
         if (std::find(subset.begin(), next, *next) == next) ++next;
       }
-      if (const auto pose = poseOf(subset)) consider(*pose);
+      const auto pose = poseOf(subset);
+      if (!pose || !explore(*pose)) continue;
+      if (const auto rough = refine(*pose, kWide * settings_.gate)) consider(refine(*rough, settings_.gate));
     }
   }
 
@@ -176,13 +178,37 @@ class Search {
     });
   }
 
-  void consider(const Eigen::Isometry3d& pose) {
-    if (!isAdmissible(pose)) return;
-    const double gate = 2.0 * settings_.gate;  // the pose of a subset is inaccurate
-    const double found = scoreOf(problem_, blocks_, fromAnchors(problem_, pose), gate);
-    if (found <= best_score_) return;
-    best_score_ = found;
-    best_ = pose;
+  /// Sum of the weights of the points that a pose fits roughly: the pose of a subset is inaccurate.
+  double supportOf(const Eigen::Isometry3d& pose) const {
+    return sumOfFits(problem_, blocks_, fromAnchors(problem_, pose), kWide * settings_.gate, 0.0);
+  }
+
+  /// Score of a refined pose, with the kernel of S. Geman and D. McClure (1987), which falls to a half at one
+  /// standard deviation: a pose that fits a part of the points exactly wins over one that fits all of them
+  /// badly, as between a standing world and trees that sway in the wind.
+  double scoreOf(const Eigen::Isometry3d& pose) const {
+    return sumOfFits(problem_, blocks_, fromAnchors(problem_, pose), settings_.gate, 1.0);
+  }
+
+  /// Refines a pose if it has more support than all before (local optimisation: O. Chum, J. Matas, J.
+  /// Kittler, "Locally optimized RANSAC", 2003). Returns whether it has.
+  bool explore(const Eigen::Isometry3d& pose) {
+    if (!isAdmissible(pose)) return false;
+    const double support = supportOf(pose);
+    if (support <= highest_support_) return false;
+    highest_support_ = support;
+    consider(pose);
+    consider(refine(pose, settings_.gate));
+    return true;
+  }
+
+  /// Keeps the admissible pose with the highest score.
+  void consider(const std::optional<Eigen::Isometry3d>& pose) {
+    if (!pose || !isAdmissible(*pose)) return;
+    const double score = scoreOf(*pose);
+    if (score <= highest_score_) return;
+    highest_score_ = score;
+    best_ = *pose;
   }
 
   bool isAdmissible(const Eigen::Isometry3d& pose) const {
@@ -197,7 +223,8 @@ class Search {
   SubsetRandom& random_;
   Eigen::Isometry3d start_;
   double weight_ = 0.0;
-  double best_score_ = -1.0;
+  double highest_support_ = -1.0;
+  double highest_score_ = -1.0;
   Eigen::Isometry3d best_ = Eigen::Isometry3d::Identity();
 };
 

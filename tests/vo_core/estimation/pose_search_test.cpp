@@ -118,6 +118,32 @@ TEST(PoseSearch, IgnoresABusThatFillsMostOfTheView) {
   }
 }
 
+/// Simulates a cart that stands still among plants: a third of the points stands, too; the others sway to one
+/// side by up to `sway` (m).
+PoseProblem simulateWind(double sway, std::uint64_t seed) {
+  test::Noise random(seed);
+  PoseProblem problem = simulateStreet({.noise = 0.05, .depth_noise = 0.0}, seed);
+  problem.start = problem.expected =
+      kNow * motionFromVector(vector6(-0.003, 0.001, 0.002, 0.0002, 0.0001, 0.0));
+  for (std::size_t i = problem.points.size() / 3; i < problem.points.size(); ++i) {
+    PosePoint& point = problem.points[i];
+    const double swayed = sway * random.uniform();
+    const Eigen::Isometry3d apparent = kNow * motionFromVector(vector6(swayed, 0.0, -swayed, 0.0, 0.0, 0.0));
+    const Eigen::Isometry3d T_camera_anchor = apparent.inverse() * problem.anchors[point.anchor];
+    point.left = projectLandmark(kRigCamera, T_camera_anchor, point.bearing, point.inverse_depth).pixel;
+  }
+  return problem;
+}
+
+TEST(PoseSearch, FollowsWhatStandsAmongPlantsThatSway) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    PoseProblem problem = simulateWind(0.02, seed);
+    const auto found = search(problem, seed);
+    ASSERT_TRUE(found.has_value()) << seed;
+    EXPECT_LT((kNow.inverse() * found->T_world_camera).translation().norm(), 0.005) << seed;
+  }
+}
+
 TEST(PoseSearch, FindsTheMajorityWithoutAMotionGate) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
     PoseProblem few = simulateStreet({.bus = 0.4}, seed), most = simulateStreet({.bus = 0.6}, seed);

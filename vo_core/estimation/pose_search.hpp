@@ -56,11 +56,12 @@ inline bool hasEnoughInliers(const FoundPose& found, const ValiditySettings& val
   return found.inliers >= validity.minimum_inliers && found.inlier_ratio >= validity.minimum_inlier_ratio;
 }
 
-/// Finds the current pose with the largest weight of inliers by RANSAC (M. Fischler, R. Bolles, 1981). Each
-/// subset of four points gives a pose by a few Gauss-Newton steps on the reprojection error from the
-/// predicted pose (A. Geiger et al., "StereoScan", 2011); the best pose and the prediction are refined on
-/// their inliers. Poses outside the motion gate are rejected: a moving vehicle may fill most of the view, but
-/// the cart has inertia.
+/// Finds the current pose that the points fit best by RANSAC (M. Fischler, R. Bolles, 1981). Each subset of
+/// four points gives a pose by a few Gauss-Newton steps on the reprojection error from the predicted pose
+/// (A. Geiger et al., "StereoScan", 2011). The prediction and poses with more support than the earlier ones
+/// are refined on their inliers, and the result is the one with the highest score (Search::scoreOf). Poses
+/// outside the motion gate are rejected: a moving vehicle may fill most of the view, but the cart has
+/// inertia.
 class PoseFinder {
  public:
   PoseFinder();
@@ -68,7 +69,7 @@ class PoseFinder {
   PoseFinder& operator=(PoseFinder&&) noexcept;
   ~PoseFinder();
 
-  /// Returns nothing with too few points or if no pose within the motion gate has inliers.
+  /// Returns nothing with too few points or if no pose lies within the motion gate.
   std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
                                 SubsetRandom& random);
 

@@ -92,7 +92,8 @@ AssociatedTrajectories associateByRows(const Trajectory& estimate, const Traject
   if (estimate.size() != truth.size()) {
     throw std::runtime_error("the estimate has " + std::to_string(estimate.size()) + " poses, the truth " +
                              std::to_string(truth.size()) +
-                             "; KITTI rows have no times, so both files must contain the same frames");
+                             "; KITTI rows have no times, so both files must contain the same frames. Give "
+                             "files with times instead, as replay's trajectory.tum and a truth.tum");
   }
   if (estimate.size() < 2)
     throw std::runtime_error("a trajectory of one pose cannot be evaluated; at least two are needed");

@@ -42,8 +42,9 @@ int nearestDisparity(const StereoSettings& settings, int width) {
 }
 
 void validate(const OdometrySettings& settings) {
-  for (const TunedConstant& constant : tunedConstants())
-    requireRange(constant.name, constant.value(settings), constant.low, constant.high);
+  for (const auto constants : {tunedConstants(), productLimits()})
+    for (const TunedConstant& constant : constants)
+      requireRange(constant.name, constant.value(settings), constant.low, constant.high);
   const DetectionSettings& detection = settings.detection;
   requireRange("detection.levels", detection.levels, 1, kLandmarkLevels);
   requireRange("detection.maximum_threshold", detection.maximum_threshold, detection.minimum_threshold, 254);

@@ -1,4 +1,4 @@
-// The list of the tuned constants.
+// The lists of the tuned constants and of the limits of the product.
 #include "vo_core/tuned_constants.hpp"
 
 #include <cmath>
@@ -127,18 +127,21 @@ constexpr TunedConstant kConstants[] = {
              "measured (docs/notebook/experiments.md, One filter for the rig)"),
     CONSTANT(self_calibration.significance, "", 0, 100,
              "measured (docs/notebook/experiments.md, One filter for the rig)"),
-    CONSTANT(self_calibration.maximum_rotation, "rad", 0, 1, "requirement: more needs a new calibration"),
-    CONSTANT(self_calibration.maximum_p2, "", 0, 1, "requirement: more needs a new calibration"),
-    CONSTANT(validity.minimum_features, "", 3, 20000, "requirement"),
-    CONSTANT(validity.minimum_matches, "", 3, 20000, "requirement"),
-    CONSTANT(validity.minimum_inliers, "", 3, 20000, "requirement"),
-    CONSTANT(validity.minimum_inlier_ratio, "", 0, 1, "requirement"),
-    CONSTANT(validity.maximum_time_step, "s", 0.001, 60, "requirement: a lost second does not end an epoch"),
-    CONSTANT(validity.maximum_offset, "s", 0, 10, "requirement"),
-    CONSTANT(validity.maximum_offset_uncertainty, "s", 0, 10, "requirement"),
-    CONSTANT(validity.maximum_speed, "m/s", 0.1, 1000, "requirement"),
-    CONSTANT(validity.maximum_rate, "rad/s", 0.01, 100, "requirement"),
-    CONSTANT(validity.maximum_stddev, "m, rad", 1e-4, 100, "requirement"),
+};
+
+constexpr TunedConstant kLimits[] = {
+    CONSTANT(self_calibration.maximum_rotation, "rad", 0, 1, "more needs a new calibration"),
+    CONSTANT(self_calibration.maximum_p2, "", 0, 1, "more needs a new calibration"),
+    CONSTANT(validity.minimum_features, "", 3, 20000, "fewer show too little texture"),
+    CONSTANT(validity.minimum_matches, "", 3, 20000, "fewer do not contradict a wrong motion"),
+    CONSTANT(validity.minimum_inliers, "", 3, 20000, "the same"),
+    CONSTANT(validity.minimum_inlier_ratio, "", 0, 1, "below, most of the scene moves otherwise"),
+    CONSTANT(validity.maximum_time_step, "s", 0.001, 60, "a lost second does not end an epoch"),
+    CONSTANT(validity.maximum_offset, "s", 0, 10, "beyond, the cart moves too far between the exposures"),
+    CONSTANT(validity.maximum_offset_uncertainty, "s", 0, 10, "beyond, depths are unknown"),
+    CONSTANT(validity.maximum_speed, "m/s", 0.1, 1000, "of any vehicle with this daemon"),
+    CONSTANT(validity.maximum_rate, "rad/s", 0.01, 100, "the same"),
+    CONSTANT(validity.maximum_stddev, "m, rad", 1e-4, 100, "a worse motion is of no use to a controller"),
 };
 
 #undef CONSTANT
@@ -165,6 +168,10 @@ bool TunedConstant::isInteger() const {
 
 std::span<const TunedConstant> tunedConstants() {
   return kConstants;
+}
+
+std::span<const TunedConstant> productLimits() {
+  return kLimits;
 }
 
 }  // namespace cartvo::vo

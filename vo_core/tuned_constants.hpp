@@ -25,4 +25,8 @@ struct TunedConstant {
 
 std::span<const TunedConstant> tunedConstants();
 
+/// The limits of the product, which are requirements and not tuned: conditions of a valid motion, and the
+/// calibration errors that are corrected.
+std::span<const TunedConstant> productLimits();
+
 }  // namespace cartvo::vo

@@ -67,7 +67,7 @@ TEST(Sensitivity, SortsConstantsByTheirEffect) {
   SensitivitySettings settings;
   settings.sequences.worlds = {test::tinyWorld()};
   settings.sequences.cache = folder.path();
-  settings.constants = {"validity.maximum_speed", "validity.maximum_rate", "stereo.minimum_correlation"};
+  settings.constants = {"pose_search.gate", "standstill.rotation", "stereo.minimum_correlation"};
   settings.factor = 1e9;
   int last_done = 0, last_total = 0;
   std::string last_unit;
@@ -100,6 +100,12 @@ TEST(Sensitivity, ListsAllConstants) {
   for (const vo::TunedConstant& constant : vo::tunedConstants())
     EXPECT_THAT(table, HasSubstr(std::string("| ") + constant.name + " "));
   EXPECT_EQ(constantsJson()["constants"].size(), vo::tunedConstants().size());
+}
+
+TEST(Sensitivity, ListsLimitsApart) {
+  EXPECT_THAT(constantsTable(ReportFormat::markdown), HasSubstr("| validity.maximum_speed "));
+  EXPECT_EQ(constantsJson()["limits"].size(), vo::productLimits().size());
+  EXPECT_THROW(constantNamed("validity.maximum_speed"), std::invalid_argument);
 }
 
 }  // namespace

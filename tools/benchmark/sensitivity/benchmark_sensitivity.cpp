@@ -106,7 +106,9 @@ void addChanges(CLI::App& command, SensitivityOptions& options) {
           "factor takes each to the end of its range, where most rules have no effect")
       ->check(CLI::Range(1.001, 1e9))
       ->capture_default_str();
-  command.add_flag("--list", options.list, "Print all constants with units, ranges and sources instead");
+  command.add_flag(
+      "--list", options.list,
+      "Print all constants and the limits of the product, with units, ranges and\nsources, instead");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 namespace cartvo::benchmark {
 namespace {
@@ -65,17 +66,23 @@ nlohmann::ordered_json describe(const vo::TunedConstant& constant) {
 }  // namespace
 
 std::string constantsTable(ReportFormat format) {
-  Table table({"constant", "default", "unit", "range", "source"});
-  for (const vo::TunedConstant& constant : vo::tunedConstants())
-    table.add({constant.name, numberOf(constant.value({})), constant.unit,
-               numberOf(constant.low) + " to " + numberOf(constant.high), constant.source});
-  return table.as(format) + "\n" + std::to_string(vo::tunedConstants().size()) + " constants\n";
+  const auto listed = [&](std::span<const vo::TunedConstant> constants, const char* what) {
+    Table table({what, "default", "unit", "range", "source"});
+    for (const vo::TunedConstant& constant : constants)
+      table.add({constant.name, numberOf(constant.value({})), constant.unit,
+                 numberOf(constant.low) + " to " + numberOf(constant.high), constant.source});
+    return table.as(format) + "\n" + std::to_string(constants.size()) + " " + what + "s\n";
+  };
+  return listed(vo::tunedConstants(), "constant") + "\n" + listed(vo::productLimits(), "limit");
 }
 
 nlohmann::ordered_json constantsJson() {
-  nlohmann::ordered_json json = {{"constants", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json = {{"constants", nlohmann::ordered_json::array()},
+                                 {"limits", nlohmann::ordered_json::array()}};
   for (const vo::TunedConstant& constant : vo::tunedConstants())
     json["constants"].push_back(describe(constant));
+  for (const vo::TunedConstant& limit : vo::productLimits())
+    json["limits"].push_back(describe(limit));
   return json;
 }
 

@@ -9,7 +9,8 @@
 
 namespace cartvo::benchmark {
 
-/// The list of vo::tunedConstants() with units, defaults, ranges and sources, text or Markdown.
+/// The lists of vo::tunedConstants() and vo::productLimits() with units, defaults, ranges and sources, text
+/// or Markdown.
 std::string constantsTable(ReportFormat format);
 nlohmann::ordered_json constantsJson();
 

@@ -58,15 +58,14 @@ struct TrackingSettings {
 
 /// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
-  double minimum_disparity = 0.5;     ///< px; points farther away have no usable depth
-  int maximum_disparity = 128;        ///< px; nearer points are not found, but see nearestDisparity()
-  int rows = 1;                       ///< px, rows searched above and below
+  double minimum_disparity = 0.5;  ///< px; points farther away have no usable depth
+  int maximum_disparity = 128;     ///< px; nearer points are not found, but see nearestDisparity()
+  int rows = 1;  ///< px of the level, rows searched above and below; a match is at most half a row beyond
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
   double uniqueness = 0.8;         ///< maximum ratio of 1 - correlation of the best to the second-best match
   double maximum_sad_ratio = 1.3;  ///< of a candidate to the least one; above, it is ignored
-  double maximum_row_residual = 1.5;  ///< px of the level, of a match from its epipolar line
-  double minimum_row_gate = 0.5;      ///< px of the level, of a row residual in inter-coded pictures
-  double row_gate_stddevs = 2.0;      ///< the same in standard deviations of all row residuals
+  double minimum_row_gate = 0.5;   ///< px of the level, of a row residual in inter-coded pictures
+  double row_gate_stddevs = 2.0;   ///< the same in standard deviations of all row residuals
   double maximum_row_translation =
       0.005;  ///< m along y and z between the exposures up to which rows are equal
 };

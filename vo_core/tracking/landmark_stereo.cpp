@@ -109,7 +109,7 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
     Landmark& landmark = landmarks[i];
     const double row_residual = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
-        std::abs(row_residual) > settings_.stereo.maximum_row_residual * levelScale(landmark.level) ||
+        std::abs(row_residual) > (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
         !isConsistentBackward(aligned, settings_.tracking) ||
         !view.right.mask.allows(aligned.position, landmark.level))
       return;

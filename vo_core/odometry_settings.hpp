@@ -127,9 +127,11 @@ struct BundleSettings {
 
 /// Uncertainty of motions and poses (docs/how-it-works.md, section 8).
 struct UncertaintySettings {
-  double motion_noise_factor = 0.56;      ///< on the covariance of a motion by its landmarks
-  double first_motion_inflation = 9.0;    ///< part of the factor of a track's first motion beyond 1
-  double scale_stddev = 0.05;             ///< stddev of a scale factor that disparities do not observe
+  double motion_noise_factor = 0.56;    ///< on the covariance of a motion by its landmarks
+  double first_motion_inflation = 9.0;  ///< part of the factor of a track's first motion beyond 1
+  /// Of the scale of depths, which disparities do not observe; with rolling shutters also of its tilt over
+  /// the columns.
+  double scale_stddev = 0.05;
   double independent_noise_ratio = 0.5;   ///< share of a pose's noise that is independent in each pair
   double drift_ratio = 0.2;               ///< drift per pair, of a pose's noise, at full image motion
   double full_image_motion = 8.0;         ///< px, image motion at which the drift saturates
@@ -147,12 +149,10 @@ struct StandstillSettings {
 
 /// Motion about exposures from the rows of rolling-shutter images.
 struct RollingShutterSettings {
-  double memory = 0.9;            ///< weight of the previous roughness, per pair
-  double translation_jerk = 4.0;  ///< (m/s^3)^2, variance of a smooth drive
-  double rotation_jerk = 9.0;     ///< (rad/s^3)^2, the same
-  double unknown_velocity = 3.0;  ///< m/s and rad/s, stddev with one pose; per s with two
-  double depth_scale_stddev =
-      0.05;  ///< of the shared error of inverse depths: of their scale, and its tilt over the columns
+  double memory = 0.9;                 ///< weight of the previous roughness, per pair
+  double translation_jerk = 4.0;       ///< (m/s^3)^2, variance of a smooth drive
+  double rotation_jerk = 9.0;          ///< (rad/s^3)^2, the same
+  double unknown_velocity = 3.0;       ///< m/s and rad/s, stddev with one pose; per s with two
   double depth_offset_stddev = 0.015;  ///< 1/m, of their offset, and its tilt over the rows
   double prior_freedom = 4.0;          ///< degrees of freedom of the expected motion's t distribution
 };

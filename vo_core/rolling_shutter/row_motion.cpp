@@ -79,8 +79,8 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
   RowInformation::Vector prior_information = problem.variances.cwiseInverse();
   const RollingShutterSettings& settings = problem.settings;
   const double depth_stddevs[RowUnknowns::kDepthErrors] = {
-      settings.depth_scale_stddev, settings.depth_offset_stddev, settings.depth_offset_stddev,
-      settings.depth_scale_stddev};
+      problem.depth_scale_stddev, settings.depth_offset_stddev, settings.depth_offset_stddev,
+      problem.depth_scale_stddev};
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     RowEquations sums = points_->equationsAt(state);
     for (int i = 0; i < RowUnknowns::kDepthErrors; ++i)

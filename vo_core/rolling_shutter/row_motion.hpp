@@ -38,6 +38,7 @@ struct RowMotionProblem {
   ExposureMotion start;              ///< first guess of the motion
   double readout_stddev = 0.0;       ///< s; 0: known
   double robust_width = 1.5;         ///< see BundleSettings
+  double depth_scale_stddev = UncertaintySettings().scale_stddev;
   RollingShutterSettings settings;
 };
 

@@ -99,6 +99,7 @@ void VisualTrack::buildRowProblem(const Draft& draft, int position, const Exposu
   problem.camera = camera_;
   problem.noise = noise_;
   problem.robust_width = settings_.bundle.robust_width;
+  problem.depth_scale_stddev = settings_.uncertainty.scale_stddev;
   problem.settings = settings_.rolling_shutter;
   problem.expected = expected;
   problem.variances = variances;

@@ -45,9 +45,7 @@ RigCalibrationFilter::RigCalibrationFilter(const SelfCalibrationSettings& settin
     : settings_(settings),
       known_left_(knownReadout(shutters.left)),
       known_right_(knownReadout(shutters.right)) {
-  Vector stddev = Vector::Constant(settings.lens_stddev);
-  for (const int angle : kAngles)
-    stddev[angle] = settings.rotation_stddev;
+  Vector stddev = Vector::Constant(settings.calibration_stddev);
   stddev[kSkew] = settings.skew_stddev;
   stddev[RowPatterns::kDelay] = settings.delay_stddev;
   stddev[kLeftReadout] = known_left_ ? settings.readout_stddev : shutters.left.readout_stddev;
@@ -92,7 +90,7 @@ void RigCalibrationFilter::update(const Equations& equations) {
 }
 
 void RigCalibrationFilter::bump(int index) {
-  covariance_(index, index) += square(settings_.rotation_stddev);
+  covariance_(index, index) += square(settings_.calibration_stddev);
   mean_innovation_[index] = 0.0;
 }
 

@@ -39,7 +39,6 @@ struct SelfCalibrationSettings {
   double bump_innovation = 0.5;   ///< standard deviations of the mean change over correlated_pairs
 
   // Correction.
-  double significance = 1.0;       ///< standard deviations below which an error is not corrected
   double maximum_rotation = 1e-2;  ///< more requires a new calibration
   double maximum_p2 = 3e-3;        ///< the same
 };

@@ -123,8 +123,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(self_calibration.innovation_limit, "", 0.1, 100, "five standard deviations"),
     CONSTANT(self_calibration.bump_innovation, "", 0.01, 100,
              "measured (docs/notebook/experiments.md, One filter for the rig)"),
-    CONSTANT(self_calibration.significance, "", 0, 100,
-             "measured (docs/notebook/experiments.md, One filter for the rig)"),
 };
 
 constexpr TunedConstant kLimits[] = {

@@ -22,12 +22,11 @@ std::optional<double> knownReadout(const Shutter& shutter) {
   return shutter.readout_stddev > 0.0 ? std::nullopt : std::optional(shutter.readout);
 }
 
-/// A significant value, shrunk by the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
-/// non-negative garrote", 1998): zero for |value| <= insignificant, continuous, close to the value far
-/// beyond.
-double shrunk(double value, double insignificant) {
-  const double size = std::abs(value);
-  return size <= insignificant ? 0.0 : value * (1.0 - square(insignificant / size));
+/// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
+/// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
+/// non-negative garrote", 1998), zero for values below their standard deviation.
+double shrunk(double value, double variance) {
+  return square(value) <= variance ? 0.0 : value - variance / value;
 }
 
 /// rad/s, of the newest motion about the camera's y axis.
@@ -186,9 +185,7 @@ RigCorrection RigCalibrationFilter::expected() const {
 RigCorrection RigCalibrationFilter::correction() const {
   Vector variances = covariance_.diagonal();
   variances.head<kRows>() += patternVariances();
-  const auto significant = [&](int index) {
-    return shrunk(estimate_[index], settings_.significance * std::sqrt(variances[index]));
-  };
+  const auto significant = [&](int index) { return shrunk(estimate_[index], variances[index]); };
   return limited({significant(kYaw), significant(kP2), significant(RowPatterns::kPitch),
                   significant(RowPatterns::kRoll)});
 }

@@ -50,8 +50,8 @@ double MotionRoughness::Excess::measured() const {
 /// Variances of the jerk: those of a smooth drive and an excess.
 Vector6d MotionRoughness::withExcess(double translation, double rotation) const {
   Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(settings_.translation_jerk + translation),
-      Eigen::Vector3d::Constant(settings_.rotation_jerk + rotation);
+  jerk << Eigen::Vector3d::Constant(settings_.jerk_variance + translation),
+      Eigen::Vector3d::Constant(settings_.jerk_variance + rotation);
   return jerk;
 }
 
@@ -101,15 +101,16 @@ void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& m
   const Sensitivity by = sensitivityOf(poses, static_cast<int>(poses.size()) - 1);
   if (!by.known) return;
   const double square = by.velocity * by.velocity;
-  const auto adapt = [&](int first, double smooth, Excess& excess) {
+  const auto adapt = [&](int first, Excess& excess) {
     const auto mean = [&](const auto& of) { return of.template segment<3>(first).mean() / square; };
     excess.update(mean(rows.squared_difference),
                   mean(rows.row_variances) +
-                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) + smooth,
+                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) +
+                      settings_.jerk_variance,
                   settings_.memory);
   };
-  adapt(0, settings_.translation_jerk, translation_);
-  adapt(3, settings_.rotation_jerk, rotation_);
+  adapt(0, translation_);
+  adapt(3, rotation_);
 }
 
 }  // namespace cartvo::vo

@@ -11,7 +11,6 @@ struct SelfCalibrationSettings {
   double calibration_stddev = 3e-3;
   double skew_stddev = 1e-2;       ///< row pattern x y of the lenses: KITTI's rectified images have 9e-3
   double delay_stddev = 1e-2;      ///< s, of timestamps
-  double search_stddev = 1e-3;     ///< of a pitch found by the search over 1.5 px steps
   double readout_stddev = 4.8e-3;  ///< s, of a stated readout: 15 % of that of usual sensors
 
   // Process noise: standard deviation after 1 s; it grows with the square root of time.

@@ -99,7 +99,6 @@ constexpr TunedConstant kConstants[] = {
              "measured: 1e-3 and 6e-3 within 7 % (docs/notebook/experiments.md, One filter for the rig)"),
     CONSTANT(self_calibration.skew_stddev, "", 1e-06, 1, "KITTI's rectified images have 9e-3"),
     CONSTANT(self_calibration.delay_stddev, "s", 1e-06, 1, "timestamps of a network camera"),
-    CONSTANT(self_calibration.search_stddev, "rad", 1e-06, 1, "steps of 1.5 px of the search for the pitch"),
     CONSTANT(self_calibration.readout_stddev, "s", 1e-06, 1, "15 % of the readout of usual sensors"),
     CONSTANT(self_calibration.rotation_drift, "rad", 0, 1,
              "measured (docs/notebook/experiments.md, One filter for the rig)"),

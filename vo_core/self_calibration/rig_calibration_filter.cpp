@@ -151,7 +151,7 @@ void RigCalibrationFilter::reinitialisePitch(double pitch) {
   estimate_[RowPatterns::kPitch] += pitch;
   covariance_.row(RowPatterns::kPitch).setZero();
   covariance_.col(RowPatterns::kPitch).setZero();
-  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = square(settings_.search_stddev);
+  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = prior_variances_[RowPatterns::kPitch];
 }
 
 void RigCalibrationFilter::reinitialisePitch(const BundleProblem& matches) {

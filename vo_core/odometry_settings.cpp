@@ -48,8 +48,6 @@ void validate(const OdometrySettings& settings) {
   const DetectionSettings& detection = settings.detection;
   requireRange("detection.levels", detection.levels, 1, kLandmarkLevels);
   requireRange("detection.maximum_threshold", detection.maximum_threshold, detection.minimum_threshold, 254);
-  requireRange("detection.initial_threshold", detection.initial_threshold, detection.minimum_threshold,
-               detection.maximum_threshold);
   requireRange("tracking.iterations", settings.tracking.iterations, 1, 100);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
   validate(settings.motion);

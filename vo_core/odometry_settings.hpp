@@ -27,7 +27,6 @@ struct DetectionSettings {
   int window_rows = 5;                ///< number of windows one above the other
   int minimum_threshold = 6;          ///< grey values, lower bound of a window's threshold
   int maximum_threshold = 80;         ///< grey values, upper bound of a window's threshold
-  int initial_threshold = 20;         ///< grey values, threshold of each window for the first image
   double corners_per_feature = 2.0;   ///< target number of corners of a window per target feature
   double adaptation_exponent = 0.2;   ///< of the ratio of counts by which a threshold changes
   double prior_trials = 4.0;          ///< in the prior of a window's success rate, half of them successful

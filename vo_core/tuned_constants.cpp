@@ -21,8 +21,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(detection.window_rows, "", 1, 100, "thesis 4.9"),
     CONSTANT(detection.minimum_threshold, "grey", 1, 254, "thesis 4.9: below, corners are noise"),
     CONSTANT(detection.maximum_threshold, "grey", 1, 254, "thesis 4.9"),
-    CONSTANT(detection.initial_threshold, "grey", 1, 254,
-             "FAST's usual threshold (Rosten and Drummond 2006)"),
     CONSTANT(detection.corners_per_feature, "", 1, 100, "a choice of two corners for each feature"),
     CONSTANT(detection.adaptation_exponent, "", 0.01, 1,
              "a fifth: the count falls with about the fifth power of the threshold"),

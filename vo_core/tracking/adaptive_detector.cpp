@@ -44,7 +44,7 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
     }
   }
   setTargetFeatureCount(features);
-  thresholds_.assign(windows_.size(), settings.initial_threshold);
+  thresholds_.assign(windows_.size(), settings.minimum_threshold);
   corner_counts_.assign(windows_.size(), 0);
   wanted_.resize(windows_.size());
   // Reserves memory for whatever an image may show: pages that are not written cost nothing.

@@ -40,8 +40,8 @@ TEST(Sensitivity, StaysWithinTheRange) {
   EXPECT_FALSE(withConstant(constantNamed("bundle.frames"), 9.1, settings)) << "the default is the largest";
   EXPECT_EQ(withConstant(constantNamed("history.minimum_weight"), 7.0, settings)->history.minimum_weight,
             1.0);
-  EXPECT_FALSE(withConstant(constantNamed("detection.initial_threshold"), 100.0, settings))
-      << "above the largest threshold";
+  EXPECT_FALSE(withConstant(constantNamed("detection.maximum_threshold"), 3.0, settings))
+      << "below the least threshold";
 }
 
 SequenceAccuracy accuracyOf(double errors, std::size_t invalid) {

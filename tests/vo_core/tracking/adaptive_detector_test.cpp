@@ -64,7 +64,6 @@ TEST(AdaptiveDetector, TooFewCornersLowerTheThresholdToItsMinimum) {
 TEST(AdaptiveDetector, FillsUpToTheTargetAndKeepsTheDistance) {
   const cv::Mat image = test::draw(640, 320, test::WaveTexture(2));
   DetectionSettings settings;
-  settings.initial_threshold = 8;
   AdaptiveDetector detector(settings, 300, image.size());
   SpacingGrid spacing(640, 320, 8.0);
   std::vector<Eigen::Vector2d> alive{{100, 100}, {120, 100}, {300, 200}};

@@ -48,7 +48,6 @@ class LandmarkDetectorTest : public testing::Test {
   SpacingGrid spacing_;
   DetectionSettings settings_ = [] {
     DetectionSettings settings;
-    settings.initial_threshold = 8;
     settings.minimum_threshold = 2;
     return settings;
   }();

@@ -32,10 +32,8 @@ const std::vector<Ablation>& ablations() {
        [](vo::OdometrySettings& s) { s.standstill.least_time = 3600.0; }},
       {"one-way", "no alignment is rejected for its forward-backward error",
        [](vo::OdometrySettings& s) { s.tracking.maximum_backward_error = 100.0; }},
-      {"fixed-threshold", "one FAST threshold for all windows",
-       [](vo::OdometrySettings& s) {
-         s.detection.minimum_threshold = s.detection.maximum_threshold = s.detection.initial_threshold;
-       }},
+      {"fixed-threshold", "one FAST threshold, 20, for all windows",
+       [](vo::OdometrySettings& s) { s.detection.minimum_threshold = s.detection.maximum_threshold = 20; }},
       {"fine-only", "all landmarks from the full image, none from the pyramid level of half size",
        [](vo::OdometrySettings& s) { s.detection.levels = 1; }},
       {"half-features", "half as many landmarks", [](vo::OdometrySettings& s) { s.features /= 2; }},

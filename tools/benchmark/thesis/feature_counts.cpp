@@ -59,7 +59,8 @@ FeatureCountSeries countFeatures(const std::filesystem::path& folder, const vo::
 }
 
 vo::DetectionSettings withFixedThreshold(vo::DetectionSettings settings) {
-  settings.minimum_threshold = settings.maximum_threshold = settings.initial_threshold;
+  constexpr int kUsualThreshold = 20;  // of FAST (Rosten and Drummond 2006)
+  settings.minimum_threshold = settings.maximum_threshold = kUsualThreshold;
   return settings;
 }
 

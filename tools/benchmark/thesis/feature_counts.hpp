@@ -28,7 +28,7 @@ struct FeatureCountSeries {
 FeatureCountSeries countFeatures(const std::filesystem::path& folder, const vo::DetectionSettings& settings,
                                  int features);
 
-/// `settings` with the initial threshold fixed for all windows and images.
+/// `settings` with the same threshold for all windows and images.
 vo::DetectionSettings withFixedThreshold(vo::DetectionSettings settings);
 
 }  // namespace cartvo::benchmark

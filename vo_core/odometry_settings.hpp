@@ -101,8 +101,7 @@ struct PoseSearchSettings {
   double gate = 3.0;  ///< standard deviations of a residual within which a point is an inlier
   double sufficient_support =
       0.75;  ///< share of the points' weight; a start with as many inliers ends the search
-  double maximum_acceleration = 25.0;          ///< m/s^2, gate of the change of the motion
-  double maximum_angular_acceleration = 40.0;  ///< rad/s^2, the same of the rotation
+  double maximum_acceleration = 30.0;  ///< m/s^2 and rad/s^2, gate of the change of the motion
   /// Share of the landmarks that must agree on a pose which the last motion did not predict.
   double minimum_surprised_share = 0.05;
 };

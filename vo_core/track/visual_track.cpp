@@ -316,14 +316,10 @@ bool VisualTrack::isAmbiguous(const FoundPose& found) const {
          second->weight > kMajority * found.weight;
 }
 
-/// Motion gate from the maximum linear and angular acceleration.
+/// Motion gate from the maximum acceleration.
 Vector6d VisualTrack::admissibleChange(const PreparedPair& pair) const {
   const double square = std::pow(secondsSinceLast(pair), 2);
-  const PoseSearchSettings& limits = settings_.pose_search;
-  Vector6d change;
-  change << Eigen::Vector3d::Constant(limits.maximum_acceleration * square),
-      Eigen::Vector3d::Constant(limits.maximum_angular_acceleration * square);
-  return change;
+  return Vector6d::Constant(settings_.pose_search.maximum_acceleration * square);
 }
 
 void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft) {

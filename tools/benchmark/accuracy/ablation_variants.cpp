@@ -23,9 +23,7 @@ const std::vector<Ablation>& ablations() {
       {"no-history", "no landmark is down-weighted or removed for its earlier residuals",
        [](vo::OdometrySettings& s) { s.history = {.half_weight_stddevs = 100.0, .minimum_weight = 0.0}; }},
       {"any-motion", "the search accepts motions beyond the acceleration limits of a cart",
-       [](vo::OdometrySettings& s) {
-         s.pose_search.maximum_acceleration = s.pose_search.maximum_angular_acceleration = 1e6;
-       }},
+       [](vo::OdometrySettings& s) { s.pose_search.maximum_acceleration = 1e6; }},
       {"no-rig", "the right camera's yaw and decentring (p2) are not corrected",
        [](vo::OdometrySettings& s) { s.rig_refinement = vo::RigRefinement::off; }},
       {"no-stand", "standstill is not detected",

@@ -22,17 +22,15 @@ constexpr double kMajority = 0.5;
 
 /// Detection windows with adaptive FAST thresholds (thesis 4.9).
 struct DetectionSettings {
-  int levels = kLandmarkLevels;       ///< pyramid levels with corners, the full image included
-  int window_columns = 16;            ///< number of windows side by side
-  int window_rows = 5;                ///< number of windows one above the other
-  int minimum_threshold = 6;          ///< grey values, lower bound of a window's threshold
-  int maximum_threshold = 80;         ///< grey values, upper bound of a window's threshold
-  double corners_per_feature = 2.0;   ///< target number of corners of a window per target feature
-  double adaptation_exponent = 0.2;   ///< of the ratio of counts by which a threshold changes
-  double prior_trials = 4.0;          ///< in the prior of a window's success rate, half of them successful
-  double trial_memory = 60.0;         ///< trials, memory of a window's success rate
-  double prior_return_pairs = 200.0;  ///< time constant of the return to the prior without trials
-  double level_sharpness = 8.0;       ///< exponent of the levels' utilities by which they share a window
+  int levels = kLandmarkLevels;      ///< pyramid levels with corners, the full image included
+  int window_columns = 16;           ///< number of windows side by side
+  int window_rows = 5;               ///< number of windows one above the other
+  int minimum_threshold = 6;         ///< grey values, lower bound of a window's threshold
+  int maximum_threshold = 80;        ///< grey values, upper bound of a window's threshold
+  double corners_per_feature = 2.0;  ///< target number of corners of a window per target feature
+  double adaptation_exponent = 0.2;  ///< of the ratio of counts by which a threshold changes
+  double trial_memory = 200.0;       ///< pairs, memory of a window's success rate
+  double level_sharpness = 8.0;      ///< exponent of the levels' utilities by which they share a window
 };
 
 constexpr int kMaximumSearchAgain = 7;  ///< upper bound of TrackingSettings::search_again, pairs

@@ -37,10 +37,7 @@ LandmarkDetector::LandmarkDetector(const DetectionSettings& settings, int featur
   for (int level = 0; level < settings.levels; ++level) {
     AdaptiveDetector detector(settings, features, levelSize(image_size, level), levelScale(level));
     const auto windows = static_cast<std::size_t>(detector.windowCount());
-    levels_.push_back(
-        {std::move(detector),
-         std::vector<TrialCounts>(windows, TrialCounts{settings.prior_trials, 0.5 * settings.prior_trials}),
-         std::vector<int>(windows)});
+    levels_.push_back({std::move(detector), std::vector<TrialCounts>(windows), std::vector<int>(windows)});
   }
   setTargetFeatureCount(features);
 }
@@ -59,17 +56,17 @@ int LandmarkDetector::windowOf(int level, const Eigen::Vector2d& pixel) const {
 
 void LandmarkDetector::recordOutcome(const Landmark& landmark, bool tracked) {
   TrialCounts& trials = levels_[landmark.level].trials[windowOf(landmark.level, landmark.anchor().left)];
-  const double kept = 1.0 - 1.0 / settings_.trial_memory;
-  trials.attempted = kept * trials.attempted + 1.0;
-  trials.tracked = kept * trials.tracked + (tracked ? 1.0 : 0.0);
+  trials.attempted += 1.0;
+  trials.tracked += tracked ? 1.0 : 0.0;
 }
 
-/// Moves the success rates towards the prior: what has not been tried for long is uncertain again.
-void LandmarkDetector::decayToPrior() {
+/// Forgets: what has not been tried for long is uncertain again.
+void LandmarkDetector::decayTrials() {
+  const double kept = 1.0 - 1.0 / settings_.trial_memory;
   for (Level& level : levels_)
     for (TrialCounts& trials : level.trials) {
-      trials.attempted += (settings_.prior_trials - trials.attempted) / settings_.prior_return_pairs;
-      trials.tracked += (0.5 * settings_.prior_trials - trials.tracked) / settings_.prior_return_pairs;
+      trials.attempted *= kept;
+      trials.tracked *= kept;
     }
 }
 
@@ -78,7 +75,7 @@ LevelShares LandmarkDetector::utilityOf(int window) const {
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const TrialCounts& trials = levels_[level].trials[window];
     const double scale = levelScale(static_cast<int>(level));
-    utility[level] = trials.tracked / (trials.attempted * scale * scale);
+    utility[level] = (trials.tracked + 1.0) / ((trials.attempted + 2.0) * scale * scale);
   }
   return utility;
 }
@@ -104,7 +101,7 @@ const std::vector<LandmarkCorner>& LandmarkDetector::detect(const ImagePyramid& 
                                                             const std::vector<Landmark>& alive,
                                                             SpacingGrid& spacing) {
   distributeTargets();
-  decayToPrior();
+  decayTrials();
   for (const Landmark& landmark : alive)
     --levels_[landmark.level].wanted[windowOf(landmark.level, landmark.last().left)];
   corners_.clear();

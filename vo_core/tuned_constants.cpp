@@ -84,7 +84,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(standstill.rotation, "rad", 0, 1, "measured on euroc_still"),
     CONSTANT(standstill.least_time, "s", 0, 3600, "shorter than any stop"),
     CONSTANT(standstill.motion_significance, "", 0.1, 100, "certain: five standard deviations"),
-    CONSTANT(rolling_shutter.memory, "", 0, 0.999, "ten pairs"),
     CONSTANT(rolling_shutter.jerk_variance, "(m/s^3)^2, (rad/s^3)^2", 1e-6, 1e6,
              "a cart takes half a second from none to full acceleration"),
     CONSTANT(rolling_shutter.unknown_velocity, "m/s", 0.01, 1000, "a golf cart's usual speed"),

@@ -6,12 +6,12 @@
 
 namespace cartvo::vo {
 
-/// Updates the assumed noise by the residuals of an adjusted window: exponential average, clamped.
-inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result) {
-  constexpr double kMemory = 0.9;                              // weight of the previous estimate, per pair
+/// Updates the assumed noise by the residuals of an adjusted window: exponential average over
+/// `correlated_pairs`, clamped.
+inline BundleNoises adapted(const BundleNoises& noise, const BundleResult& result, double correlated_pairs) {
   constexpr double kMinimumNoise = 0.03, kMaximumNoise = 0.6;  // px
   const auto adapt = [&](double value, double scale) {
-    return std::clamp(value * (kMemory + (1.0 - kMemory) * scale), kMinimumNoise, kMaximumNoise);
+    return std::clamp(value * (1.0 + (scale - 1.0) / correlated_pairs), kMinimumNoise, kMaximumNoise);
   };
   BundleNoises next = noise;
   for (int level = 0; level < kLandmarkLevels; ++level) {

@@ -92,8 +92,8 @@ Vector6d MotionRoughness::measuredJerk() const {
 }
 
 void MotionRoughness::compare(const Vector6d& difference, const Vector6d& variances) {
-  inconsistency_ = settings_.memory * inconsistency_ +
-                   (1.0 - settings_.memory) * difference.cwiseAbs2().cwiseQuotient(variances);
+  inconsistency_ =
+      memory_ * inconsistency_ + (1.0 - memory_) * difference.cwiseAbs2().cwiseQuotient(variances);
 }
 
 void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev,
@@ -107,7 +107,7 @@ void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& m
                   mean(rows.row_variances) +
                       by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) +
                       settings_.jerk_variance,
-                  settings_.memory);
+                  memory_);
   };
   adapt(0, translation_);
   adapt(3, rotation_);

@@ -13,7 +13,9 @@ namespace cartvo::vo {
 /// smooth drive and what the rows of the last images have shown in addition.
 class MotionRoughness {
  public:
-  explicit MotionRoughness(const RollingShutterSettings& settings) : settings_(settings) {}
+  /// `correlated_pairs`: see SelfCalibrationSettings.
+  MotionRoughness(const RollingShutterSettings& settings, double correlated_pairs)
+      : settings_(settings), memory_(1.0 - 1.0 / correlated_pairs) {}
 
   /// Variances of the difference between the motion about poses[index] and motionByPoses(). `motion_stddev`:
   /// of the motion from pair to pair.
@@ -66,6 +68,7 @@ class MotionRoughness {
   Vector6d jerk() const;
   Vector6d measuredJerk() const;
   RollingShutterSettings settings_;
+  double memory_;       ///< weight of the previous roughness, per pair
   Excess translation_;  ///< (m/s^3)^2
   Excess rotation_;     ///< (rad/s^3)^2
   Vector6d inconsistency_ = Vector6d::Zero();

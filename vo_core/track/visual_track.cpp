@@ -62,7 +62,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     : camera_(camera),
       settings_(settings),
       timing_(timing),
-      roughness_(settings.rolling_shutter),
+      roughness_(settings.rolling_shutter, settings.self_calibration.correlated_pairs),
       tracker_(camera, settings),
       random_(settings.seed),
       rig_(learnt.rig),

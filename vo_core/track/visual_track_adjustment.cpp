@@ -94,7 +94,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByLandmarks();
-  noise_ = adapted(noise_, result);
+  noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
   rig_ = updated_rig;
   accept(pair, draft);
 }

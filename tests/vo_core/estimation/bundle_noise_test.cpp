@@ -24,7 +24,7 @@ TEST(BundleNoise, AdaptsEachLevelSeparately) {
     const BundleResult result = test::adjustBundle(problem, BundleSettings{});
     EXPECT_NEAR(result.noise_scale[0].pixel * problem.noise[0].pixel, 0.7 * noise[0].pixel,
                 0.1 * noise[0].pixel);
-    problem.noise = adapted(problem.noise, result);
+    problem.noise = adapted(problem.noise, result, 10.0);
   }
   EXPECT_NEAR(problem.noise[0].pixel, 0.7 * noise[0].pixel, 0.1 * noise[0].pixel);
   EXPECT_NEAR(problem.noise[1].pixel, 2.5 * noise[1].pixel, 0.3 * noise[1].pixel);

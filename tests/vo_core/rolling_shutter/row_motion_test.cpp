@@ -181,7 +181,7 @@ TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
 }
 
 TEST(MotionRoughness, WidensCovariancesWhereMotionsAndPosesDisagree) {
-  MotionRoughness agreeing{RollingShutterSettings{}}, disagreeing{RollingShutterSettings{}};
+  MotionRoughness agreeing({}, 10.0), disagreeing({}, 10.0);
   const Vector6d variances = Vector6d::Constant(1e-6);
   Vector6d difference = Vector6d::Constant(0.5e-3);
   for (int i = 0; i < 50; ++i) {

@@ -130,7 +130,6 @@ struct UncertaintySettings {
   double scale_stddev = 0.05;
   double independent_noise_ratio = 0.5;   ///< share of a pose's noise that is independent in each pair
   double drift_ratio = 0.2;               ///< drift per pair, of a pose's noise, at full image motion
-  double full_image_motion = 8.0;         ///< px, image motion at which the drift saturates
   double drift_correlation_pairs = 40.0;  ///< pairs until e^-1 of the drift is left
 };
 

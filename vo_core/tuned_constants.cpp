@@ -77,7 +77,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(uncertainty.independent_noise_ratio, "", 0, 100,
              "fitted to the growth of pose errors on rendered drives (docs/notebook/experiments.md)"),
     CONSTANT(uncertainty.drift_ratio, "", 0, 100, "as independent_noise_ratio"),
-    CONSTANT(uncertainty.full_image_motion, "px", 0.1, 1000, "half a patch"),
     CONSTANT(uncertainty.drift_correlation_pairs, "pairs", 1, 1e4,
              "fitted to the growth of pose errors on rendered drives (docs/notebook/experiments.md)"),
     CONSTANT(standstill.translation, "m", 0, 1, "measured on euroc_still"),

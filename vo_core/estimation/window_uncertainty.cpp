@@ -1,6 +1,8 @@
 // Covariances of adjusted poses: noise, drift, scale and the common error of the time offset.
 #include "vo_core/estimation/window_uncertainty.hpp"
 
+#include "vo_core/image/affine_alignment.hpp"
+
 namespace cartvo::vo {
 namespace {
 
@@ -9,8 +11,9 @@ Eigen::Isometry3d lastMotion(const std::vector<WindowFrame>& window) {
   return window[window.size() - 2].T_world_camera.inverse() * window.back().T_world_camera;
 }
 
-/// Mean motion in the left image (px) of the landmarks observed by both the last but one and the last pose.
-double imageMotion(const BundleProblem& problem) {
+/// Mean motion in the left image, in halves of a patch, of the landmarks observed by both the last but one
+/// and the last pose.
+double patchMotion(const BundleProblem& problem) {
   const int last = static_cast<int>(problem.poses.size()) - 1;
   double sum = 0.0;
   int count = 0;
@@ -22,7 +25,7 @@ double imageMotion(const BundleProblem& problem) {
     sum += (observations.back().left - before.left).norm();
     ++count;
   }
-  return count > 0 ? sum / count : 0.0;
+  return count > 0 ? sum / (0.5 * kPatchSide * count) : 0.0;
 }
 
 /// Updates the poses' covariances; returns the motion's covariance due to the landmarks.
@@ -35,7 +38,7 @@ Matrix6d updateCovariances(const BundleProblem& problem, const BundleResult& res
     return result.covariance.block<6, 6>(at(a), at(b));
   };
   const std::size_t last = window.size() - 1;
-  const double image_motion = imageMotion(problem);
+  const double patch_motion = patchMotion(problem);
   const std::size_t last_fixed = static_cast<std::size_t>(problem.fixed) - 1;
   const WindowFrame& reference = window[last_fixed];
   for (std::size_t i = last_fixed + 1; i <= last; ++i) {
@@ -43,7 +46,7 @@ Matrix6d updateCovariances(const BundleProblem& problem, const BundleResult& res
     window[i].uncertainty =
         afterMotion(reference.uncertainty, reference.T_world_camera.inverse() * window[i].T_world_camera,
                     {static_cast<int>(i - last_fixed),
-                     inflation.overlap * inflation.pose_noise_inflation * block(i, i), image_motion},
+                     inflation.overlap * inflation.pose_noise_inflation * block(i, i), patch_motion},
                     settings);
   }
   // The motion has the errors of both poses relative to the landmarks minus their correlation.

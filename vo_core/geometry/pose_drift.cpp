@@ -9,8 +9,7 @@ namespace cartvo::vo {
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
                             const MotionErrors& errors, const UncertaintySettings& settings) {
   const double correlation = std::exp(-1.0 / settings.drift_correlation_pairs);  // of the drift, per pair
-  const Matrix6d stationary =
-      settings.drift_ratio * std::min(errors.image_motion / settings.full_image_motion, 1.0) * errors.noise;
+  const Matrix6d stationary = settings.drift_ratio * std::min(errors.patch_motion, 1.0) * errors.noise;
   const Matrix6d carried = adjoint(motion.inverse());
   PoseUncertainty after;
   after.pose = carried * before.pose * carried.transpose();

@@ -21,7 +21,8 @@ struct PoseUncertainty {
 struct MotionErrors {
   int pairs = 1;                      ///< number of pairs that the motion spans
   Matrix6d noise = Matrix6d::Zero();  ///< covariance of the new pose relative to its landmarks
-  double image_motion = 0.0;          ///< px, mean landmark motion per pair; without any, there is no drift
+  /// Mean landmark motion per pair, in halves of a patch: from 1 on pixels are new, and the drift is whole.
+  double patch_motion = 0.0;
 };
 
 /// Propagates the covariance over a motion.

@@ -249,15 +249,4 @@ std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int thre
   return worlds;
 }
 
-benchmark::WorkObserver WorkDisplay::observer() {
-  return {[this](const std::string& what, const std::string& unit) {
-            bar_.reset();
-            std::fprintf(stderr, "%s\n", what.c_str());
-            bar_.emplace(unit);
-          },
-          [this](int done, int total) {
-            if (bar_) bar_->show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
-          }};
-}
-
 }  // namespace cartvo

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/world_sets.hpp"
-#include "tools/cartvo/progress_bar.hpp"
+#include "tools/cartvo/work_display.hpp"
 #include "tools/report/table.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/world/world_settings.hpp"
@@ -92,14 +91,5 @@ void addDriveOptions(CLI::App& command, DriveOptions& options);
 
 /// The worlds of each scenario with each seed, with synchronised cameras.
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads);
-
-/// Shows on the error output a line for each step of the work, with a progress bar below it.
-class WorkDisplay {
- public:
-  benchmark::WorkObserver observer();
-
- private:
-  std::optional<ProgressBar> bar_;
-};
 
 }  // namespace cartvo

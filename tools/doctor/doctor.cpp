@@ -74,7 +74,7 @@ class Run {
   void examinePairs(const daemon::Configuration& configuration, const KeptPairs& pairs,
                     daemon::AbsentReadout absent_readout);
 
-  void step(const std::string& text) { observer_.step(text); }
+  void step(const WorkStep& step) { observer_.work.begin(step); }
   bool isInterrupted() const { return interrupted_; }
 
   /// Reports the findings of an area, unless there are none.
@@ -122,7 +122,7 @@ void Run::examineComputer(const daemon::Configuration& configuration) {
 
 LcmObservation Run::examineLcm(const daemon::Configuration& configuration) {
   constexpr std::chrono::milliseconds kDuration{2500};  // health comes once a second
-  step("listening to LCM");
+  step({"listening to LCM"});
   LcmObservation seen = observeLcm(configuration.lcm_url, kDuration, interrupted_);
   FindingList messages("messages");
   checkLcm(configuration.lcm_url, seen, messages);
@@ -180,7 +180,7 @@ void Run::examineCameras(const daemon::Configuration& configuration, const std::
   std::array<CameraAnswer, 2> answers;
   const std::optional<std::string> time_clients = chronyClients();
   for (std::size_t i = 0; i < answers.size() && !isInterrupted(); ++i) {
-    step(fmt::format("asking the {} camera", kSides[i]));
+    step({fmt::format("asking the {} camera", kSides[i])});
     answers[i] = askCamera(configuration, i, has_password[i], health, areas[i]);
     const daemon::CameraConfiguration& camera = i == 0 ? configuration.left : configuration.right;
     if (time_clients && answers[i].is_reachable)
@@ -206,8 +206,8 @@ void Run::examineStreams(const daemon::Configuration& configuration,
                                      examination_.rig ? examination_.rig->left.size : cv::Size()};
   Probe probe;
   if (cameras[0].may_stream || cameras[1].may_stream) {
-    step(fmt::format("measuring the streams for {:g} s", settings_.seconds));
-    probe = probeStreams(configuration, probe_settings, interrupted_);
+    step({fmt::format("measuring the streams for {:g} s", settings_.seconds), "s"});
+    probe = probeStreams(configuration, probe_settings, observer_.work.progress, interrupted_);
   }
   const StreamNeeds needs{probe_settings.size, configuration.frame_rate};
   for (std::size_t i = 0; i < cameras.size() && !isInterrupted(); ++i) {
@@ -225,14 +225,14 @@ void Run::examinePairs(const daemon::Configuration& configuration, const KeptPai
   const std::optional<calib::Rig>& rig = examination_.rig;
   examination_.pictures = picturesOf(pairs.spread);
   if (isInterrupted()) return;
-  step("processing some pairs");
+  step({"processing some pairs"});
   FindingList odometry("odometry");
   if (cartvod_runs_) {
     odometry.add("processing time", Verdict::not_checked,
                  {"cartvod uses the processors: see its own line", "", "stop cartvod to measure it"});
   } else if (rig) {
     checkProcessing(pairs.consecutive, {*rig, configuration.odometry, configuration.threads, absent_readout},
-                    interrupted_, odometry);
+                    observer_.work.progress, interrupted_, odometry);
   }
   finish(std::move(odometry));
   if (isInterrupted()) return;
@@ -246,6 +246,7 @@ void Run::examineFolder() {
   daemon::Configuration configuration;
   const bool is_recording = capture::isRecording(settings_.source);
   if (is_recording) configuration = checkRecording(settings_.source, source).value_or(configuration);
+  step({"reading the first pairs"});
   SourceContent content = readSource(settings_.source, interrupted_, source);
   examination_.rig = std::move(content.rig);
   finish(std::move(source));
@@ -263,6 +264,7 @@ void Run::examineRecordedStreams(const daemon::Configuration& configuration) {
   const StreamNeeds needs{examination_.rig ? examination_.rig->left.size : cv::Size(),
                           configuration.frame_rate};
   for (std::size_t i = 0; i < streams.size(); ++i) {
+    step({fmt::format("measuring the {} camera's recorded stream", kSides[i])});
     streams[i] = measureRecording(settings_.source, static_cast<capture::CameraSide>(i), settings_.seconds,
                                   interrupted_);
     if (!streams[i].pictures.empty()) checkStream(streams[i], needs, areas[i]);

@@ -9,6 +9,7 @@
 
 #include "calib/model/rig.hpp"
 #include "tools/camera/camera_access.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/finding.hpp"
 #include "tools/doctor/picture_pair.hpp"
 
@@ -27,8 +28,8 @@ struct DoctorSettings {
 
 /// Receives what happens, in the calling thread.
 struct DoctorObserver {
-  std::function<void(const Findings&)> area;     ///< the findings of one area
-  std::function<void(const std::string&)> step;  ///< what begins now and takes some seconds
+  std::function<void(const Findings&)> area;  ///< the findings of one area
+  WorkObserver work;                          ///< what takes some seconds
 };
 
 /// All findings, and what the report shows of the cameras.

@@ -19,6 +19,7 @@
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/cartvo/time_option.hpp"
+#include "tools/cartvo/work_display.hpp"
 #include "tools/doctor/doctor.hpp"
 #include "tools/doctor/report.hpp"
 
@@ -74,16 +75,15 @@ doctor::ReportHead reportHead(const Options& options) {
 void run(const Options& options) {
   checkResultFiles({options.report});
   const doctor::ReportHead head = reportHead(options);
-  const bool shows_steps = isatty(STDERR_FILENO) != 0;
-  const doctor::DoctorObserver observer{[&](const doctor::Findings& area) {
-                                          if (!options.json) print(areaText(area));
-                                        },
-                                        [&](const std::string& step) {
-                                          if (shows_steps)
-                                            std::fprintf(stderr, "cartvo doctor: %s\n", step.c_str());
-                                        }};
+  WorkDisplay display;
+  const auto show_area = [&](const doctor::Findings& area) {
+    display.end();
+    if (!options.json) print(areaText(area));
+  };
   const Interruption interruption;
-  const doctor::Examination examination = examine(options.doctor, observer, interruption.flag());
+  const doctor::Examination examination =
+      examine(options.doctor, {show_area, display.observer()}, interruption.flag());
+  display.end();
   print(options.json ? findingsJson(head, examination.findings).dump(2) + "\n"
                      : countsText(examination.findings) + "\n");
   if (!options.report.empty())

@@ -29,7 +29,7 @@ struct Processed {
 };
 
 Processed process(const std::vector<capture::FramePair>& pairs, const OdometrySetup& setup,
-                  const std::atomic<bool>& interrupted) {
+                  const WorkObserver::Progress& progress, const std::atomic<bool>& interrupted) {
   cv::setNumThreads(setup.threads);
   const calib::RectificationSettings& rectification = setup.rig.rectification;
   daemon::PairProcessor processor(setup.rig,
@@ -42,6 +42,7 @@ Processed process(const std::vector<capture::FramePair>& pairs, const OdometrySe
     processed.times.push_back(result.times.total);
     processed.last = daemon::odometryMessage(result);
     if (processed.last.status == odometry_t::VALID) ++processed.valid;
+    progress(static_cast<int>(processed.times.size()), static_cast<int>(pairs.size()));
   }
   return processed;
 }
@@ -78,14 +79,15 @@ void addValidity(const Processed& processed, FindingList& findings) {
 }  // namespace
 
 void checkProcessing(const std::vector<capture::FramePair>& pairs, const OdometrySetup& setup,
-                     const std::atomic<bool>& interrupted, FindingList& findings) {
+                     const WorkObserver::Progress& progress, const std::atomic<bool>& interrupted,
+                     FindingList& findings) {
   if (pairs.size() < kFewestPairs) {
     findings.add("processing time", Verdict::not_checked,
                  {fmt::format("{} pairs of pictures", pairs.size()), "", "see the streams' lines"});
     return;
   }
   try {
-    const Processed processed = process(pairs, setup, interrupted);
+    const Processed processed = process(pairs, setup, progress, interrupted);
     if (processed.times.size() < kFewestPairs) return;
     addSpeed(processed, periodOf(pairs), findings);
     addValidity(processed, findings);

@@ -6,6 +6,7 @@
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "daemon/pipeline/shutters.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/finding_list.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -20,8 +21,9 @@ struct OdometrySetup {
 };
 
 /// Processes consecutive pairs as cartvod does, and compares the time that takes with the frame period; also
-/// checks whether the motion is valid at the end.
+/// checks whether the motion is valid at the end. `progress`: in pairs.
 void checkProcessing(const std::vector<capture::FramePair>& pairs, const OdometrySetup& setup,
-                     const std::atomic<bool>& interrupted, FindingList& findings);
+                     const WorkObserver::Progress& progress, const std::atomic<bool>& interrupted,
+                     FindingList& findings);
 
 }  // namespace cartvo::doctor

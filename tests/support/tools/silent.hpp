@@ -1,12 +1,12 @@
 #pragma once
 
-#include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
+#include "tools/cartvo/work_observer.hpp"
 
 namespace cartvo::test {
 
 /// A work observer that prints nothing.
-inline benchmark::WorkObserver silent() {
-  return {[](const std::string&, const std::string&) {}, [](int, int) {}};
+inline WorkObserver silent() {
+  return {[](const WorkStep&) {}, [](int, int) {}};
 }
 
 }  // namespace cartvo::test

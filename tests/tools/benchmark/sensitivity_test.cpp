@@ -71,7 +71,7 @@ TEST(Sensitivity, SortsConstantsByTheirEffect) {
   settings.factor = 1e9;
   int last_done = 0, last_total = 0;
   std::string last_unit;
-  const WorkObserver observer{[&](const std::string&, const std::string& unit) { last_unit = unit; },
+  const WorkObserver observer{[&](const WorkStep& step) { last_unit = step.unit; },
                               [&](int done, int total) {
                                 last_done = done;
                                 last_total = total;

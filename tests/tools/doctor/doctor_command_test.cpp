@@ -1,5 +1,6 @@
 // `cartvo doctor` as a user runs it, on simulated cameras and on a recording.
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,6 +16,7 @@
 #include "support/doctor/walls.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
+#include "support/tools/run_on_terminal.hpp"
 
 namespace cartvo {
 namespace {
@@ -60,11 +62,14 @@ class DoctorCommand : public testing::Test {
 
   /// Runs it on the configuration. No output holds the password.
   CommandResult run(const std::string& arguments) {
-    const std::string port = left_page_ ? " --http-port " + std::to_string(left_page_->port()) : "";
-    CommandResult result =
-        test::pipeCartvo("doctor " + (folder_ / "cartvod.yaml").string() + port + " " + arguments);
+    CommandResult result = test::pipeCartvo(commandLine(arguments));
     EXPECT_THAT(result.output, Not(HasSubstr(kCanary)));
     return result;
+  }
+
+  std::string commandLine(const std::string& arguments) const {
+    const std::string port = left_page_ ? " --http-port " + std::to_string(left_page_->port()) : "";
+    return "doctor " + (folder_ / "cartvod.yaml").string() + port + " " + arguments;
   }
 
   /// The verdict and the text of a finding in JSON.
@@ -104,6 +109,27 @@ TEST_F(DoctorCommand, LooksAtTwoCameras) {
   EXPECT_THAT(html, Not(HasSubstr(kCanary)));
   EXPECT_THAT(left_page_->requests(), Not(testing::Contains(testing::StartsWith("PUT"))));
   EXPECT_EQ(left_page_->mostAtOnce(), 1);
+}
+
+TEST_F(DoctorCommand, ShowsOnATerminalTheTimeThatIsLeft) {
+  startCameras({});
+  const std::string output = test::runOnTerminal(commandLine("--seconds 2")).output;
+  EXPECT_THAT(output, HasSubstr("\r\033[Kasking the left camera\r\033[K"));
+  EXPECT_THAT(output,
+              HasSubstr("\r\033[Kmeasuring the streams for 2 s: [..............................] 0/2 s, "
+                        "0:02 left\r\033[K"));
+  EXPECT_THAT(output, HasSubstr("1/2 s, 0:01 left\r\033[K"));
+  EXPECT_THAT(output, HasSubstr("\r\033[Kprocessing some pairs"));
+}
+
+TEST_F(DoctorCommand, PrintsPlainLinesOfProgressIntoPipes) {
+  startCameras({});
+  setenv("CARTVO_PROGRESS_INTERVAL", "0.2", 1);
+  const std::string output = test::runCartvo(commandLine("--seconds 2")).output;
+  unsetenv("CARTVO_PROGRESS_INTERVAL");
+  EXPECT_THAT(output, HasSubstr("measuring the streams for 2 s\n["));
+  EXPECT_THAT(output, HasSubstr("] 1/2 s, 0:01 left\n"));
+  EXPECT_THAT(output, Not(HasSubstr("\033")));
 }
 
 TEST_F(DoctorCommand, SendsAWrongPasswordOnceAndOpensNoStream) {

@@ -27,7 +27,8 @@ std::vector<capture::FramePair> wallPairs(int count, std::int64_t period_ns) {
 Findings checked(const std::vector<capture::FramePair>& pairs, const calib::Rig& rig) {
   const std::atomic<bool> interrupted{false};
   FindingList list("odometry");
-  checkProcessing(pairs, {rig, {}, 1, daemon::AbsentReadout::global_shutter}, interrupted, list);
+  checkProcessing(
+      pairs, {rig, {}, 1, daemon::AbsentReadout::global_shutter}, [](int, int) {}, interrupted, list);
   return list.take();
 }
 

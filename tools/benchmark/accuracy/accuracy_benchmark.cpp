@@ -49,7 +49,7 @@ class AccuracyRun {
   void measure(const Sequence& sequence, const OdometryVariant& variant, double bitrate_mbps,
                capture::StereoSource& source, const daemon::FoundRig& rig) {
     const std::string name = withBitrate(sequence.name, bitrate_mbps);
-    observer_.begin(name + ": " + variant.name, "pairs");
+    observer_.begin({name + ": " + variant.name});
     const Replay replay = replayPairs(
         source, rig, variant.odometry, [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
@@ -87,7 +87,7 @@ class AccuracyRun {
     if (std::optional<simulate::EncodedPair> kept = streams_.load(key)) {
       return std::make_shared<const simulate::EncodedPair>(*std::move(kept));
     }
-    observer_.begin(name + ": encoding", "pairs");
+    observer_.begin({name + ": encoding"});
     auto streams = std::make_shared<const simulate::EncodedPair>(
         simulate::encodeContent(content, encoder, observer_.progress));
     streams_.store(key, *streams);
@@ -123,7 +123,7 @@ std::vector<SequenceAccuracy> runAccuracyBenchmark(const AccuracySettings& setti
   const WorldCache worlds(settings.cache / "worlds");
   for (const world::WorldSettings& world : settings.worlds) {
     if (is_chosen()) {
-      observer.begin(worldName(world) + ": rendering, unless it is cached", "pairs");
+      observer.begin({worldName(world) + ": rendering, unless it is cached"});
       run.measure(renderedSequence(world, worlds, observer.progress));
     }
     ++index;

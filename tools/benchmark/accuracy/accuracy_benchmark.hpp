@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/benchmark/accuracy/accuracy.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -32,13 +33,6 @@ struct AccuracySettings {
 /// Names of the sequences in the order of the results. Each can be measured on its own
 /// (AccuracySettings::only). Throws as runAccuracyBenchmark does.
 std::vector<std::string> sequenceNames(const AccuracySettings& settings);
-
-/// Receives the progress of a benchmark: the name of each step and of what it counts when it begins, then its
-/// progress.
-struct WorkObserver {
-  std::function<void(const std::string& step, const std::string& unit)> begin;
-  simulate::Progress progress;
-};
 
 /// Runs each variant on each sequence through the daemon's pipeline, as `cartvo replay` does. The results are
 /// ordered by sequence; for each sequence the lossless runs come first, then those of each bit rate. Throws

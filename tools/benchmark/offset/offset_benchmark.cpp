@@ -33,7 +33,7 @@ class OffsetRun {
   void measureWorld(world::WorldSettings world, const RightClock& clock) {
     world.offset_s = clock.offset_s;
     world.offset_drift_ppm = clock.drift_ppm;
-    observer_.begin(worldName(world) + ": rendering, unless it is cached", "pairs");
+    observer_.begin({worldName(world) + ": rendering, unless it is cached"});
     const Sequence sequence = renderedSequence(world, worlds_, observer_.progress);
     for (const OffsetModel model : settings_.models) {
       capture::StereoSource source = model == OffsetModel::simultaneous
@@ -78,7 +78,7 @@ class OffsetRun {
 
   SequenceAccuracy measure(const Sequence& sequence, capture::StereoSource& source, OffsetModel model,
                            const vo::OdometrySettings& odometry) {
-    observer_.begin(sequence.name + ": " + offsetModelName(model), "pairs");
+    observer_.begin({sequence.name + ": " + offsetModelName(model)});
     const daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
     const Replay replay =
         replayPairs(source, rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {

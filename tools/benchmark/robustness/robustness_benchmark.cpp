@@ -74,7 +74,7 @@ class RobustnessRun {
   }
 
   Sequence render(const world::WorldSettings& settings) {
-    observer_.begin(worldName(settings) + ": rendering, unless it is cached", "pairs");
+    observer_.begin({worldName(settings) + ": rendering, unless it is cached"});
     return renderedSequence(settings, worlds_, observer_.progress);
   }
 
@@ -90,7 +90,7 @@ class RobustnessRun {
     DisturbedSequence played = disturbed(sequence, disturbance);
     vo::OdometrySettings odometry = settings_.odometry;
     odometry.estimator = estimator;
-    observer_.begin(sequence.name + ", " + disturbance.name, "pairs");
+    observer_.begin({sequence.name + ", " + disturbance.name});
     const Replay replay = replayPairs(
         played.source, played.rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));

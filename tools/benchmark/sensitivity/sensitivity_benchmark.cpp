@@ -68,9 +68,9 @@ class ParallelRuns {
   /// Results of each variant on each sequence.
   std::vector<std::vector<SequenceAccuracy>> run(const std::vector<OdometryVariant>& variants) {
     total_ = static_cast<int>(variants.size() * sequenceCount());
-    observer_.begin(std::to_string(variants.size()) + " runs on each of " + std::to_string(sequenceCount()) +
-                        " sequences",
-                    "runs");
+    observer_.begin({std::to_string(variants.size()) + " runs on each of " + std::to_string(sequenceCount()) +
+                         " sequences",
+                     "runs"});
     std::vector<std::future<std::vector<SequenceAccuracy>>> parts;
     const auto threads = std::min(static_cast<std::size_t>(settings_.threads), variants.size());
     for (std::size_t part = 0; part < threads; ++part)
@@ -96,7 +96,7 @@ class ParallelRuns {
     own.variants.clear();
     for (std::size_t i = part; i < variants.size(); i += parts)
       own.variants.push_back(variants[i]);
-    return runAccuracyBenchmark(own, {[](const std::string&, const std::string&) {},
+    return runAccuracyBenchmark(own, {[](const WorkStep&) {},
                                       [&](int done, int) {
                                         if (done == 1) countRun();
                                       }});

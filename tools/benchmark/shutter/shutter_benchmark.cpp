@@ -38,7 +38,7 @@ world::WorldSettings seenAs(world::WorldSettings world, const ShutterCase& seen)
 
 ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const ShutterSettings& settings,
                         const WorkObserver& observer) {
-  observer.begin(sequence.name + ": readout " + readoutModelName(model), "pairs");
+  observer.begin({sequence.name + ": readout " + readoutModelName(model)});
   capture::StereoSource source = capture::openSource(sequence.folder);
   daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
   rig.rig = rigFor(model, std::move(rig.rig));
@@ -127,7 +127,7 @@ std::vector<ShutterAccuracy> runShutterBenchmark(const ShutterSettings& settings
   for (const world::WorldSettings& world : settings.worlds) {
     for (const ShutterCase& seen : settings.cases) {
       const world::WorldSettings rendered = seenAs(world, seen);
-      observer.begin(worldName(rendered) + ": rendering, unless it is cached", "pairs");
+      observer.begin({worldName(rendered) + ": rendering, unless it is cached"});
       const Sequence sequence = renderedSequence(rendered, worlds, observer.progress);
       for (const ReadoutModel model : settings.models) {
         if (!isMeasured(seen, model)) continue;

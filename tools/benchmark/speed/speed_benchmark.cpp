@@ -127,9 +127,8 @@ void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const W
   const calib::Rectifier rectifier(drive.rig, rectification, calib::buildTables(drive.rig, rectification));
   for (const int features : settings.features) {
     for (const int threads : settings.threads) {
-      observer.begin(drive.name + ", " + sizeText(drive.rig.left.size) + ": " + std::to_string(features) +
-                         " features, threads: " + std::to_string(threads),
-                     "pairs");
+      observer.begin({drive.name + ", " + sizeText(drive.rig.left.size) + ": " + std::to_string(features) +
+                      " features, threads: " + std::to_string(threads)});
       vo::OdometrySettings odometry = settings.odometry;
       odometry.features = features;
       SpeedResult result =
@@ -145,7 +144,7 @@ void timeEach(const DriveInMemory& drive, const SpeedSettings& settings, const W
 
 DriveInMemory renderedDrive(cv::Size size, const SpeedSettings& settings, const WorldCache& worlds,
                             const WorkObserver& observer) {
-  observer.begin(sizeText(size) + ": rendering, unless it is cached", "pairs");
+  observer.begin({sizeText(size) + ": rendering, unless it is cached"});
   const Sequence sequence = renderedSequence(worldOf(size, settings), worlds, observer.progress);
   return loadDrive("campus", sequence.folder, settings.pairs);
 }

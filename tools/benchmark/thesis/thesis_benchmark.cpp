@@ -33,13 +33,13 @@ class ThesisRun {
   }
 
   void measureDepth(const std::string& rig, const world::WorldSettings& world) {
-    observer_.begin("depth, " + rig, "pairs");
+    observer_.begin({"depth, " + rig});
     results_.depth.push_back(
         {rig, measureDepths(world, settings_.depth_pairs, results_.features, observer_.progress)});
   }
 
   void measure(const Sequence& sequence) {
-    observer_.begin(sequence.name + ": feature counts", "pairs");
+    observer_.begin({sequence.name + ": feature counts"});
     const vo::DetectionSettings& detection = settings_.odometry.detection;
     results_.counts.push_back(
         {sequence.name, countFeatures(sequence.folder, withFixedThreshold(detection), results_.features),
@@ -65,7 +65,7 @@ class ThesisRun {
  private:
   Replay replayed(const Sequence& sequence, int features, vo::Estimator estimator) {
     observer_.begin(
-        sequence.name + ": " + std::to_string(features) + " features, " + estimatorName(estimator), "pairs");
+        {sequence.name + ": " + std::to_string(features) + " features, " + estimatorName(estimator)});
     ReplaySettings replay;
     replay.source = sequence.folder;
     replay.odometry = settings_.odometry;

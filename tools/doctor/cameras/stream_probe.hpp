@@ -6,6 +6,7 @@
 #include <opencv2/core/types.hpp>
 
 #include "daemon/service/configuration.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/cameras/stream_measurement.hpp"
 
@@ -25,9 +26,9 @@ struct Probe {
 };
 
 /// Receives both cameras' streams at the same time, each once, as cartvod does. A camera that gives no
-/// picture within the configured time-outs is given up. Ends within about a second once `interrupted` is
-/// true.
+/// picture within the configured time-outs is given up. `progress`: seconds that all cameras were measured.
+/// Ends within about a second once `interrupted` is true.
 Probe probeStreams(const daemon::Configuration& configuration, const ProbeSettings& settings,
-                   const std::atomic<bool>& interrupted);
+                   const WorkObserver::Progress& progress, const std::atomic<bool>& interrupted);
 
 }  // namespace cartvo::doctor

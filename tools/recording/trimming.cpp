@@ -85,7 +85,6 @@ void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingW
   std::array<std::uint64_t, 2> connections{};
   trimmed.from = std::numeric_limits<double>::infinity();
   while (!left.isFinished() || !right.isFinished()) {
-    progress(trimmed.pictures[0] + trimmed.pictures[1], left.expected() + right.expected());
     TrimmedCamera& next = earlierOf(left, right);
     const auto index = static_cast<std::size_t>(next.side());
     if (next.unit().connection != connections[index]) writer.beginConnection(next.side(), next.unit().format);
@@ -96,6 +95,7 @@ void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingW
       trimmed.from = std::min(trimmed.from, seconds);
       trimmed.to = std::max(trimmed.to, seconds);
     }
+    progress(trimmed.pictures[0] + trimmed.pictures[1], left.expected() + right.expected());
     next.advance();
   }
 }

@@ -62,8 +62,8 @@ inline std::unique_ptr<simulate::SimulatedCamera> wallsCamera(bool is_left, cons
       std::shared_ptr<const simulate::EncodedStream>(pair, is_left ? &pair->left : &pair->right), settings);
 }
 
-/// Records three seconds of the walls.
-inline void recordWalls(const std::filesystem::path& folder) {
+/// Records the three seconds of the walls, `rounds` times in sequence.
+inline void recordWalls(const std::filesystem::path& folder, int rounds) {
   capture::RecordingSettings settings;
   settings.folder = folder;
   settings.rig = calib::rigText(wallsRig());
@@ -72,23 +72,31 @@ inline void recordWalls(const std::filesystem::path& folder) {
   recorder.left().onStream({});
   recorder.right().onStream({});
   constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
-  for (std::size_t i = 0; i < pair->left.units.size(); ++i) {
+  constexpr auto kInterval_ns = static_cast<std::int64_t>(1e9 / kWallsRate);
+  const std::size_t pictures = pair->left.units.size();
+  for (std::size_t i = 0; i < pictures * static_cast<std::size_t>(rounds); ++i) {
     for (const bool is_left : {true, false}) {
       const simulate::EncodedStream& stream = is_left ? pair->left : pair->right;
-      const simulate::AccessUnit& picture = stream.units[i];
+      const simulate::AccessUnit& picture = stream.units[i % pictures];
       const auto data = stream.data(picture);
       capture::EncodedUnit unit;
       unit.data.assign(data.begin(), data.end());
       unit.key = picture.key_frame;
       unit.sequence = i;
-      unit.pts = picture.instant_ns * 9 / 100'000;
-      unit.exposure_ns = kStart_ns + picture.instant_ns;
+      const auto instant_ns = static_cast<std::int64_t>(i) * kInterval_ns;
+      unit.pts = instant_ns * 9 / 100'000;
+      unit.exposure_ns = kStart_ns + instant_ns;
       unit.first_arrival_ns = unit.arrival_ns = unit.exposure_ns + 20'000'000;
       unit.reference_us = unit.exposure_ns / 1000;
       (is_left ? recorder.left() : recorder.right()).onUnit(unit);
     }
   }
   recorder.finish();
+}
+
+/// Records three seconds of the walls.
+inline void recordWalls(const std::filesystem::path& folder) {
+  recordWalls(folder, 1);
 }
 
 }  // namespace cartvo::test

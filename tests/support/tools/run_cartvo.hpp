@@ -34,6 +34,11 @@ inline CommandResult runCartvo(const std::string& arguments) {
   return runCommand(cartvoProgram().string() + " " + arguments + " 2>&1");
 }
 
+/// As `runCartvo`, with each line of the progress.
+inline CommandResult runWithAllProgress(const std::string& arguments) {
+  return runCommand("CARTVO_PROGRESS_INTERVAL=0 " + cartvoProgram().string() + " " + arguments + " 2>&1");
+}
+
 /// Runs the built `cartvo` and captures only its standard output, without the progress on the error output.
 inline CommandResult pipeCartvo(const std::string& arguments) {
   return runCommand(cartvoProgram().string() + " " + arguments + " 2>/dev/null");

@@ -1,6 +1,5 @@
 // `cartvo doctor` as a user runs it, on simulated cameras and on a recording.
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -124,9 +123,7 @@ TEST_F(DoctorCommand, ShowsOnATerminalTheTimeThatIsLeft) {
 
 TEST_F(DoctorCommand, PrintsPlainLinesOfProgressIntoPipes) {
   startCameras({});
-  setenv("CARTVO_PROGRESS_INTERVAL", "0.2", 1);
-  const std::string output = test::runCartvo(commandLine("--seconds 2")).output;
-  unsetenv("CARTVO_PROGRESS_INTERVAL");
+  const std::string output = test::runWithAllProgress(commandLine("--seconds 2")).output;
   EXPECT_THAT(output, HasSubstr("measuring the streams for 2 s\n["));
   EXPECT_THAT(output, HasSubstr("] 1/2 s, 0:01 left\n"));
   EXPECT_THAT(output, Not(HasSubstr("\033")));

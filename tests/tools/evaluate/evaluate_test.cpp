@@ -10,6 +10,7 @@
 #include "common/units.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/tools/run_cartvo.hpp"
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/axes_alignment.hpp"
 #include "tools/evaluate/evaluation.hpp"
@@ -258,6 +259,18 @@ TEST(Report, HasSameNumbersInTableAndJson) {
   EXPECT_EQ(json["axes_aligned"]["rotation_deg"], (nlohmann::ordered_json{0.0, 0.0, 0.0}));
   EXPECT_EQ(json["axes_aligned"]["segments_5_to_40_m"]["translation_percent"],
             json["segments_5_to_40_m"]["translation_percent"]);
+}
+
+TEST(EvaluateCommand, PrintsJson) {
+  const test::TemporaryFolder folder;
+  const std::string truth = folder / "truth.tum", estimate = folder / "estimate.tum";
+  writeTum(truth, straight(150, 1.0), TrajectoryFrame::body);
+  writeTum(estimate, scaled(straight(150, 1.0), 1.02), TrajectoryFrame::body);
+  const auto json =
+      nlohmann::json::parse(test::pipeCartvo("evaluate --json " + estimate + " " + truth).output);
+  EXPECT_EQ(json["estimate"], estimate);
+  EXPECT_EQ(json["truth"], truth);
+  EXPECT_EQ(json["poses"], 150);
 }
 
 TEST(EvaluationReport, AsksAboutTheFrameIfTheAxesDiffer) {

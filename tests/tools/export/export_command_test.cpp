@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/format/rig_file.hpp"
@@ -157,6 +158,22 @@ TEST_F(ExportCommand, ConvertsTrajectories) {
   fs::copy(folder_ / "drive.tum", folder_ / "out/trajectory.tum");
   EXPECT_EQ(contentsOf(folder_ / "drive.tum"), contentsOf(folder_ / "tum"));
   EXPECT_EQ(run("out", "tum", "tum").exit_code, 0) << "an output folder of cartvo replay";
+}
+
+TEST_F(ExportCommand, PrintsJson) {
+  record();
+  writeTrajectory();
+  const auto exported = [&](const std::string& source, const std::string& format) {
+    return nlohmann::json::parse(test::pipeCartvo("export " + (folder_ / source).string() +
+                                                  " --json --format " + format + " --output " +
+                                                  (folder_ / "file").string())
+                                     .output);
+  };
+  const std::string file = (folder_ / "file").string();
+  EXPECT_EQ(exported("drive", "csv"),
+            (nlohmann::json{{"output", file}, {"format", "csv"}, {"pairs", kPictures}}));
+  EXPECT_EQ(exported("drive.tum", "euroc"),
+            (nlohmann::json{{"output", file}, {"format", "euroc"}, {"poses", 3}}));
 }
 
 TEST_F(ExportCommand, ReportsWhatItCannotExport) {

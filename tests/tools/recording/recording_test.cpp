@@ -199,6 +199,15 @@ TEST_F(RecordingCommand, TrimPrintsJson) {
   EXPECT_LE(json["to_s"].get<double>(), 1.6);
 }
 
+TEST_F(RecordingCommand, TrimPrintsPlainLinesOfProgressIntoPipes) {
+  const std::string output = test::runWithAllProgress("recording trim " + (folder_ / "drive").string() +
+                                                      " --output-dir " + (folder_ / "part").string())
+                                 .output;
+  EXPECT_THAT(output, HasSubstr("] 1/79 pictures, "));
+  EXPECT_THAT(output, testing::ContainsRegex("79/79 pictures, [0-9.]+/s, 0:00 left\n"));
+  EXPECT_THAT(output, Not(HasSubstr("\033")));
+}
+
 TEST_F(RecordingCommand, FailedTrimLeavesNothingBehind) {
   const std::filesystem::path output = folder_ / "part";
   const test::CommandResult failed =

@@ -52,15 +52,18 @@ TEST(LivePublisher, PublishesAtTheRecordedPaceWithInstantsOfNow) {
   writePairs(folder.path());
   const std::string cartvo = test::cartvoProgram().string(), here = folder.path().string();
   const std::string url = " --url \"udpm://239.255.76.67:7668?ttl=0\"";
-  const test::CommandResult run =
-      runIsolated("cd " + here + "; " + cartvo + " watch --json --wait 60 --until-silent 2" + url +
-                  " >watch.json 2>watch.txt & sleep 1; " + cartvo +
-                  " replay . --output-dir out --publish --speed 0.5" + url + " >replay.txt 2>&1; wait");
+  const test::CommandResult run = runIsolated(
+      "cd " + here + "; " + cartvo + " watch --json --output-dir watched --wait 60 --until-silent 2" + url +
+      " >watch.json 2>watch.txt & sleep 1; " + cartvo + " replay . --output-dir out --publish --speed 0.5" +
+      url + " >replay.txt 2>&1; wait");
   std::ifstream stream(folder / "watch.json");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   ASSERT_FALSE(text.empty()) << run.output;
   const auto summary = nlohmann::json::parse(text);
   EXPECT_EQ(summary["messages"], kPairs);
+  std::ifstream written(folder / "watched/summary.json");
+  EXPECT_EQ(nlohmann::json::parse(written), summary);
+  EXPECT_TRUE(fs::exists(folder / "watched/trajectory.tum"));
   EXPECT_EQ(summary["lost"], 0);
   EXPECT_NEAR(summary["seconds"].get<double>(), 0.2 * (kPairs - 1), 0.5) << "half the pace of 10 Hz";
   EXPECT_GE(summary["age_ms"]["p50"].get<double>(), 0.0) << "not from the future";

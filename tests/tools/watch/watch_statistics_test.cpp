@@ -213,7 +213,7 @@ TEST(ProgressLine, FitsTheTerminal) {
   EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 30), "[#....] 10/40 pairs, 0:15 left");
   EXPECT_EQ(progressLine(10, 40, "pairs", 5.0, 29), "10/40 pairs, 0:15 left");
   EXPECT_EQ(progressLine(10, 0, "pairs", 5.0, 79), "10 pairs, 2.0/s");
-  EXPECT_EQ(progressLine(2, 10, "s", 5.0, 30), "[#....] 2/10 s, 0:08 left") << "time has no rate";
+  EXPECT_EQ(progressLine(2, 10, "s", 5.0, 30), "[##........] 2/10 s, 0:08 left") << "time has no rate";
   for (std::size_t columns = 0; columns < 100; ++columns)
     EXPECT_LE(textColumns(progressLine(7, 40, "pictures searched for the offset", 5.0, columns)), columns);
 }

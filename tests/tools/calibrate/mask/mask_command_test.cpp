@@ -16,7 +16,9 @@
 namespace cartvo {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kFrameRate = 4.0;
 
@@ -73,6 +75,18 @@ TEST_F(CalibrateMask, WritesPngFilesAndTheirNamesIntoTheRigFile) {
   EXPECT_NEAR(calib::maskedShare(rig.left.mask), 0.2, 0.05);
   // The measurement replaces the mask that there was.
   EXPECT_TRUE(rig.right.mask.empty());
+}
+
+TEST_F(CalibrateMask, PrintsPlainLinesOfProgressIntoPipes) {
+  const test::CommandResult result = test::runWithAllProgress("calibrate mask " + left_.string() + " " +
+                                                              right_.string() + " --frame-rate 4");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* side : {"left", "right"}) {
+    EXPECT_THAT(result.output, HasSubstr(std::string("] 1/45 pictures, ") + side));
+    EXPECT_THAT(result.output,
+                ContainsRegex(std::string("45/45 pictures, ") + side + ", [0-9.]+/s, 0:00 left\n"));
+  }
+  EXPECT_THAT(result.output, Not(HasSubstr("\033")));
 }
 
 TEST_F(CalibrateMask, OnlyReportsWithoutOutput) {

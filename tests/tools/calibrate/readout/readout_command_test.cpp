@@ -15,7 +15,9 @@
 namespace cartvo {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kFrameRate = 18.0;
 
@@ -38,10 +40,13 @@ TEST(CalibrateReadout, WritesTheReadoutsOfTwoVideosToTheRigFile) {
   const calib::Rig before = test::cartRig();
   calib::writeRig(folder / "rig.yaml", before);
   const std::string files = (folder / "left.h264").string() + " " + (folder / "right.h264").string();
-  const test::CommandResult result = test::runCartvo(
+  const test::CommandResult result = test::runWithAllProgress(
       "calibrate readout " + files + " --frame-rate 18 --output " + (folder / "rig.yaml").string());
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("rows from bottom to top"));
+  EXPECT_THAT(result.output, HasSubstr("] 1/180 pictures, "));
+  EXPECT_THAT(result.output, ContainsRegex("180/180 pictures, [0-9.]+/s, 0:00 left\n"));
+  EXPECT_THAT(result.output, Not(HasSubstr("\033"))) << "plain lines";
   const calib::Rig rig = calib::readRig(folder / "rig.yaml");
   ASSERT_TRUE(rig.left.readout && rig.right.readout);
   EXPECT_NEAR(*rig.left.readout, 0.032, 0.01 * 0.032);

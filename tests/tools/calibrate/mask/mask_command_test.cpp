@@ -9,6 +9,7 @@
 #include "calib/format/rig_file.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/tools/image_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/wall_drive.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
@@ -78,8 +79,11 @@ TEST_F(CalibrateMask, WritesPngFilesAndTheirNamesIntoTheRigFile) {
 }
 
 TEST_F(CalibrateMask, PrintsPlainLinesOfProgressIntoPipes) {
-  const test::CommandResult result = test::runWithAllProgress("calibrate mask " + left_.string() + " " +
-                                                              right_.string() + " --frame-rate 4");
+  test::WallDrive drive;
+  test::writeImageFolder(folder_ / "drive", 45, kFrameRate,
+                         [&](int /*side*/, int /*index*/) { return drive.next(); });
+  const test::CommandResult result =
+      test::runWithAllProgress("calibrate mask " + (folder_ / "drive").string());
   EXPECT_EQ(result.exit_code, 0);
   for (const char* side : {"left", "right"}) {
     EXPECT_THAT(result.output, HasSubstr(std::string("] 1/45 pictures, ") + side));

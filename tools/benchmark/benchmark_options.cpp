@@ -11,6 +11,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "common/atomic_file.hpp"
+#include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {
 namespace fs = std::filesystem;
@@ -161,7 +162,7 @@ void writeReport(const BenchmarkOptions& options, const char* benchmark,
                                   {"versions", {{"cartvo", CARTVO_VERSION}, {"opencv", CV_VERSION}}},
                                   {"threads", options.threads}};
     all.update(json());
-    report = all.dump(2) + "\n";
+    report = jsonText(all);
   } else {
     report = text(options.reportFormat());
   }

@@ -13,6 +13,7 @@
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
 #include "tools/calibrate/next_step.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/simulate/simulate_options.hpp"
 
 namespace cartvo {
@@ -48,7 +49,7 @@ void report(const Options& options, const std::vector<std::string>& files, const
                                       {"size", {rig.left.size.width, rig.left.size.height}},
                                       {"baseline_m", rectified.baseline},
                                       {"rectified_focal_length_px", rectified.focal_length}};
-    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    printJson(json);
     return;
   }
   for (const std::string& file : files)

@@ -29,6 +29,7 @@
 #include "tools/calibrate/views/newest_frame.hpp"
 #include "tools/calibrate/views/stream_views.hpp"
 #include "tools/calibrate/views/view_guide.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 
@@ -221,7 +222,7 @@ void calibrate(const Options& options, const calib::BoardSpec& board, const std:
   if (!options.report.empty())
     writeResultFile(options.report, calibrationReport(calibration, reportPair(found, calibration)));
   summary = calibrationText(calibration);
-  std::fputs((options.json ? calibrationJson(calibration).dump(2) + "\n" : summary).c_str(), stdout);
+  std::fputs((options.json ? jsonText(calibrationJson(calibration)) : summary).c_str(), stdout);
   if (!calibration.passed()) {
     throw std::runtime_error("the calibration does not pass its validation; " + options.output.string() +
                              " is not changed");

@@ -20,6 +20,7 @@
 #include "tools/camera/network/network_command.hpp"
 #include "tools/camera/settings_change.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {
 namespace {
@@ -97,7 +98,7 @@ void show(const Options& options) {
   std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
   const ReportedPair pair = readAll(cameras);
   const OdometryNeeds needs = needsOf(configuration);
-  print(options.json ? showJson(pair, needs).dump(2) + "\n" : showText(pair, needs));
+  print(options.json ? jsonText(showJson(pair, needs)) : showText(pair, needs));
   requireAllRead(pair);
 }
 
@@ -107,7 +108,7 @@ void check(const Options& options) {
   std::vector<CameraAccess> cameras = openCameras(configuration, options.access);
   const ReportedPair pair = readAll(cameras);
   const CheckReport report = checkReport(pair, needsOf(configuration));
-  print(options.json ? checkJson(report).dump(2) + "\n" : checkText(report, options.verbose));
+  print(options.json ? jsonText(checkJson(report)) : checkText(report, options.verbose));
   requireAllRead(pair);
   if (!report.isGood()) exitWith(kNotAsNeeded);
 }
@@ -181,7 +182,7 @@ bool planRest(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, co
 void applyPlan(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, const Options& options,
                AppliedChanges& applied) {
   const auto print_json = [&] {
-    if (options.json) print(appliedJson(applied).dump(2) + "\n");
+    if (options.json) print(jsonText(appliedJson(applied)));
   };
   bool needs_reboot = false, is_done = false;
   try {
@@ -218,7 +219,7 @@ void apply(const Options& options) {
   if (!options.json) print(planText(pair, plan));
   const bool has_problems = !plan.problems[0].empty() || !plan.problems[1].empty();
   if (options.dry_run || plan.isEmpty()) {
-    if (options.json) print(appliedJson(applied).dump(2) + "\n");
+    if (options.json) print(jsonText(appliedJson(applied)));
     if (has_problems) exitWith(kNotAsNeeded);
     return;
   }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/camera/discovery.hpp"
+#include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {
 namespace {
@@ -60,7 +61,7 @@ void run(const Options& options) {
     list.push_back(deviceJson(device));
     text += deviceText(device);
   }
-  std::fputs((options.json ? list.dump(2) + "\n" : text).c_str(), stdout);
+  std::fputs((options.json ? jsonText(list) : text).c_str(), stdout);
   if (!devices.empty()) return;
   std::fputs(
       "cartvo: no camera answered: is it powered and on this interface, and does no firewall drop UDP?\n",

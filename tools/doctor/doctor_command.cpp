@@ -17,6 +17,7 @@
 #include "daemon/service/awaited_signals.hpp"
 #include "tools/camera/access_options.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/cartvo/time_option.hpp"
 #include "tools/cartvo/work_display.hpp"
@@ -84,7 +85,7 @@ void run(const Options& options) {
   const doctor::Examination examination =
       examine(options.doctor, {show_area, display.observer()}, interruption.flag());
   display.end();
-  print(options.json ? findingsJson(head, examination.findings).dump(2) + "\n"
+  print(options.json ? jsonText(findingsJson(head, examination.findings))
                      : countsText(examination.findings) + "\n");
   if (!options.report.empty())
     writeResultFile(options.report, htmlReport(head, examination.findings, examination.pictures,

@@ -8,6 +8,7 @@
 #include "common/atomic_file.hpp"
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/compared_messages.hpp"
@@ -71,7 +72,7 @@ void run(const Options& options) {
   if (options.json) {
     nlohmann::ordered_json json{{"estimate", options.estimate.string()}, {"truth", options.truth.string()}};
     json.update(evaluationJson(evaluation));
-    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    printJson(json);
   } else {
     std::fputs(evaluationTable(evaluation).c_str(), stdout);
   }

@@ -11,6 +11,7 @@
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/export/export_format.hpp"
@@ -67,7 +68,7 @@ void run(const Options& options) {
     const nlohmann::ordered_json json{{"output", options.output.string()},
                                       {"format", options.format},
                                       {source.replay ? "pairs" : "poses", count}};
-    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    printJson(json);
     return;
   }
   std::printf("%zu %s written to %s\n", count, source.replay ? "pairs" : "poses", options.output.c_str());

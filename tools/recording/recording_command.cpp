@@ -6,6 +6,7 @@
 
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/time_option.hpp"
 #include "tools/recording/information.hpp"
@@ -24,7 +25,7 @@ struct Options {
 
 void inform(const Options& options) {
   const capture::RecordingSummary summary = capture::summariseRecording(options.folder);
-  const std::string text = options.json ? informationJson(summary).dump(2) + "\n" : informationText(summary);
+  const std::string text = options.json ? jsonText(informationJson(summary)) : informationText(summary);
   std::fputs(text.c_str(), stdout);
 }
 
@@ -38,7 +39,7 @@ void verify(const Options& options) {
     });
   }
   const std::string text =
-      options.json ? verificationJson(verification).dump(2) + "\n" : verificationText(verification);
+      options.json ? jsonText(verificationJson(verification)) : verificationText(verification);
   std::fputs(text.c_str(), stdout);
   if (!verification.isWhole()) throw CLI::RuntimeError(EXIT_FAILURE);
 }
@@ -62,7 +63,7 @@ void trim(const Options& options) {
                                       {"to_s", trimmed.to},
                                       {"left", {{"pictures", trimmed.pictures[0]}}},
                                       {"right", {{"pictures", trimmed.pictures[1]}}}};
-    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    printJson(json);
     return;
   }
   std::printf("%llu left and %llu right pictures, %.1f to %.1f s, written to %s\n",

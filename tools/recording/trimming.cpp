@@ -8,11 +8,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include "capture/recording/recording_index_reader.hpp"
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_writer.hpp"
+#include "common/unfinished_folder.hpp"
 
 namespace cartvo {
 namespace {
@@ -100,17 +100,6 @@ void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingW
   }
 }
 
-/// Removes what a failed copy wrote into a folder that was empty or missing before.
-void removeContents(const std::filesystem::path& folder, bool existed) {
-  std::error_code ignored;
-  if (!existed) {
-    std::filesystem::remove_all(folder, ignored);
-    return;
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-    std::filesystem::remove_all(entry.path(), ignored);
-}
-
 }  // namespace
 
 TrimmedRecording trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
@@ -128,18 +117,12 @@ TrimmedRecording trimRecording(const std::filesystem::path& recording, const Tri
         capture::sideName(left.isFinished() ? capture::CameraSide::left : capture::CameraSide::right) +
         " camera between --from and --to");
   }
-  const bool existed = std::filesystem::exists(output);
-  const bool was_empty =
-      !existed || (std::filesystem::is_directory(output) && std::filesystem::is_empty(output));
+  UnfinishedFolder unfinished(output);
   TrimmedRecording trimmed;
-  try {
-    capture::RecordingWriter writer(output, info, kSegmentLength);
-    copyPictures(left, right, writer, first_ns, progress, trimmed);
-    writer.sync();
-  } catch (...) {
-    if (was_empty) removeContents(output, existed);
-    throw;
-  }
+  capture::RecordingWriter writer(output, info, kSegmentLength);
+  copyPictures(left, right, writer, first_ns, progress, trimmed);
+  writer.sync();
+  unfinished.keep();
   return trimmed;
 }
 

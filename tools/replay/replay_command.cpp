@@ -20,6 +20,7 @@
 #include "daemon/service/configuration.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/evaluate/evaluation.hpp"
@@ -192,7 +193,7 @@ void run(Options& options) {
   writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeResultFile(output / "odometry.csv", odometryCsv(replay));
   writeResultFile(output / "timing.csv", timingCsv(replay));
-  writeResultFile(output / "summary.json", summary.dump(2) + "\n");
+  writeResultFile(output / "summary.json", jsonText(summary));
 
   constexpr std::size_t kMaxWarningBytes = 4000;
   for (const std::string& problem : replay.problems)
@@ -200,7 +201,7 @@ void run(Options& options) {
   if (!replay.self_check.empty())
     std::fprintf(stderr, "cartvo: warning: self-check: %s\n", replay.self_check.c_str());
   if (options.json) {
-    std::fputs((summary.dump(2) + "\n").c_str(), stdout);
+    printJson(summary);
   } else {
     printSummary(options, replay, summary);
     if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);

@@ -5,14 +5,13 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <system_error>
-#include <utility>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/unfinished_folder.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
@@ -28,21 +27,6 @@ std::string decimalSeconds(std::int64_t time_ns) {
                 static_cast<long long>(magnitude % 1'000'000'000));
   return text;
 }
-
-/// Removes a folder at the end of the scope; none is left once it was renamed.
-class PartialFolder {
- public:
-  explicit PartialFolder(fs::path folder) : folder_(std::move(folder)) {}
-  ~PartialFolder() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  PartialFolder(const PartialFolder&) = delete;
-  PartialFolder& operator=(const PartialFolder&) = delete;
-
- private:
-  fs::path folder_;
-};
 
 void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
   char name[24];
@@ -83,7 +67,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   if (!partial.has_filename()) partial = partial.parent_path();
   partial += ".partial";
   fs::remove_all(partial);  // from an interrupted run
-  const PartialFolder removed_on_failure(partial);
+  UnfinishedFolder unfinished(partial);
   createFolders(partial / "image_0");
   createFolders(partial / "image_1");
 
@@ -100,6 +84,7 @@ void renderFolder(const fs::path& folder, const Content& content, const Progress
   if (calib::isKittiRig(content.rig()))
     writeResultFile(partial / "calib.txt", calib::kittiText(content.rig()));
   fs::rename(partial, folder);
+  unfinished.keep();
 }
 
 }  // namespace cartvo::simulate

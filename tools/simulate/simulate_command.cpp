@@ -15,6 +15,7 @@
 #include "common/units.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
@@ -124,7 +125,7 @@ void writeCameras(const SimulateOptions& options, const Content& content,
   } else {
     cameras["epoch_ns"] = nullptr;
   }
-  writeResultFile(options.output / "cameras.json", cameras.dump(2) + "\n");
+  writeResultFile(options.output / "cameras.json", jsonText(cameras));
 }
 
 CameraPairSettings pairSettings(const SimulateOptions& options) {

@@ -19,6 +19,7 @@
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
 #include "daemon/service/awaited_signals.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/watch/screen.hpp"
 
 namespace cartvo {
@@ -377,7 +378,7 @@ std::string summaryJson(const OdometrySummary& summary) {
       {"age_ms", {{"p50", summary.age_p50_ms}, {"p99", summary.age_p99_ms}}},
       {"offset_median_ms", summary.offset_median_ms},
   };
-  return json.dump(2) + "\n";
+  return jsonText(json);
 }
 
 double validPercent(const OdometrySummary& summary) {

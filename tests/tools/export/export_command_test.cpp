@@ -176,6 +176,20 @@ TEST_F(ExportCommand, PrintsJson) {
             (nlohmann::json{{"output", file}, {"format", "euroc"}, {"poses", 3}}));
 }
 
+TEST_F(ExportCommand, PrintsNamesThatAreNotUtf8) {
+  writeTrajectory();
+  const test::CommandResult run =
+      test::pipeCartvo("export " + (folder_ / "drive.tum").string() + " --json --format euroc --output '" +
+                       (folder_ / "Stra\xdf"
+                                  "e")
+                           .string() +
+                       "'");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(run.output)["output"], (folder_ / "Stra\xEF\xBF\xBD"
+                                                                    "e")
+                                                             .string());
+}
+
 TEST_F(ExportCommand, ReportsWhatItCannotExport) {
   writeTrajectory();
   writeKitti(folder_ / "poses.txt", poses_, TrajectoryFrame::left_camera);

@@ -12,6 +12,7 @@
 #include "calib/board/marker_dictionary.hpp"
 #include "tools/calibrate/board/board_print.hpp"
 #include "tools/calibrate/board/board_sheet.hpp"
+#include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {
 namespace {
@@ -37,7 +38,7 @@ void run(const Options& options) {
         {"pattern_mm", {sheet.pattern.width, sheet.pattern.height}},
         {"paper", sheet.page.name},
         {"paper_mm", {sheet.page.size.width, sheet.page.size.height}}};
-    std::fputs((json.dump(2) + "\n").c_str(), stdout);
+    printJson(json);
     return;
   }
   std::printf(

@@ -17,6 +17,7 @@
 #include "capture/dataset/image_files.hpp"
 #include "tools/calibrate/check/row_check.hpp"
 #include "tools/calibrate/source_pairs.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 
 namespace cartvo {
@@ -103,7 +104,7 @@ void run(const Options& options) {
   const bool passes = calibrate::passes(checks.check, options.largest_rms);
   if (!passes) checks.exchanged = checkExchanged(options, rectifier);
   const std::string report =
-      options.json ? calibrate::rowCheckJson(checks, rectification, options.largest_rms).dump(2) + "\n"
+      options.json ? jsonText(calibrate::rowCheckJson(checks, rectification, options.largest_rms))
                    : calibrate::rowCheckText(checks, rectification, options.largest_rms);
   std::fputs(report.c_str(), stdout);
   if (!passes) throw CLI::RuntimeError(EXIT_FAILURE);

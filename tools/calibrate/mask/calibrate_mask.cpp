@@ -19,6 +19,7 @@
 #include "tools/calibrate/camera_files.hpp"
 #include "tools/calibrate/mask/static_parts.hpp"
 #include "tools/calibrate/rig_update.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 
@@ -111,7 +112,7 @@ void run(const Options& options) {
     calib::writeRig(options.output, rig);
   }
   const std::string report =
-      options.json ? nlohmann::ordered_json{{"left", jsonOf(left)}, {"right", jsonOf(right)}}.dump(2) + "\n"
+      options.json ? jsonText(nlohmann::ordered_json{{"left", jsonOf(left)}, {"right", jsonOf(right)}})
                    : textOf("left", left) + textOf("right", right);
   std::fputs(report.c_str(), stdout);
   if (options.output.empty() || options.json) return;

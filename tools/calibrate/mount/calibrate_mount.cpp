@@ -15,6 +15,7 @@
 #include "daemon/pipeline/source_rig.hpp"
 #include "tools/calibrate/mount/mount.hpp"
 #include "tools/calibrate/mount/mount_source.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 
@@ -91,7 +92,7 @@ void run(const Options& options, bool gives_forward, bool gives_left) {
   rig.T_body_camera = mount.T_body_camera;
   calib::writeRig(options.output, rig);
   const std::string report =
-      options.json ? jsonOf(mount, measurements).dump(2) + "\n" : textOf(mount, measurements);
+      options.json ? jsonText(jsonOf(mount, measurements)) : textOf(mount, measurements);
   std::fputs(report.c_str(), stdout);
   if (!options.json) std::printf("written to %s\n", options.output.c_str());
   constexpr double kEnough_s = 15.0;

@@ -13,6 +13,7 @@
 #include "common/atomic_file.hpp"
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -68,7 +69,7 @@ std::vector<StereoDesign> designsOf(const Options& options) {
 }
 
 std::string reportOf(const Options& options, const std::vector<StereoDesign>& designs) {
-  if (options.json) return calibrate::planJson(designs, options.questions).dump(2) + "\n";
+  if (options.json) return jsonText(calibrate::planJson(designs, options.questions));
   return calibrate::planTable(designs, options.questions,
                               options.format == "markdown" ? ReportFormat::markdown : ReportFormat::text);
 }

@@ -15,6 +15,7 @@
 #include "tools/calibrate/readout/mains_bands.hpp"
 #include "tools/calibrate/readout/profile_source.hpp"
 #include "tools/calibrate/rig_update.hpp"
+#include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 
@@ -92,7 +93,7 @@ void run(const Options& options) {
   if (options.camera != "right") add("left", profiles.left, rig.left);
   if (options.camera != "left") add("right", profiles.right, rig.right);
   if (!options.output.empty()) calib::writeRig(options.output, rig);
-  std::fputs((options.json ? json.dump(2) + "\n" : text).c_str(), stdout);
+  std::fputs((options.json ? jsonText(json) : text).c_str(), stdout);
   if (!options.output.empty() && !options.json) std::printf("written to %s\n", options.output.c_str());
 }
 

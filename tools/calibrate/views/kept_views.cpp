@@ -33,22 +33,16 @@ void writePng(const fs::path& file, const cv::Mat& image) {
 }  // namespace
 
 KeptViews::KeptViews(const fs::path& folder) : folder_(unusedFolder(folder)) {
-  created_ = createFolders(folder_ / "image_0");
-  createFolders(folder_ / "image_1");
-}
-
-void KeptViews::remove() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-  for (; !created_.empty(); created_.pop_back())
-    fs::remove(created_.back(), ignored);  // only if it is empty
+  createFolders(folder_.path() / "image_0");
+  createFolders(folder_.path() / "image_1");
+  folder_.keep();
 }
 
 void KeptViews::add(const DetectedView& view) {
   const std::string name = fmt::format("{:03d}.png", count_ + 1);
   try {
-    writePng(folder_ / "image_0" / name, view.left_image);
-    writePng(folder_ / "image_1" / name, view.right_image);
+    writePng(folder() / "image_0" / name, view.left_image);
+    writePng(folder() / "image_1" / name, view.right_image);
     ++count_;
   } catch (const std::exception& error) {
     if (!has_failed_) std::fprintf(stderr, "cartvo: views are not kept: %s\n", error.what());

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <vector>
 
+#include "common/unfinished_folder.hpp"
 #include "tools/calibrate/views/board_views.hpp"
 
 namespace cartvo {
@@ -20,14 +20,13 @@ class KeptViews {
   void add(const DetectedView& view);
 
   /// Removes the views, their folder and those above that were made for it and are empty.
-  void remove();
+  void remove() { folder_.remove(); }
 
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
   std::size_t count() const { return count_; }
 
  private:
-  std::filesystem::path folder_;
-  std::vector<std::filesystem::path> created_;  ///< outermost first
+  UnfinishedFolder folder_;
   std::size_t count_ = 0;
   bool has_failed_ = false;
 };

@@ -1,7 +1,6 @@
 // Writing of files: atomic replacement of regular files, all else in place.
 #include "common/atomic_file.hpp"
 
-#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -15,11 +14,11 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
+#include "common/temporary_file.hpp"
+
 namespace cartvo {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr mode_t kPermissionBits = 07777;
 
 [[noreturn]] void fail(const fs::path& file, const std::string& what) {
   throw std::runtime_error(file.string() + ": " + what);
@@ -44,15 +43,6 @@ class Descriptor {
  private:
   int number_;
 };
-
-void writeAll(int descriptor, std::string_view contents, const fs::path& file) {
-  while (!contents.empty()) {
-    const ssize_t written = ::write(descriptor, contents.data(), contents.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) failWith(file, "cannot be written", errno);
-    contents.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
 
 /// What a path names once its links are followed.
 struct Target {
@@ -117,80 +107,28 @@ void checkExisting(const Target& target, const fs::path& file) {
 void writeInPlace(const Target& target, std::string_view contents, const fs::path& file) {
   const Descriptor descriptor(::open(target.path.c_str(), O_WRONLY | O_TRUNC | O_NOCTTY | O_CLOEXEC));
   if (descriptor.number() < 0) failWith(file, "cannot be written", errno);
-  writeAll(descriptor.number(), contents, file);
+  const int error = writeAll(descriptor.number(), contents);
+  if (error != 0) failWith(file, "cannot be written", error);
 }
 
-/// A temporary file beside a target. The destructor removes it unless it was renamed.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const Target& target)
-      : target_(target.path), name_(unusedName(target)), descriptor_(open(name_, target)) {}
-  ~TemporaryFile() {
-    if (isOpen() && !renamed_) ::unlink(name_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  bool isOpen() const { return descriptor_.number() >= 0; }
-  int descriptor() const { return descriptor_.number(); }
-
-  /// Gives the file the owner and mode of `status`; returns whether that was possible.
-  bool takeOwner(const struct stat& status) const {
-    struct stat own {};
-    if (::fstat(descriptor(), &own) != 0) return false;
-    // The sandbox of the service has no fchown, which it does not need for its own files.
-    const bool has_owner = own.st_uid == status.st_uid && own.st_gid == status.st_gid;
-    return (has_owner || ::fchown(descriptor(), status.st_uid, status.st_gid) == 0) &&
-           ::fchmod(descriptor(), status.st_mode & kPermissionBits) == 0;
-  }
-
-  /// Renames the file to its target; returns 0 or the error number.
-  int moveToTarget() {
-    renamed_ = std::rename(name_.c_str(), target_.c_str()) == 0;
-    return renamed_ ? 0 : errno;
-  }
-
- private:
-  static std::string unusedName(const Target& target) {
-    static std::atomic<unsigned> count = 0;
-    std::string name;
-    struct stat status {};
-    do {
-      name = target.path.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(++count);
-    } while (::lstat(name.c_str(), &status) == 0);
-    return name;
-  }
-
-  /// A new file is created with the mode of the umask; one that replaces another is private until it has the
-  /// other's mode.
-  static int open(const std::string& name, const Target& target) {
-    constexpr mode_t kOfUmask = 0666, kPrivate = 0600;
-    return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-                  target.status ? kPrivate : kOfUmask);
-  }
-
-  fs::path target_;
-  std::string name_;
-  Descriptor descriptor_;
-  bool renamed_ = false;
-};
-
-/// The folder of a target, for messages.
-std::string folderOf(const Target& target) {
-  return target.path.has_parent_path() ? target.path.parent_path().string() : ".";
+/// A new file has the mode of the umask; one that replaces another is private until it has the other's mode.
+mode_t modeFor(const Target& target) {
+  constexpr mode_t kOfUmask = 0666, kPrivate = 0600;
+  return target.status ? kPrivate : kOfUmask;
 }
 
 /// Replaces the target; returns false, with the target unchanged, if only writing in place is possible.
 bool replace(const Target& target, std::string_view contents, const fs::path& file) {
-  TemporaryFile temporary(target);
+  TemporaryFile temporary(target.path, modeFor(target));
   if (!temporary.isOpen()) {
     if (target.status) return false;
-    failWith(file, "no file can be made in the folder " + folderOf(target), errno);
+    failWith(file, "no file can be made in the folder " + folderOf(target.path).string(), errno);
   }
   if (target.status && !temporary.takeOwner(*target.status)) return false;
-  writeAll(temporary.descriptor(), contents, file);
+  int error = writeAll(temporary.descriptor(), contents);
+  if (error != 0) failWith(file, "cannot be written", error);
   if (::fsync(temporary.descriptor()) != 0) failWith(file, "cannot be synced to the disk", errno);
-  const int error = temporary.moveToTarget();
+  error = temporary.moveToTarget();
   if (error != 0 && !(error == EBUSY && target.status)) failWith(file, "cannot be renamed into place", error);
   return error == 0;
 }
@@ -198,7 +136,9 @@ bool replace(const Target& target, std::string_view contents, const fs::path& fi
 void write(const Target& target, std::string_view contents, const fs::path& file) {
   if (target.descriptor >= 0) {
     std::fflush(stdout);
-    return writeAll(target.descriptor, contents, file);
+    const int error = writeAll(target.descriptor, contents);
+    if (error != 0) failWith(file, "cannot be written", error);
+    return;
   }
   if (target.status) checkExisting(target, file);
   if (target.status && losesByReplacement(target)) return writeInPlace(target, contents, file);
@@ -228,11 +168,12 @@ void checkFileCanBeWritten(const fs::path& file) {
   if (target.status) return checkExisting(target, file);
   std::vector<fs::path> created;
   if (target.path.has_parent_path()) created = createFolders(target.path.parent_path());
-  const int error = TemporaryFile(target).isOpen() ? 0 : errno;
+  const int error = TemporaryFile(target.path, modeFor(target)).isOpen() ? 0 : errno;
   std::error_code ignored;
   for (; !created.empty(); created.pop_back())
     fs::remove(created.back(), ignored);
-  if (error != 0) failWith(file, "no file can be made in the folder " + folderOf(target), error);
+  if (error != 0)
+    failWith(file, "no file can be made in the folder " + folderOf(target.path).string(), error);
 }
 
 std::vector<fs::path> createFolders(const fs::path& folder) {

@@ -10,9 +10,10 @@ namespace cartvo {
 
 /// Writes a file. Symbolic links are followed.
 ///
-/// A regular file, and one that does not exist, is written atomically: into a temporary file beside it, which
-/// is synced and then renamed. A reader, or a system after a power cut, finds either all of the old contents
-/// or all of the new ones. An existing file keeps its mode and owner; a new one has those of the umask.
+/// A regular file, and one that does not exist, is written atomically: into a temporary file in its folder
+/// (see TemporaryFile), which is synced before it takes the name. A reader, or a system after a power cut,
+/// finds either all of the old contents or all of the new ones. An existing file keeps its mode and owner; a
+/// new one has those of the umask.
 ///
 /// All else is opened and written: character devices, FIFOs, open descriptors of this process (/dev/stdout,
 /// /dev/fd/N; standard output is flushed first), and regular files that a replacement would cut off: those

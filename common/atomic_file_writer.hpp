@@ -1,17 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/temporary_file.hpp"
+
 namespace cartvo {
 
 /// A regular file that is written piece by piece and appears only when it is complete, for contents too large
-/// for writeFileAtomically. Before commit() the file has no name, so that nothing is left of it when the
-/// program ends early; only on file systems without unnamed files (vfat, NFS) it has a temporary name beside
-/// the target, which stays if the program is killed. All errors are std::runtime_error naming the file and
-/// the reason.
+/// for writeFileAtomically. Nothing is left of it when the program ends early, see TemporaryFile. All errors
+/// are std::runtime_error naming the file and the reason.
 class AtomicFileWriter {
  public:
   /// Creates missing folders. Symbolic links are followed. Throws also if `file` exists and is not a regular
@@ -26,7 +27,7 @@ class AtomicFileWriter {
   void write(std::string_view contents);
 
   /// A path by which this process can open the unfinished file, for libraries that write to a path.
-  std::filesystem::path openPath() const;
+  std::filesystem::path openPath() const { return contents_->openPath(); }
 
   /// Syncs the contents to the disk and gives them their name. A file of that name is replaced; the new one
   /// has its mode and owner.
@@ -34,14 +35,11 @@ class AtomicFileWriter {
 
  private:
   [[noreturn]] void fail(const std::string& what, int error) const;
-  void keepOwner() const;
-  std::string unusedName() const;
 
   std::filesystem::path file_;    ///< as given, for messages
   std::filesystem::path target_;  ///< behind symbolic links
   std::vector<std::filesystem::path> created_;
-  std::string temporary_name_;  ///< empty while the file has no name
-  int descriptor_ = -1;
+  std::optional<TemporaryFile> contents_;
   bool committed_ = false;
 };
 

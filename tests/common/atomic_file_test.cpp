@@ -1,6 +1,7 @@
 // Tests of the writing of files: what a path may name, and what must stay as it was.
 #include "common/atomic_file.hpp"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,8 +11,10 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "support/error_message.hpp"
@@ -57,6 +60,29 @@ TEST_F(AtomicFile, ReplacesTheContentsAndLeavesNoTemporaryFile) {
   writeFileAtomically(file, "new contents");
   EXPECT_EQ(contentsOf(file), "new contents");
   EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(AtomicFile, LeavesNothingIfASignalEndsTheProgram) {
+  const fs::path file = *this / "rig.yaml";
+  for (const char* before : {"", "old"}) {
+    if (*before != '\0') writeFileAtomically(file, before);
+    const pid_t child = fork();
+    if (child == 0) {
+      // The second half of the contents ends the program with SIGXFSZ.
+      constexpr rlim_t kLimit = 10'000;
+      const rlimit limit{kLimit, kLimit}, no_core{0, 0};
+      ::setrlimit(RLIMIT_CORE, &no_core);
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      ::signal(SIGXFSZ, SIG_DFL);
+      writeFileAtomically(file, std::string(2 * kLimit, 'x'));
+      _exit(0);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(entries(), *before == '\0' ? 0 : 1);
+    EXPECT_EQ(contentsOf(file), before);
+  }
 }
 
 TEST_F(AtomicFile, CreatesMissingFoldersOfResultFilesOnly) {

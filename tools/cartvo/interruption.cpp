@@ -14,11 +14,14 @@ void note(int signal) {
   received = signal;
 }
 
+/// An ignored signal stays ignored, as SIGHUP under nohup and SIGINT of a job in the background.
 void replaceAction(int signal, struct sigaction& before) {
+  sigaction(signal, nullptr, &before);
+  if (before.sa_handler == SIG_IGN) return;
   struct sigaction action {};
   action.sa_handler = note;
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second signal ends the program
-  sigaction(signal, &action, &before);
+  sigaction(signal, &action, nullptr);
 }
 
 }  // namespace

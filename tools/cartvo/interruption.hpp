@@ -6,7 +6,7 @@ namespace cartvo {
 
 /// Turns the first SIGINT (Ctrl-C), SIGTERM or SIGHUP into an exception at the next check(), so that
 /// destructors remove what is half written. A second one ends the program at once. For one object at a time;
-/// the destructor restores the signals' actions.
+/// the destructor restores the signals' actions. Signals that are ignored stay ignored.
 class Interruption {
  public:
   Interruption();

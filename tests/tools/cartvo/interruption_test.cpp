@@ -16,6 +16,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kAfterSigint = 128 + SIGINT, kAfterSighup = 128 + SIGHUP;
 
@@ -63,6 +64,16 @@ TEST_F(Interruptions, OfATrimLeaveAnEmptyFolderThatWasThere) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "part"));
 }
 
+TEST_F(Interruptions, ThatTheCallerIgnoresStayIgnored) {
+  std::signal(SIGHUP, SIG_IGN);  // as nohup does
+  const test::CommandResult run =
+      interrupt("recording trim " + path("drive") + " --output-dir " + path("part"), "pictures", SIGHUP);
+  std::signal(SIGHUP, SIG_DFL);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.output, Not(HasSubstr("interrupted")));
+  EXPECT_THAT(names(), ElementsAre("drive", "part"));
+}
+
 TEST_F(Interruptions, OfAnExportLeaveNothing) {
   for (const std::string part : {"pairs", "pictures"}) {
     for (const std::string format : {"mcap", "rosbag2-mcap"}) {
@@ -78,7 +89,7 @@ TEST_F(Interruptions, OfAnExportLeaveNothing) {
 
 TEST_F(Interruptions, OfRenderingLeaveNothing) {
   const test::CommandResult run = interrupt(
-      "simulate --render --size 64x48 --seconds 100 --output-dir " + path("images"), "pairs", SIGINT);
+      "simulate --render --size 64x48 --seconds 100 --output-dir " + path("new/images"), "pairs", SIGINT);
   EXPECT_EQ(run.exit_code, kAfterSigint);
   EXPECT_THAT(run.output, HasSubstr("cartvo: interrupted; nothing was written"));
   EXPECT_THAT(names(), ElementsAre("drive"));

@@ -14,7 +14,7 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
-#include "common/temporary_file.hpp"
+#include "common/files/temporary_file.hpp"
 
 namespace cartvo {
 namespace fs = std::filesystem;

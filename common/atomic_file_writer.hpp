@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/temporary_file.hpp"
+#include "common/files/temporary_file.hpp"
 
 namespace cartvo {
 

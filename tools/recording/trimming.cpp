@@ -12,7 +12,7 @@
 #include "capture/recording/recording_index_reader.hpp"
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_writer.hpp"
-#include "common/unfinished_folder.hpp"
+#include "common/files/unfinished_folder.hpp"
 
 namespace cartvo {
 namespace {

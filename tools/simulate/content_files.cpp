@@ -11,7 +11,7 @@
 #include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "common/atomic_file.hpp"
-#include "common/unfinished_folder.hpp"
+#include "common/files/unfinished_folder.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "common/unfinished_folder.hpp"
+#include "common/files/unfinished_folder.hpp"
 #include "tools/calibrate/views/board_views.hpp"
 
 namespace cartvo {

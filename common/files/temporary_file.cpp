@@ -1,5 +1,5 @@
 // A new file that takes its name when it is complete.
-#include "common/temporary_file.hpp"
+#include "common/files/temporary_file.hpp"
 
 #include <atomic>
 #include <cerrno>

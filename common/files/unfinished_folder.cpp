@@ -1,5 +1,5 @@
 // Removes a folder that was not filled to the end.
-#include "common/unfinished_folder.hpp"
+#include "common/files/unfinished_folder.hpp"
 
 #include <system_error>
 

@@ -1,5 +1,5 @@
 // Tests of folders that are removed unless they were filled.
-#include "common/unfinished_folder.hpp"
+#include "common/files/unfinished_folder.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -19,6 +19,27 @@ constexpr int kMaxWidth = 960;  // px
 constexpr int kQuality = 65;    // percent
 constexpr int kDigits = 5;
 
+std::string stagesJson(const StageTimes& times) {
+  constexpr double kMilliseconds = 1e3;
+  std::string json = "{";
+  for (int i = 0; i < vo::kStageCount; ++i) {
+    const auto stage = static_cast<vo::Stage>(i);
+    fmt::format_to(std::back_inserter(json), "\"{}\":{:.3f},", vo::stageName(stage),
+                   kMilliseconds * times.stage(stage));
+  }
+  return json + fmt::format("\"all\":{:.3f}}}", kMilliseconds * times.total);
+}
+
+/// The elements of a JSON array.
+std::string regionsJson(const vo::ImageRegions& regions) {
+  std::string json;
+  for (const vo::ImageRegion& region : regions) {
+    fmt::format_to(std::back_inserter(json), "{}[{},{},{},{}]", json.empty() ? "" : ",", region.x, region.y,
+                   region.width, region.height);
+  }
+  return json;
+}
+
 }  // namespace
 
 EncodedPictures encodePictures(const PairView& view) {
@@ -43,12 +64,13 @@ EncodedPictures encodePictures(const PairView& view) {
   return pictures;
 }
 
-std::string picturesJson(const EncodedPictures& pictures, const vo::LandmarkViews& landmarks,
-                         std::int64_t sequence) {
-  std::string json = fmt::format(R"({{"width":{},"height":{},"scale":{},"sequence":{},"landmarks":[)",
-                                 pictures.width, pictures.height, pictures.scale, sequence);
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const vo::LandmarkView& landmark = landmarks[i];
+std::string picturesJson(const EncodedPictures& pictures, const PairView& view, std::int64_t sequence) {
+  std::string json = fmt::format(
+      R"({{"width":{},"height":{},"scale":{},"sequence":{},"stages_ms":{},"still":[{}],"landmarks":[)",
+      pictures.width, pictures.height, pictures.scale, sequence, stagesJson(view.times),
+      regionsJson(view.still_regions));
+  for (std::size_t i = 0; i < view.landmarks.size(); ++i) {
+    const vo::LandmarkView& landmark = view.landmarks[i];
     json += i == 0 ? "[" : ",[";
     for (const float pixel : {landmark.left_x, landmark.left_y, landmark.right_x, landmark.right_y}) {
       appendNumber(pixel, kDigits, json);

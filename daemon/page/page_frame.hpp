@@ -21,10 +21,11 @@ struct EncodedPictures {
 /// Uses no threads of OpenCV, which are the odometry's.
 EncodedPictures encodePictures(const PairView& view);
 
-/// {"width": .., "height": .., "scale": .., "sequence": .., "landmarks": [[left x, left y, right x, right y,
-/// weight, age, inverse depth], ...]}, px of the rectified pictures. `sequence`: of the pair's message.
-std::string picturesJson(const EncodedPictures& pictures, const vo::LandmarkViews& landmarks,
-                         std::int64_t sequence);
+/// {"width": .., "height": .., "scale": .., "sequence": .., "stages_ms": {NAME: .., ..., "all": ..}, "still":
+/// [[x, y, width, height], ...], "landmarks": [[left x, left y, right x, right y, weight, age, inverse
+/// depth],
+/// ...]}, px of the rectified pictures. `sequence`: of the pair's message.
+std::string picturesJson(const EncodedPictures& pictures, const PairView& view, std::int64_t sequence);
 
 /// Length of `json` in bytes (32 bits, little-endian), `json`, `jpeg`.
 std::string frameBytes(const std::string& json, const std::string& jpeg);

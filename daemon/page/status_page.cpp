@@ -127,7 +127,7 @@ void StatusPage::Implementation::addSnapshot() {
   std::unique_ptr<PageSnapshot> snapshot = handover.takeSnapshot();
   if (!snapshot) return;
   pictures_ = encodePictures(snapshot->view);
-  pictures_json_ = picturesJson(pictures_, snapshot->view.landmarks, snapshot->sequence);
+  pictures_json_ = picturesJson(pictures_, snapshot->view, snapshot->sequence);
   handover.recycle(std::move(snapshot));
 }
 

@@ -54,7 +54,7 @@ class PairProcessor::Implementation {
     if (result.estimate.valid && result.estimate.twist)
       setTwist(result.motion, *result.estimate.twist, T_body_rectified_, scale_stddev_);
     result.times = clock_.endPair();
-    if (view != nullptr) odometry_.viewLandmarks(view->landmarks);
+    if (view != nullptr) complete(*view, result);
     return result;
   }
 
@@ -86,6 +86,12 @@ class PairProcessor::Implementation {
     result.motion.velocity = now.value.head<3>();
     result.motion.angular_velocity = now.value.tail<3>();
     result.motion.twist_covariance = now.covariance + shared;
+  }
+
+  void complete(PairView& view, const PairResult& result) const {
+    odometry_.viewLandmarks(view.landmarks);
+    view.still_regions = result.estimate.still_regions;
+    view.times = result.times;
   }
 
   /// `view`: where to copy the rectified pictures; nullptr: not wanted.

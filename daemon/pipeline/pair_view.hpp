@@ -2,16 +2,20 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "daemon/pipeline/stage_clock.hpp"
+#include "vo_core/image_region.hpp"
 #include "vo_core/landmark_view.hpp"
 
 // A processed pair for a display.
 
 namespace cartvo::daemon {
 
-/// Copies of the rectified pictures (CV_8UC1) and the landmarks observed in them.
+/// Copies of the rectified pictures (CV_8UC1), and what the odometry found in them.
 struct PairView {
   cv::Mat left, right;
   vo::LandmarkViews landmarks;
+  vo::ImageRegions still_regions;  ///< of the left picture: parts in which the view stands still
+  StageTimes times;
 };
 
 /// Asks for the pictures of pairs. Called by the thread that processes them: must not wait.

@@ -93,7 +93,7 @@ void ReplayPage::Implementation::addPair(const daemon::PairResult& result, std::
 
 void ReplayPage::Implementation::store(const daemon::PageSample& sample) {
   const daemon::EncodedPictures pictures = daemon::encodePictures(view_);
-  const std::string pictures_json = daemon::picturesJson(pictures, view_.landmarks, sample.sequence());
+  const std::string pictures_json = daemon::picturesJson(pictures, view_, sample.sequence());
   const std::lock_guard lock(mutex_);
   history_.add(sample);
   const std::string json =

@@ -4,13 +4,14 @@ import { Model } from '/model.js';
 import { drawLegend, PictureView } from '/pictures.js';
 import { drawHistogram, drawLines, drawPlan } from '/plots.js';
 import { ReplayControls } from '/replay.js';
-import { byId, cameraRows, clockRows, motionRows, number, programRows, recordingText, sentences, setItems, setRows, setText } from '/tables.js';
+import { byId, cameraRows, clockRows, motionRows, number, programRows, recordingText, sentences, setItems, setRows, setText, stageRows } from '/tables.js';
 
 const kFramePeriod = 100, kPlotPeriod = 200, kHealthPeriod = 1000, kRetryPeriod = 1000, kHistoryPeriod = 10_000, kStale = 1500; // ms
 const kDegrees = 180 / Math.PI;
+const kStagePairs = 100; // ten seconds
 
 const picture = new PictureView(byId('picture'));
-let about = null, model = null, replay = null, health = null;
+let about = null, model = null, replay = null, health = null, stages = [];
 let seen = 0, reasons = '', lastPictureAt = 0, lastSequence = null, healthAt = -Infinity, plotsAt = -Infinity, historyAt = -Infinity;
 
 const pause = (duration) => new Promise((resolve) => setTimeout(resolve, duration));
@@ -31,6 +32,7 @@ async function connect() {
     model = new Model(content.sample);
     seen = 0;
     lastSequence = null;
+    stages = [];
   }
   await readHistory();
   if (content.mode === 'replay' && !replay) replay = new ReplayControls(showStored);
@@ -47,6 +49,7 @@ async function showPictures(frame) {
   lastSequence = frame.json.pictures.sequence;
   lastPictureAt = performance.now();
   picture.show(frame.json.pictures, await createImageBitmap(frame.jpeg));
+  stages = [...stages, frame.json.pictures.stages_ms].slice(-kStagePairs);
   byId('row').max = frame.json.pictures.height - 1;
   const text = picture.text();
   setText(byId('picture-text'), text);
@@ -94,6 +97,7 @@ async function updateHealth() {
 
 function drawPlots() {
   setRows(byId('motion'), motionRows(model));
+  setRows(byId('stages'), stageRows(stages));
   drawPlan(byId('plan'), model);
   drawLines(byId('speed'), [model.series('speed', 'stddev_speed')], 0.5);
   drawLines(byId('rates'), ['yaw_rate', 'pitch_rate', 'roll_rate'].map((name) => model.series(name, `stddev_${name}`, kDegrees)), 2);

@@ -49,6 +49,7 @@ export class PictureView {
     this.drawPicture(context, 0, at[0], 1);
     this.drawPicture(context, 1, at[1], this.view === 'overlay' ? 0.5 : 1);
     if (this.view === 'epipolar') this.drawEpipolarLines(context);
+    this.drawStillRegions(context);
     this.drawLandmarks(context, at);
   }
 
@@ -64,6 +65,20 @@ export class PictureView {
     if (landmark[2 * side] === null) return null;
     const toCanvas = (pixel) => (pixel + 0.5) / this.frame.scale - 0.5;
     return [x + toCanvas(landmark[2 * side]), y + toCanvas(landmark[2 * side + 1])];
+  }
+
+  /** Dashed outlines of the parts of the left picture that stand still, on black so that they show on any picture. */
+  drawStillRegions(context) {
+    for (const region of this.frame.still) {
+      const [x, y, width, height] = region.map((pixel) => pixel / this.frame.scale);
+      for (const [colour, dash] of [['#000', []], ['#ffd400', [6, 4]]]) {
+        context.strokeStyle = colour;
+        context.lineWidth = 2;
+        context.setLineDash(dash);
+        context.strokeRect(x, y, width, height);
+      }
+      context.setLineDash([]);
+    }
   }
 
   drawLandmarks(context, at) {
@@ -139,6 +154,8 @@ export class PictureView {
       const rows = inStereo.map((landmark) => Math.abs(landmark[1] - landmark[3]));
       parts.push(`median difference of the rows ${median(rows).toFixed(2)} px`);
     }
+    const still = this.frame.still.length;
+    if (still > 0) parts.push(`${still} ${still === 1 ? 'part' : 'parts'} of the left picture not used because the view stands still there`);
     return parts.join(', ') + '.';
   }
 }

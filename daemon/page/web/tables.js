@@ -79,6 +79,12 @@ export function clockRows(health) {
   ];
 }
 
+/** Rows of the stages' mean times. `pairs`: objects of ms by name. */
+export function stageRows(pairs) {
+  const mean = (name) => pairs.reduce((sum, pair) => sum + pair[name], 0) / pairs.length;
+  return Object.keys(pairs.at(-1) ?? {}).map((name) => [name.replaceAll('_', ' ').replace(/^./, (letter) => letter.toUpperCase()), number(mean(name), 2, 'ms')]);
+}
+
 export function cameraRows({ left, right }) {
   const row = (name, read) => [name, read(left), read(right)];
   return [

@@ -11,7 +11,7 @@ namespace cartvo::daemon {
 namespace {
 
 PairView viewOf(const cv::Size& size) {
-  return {cv::Mat(size, CV_8UC1, cv::Scalar(40)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), {}};
+  return {cv::Mat(size, CV_8UC1, cv::Scalar(40)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), {}, {}, {}};
 }
 
 cv::Mat decoded(const EncodedPictures& pictures) {
@@ -43,17 +43,25 @@ TEST(PageFrame, HasNoPicturesWithoutAPair) {
   EXPECT_EQ(encodePictures(different).jpeg, "");
 }
 
-TEST(PageFrame, ListsLandmarks) {
+TEST(PageFrame, ListsLandmarksStillRegionsAndTimes) {
   const EncodedPictures pictures{.jpeg = "", .width = 320, .height = 200, .scale = 2};
-  const vo::LandmarkViews landmarks{{.left_x = 10.25F,
-                                     .left_y = 20.0F,
-                                     .right_x = NAN,
-                                     .right_y = NAN,
-                                     .weight = 0.5F,
-                                     .age = 3,
-                                     .inverse_depth = 0.125F},
-                                    {}};
-  const auto json = nlohmann::json::parse(picturesJson(pictures, landmarks, 42));
+  PairView view;
+  view.landmarks = {{.left_x = 10.25F,
+                     .left_y = 20.0F,
+                     .right_x = NAN,
+                     .right_y = NAN,
+                     .weight = 0.5F,
+                     .age = 3,
+                     .inverse_depth = 0.125F},
+                    {}};
+  view.still_regions = {{8, 16, 24, 32}, {300, 0, 8, 8}};
+  view.times.stages[static_cast<std::size_t>(vo::Stage::rectify)] = 0.00125;
+  view.times.total = 0.0105;
+  const auto json = nlohmann::json::parse(picturesJson(pictures, view, 42));
+  EXPECT_EQ(json["still"], nlohmann::json::parse("[[8, 16, 24, 32], [300, 0, 8, 8]]"));
+  EXPECT_EQ(json["stages_ms"].size(), vo::kStageCount + 1U);
+  EXPECT_EQ(json["stages_ms"]["rectify"], 1.25);
+  EXPECT_EQ(json["stages_ms"]["all"], 10.5);
   EXPECT_EQ(json["sequence"], 42);
   EXPECT_EQ(json["scale"], 2);
   ASSERT_EQ(json["landmarks"].size(), 2U);

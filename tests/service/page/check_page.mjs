@@ -53,7 +53,7 @@ async function checkLoadsAndUpdates(page) {
   const first = await sequence(page);
   await until(page, (before) => Number(document.getElementById('picture-text').textContent.match(/^Pair (\d+):/)?.[1]) > before + 10, first);
   await until(page, () => /median \d+\.\d ms, 99th percentile \d+\.\d ms, \d+ pairs/.test(document.getElementById('latency-text').textContent));
-  for (const id of ['motion', 'clocks', 'cameras', 'program']) assert.ok(await page.locator(`#${id} tr`).count() >= 5, id);
+  for (const id of ['motion', 'clocks', 'stages', 'cameras', 'program']) assert.ok(await page.locator(`#${id} tr`).count() >= 5, id);
 }
 
 async function checkKeyboard(page) {
@@ -73,14 +73,93 @@ async function checkKeyboard(page) {
   await page.locator('input[value=both]').check();
 }
 
+/** Controls and pictures that have no name in Chromium's accessibility tree, hidden parts of the page included. */
 async function checkNames(page) {
-  const names = await page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas[role=img]')]
-    .filter((element) => element.offsetParent !== null && !element.labels?.length && !element.textContent.trim() && !element.getAttribute('aria-label'))
-    .map((element) => element.outerHTML));
-  assert.deepEqual(names, [], 'all controls and pictures have names');
+  const hidden = await page.evaluateHandle(() => [...document.querySelectorAll('[hidden]:not(input)')]);
+  await hidden.evaluate((elements) => elements.forEach((element) => { element.hidden = false; }));
+  const session = await page.context().newCDPSession(page);
+  const { nodes } = await session.send('Accessibility.getFullAXTree');
+  const roles = ['button', 'textbox', 'radio', 'combobox', 'slider', 'image', 'img', 'link', 'table'];
+  const named = nodes.filter((node) => !node.ignored && roles.includes(node.role.value));
+  await hidden.evaluate((elements) => elements.forEach((element) => { element.hidden = true; }));
+  assert.deepEqual(named.filter((node) => !node.name?.value.trim()).map((node) => node.role.value), [], 'all controls and pictures have names');
+  const count = await page.evaluate(() => document.querySelectorAll('button, input:not([hidden]), select, canvas[role=img], a, table').length);
+  assert.equal(named.length, count, named.map((node) => `${node.role.value} ${node.name.value}`).join(', '));
+  const mute = await page.evaluate(() => [...document.querySelectorAll('canvas, img')]
+    .filter((element) => element.getAttribute('role') !== 'img' && !element.closest('[aria-hidden=true]')).map((element) => element.outerHTML));
+  assert.deepEqual(mute, [], 'a screen reader sees all pictures');
   const headings = await page.evaluate(() => [...document.querySelectorAll('h1, h2')].filter((e) => e.offsetParent !== null).map((e) => e.textContent));
   assert.ok(headings.length >= 7, headings.join());
   assert.ok(await page.locator('[aria-live=polite], [role=status]').count() >= 3);
+}
+
+/** A part that stands still is outlined in the left picture and told in the sentence. The cameras of this test show none. */
+async function checkStillRegions(page) {
+  const { left, right, sentence } = await page.evaluate(async () => {
+    const { PictureView } = await import('/pictures.js');
+    const canvas = document.body.appendChild(document.createElement('canvas'));
+    const view = new PictureView(canvas);
+    const bitmap = await createImageBitmap(new ImageData(320, 400));
+    view.show({ width: 320, height: 200, scale: 2, sequence: 1, landmarks: [], still: [[100, 60, 200, 80]] }, bitmap);
+    const zoom = canvas.width / 640;
+    const yellow = (x, y, width, height) => {
+      const pixels = canvas.getContext('2d').getImageData(zoom * x, zoom * y, zoom * width, zoom * height).data;
+      let count = 0;
+      for (let i = 0; i < pixels.length; i += 4) if (pixels[i] > 200 && pixels[i + 1] > 150 && pixels[i + 2] < 60) ++count;
+      return count;
+    };
+    const found = { left: yellow(49, 30, 2, 40), right: yellow(320, 0, 320, 200), sentence: view.text() };
+    canvas.remove();
+    return found;
+  });
+  assert.ok(left > 20, `${left} px of the outline's left edge`);
+  assert.equal(right, 0);
+  assert.match(sentence, /1 part of the left picture not used because the view stands still there/);
+}
+
+/** Contrast by WCAG 2 of all text with what is behind it, and of the colours that scripts use, below the least for its kind. */
+const lowContrasts = () => {
+  const kText = 4.5, kGraphics = 3;
+  const parse = (colour) => colour.match(/[\d.]+/g).map(Number);
+  const linear = (value) => (value / 255 <= 0.04045 ? value / 255 / 12.92 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+  const luminance = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+  const contrast = (one, other) => {
+    const [low, high] = [luminance(one), luminance(other)].sort((a, b) => a - b);
+    return (high + 0.05) / (low + 0.05);
+  };
+  const behind = (element) => {
+    const colour = parse(getComputedStyle(element).backgroundColor);
+    return (colour[3] ?? 1) > 0 ? colour : behind(element.parentElement);
+  };
+  const low = [];
+  const check = (what, front, back, least) => {
+    const found = contrast(front, back);
+    if (!(found >= least)) low.push(`${what}: ${found.toFixed(2)}`);
+  };
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  let checked = 0;
+  while (texts.nextNode()) {
+    const element = texts.currentNode.parentElement;
+    if (!texts.currentNode.textContent.trim() || element.closest('noscript')) continue;
+    ++checked;
+    check(texts.currentNode.textContent, parse(getComputedStyle(element).color), behind(element), kText);
+  }
+  if (checked < 50) low.push(`only ${checked} texts`);
+  const probe = document.body.appendChild(document.createElement('i'));
+  const colour = (name) => {
+    probe.style.color = `var(${name})`;
+    return parse(getComputedStyle(probe).color);
+  };
+  for (const back of ['--back', '--panel']) {
+    for (const name of ['--text', '--dim', '--good', '--bad']) check(`${name} on ${back}`, colour(name), colour(back), kText);
+    for (const name of ['--accent', '--s1', '--s2', '--s3', '--dim']) check(`${name} on ${back}`, colour(name), colour(back), kGraphics);
+  }
+  probe.remove();
+  return low;
+};
+
+async function checkContrast(page) {
+  assert.deepEqual(await page.evaluate(lowContrasts), []);
 }
 
 async function checkRecording(page) {
@@ -126,6 +205,7 @@ async function checkOtherScreens() {
   ]) {
     const { page, problems } = await open(options);
     await checkLoadsAndUpdates(page);
+    await checkContrast(page);
     const [width, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
     assert.ok(width <= shown, `${name}: ${width} px wide, but the screen has ${shown}`);
     await page.screenshot({ path: `${pictures}/${name}.png`, fullPage: true });
@@ -145,6 +225,8 @@ async function step(name, check) {
 await step('loads and updates', checkLoadsAndUpdates);
 await step('keyboard', checkKeyboard);
 await step('names for screen readers', checkNames);
+await step('contrast', checkContrast);
+await step('still regions', checkStillRegions);
 await page.screenshot({ path: `${pictures}/light.png`, fullPage: true });
 await step('other screens', checkOtherScreens);
 assert.deepEqual(problems, []);

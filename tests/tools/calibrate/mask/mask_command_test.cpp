@@ -78,12 +78,13 @@ TEST_F(CalibrateMask, WritesPngFilesAndTheirNamesIntoTheRigFile) {
   EXPECT_TRUE(rig.right.mask.empty());
 }
 
-TEST_F(CalibrateMask, PrintsPlainLinesOfProgressIntoPipes) {
+TEST(CalibrateMaskOfAFolder, PrintsPlainLinesOfProgressIntoPipes) {
+  const test::TemporaryFolder folder;
   test::WallDrive drive;
-  test::writeImageFolder(folder_ / "drive", 45, kFrameRate,
+  test::writeImageFolder(folder / "drive", 45, kFrameRate,
                          [&](int /*side*/, int /*index*/) { return drive.next(); });
   const test::CommandResult result =
-      test::runWithAllProgress("calibrate mask " + (folder_ / "drive").string());
+      test::runWithAllProgress("calibrate mask " + (folder / "drive").string());
   EXPECT_EQ(result.exit_code, 0);
   for (const char* side : {"left", "right"}) {
     EXPECT_THAT(result.output, HasSubstr(std::string("] 1/45 pictures, ") + side));

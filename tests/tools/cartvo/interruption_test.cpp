@@ -23,7 +23,7 @@ constexpr int kAfterSigint = 128 + SIGINT, kAfterSighup = 128 + SIGHUP;
 class Interruptions : public testing::Test {
  protected:
   void SetUp() override {
-    constexpr int kRounds = 4;
+    constexpr int kRounds = 2;
     test::recordWalls(folder_ / "drive", kRounds);
   }
 

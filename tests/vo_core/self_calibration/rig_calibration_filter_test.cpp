@@ -170,7 +170,7 @@ TEST(RigCalibrationFilter, ExpectsAReinitialisedPitch) {
   RigCalibrationFilter rig;
   rig.reinitialisePitch(-5e-3);
   EXPECT_NEAR(rig.expected().pitch, -5e-3, 1e-6);
-  EXPECT_NEAR(rig.error().pitch.stddev, 1e-3, 1e-6);
+  EXPECT_NEAR(rig.error().pitch.stddev, SelfCalibrationSettings{}.calibration_stddev, 1e-6);
   EXPECT_EQ(rig.error().delay.value, 0.0);
 }
 

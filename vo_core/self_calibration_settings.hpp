@@ -21,6 +21,7 @@ struct SelfCalibrationSettings {
   // Measurements.
   double correlated_pairs = 10.0;  ///< that share the errors of their landmarks, which last about as long
   double row_noise = 0.02;         ///< px, least standard deviation of the row of a match
+  double row_robust_width = 2.0;   ///< standard deviations of a residual that halve its weight
   double rate_stddev = 0.02;  ///< rad/s, of the rotation from left to right exposure that poses do not show
   double unknown_rate_stddev = 0.3;  ///< the same of a single pair: 3 m/s past a point 10 m away
   double window_path = 0.5;          ///< m; a shorter window does not determine the yaw

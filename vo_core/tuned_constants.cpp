@@ -101,6 +101,7 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(self_calibration.delay_drift, "s", 0, 1, "clocks that differ by 50 ppm"),
     CONSTANT(self_calibration.correlated_pairs, "pairs", 1, 1000, "the usual life of a landmark"),
     CONSTANT(self_calibration.row_noise, "px", 0, 10, "the least noise of a row, as of a patch"),
+    CONSTANT(self_calibration.row_robust_width, "", 0.1, 100, "Cauchy loss"),
     CONSTANT(self_calibration.rate_stddev, "rad/s", 1e-06, 10, "assumption"),
     CONSTANT(self_calibration.unknown_rate_stddev, "rad/s", 1e-06, 10, "3 m/s past a point 10 m away"),
     CONSTANT(self_calibration.window_path, "m", 0, 100, "a shorter path does not show the yaw"),

@@ -64,7 +64,6 @@ struct BundleProblem {
   /// most one for each pose. Ignored for fixed poses; poses beyond the end of the list have no prior.
   FixedVector<Matrix6d, kMaximumWindowPairs> pose_prior_information;
   double scale_stddev = UncertaintySettings().scale_stddev;  ///< prior of the window's scale factor
-  double robust_width = BundleSettings().robust_width;       ///< of rows, as BundleSettings::robust_width
   std::vector<BundleLandmark> landmarks;
   BundleNoises noise;
 };

@@ -195,7 +195,7 @@ RowMeasurement RowRegression::measure(const BundleProblem& adjusted, const Vecto
   const double noise = noiseOf(rows.blocks, settings_.row_noise, sizes);
   if (!(noise > 0.0)) return {};
   RowSums sums;
-  sumRows(rows.blocks, adjusted.robust_width * noise, sums);
+  sumRows(rows.blocks, settings_.row_robust_width * noise, sums);
   RowMeasurement measurement;
   measurement.precision = sumOf(sums.weights) / (noise * noise);
   for (int i = 0; i < RowPatterns::kSize; ++i) {

@@ -40,7 +40,6 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
   problem.camera = camera_;
   problem.noise = noise_;
   problem.scale_stddev = settings_.uncertainty.scale_stddev;
-  problem.robust_width = settings_.bundle.robust_width;
   problem.poses = timedPoses(draft.window);
   const int poses = static_cast<int>(draft.window.size());
   problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kMinimumFixedPoses));

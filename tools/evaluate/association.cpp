@@ -13,8 +13,9 @@
 namespace cartvo {
 namespace {
 
-/// Widest gap in a truth over which to interpolate, unless three of its median periods are wider.
-constexpr std::int64_t kMaxGap_ns = 250'000'000;
+/// Widest gap in a truth over which to interpolate: three of its median periods, but at least the first and
+/// at most the second of these. Milliseconds that were read as seconds leave longer ones.
+constexpr std::int64_t kMaxGap_ns = 250'000'000, kMaxGapOfSlowTruth_ns = 6'000'000'000;
 
 /// A pose of the estimate this little before the truth's first or after its last pose is associated with that
 /// pose: times in a camera's 90 kHz clock are rounded by some us.
@@ -54,7 +55,9 @@ std::string span(const Trajectory& trajectory) {
 }  // namespace
 
 InterpolatedTruth::InterpolatedTruth(const Trajectory& truth)
-    : truth_(truth), period_ns_(medianPeriod(truth)), max_gap_ns_(std::max(kMaxGap_ns, 3 * period_ns_)) {}
+    : truth_(truth),
+      period_ns_(medianPeriod(truth)),
+      max_gap_ns_(std::clamp(3 * period_ns_, kMaxGap_ns, kMaxGapOfSlowTruth_ns)) {}
 
 std::optional<StampedPose> InterpolatedTruth::at(std::int64_t time_ns) const {
   const std::int64_t inside_ns = std::clamp(time_ns, truth_.front().time_ns, truth_.back().time_ns);
@@ -83,7 +86,8 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
   if (associated.estimate.size() < 2) {
     throw std::runtime_error(
         "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
-        span(estimate) + ", the truth of " + span(truth) + "; check that both use the same clock");
+        span(estimate) + ", the truth of " + span(truth) +
+        "; check that both use the same clock, and seconds");
   }
   return associated;
 }

@@ -224,6 +224,14 @@ TEST(Association, ByTimeRejectsDifferentClocks) {
               HasSubstr("the estimate is of 0.000 s to 4.900 s, the truth of 1000.000 s to 1004.900 s"));
 }
 
+TEST(Association, ByTimeRejectsMillisecondsReadAsSeconds) {
+  Trajectory truth = straight(50, 1.0);
+  for (StampedPose& stamped : truth)
+    stamped.time_ns *= 1000;
+  EXPECT_THAT(test::messageOf([&] { associateByTime(straight(50, 1.0), truth); }),
+              HasSubstr("the estimate is of 0.000 s to 4.900 s, the truth of 0.000 s to 4900.000 s"));
+}
+
 TEST(Association, ByRowsRequiresEqualNumberOfRows) {
   EXPECT_THAT(test::messageOf([] { associateByRows(straight(50, 1.0), straight(51, 1.0)); }),
               HasSubstr("the estimate has 50 poses, the truth 51"));

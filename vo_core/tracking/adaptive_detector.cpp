@@ -44,7 +44,9 @@ AdaptiveDetector::AdaptiveDetector(const DetectionSettings& settings, int featur
     }
   }
   setTargetFeatureCount(features);
-  thresholds_.assign(windows_.size(), settings.minimum_threshold);
+  // Thresholds change by factors: the geometric mean is as far from the minimum as from the maximum.
+  thresholds_.assign(windows_.size(),
+                     std::sqrt(1.0 * settings.minimum_threshold * settings.maximum_threshold));
   corner_counts_.assign(windows_.size(), 0);
   wanted_.resize(windows_.size());
   // Reserves memory for whatever an image may show: pages that are not written cost nothing.

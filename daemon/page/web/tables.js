@@ -4,8 +4,11 @@ export const byId = (id) => document.getElementById(id);
 
 const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
 
+/** `value` with so many decimals; what rounds to zero has no sign. */
+const fixed = (value, digits) => (Number(value.toFixed(digits)) || 0).toFixed(digits);
+
 export function number(value, digits, unit = '') {
-  return isNumber(value) ? `${value.toFixed(digits)}${unit ? ` ${unit}` : ''}` : '–';
+  return isNumber(value) ? `${fixed(value, digits)}${unit ? ` ${unit}` : ''}` : '–';
 }
 
 /** Writes text only where it changed, so that a screen reader reads only news. */
@@ -63,7 +66,7 @@ export function motionRows(model) {
 }
 
 const withStddev = (value, stddev, digits, unit) =>
-  (isNumber(value) ? `${value.toFixed(digits)} ${unit}${isNumber(stddev) ? ` (σ ${stddev.toFixed(digits)} ${unit})` : ''}` : '–');
+  (isNumber(value) ? `${number(value, digits, unit)}${isNumber(stddev) ? ` (σ ${number(stddev, digits, unit)})` : ''}` : '–');
 
 export function clockRows(health) {
   return [

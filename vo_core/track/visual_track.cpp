@@ -65,6 +65,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       roughness_(settings.rolling_shutter, settings.self_calibration.correlated_pairs),
       tracker_(camera, settings),
       random_(settings.seed),
+      cell_noise_(settings.self_calibration.correlated_pairs, settings.history.half_weight_stddevs),
       rig_(learnt.rig),
       pitch_reinitialiser_(camera),
       standstill_(settings.standstill),

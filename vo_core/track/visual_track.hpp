@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/estimation/cell_noise.hpp"
 #include "vo_core/estimation/motion_error.hpp"
 #include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
@@ -163,6 +164,7 @@ class VisualTrack {
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
+  CellNoise cell_noise_;
   RigCalibrationFilter rig_;                ///< without RigRefinement::correct, only its readouts change
   PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;

@@ -46,6 +46,8 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
   problem.fixed_pose_weight = settings_.bundle.fixed_pose_weight;
   addPosePriors(draft.window, settings_.bundle.prior_weight, problem);
   toBundleLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen_);
+  for (BundleLandmark& landmark : problem.landmarks)
+    landmark.weight *= cell_noise_.weightAt(camera_, landmark.observations.back().left);
 }
 
 /// Adjusts the window, and once more if the rig's correction changes by that: older poses are fixed, so that
@@ -94,6 +96,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByLandmarks();
+  cell_noise_.update(bundle_);
   noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
   rig_ = updated_rig;
   accept(pair, draft);

@@ -351,9 +351,6 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     discardLastStereo(landmarks);  // matches at the wrong pitch are by chance
     match(landmarks, rig_);
   }
-  // With a time offset the row residual carries motion; do not gate it.
-  if (pair.from_video && keepsRows(T_right_left, settings_.stereo))
-    rejectRowOutliers(landmarks, settings_.stereo, rows_);
 
   const RigCorrection rig = rig_.correction();
   const RowTransform right_from_left(camera_, timing_, window.back(), T_right_left);

@@ -184,7 +184,6 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;
-  std::vector<double> rows_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
   RowMotionProblem row_problem_;

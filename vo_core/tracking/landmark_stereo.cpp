@@ -107,15 +107,13 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
   }
   block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     Landmark& landmark = landmarks[i];
-    const double row_residual = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
-        std::abs(row_residual) > (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
+        std::abs(aligned.position.y() - expected_row[i]) > (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
         !isConsistentBackward(aligned, settings_.tracking) ||
         !view.right.mask.allows(aligned.position, landmark.level))
       return;
     Observation& observation = landmark.observations.back();
     landmark.stereo_warp = aligned.warp;
-    landmark.row_residual = row_residual;
     observation.stereo = true;
     observation.stereo_offset = observation.left - aligned.position;
   });

@@ -61,8 +61,6 @@ struct StereoSettings {
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
   double uniqueness = 0.8;         ///< maximum ratio of 1 - correlation of the best to the second-best match
   double maximum_sad_ratio = 1.3;  ///< of a candidate to the least one; above, it is ignored
-  double maximum_row_translation =
-      0.005;  ///< m along y and z between the exposures up to which rows are equal
 };
 
 /// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).

@@ -49,7 +49,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(stereo.minimum_correlation, "", -1, 1, "thesis 4.4"),
     CONSTANT(stereo.uniqueness, "", 0, 1, "Lowe's ratio test (2004)"),
     CONSTANT(stereo.maximum_sad_ratio, "", 1, 100, "assumption"),
-    CONSTANT(stereo.maximum_row_translation, "m", 0, 10, "a tenth of a pixel at 20 m"),
     CONSTANT(history.half_weight_stddevs, "", 0.1, 100, "a robust scale of two standard deviations"),
     CONSTANT(history.minimum_weight, "", 0, 1, "assumption"),
     CONSTANT(pose_search.subsets, "", 0, 10000,

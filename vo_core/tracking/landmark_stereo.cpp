@@ -16,13 +16,6 @@ namespace {
 // for all if some are nearer than the ordinary search reaches.
 constexpr std::size_t kNearSample = 8, kNearLandmarks = 3;
 
-/// Warp model from the left to the right image. Between rectified cameras only the columns of a patch are
-/// stretched and sheared, whatever the baseline. A right camera that has moved since the left exposure
-/// changes the rows too; a model without them would bias the match sideways.
-WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
-  return keepsRows(T_right_left, settings) ? WarpModel::stereo : WarpModel::affine;
-}
-
 /// Epipolar line in the right image, to first order in the inverse depth.
 EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                           const Eigen::Vector2d& pixel) {
@@ -39,11 +32,6 @@ EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T
 
 }  // namespace
 
-bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
-  const Eigen::Vector3d place = T_right_left.inverse().translation();
-  return place.tail<2>().norm() < settings.maximum_row_translation;
-}
-
 /// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
 /// search along the epipolar line.
 std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
@@ -57,8 +45,6 @@ std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& lan
     if (!expected.valid) return std::nullopt;
     start.position = expected.pixel;
     start.warp = landmark.stereo_warp;
-    // The stereo warp model keeps rows: reset what an earlier affine alignment has estimated for them.
-    if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
     const EpipolarLine line = epipolarLine(camera_, T_right_left, left);
     const StereoSettings& search = search_near ? near_stereo_ : settings_.stereo;
@@ -105,10 +91,11 @@ void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& sce
     expected_row[i] = start->position.y();
     block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
   }
-  block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+  block.align(settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     Landmark& landmark = landmarks[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
-        std::abs(aligned.position.y() - expected_row[i]) > (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
+        std::abs(aligned.position.y() - expected_row[i]) >
+            (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
         !isConsistentBackward(aligned, settings_.tracking) ||
         !view.right.mask.allows(aligned.position, landmark.level))
       return;
@@ -124,9 +111,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const RowTransform& right_from_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, right_from_left,
-                        warpModelOf(right_from_left.betweenExposures(), settings_.stereo),
-                        seesNearSurfaces(landmarks)};
+  const StereoView view{left, right, right_from_left, seesNearSurfaces(landmarks)};
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     matchBlock(std::span(landmarks).subspan(first, count), scene, view);
   });

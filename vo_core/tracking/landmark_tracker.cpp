@@ -188,7 +188,7 @@ void LandmarkTracker::alignWithAnchors(std::span<const Landmark> landmarks, cons
     start.warp = predictedGrowth(landmark, scene) * landmark.warp;
     block.add(i, {*anchor->left, scene.left, landmark.level}, landmark.anchor().left, start);
   }
-  block.align(WarpModel::affine, tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+  block.align(tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     if (aligned.correlation >= tracking.minimum_correlation && isConsistentBackward(aligned, tracking))
       attempts[i].aligned = aligned;
   });

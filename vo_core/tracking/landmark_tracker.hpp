@@ -92,7 +92,6 @@ class LandmarkTracker {
     const ImagePyramid& left;
     const ImagePyramid& right;
     const RowTransform& right_from_left;  ///< predicted
-    WarpModel warp_model;
     bool near_surfaces;  ///< whether to search all landmarks beyond the ordinary largest disparity
   };
 
@@ -149,9 +148,5 @@ class LandmarkTracker {
     }
   } buffers_;
 };
-
-/// Whether each point has the same row in both images, each at its own exposure time: false if the right
-/// camera has moved along z or y since the left exposure.
-bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings);
 
 }  // namespace cartvo::vo

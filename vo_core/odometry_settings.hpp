@@ -56,7 +56,7 @@ struct TrackingSettings {
 /// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
   double minimum_disparity = 0.5;  ///< px; points farther away have no usable depth
-  int maximum_disparity = 128;     ///< px; nearer points are not found, but see nearestDisparity()
+  int maximum_disparity = 128;     ///< px; nearer points are not found. `estimator: thesis` only
   int rows = 1;  ///< px of the level, rows searched above and below; a match is at most half a row beyond
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
   double uniqueness = 0.8;         ///< maximum ratio of 1 - correlation of the best to the second-best match
@@ -190,10 +190,9 @@ struct OdometrySettings {
 /// half the mean spacing of `features` points if that is less; at least 1.
 double minimumDistance(const OdometrySettings& settings, int width, int height);
 
-/// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px:
-/// stereo.maximum_disparity, or half the width if that is more. Of nearer surfaces, only the edges are seen
-/// by both cameras.
-int nearestDisparity(const StereoSettings& settings, int width);
+/// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px: half the width. Of
+/// nearer surfaces, only the edges are seen by both cameras.
+int nearestDisparity(int width);
 
 /// Throws std::invalid_argument that names the first value out of range and its range, for example
 /// "tracking.levels is 0: expected 1 to 8".

@@ -44,7 +44,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(tracking.minimum_codec_noise, "px", 0, 10,
              "fitted on rendered worlds and kitti_06 (docs/notebook/accuracy.md)"),
     CONSTANT(stereo.minimum_disparity, "px", 0.01, 100, "two to three times its noise"),
-    CONSTANT(stereo.maximum_disparity, "px", 16, 1024, "the nearest road that both cameras see"),
     CONSTANT(stereo.rows, "px", 0, 3, "rectification errors of a pixel"),
     CONSTANT(stereo.minimum_correlation, "", -1, 1, "thesis 4.4"),
     CONSTANT(stereo.uniqueness, "", 0, 1, "Lowe's ratio test (2004)"),

@@ -84,9 +84,8 @@ void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vec
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
     : camera_(camera),
       settings_(settings),
-      near_stereo_(settings.stereo),
       detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {
-  near_stereo_.maximum_disparity = nearestDisparity(settings.stereo, camera.width);
+  settings_.stereo.maximum_disparity = nearestDisparity(camera.width);
 }
 
 void LandmarkTracker::setTargetFeatureCount(int features) {

@@ -92,7 +92,6 @@ class LandmarkTracker {
     const ImagePyramid& left;
     const ImagePyramid& right;
     const RowTransform& right_from_left;  ///< predicted
-    bool near_surfaces;  ///< whether to search all landmarks beyond the ordinary largest disparity
   };
 
   /// State of the search for one landmark.
@@ -122,14 +121,12 @@ class LandmarkTracker {
   std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
                                                 std::vector<Landmark>& tracked, const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
-                                              double inverse_depth, bool search_near) const;
+                                              double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
-  bool seesNearSurfaces(const std::vector<Landmark>& landmarks) const;
   void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
 
   StereoCamera camera_;
-  OdometrySettings settings_;
-  StereoSettings near_stereo_;  ///< those of settings_ with nearestDisparity()
+  OdometrySettings settings_;  ///< with nearestDisparity()
   LandmarkDetector detector_;
   // Memory of track(), reused.
   std::vector<SearchResult> found_;       ///< result for each landmark

@@ -46,7 +46,7 @@ struct TrackingSettings {
   int search_again = 5;                    ///< pairs over which a lost feature with a depth is searched for
   double minimum_shift_correlation = 0.4;  ///< of the shifted patch, before its warp is estimated
   double maximum_stretch = 0.35;           ///< of a warp from the identity; above, the anchor changes
-  /// px; landmarks found farther from it contradict a prediction, and have to agree with a corrected one.
+  /// px; landmarks found farther from it contradict a prediction.
   double maximum_prediction_error = 4.0;
   double predicted_inverse_depth = 0.02;  ///< 1/m, predicts where landmarks without a depth appear
   double minimum_patch_noise = 0.07;      ///< px of the level, stddev of the position of the steepest patch

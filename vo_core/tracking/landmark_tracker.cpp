@@ -280,14 +280,11 @@ bool LandmarkTracker::predictionFails() const {
 
 /// Searches the landmarks that were not found once more, in all pyramid levels, and marks those found in
 /// found_. Returns the corrected prediction.
-std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
-                                                               std::vector<Landmark>& tracked,
-                                                               const TrackedImage& image) {
+Eigen::Isometry3d LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
+                                                std::vector<Landmark>& tracked, const TrackedImage& image) {
   const Eigen::Isometry3d& expected = *image.T_world_camera;
-  std::optional<Eigen::Isometry3d> prediction =
-      correctedByLandmarks(tracked, found_, image.window, camera_, expected, settings_);
-  if (!prediction) prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected);
-  if (!prediction) prediction = expected;
+  const Eigen::Isometry3d prediction =
+      correctedByImageShift(previous, image.window, image.left, camera_, expected).value_or(expected);
   Scene scene(image.window, image.left, image.frame, prediction);
   scene.wide = scene.at_prediction = true;
   lost_.clear();

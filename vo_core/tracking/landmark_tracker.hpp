@@ -52,8 +52,8 @@ class LandmarkTracker {
   /// image is masked counts as not found.
   ///
   /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
-  /// far from them, the prediction is corrected by those found or by the shift of the whole image, and the
-  /// others are searched in all pyramid levels.
+  /// far from them, the prediction is corrected by the shift of the whole image, and the others are searched
+  /// in all pyramid levels.
   TrackingOutcome track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                         const TrackedImage& image);
 
@@ -118,8 +118,8 @@ class LandmarkTracker {
                 std::vector<SearchResult>& results) const;
   bool isFound(std::size_t landmark) const { return found_[landmark] != SearchResult::lost; }
   bool predictionFails() const;
-  std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
-                                                std::vector<Landmark>& tracked, const TrackedImage& image);
+  Eigen::Isometry3d searchWidely(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
+                                 const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
                                               double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;

@@ -55,8 +55,8 @@ class LandmarkDetector {
   };
 
   int windowOf(int level, const Eigen::Vector2d& pixel) const;
-  /// Information that a corner of a window gives per trial, for each level: its success rate by Laplace's
-  /// rule of succession, over the square of its noise.
+  /// Information that a corner of a window gives per trial, for each level: its success rate, smoothed by
+  /// Laplace's rule, over the square of its noise.
   LevelShares utilityOf(int window) const;
   /// Sets Level::wanted to each window's share of the landmarks.
   void distributeTargets();

@@ -13,6 +13,7 @@
 #include "capture/rtsp/rtsp_client.hpp"
 #include "capture/rtsp/session_description.hpp"
 #include "capture/rtsp/udp_ports.hpp"
+#include "common/ascii_text.hpp"
 #include "common/host_clock.hpp"
 
 namespace cartvo::capture {
@@ -29,16 +30,18 @@ constexpr seconds kReportInterval{5};                  ///< of receiver reports 
 constexpr std::size_t kUdpWindow = 64;                 ///< packets
 constexpr std::int64_t kUdpPatience_ns = 100'000'000;  ///< for a packet that others have overtaken
 constexpr int kMaxUdpBatch = 64;
+constexpr int kMaxPacketsElsewhere = 20;  ///< until the stream's channel is changed
 
 /// Value of a parameter of a header such as "RTP/AVP/TCP;unicast;interleaved=0-1"; nothing if it is missing.
+/// Ignores the case of the name, and blanks around name and value.
 std::optional<std::string_view> parameter(std::string_view header, std::string_view name) {
   while (!header.empty()) {
     const std::size_t end = header.find(';');
-    std::string_view part = header.substr(0, end);
+    const std::string_view part = header.substr(0, end);
     header.remove_prefix(end == std::string_view::npos ? header.size() : end + 1);
-    part.remove_prefix(std::min(part.find_first_not_of(' '), part.size()));
-    if (part.starts_with(name) && part.size() > name.size() && part[name.size()] == '=')
-      return part.substr(name.size() + 1);
+    const std::size_t equals = part.find('=');
+    if (equals != std::string_view::npos && lowerCase(trimmed(part.substr(0, equals))) == name)
+      return trimmed(part.substr(equals + 1));
   }
   return std::nullopt;
 }
@@ -91,6 +94,7 @@ struct RtspSession::Connection {
   int payload_type = 0;
   std::unique_ptr<UdpPorts> udp;
   int rtp_channel = 0;
+  int packets_elsewhere = 0;  ///< of the stream on other channels, before the first on rtp_channel
   std::string session;
   std::string keep_alive_method = "OPTIONS";
   Clock::duration keep_alive_interval{};
@@ -157,6 +161,13 @@ void RtspSession::Connection::describe() {
                         (offered.empty() ? "" : " (it offers " + offered + ")") +
                         "; set its stream to H.264");
   }
+  if (video->is_encrypted) {
+    throw RtspError(
+        RtspError::Kind::unreachable,
+        "the camera at " + rtspHost(settings.url) +
+            " encrypts its video (SRTP, the profile RTP/SAVP), which is not supported; switch SRTP "
+            "off in the camera");
+  }
   format = video->format;
   payload_type = video->payload_type;
   std::string base(response.head.header("content-base").value_or(""));
@@ -187,14 +198,21 @@ void RtspSession::Connection::setUp() {
     rtp_channel = leadingNumber(parameter(answer, "interleaved")).value_or(0);
   }
   const std::string_view header = response.head.header("session").value_or("");
-  session = header.substr(0, header.find(';'));
+  session = trimmed(header.substr(0, header.find(';')));
   const int timeout_s = leadingNumber(parameter(header, "timeout")).value_or(0);
   const Clock::duration timeout =
       timeout_s > 0 ? std::min(seconds(timeout_s), kMaxSessionTimeout) : kDefaultSessionTimeout;
   keep_alive_interval = timeout / 2;
 }
 
+/// Takes a packet of the TCP connection. Changes the channel if the server sends the stream on another one
+/// than it answered to SETUP.
 void RtspSession::Connection::takeInterleaved(const RtspInput& input) {
+  if (!source && input.channel != rtp_channel) {
+    const std::optional<RtpPacket> packet = parseRtpPacket(input.data);
+    const bool is_stream = packet && packet->payload_type == payload_type;
+    if (is_stream && ++packets_elsewhere == kMaxPacketsElsewhere) rtp_channel = input.channel;
+  }
   if (input.channel == rtp_channel) takeRtp(input.data);
   if (input.channel == rtp_channel + 1) takeRtcp(input.data);
 }

@@ -24,6 +24,7 @@ constexpr std::size_t kMaxParameterSets = 16U << 10;  // bytes, in base64
 /// One media section: its first payload type and the attributes that matter.
 struct Media {
   bool is_video = false;
+  bool is_encrypted = false;
   int payload_type = -1;
   std::string encoding;  ///< of the payload type, in capitals
   std::string parameters;
@@ -98,7 +99,7 @@ Media beginMedia(std::string_view value) {
   Media media;
   media.is_video = upperCase(take(value, ' ')) == "VIDEO";
   take(value, ' ');  // port
-  take(value, ' ');  // protocol
+  media.is_encrypted = upperCase(take(value, ' ')).find("/SAVP") != std::string::npos;
   media.payload_type = number(take(value, ' '));
   if (media.payload_type == 26) media.encoding = "JPEG";  // static payload types, RFC 3551, 6
   return media;
@@ -131,10 +132,15 @@ std::optional<VideoDescription> describedVideo(std::string_view description, std
       if (!session.control.empty()) session_control = session.control;
     }
   }
-  for (const Media& media : sections) {
-    if (const std::optional<VideoCodec> codec = codecOf(media)) {
-      return VideoDescription{
-          {*codec, parameterSetsOf(media.parameters)}, media.payload_type, media.control, session_control};
+  for (const bool is_encrypted : {false, true}) {
+    for (const Media& media : sections) {
+      const std::optional<VideoCodec> codec = codecOf(media);
+      if (!codec || media.is_encrypted != is_encrypted) continue;
+      return VideoDescription{{*codec, parameterSetsOf(media.parameters)},
+                              media.payload_type,
+                              media.control,
+                              session_control,
+                              is_encrypted};
     }
   }
   for (std::size_t i = 0; i < std::min(sections.size(), kMaxOffered); ++i) {

@@ -14,10 +14,11 @@ struct VideoDescription {
   int payload_type = 0;
   std::string control;          ///< of the stream; may be relative or empty
   std::string session_control;  ///< of the session; may be empty
+  bool is_encrypted = false;    ///< by SRTP (RFC 3711), the profiles RTP/SAVP and RTP/SAVPF
 };
 
-/// The first H.264 or H.265 video stream. Nothing if there is none; `offered` receives the encodings that
-/// there are, for a message ("JPEG, PCMU"), or is empty.
+/// The first H.264 or H.265 video stream, one without encryption if there is one. Nothing if there is none;
+/// `offered` receives the encodings that there are, for a message ("JPEG, PCMU"), or is empty.
 std::optional<VideoDescription> describedVideo(std::string_view description, std::string& offered);
 
 }  // namespace cartvo::capture

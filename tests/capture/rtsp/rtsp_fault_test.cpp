@@ -217,11 +217,11 @@ TEST(RtspFault, ReportsOrIgnoresInvalidSessionDescription) {
 
 TEST(RtspFault, DecodesOtherResolutionFromItsFirstKeyFrame) {
   const CameraScript before = script(VideoCodec::h264);
+  CameraScript after = before;
+  after.pictures = test::encodeSequence(VideoCodec::h264, {320, 200}, 40, 10, "ref=3:slices=2:cabac=0");
   ScriptedCamera server(before);
   RtspCamera camera(settingsFor(server, RtspTransport::tcp));
   ASSERT_TRUE(test::readFrames(camera, 30));
-  CameraScript after = before;
-  after.pictures = test::encodeSequence(VideoCodec::h264, {320, 200}, 40, 10, "ref=3:slices=2:cabac=0");
   server.setPictures(after.pictures);
   const std::set<std::uint64_t> hashes = hashesOf(after);
   int changed = 0;

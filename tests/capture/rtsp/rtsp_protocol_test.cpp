@@ -142,6 +142,15 @@ TEST(SessionDescription, FindsVideoAmongOtherStreams) {
   EXPECT_EQ(video->format.parameter_sets[4], 0x67);
 }
 
+TEST(SessionDescription, PrefersVideoWithoutEncryption) {
+  const std::string encrypted = "m=video 0 RTP/SAVPF 96\r\na=rtpmap:96 H264/90000\r\na=control:secret\r\n";
+  const std::string open = "m=video 0 RTP/AVP 97\r\na=rtpmap:97 H264/90000\r\na=control:open\r\n";
+  std::string offered;
+  EXPECT_EQ(describedVideo(encrypted + open, offered)->control, "open");
+  EXPECT_FALSE(describedVideo(encrypted + open, offered)->is_encrypted);
+  EXPECT_TRUE(describedVideo(encrypted, offered)->is_encrypted);
+}
+
 TEST(SessionDescription, NamesWhatIsOfferedInstead) {
   std::string offered;
   EXPECT_FALSE(

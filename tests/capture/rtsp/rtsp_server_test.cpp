@@ -2,6 +2,7 @@
 // get.
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -171,6 +172,42 @@ TEST(RtspServer, OtherCodecsAreNamed) {
   });
   EXPECT_THAT(meeting.error,
               HasSubstr("sends no H.264 or H.265 video (it offers JPEG); set its stream to H.264"));
+}
+
+TEST(RtspServer, EncryptionIsNamed) {
+  const Meeting meeting = meet([](const std::string& request) {
+    const std::string body = "m=video 0 RTP/SAVP 96\r\na=rtpmap:96 H264/90000\r\na=control:x\r\n";
+    return request.starts_with("DESCRIBE")
+               ? answer(request, "200 OK", "Content-Length: " + std::to_string(body.size()) + "\r\n") + body
+               : std::string();
+  });
+  EXPECT_THAT(meeting.error, HasSubstr("encrypts its video (SRTP, the profile RTP/SAVP)"));
+  EXPECT_THAT(meeting.error, HasSubstr("switch SRTP off in the camera"));
+  EXPECT_THAT(meeting.requests, Not(HasSubstr("SETUP")));
+}
+
+/// Whether a picture comes from a camera that answers SETUP with this Transport header and sends on
+/// `channel`.
+bool deliversOnChannel(const std::string& transport, std::uint8_t channel) {
+  test::CameraScript script;
+  script.pictures = test::encodeSequence(VideoCodec::h264, cv::Size(160, 120), 10, 10, "");
+  script.channel = channel;
+  script.respond = answering("SETUP", "200 OK", "Session: 1\r\nTransport: " + transport + "\r\n");
+  test::ScriptedCamera server(script);
+  RtspCamera camera(test::settingsFor(server.port()));
+  Frame frame;
+  return camera.read(frame, std::chrono::seconds(20)) == ReadOutcome::frame;
+}
+
+TEST(RtspServer, ChoosesItsChannels) {
+  EXPECT_TRUE(deliversOnChannel("RTP/AVP/TCP;unicast;interleaved=4-5", 4));
+  EXPECT_TRUE(deliversOnChannel("RTP/AVP/TCP; unicast; Interleaved = 4 - 5 ; mode=play", 4));
+  EXPECT_TRUE(deliversOnChannel("RTP/AVP/TCP;unicast", 0));
+}
+
+TEST(RtspServer, MaySendOnOtherChannelsThanItAnswers) {
+  EXPECT_TRUE(deliversOnChannel("RTP/AVP/TCP;unicast;interleaved=0-1", 2));
+  EXPECT_TRUE(deliversOnChannel("RTP/AVP/TCP;unicast;interleaved=2-3", 0));
 }
 
 }  // namespace

@@ -65,6 +65,7 @@ struct ScriptedCamera::Client {
   std::int64_t sent = 0;        ///< pictures
   std::uint16_t number = 1000;  ///< of the next RTP packet
   std::uint32_t rtp_time = 0;
+  std::uint8_t first_channel = 0;
 
   void write(const Packet& data) {
     std::size_t done = 0;
@@ -82,7 +83,7 @@ struct ScriptedCamera::Client {
       sendto(udp, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
       return;
     }
-    Packet framed{'$', channel};  // RFC 2326, 10.12
+    Packet framed{'$', static_cast<std::uint8_t>(first_channel + channel)};  // RFC 2326, 10.12
     append16(framed, static_cast<std::uint32_t>(packet.size()));
     framed.insert(framed.end(), packet.begin(), packet.end());
     write(framed);
@@ -194,6 +195,7 @@ bool ScriptedCamera::answer(Client& client) {
     }
   } else if (request.rfind("PLAY", 0) == 0) {
     client.playing = true;
+    client.first_channel = script_.channel;
     client.start = Clock::now();
     ++connections_;
   } else if (request.rfind("OPTIONS", 0) == 0) {

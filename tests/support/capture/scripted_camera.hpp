@@ -34,6 +34,7 @@ struct CameraScript {
   /// Answer to a request instead of the usual one; the usual one if it is empty. Called in the camera's
   /// thread.
   std::function<std::string(const std::string& request)> respond = [](const std::string&) { return ""; };
+  std::uint8_t channel = 0;     ///< of RTP over TCP; RTCP has the next one
   std::string description;      ///< replaces the session description if not empty
   int pictures_per_client = 0;  ///< the connection is closed after as many; 0: never
 };

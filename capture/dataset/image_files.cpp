@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -30,24 +30,28 @@ bool isDigit(char character) {
   return std::isdigit(static_cast<unsigned char>(character)) != 0;
 }
 
-/// Decodes an image as grey with the bits that it has; empty if it cannot be decoded.
-cv::Mat decodeGrey(const fs::path& file) {
-  const std::string bytes = readInputFile(file, kMaxFileBytes);
-  if (bytes.empty()) return {};
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-  try {
-    return cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-  } catch (const cv::Exception&) {
-    return {};
+/// Whether a PNG, JPEG or BMP ends before its last part. Decoders make grey of the missing rows of a JPEG.
+bool isCutOff(std::string_view bytes) {
+  using std::string_view_literals::operator""sv;
+  if (bytes.starts_with("\x89PNG"sv)) return bytes.find("IEND"sv) == std::string_view::npos;
+  const auto at = [bytes](std::size_t index) { return static_cast<std::uint8_t>(bytes[index]); };
+  constexpr std::size_t kBmpHeader = 14;
+  if (bytes.starts_with("BM"sv) && bytes.size() >= kBmpHeader)
+    return (at(2) | at(3) << 8U | at(4) << 16U | static_cast<std::size_t>(at(5)) << 24U) > bytes.size();
+  if (!bytes.starts_with("\xff\xd8"sv)) return false;
+  std::size_t position = 2;
+  constexpr std::size_t kSegmentHeader = 4;
+  while (position + kSegmentHeader <= bytes.size() && bytes[position] == '\xff' &&
+         bytes[position + 1] != '\xda') {
+    position += 2 + 256U * at(position + 2) + at(position + 3);
   }
+  // Behind the headers, which may contain a thumbnail.
+  return bytes.find("\xff\xd9"sv, std::min(position, bytes.size())) == std::string_view::npos;
 }
 
-cv::Mat decodeOrEmpty(const fs::path& file) {
-  try {
-    return decodeGrey(file);
-  } catch (const std::runtime_error&) {
-    return {};
-  }
+[[noreturn]] void failToDecode(const fs::path& file, const std::string& problem) {
+  throw std::runtime_error(file.string() + ": " + problem + "; expected a complete file in " +
+                           "one of the formats " + kImageFormats + "; copy it again");
 }
 
 /// What a folder without images contains, for an error message.
@@ -166,50 +170,28 @@ ImageSubfolders findImageSubfolders(const fs::path& folder) {
   return {};
 }
 
-GreyLevels measureGreyLevels(const std::vector<fs::path>& files) {
-  constexpr std::size_t kSample = 20;
-  constexpr double kBright = 128.0;
-  const std::size_t stride = std::max<std::size_t>(1, files.size() / kSample);
-  double largest_of_8 = -1.0, largest_of_16 = -1.0;
-  for (std::size_t i = 0; i < files.size() && largest_of_8 < kBright; i += stride) {
-    const cv::Mat image = decodeOrEmpty(files[i]);
-    double largest = 0.0;
-    if (!image.empty()) cv::minMaxLoc(image, nullptr, &largest);
-    if (image.empty()) continue;
-    double& largest_so_far = image.depth() == CV_16U ? largest_of_16 : largest_of_8;
-    largest_so_far = std::max(largest_so_far, largest);
+cv::Mat decodeGreyImage(const fs::path& file) {
+  const std::string bytes = readInputFile(file, kMaxFileBytes);
+  if (bytes.empty()) failToDecode(file, "is empty");
+  if (isCutOff(bytes)) failToDecode(file, "is cut off: its end is missing");
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  cv::Mat image;
+  try {
+    // The rig is that of the pixels as they are stored, as for videos and cameras.
+    image = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    image.release();
   }
-  GreyLevels levels;
-  if (largest_of_8 >= 0.0) levels.largest = static_cast<int>(largest_of_8);
-  if (largest_of_8 >= 0.0 || largest_of_16 < 0.0) return levels;
-  for (const int bits : {14, 12, 10, 8}) {
-    if (largest_of_16 > 0.0 && largest_of_16 < std::exp2(bits)) levels.used_bits = bits;
-  }
-  levels.largest = static_cast<int>(largest_of_16 / std::exp2(levels.used_bits - 8));
-  return levels;
+  if (image.empty()) failToDecode(file, "cannot be decoded as an image");
+  return image;
 }
 
-cv::Mat readGreyImage(const fs::path& file, int used_bits) {
-  cv::Mat image = decodeGrey(file);
-  if (image.empty()) {
-    throw std::runtime_error(file.string() + ": cannot be decoded as an image; expected a complete file in " +
-                             "one of the formats " + kImageFormats + "; copy it again");
-  }
+cv::Mat readGreyImage(const fs::path& file, const GreyRange& range) {
+  cv::Mat image = decodeGreyImage(file);
   if (image.depth() == CV_8U) return image;
-  if (image.depth() != CV_16U) {
-    throw std::runtime_error(file.string() +
-                             ": has values other than integers of 8 or 16 bits; convert it to 8 bits");
-  }
-  cv::Mat grey;
-  const unsigned shift = static_cast<unsigned>(used_bits) - 8U;
-  // Truncation instead of rounding: 16 bits become the 8 upper ones.
-  for (int row = 0; row < image.rows; ++row) {
-    auto* const values = image.ptr<std::uint16_t>(row);
-    std::transform(values, values + image.cols, values,
-                   [shift](std::uint16_t value) { return static_cast<std::uint16_t>(value >> shift); });
-  }
-  image.convertTo(grey, CV_8U);
-  return grey;
+  if (image.depth() == CV_16U) return toEightBits(image, range);
+  throw std::runtime_error(file.string() +
+                           ": has values other than integers of 8 or 16 bits; convert it to 8 bits");
 }
 
 }  // namespace cartvo::capture

@@ -6,6 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "capture/dataset/grey_levels.hpp"
+
 // Image files: formats, lists, pairs by name, and reading as grey.
 
 namespace cartvo::capture {
@@ -45,20 +47,12 @@ struct ImageSubfolders {
 };
 ImageSubfolders findImageSubfolders(const std::filesystem::path& folder);
 
-/// The values that a sequence of images uses.
-struct GreyLevels {
-  /// Bits of 16-bit images: 8, 10, 12, 14 or 16, the least that hold the largest value. 16 for 8-bit images.
-  int used_bits = 16;
-  int largest = 255;  ///< of 255, as readGreyImage reads it
-};
+/// Reads an image as grey with the bits that it has, as it is stored: an orientation in the file is ignored.
+/// Throws std::runtime_error naming the file if it cannot be read, decoded, or is not complete.
+cv::Mat decodeGreyImage(const std::filesystem::path& file);
 
-/// Measures a sample of the files; of bright images of 8 bits only one. Files that cannot be decoded do not
-/// count.
-GreyLevels measureGreyLevels(const std::vector<std::filesystem::path>& files);
-
-/// Reads an image as grey, CV_8UC1. Values of 16-bit images are divided by 2^(used_bits - 8), see GreyLevels,
-/// and limited to 255. Throws std::runtime_error naming the file if it cannot be read or decoded, or has
-/// other than 8 or 16 bits.
-cv::Mat readGreyImage(const std::filesystem::path& file, int used_bits = 16);
+/// Reads an image as grey, CV_8UC1, 16-bit values by their range. Throws as decodeGreyImage, and for images
+/// of other than 8 or 16 bits.
+cv::Mat readGreyImage(const std::filesystem::path& file, const GreyRange& range = {});
 
 }  // namespace cartvo::capture

@@ -39,21 +39,34 @@ std::string firstGapText(const std::vector<fs::path>& images) {
   return "";
 }
 
-/// Measures the grey levels over both cameras, so that one brightness stays one brightness.
+/// ": the 16-bit images use 12 bits; their values are divided by 16", or "" if they use 16.
+std::string greyRangeText(const GreyRange& range) {
+  if (range.used_bits == 16) return "";
+  const std::string divided =
+      "divided by " + std::to_string(1U << (static_cast<unsigned>(range.used_bits) - 8U));
+  if (range.black == 0)
+    return ": the 16-bit images use " + std::to_string(range.used_bits) + " bits; their values are " +
+           divided;
+  return ": the 16-bit images use a small part of their values; " + std::to_string(range.black) +
+         " is subtracted, and the rest is " + divided;
+}
+
+/// Measures the grey levels of both cameras.
 void applyGreyLevels(ImageFolder& folder) {
   constexpr int kDark = 40;  // of 255
-  std::vector<fs::path> files = folder.left.images;
-  files.insert(files.end(), folder.right.images.begin(), folder.right.images.end());
-  const GreyLevels levels = measureGreyLevels(files);
-  folder.left.used_bits = folder.right.used_bits = levels.used_bits;
-  const std::string place = folder.left.images.front().parent_path().string() + ": ";
-  if (levels.used_bits < 16) {
-    folder.warnings.push_back(place + "the 16-bit images use " + std::to_string(levels.used_bits) +
-                              " bits; their values are divided by " +
-                              std::to_string(1U << (static_cast<unsigned>(levels.used_bits) - 8U)));
-  }
+  const GreyLevels levels = measureGreyLevels(folder.left.images, folder.right.images);
+  folder.left.grey_range = levels.left;
+  folder.right.grey_range = levels.right;
+  const auto place_of = [](const ImageSequence& sequence) {
+    return sequence.images.front().parent_path().string();
+  };
+  const std::string left_text = greyRangeText(levels.left), right_text = greyRangeText(levels.right);
+  if (!left_text.empty()) folder.warnings.push_back(place_of(folder.left) + left_text);
+  if (!right_text.empty() && levels.left != levels.right)
+    folder.warnings.push_back(place_of(folder.right) + right_text);
   if (levels.largest < kDark) {
-    folder.warnings.push_back(place + "the images are dark: the largest value in a sample of them is " +
+    folder.warnings.push_back(place_of(folder.left) +
+                              ": the images are dark: the largest value in a sample of them is " +
                               std::to_string(levels.largest) + " of 255");
   }
 }
@@ -151,7 +164,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   if (interrupted_ || index >= sequence_.images.size()) return ReadOutcome::ended;
   const std::filesystem::path& file = sequence_.images[index];
   Frame read;
-  read.image = partOf(readGreyImage(file, sequence_.used_bits), sequence_.part);
+  read.image = partOf(readGreyImage(file, sequence_.grey_range), sequence_.part);
   if (size_.empty()) size_ = read.image.size();
   if (read.image.size() != size_) {
     throw std::runtime_error(file.string() + " is " + std::to_string(read.image.cols) + "x" +

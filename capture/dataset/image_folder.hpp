@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/camera_source.hpp"
+#include "capture/dataset/grey_levels.hpp"
 #include "capture/dataset/image_files.hpp"
 #include "capture/dataset/picture_part.hpp"
 
@@ -34,7 +35,7 @@ struct ImageSequence {
   std::vector<std::filesystem::path> images;
   std::vector<std::int64_t> instants_ns;  ///< of exposure, strictly increasing; one per image
   std::int64_t stddev_ns = 0;             ///< standard deviation of the instants
-  int used_bits = 16;                     ///< of 16-bit images, see GreyLevels; equal for both cameras
+  GreyRange grey_range;                   ///< of 16-bit images, see GreyLevels
   PicturePart part = PicturePart::whole;  ///< of each image
 };
 

@@ -199,8 +199,8 @@ ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibra
   for (const calib::BoardView& used : calibration.views) {
     for (const ImagePair& pair : found.pairs.pairs) {
       if (pair.name != used.name) continue;
-      return {pair.name, capture::readGreyImage(pair.left, found.pairs.used_bits),
-              capture::readGreyImage(pair.right, found.pairs.used_bits)};
+      return {pair.name, capture::readGreyImage(pair.left, found.pairs.grey_levels.left),
+              capture::readGreyImage(pair.right, found.pairs.grey_levels.right)};
     }
     for (const DetectedView& view : found.streamed) {
       if (view.view.name == used.name && !view.left_image.empty())

@@ -103,15 +103,17 @@ std::int64_t SequenceContent::rightInstant(int index) const {
 }
 
 void SequenceContent::images(int index, cv::Mat& left, cv::Mat& right) const {
-  const auto read = [&](const fs::path& file, cv::Size even) {
-    const cv::Mat image = capture::readGreyImage(file, folder_.left.used_bits);
+  const auto at = static_cast<std::size_t>(index);
+  const auto read = [at](const capture::ImageSequence& sequence, cv::Size even) {
+    const fs::path& file = sequence.images.at(at);
+    const cv::Mat image = capture::readGreyImage(file, sequence.grey_range);
     if (evenSize(image.size()) != even) {
       throw std::runtime_error(file.string() + ": its size differs from that of the first image");
     }
     return image(cv::Rect({0, 0}, even)).clone();
   };
-  left = read(folder_.left.images.at(static_cast<std::size_t>(index)), rig_.left.size);
-  right = read(folder_.right.images.at(static_cast<std::size_t>(index)), rig_.right.size);
+  left = read(folder_.left, rig_.left.size);
+  right = read(folder_.right, rig_.right.size);
 }
 
 std::string SequenceContent::cacheKey() const {

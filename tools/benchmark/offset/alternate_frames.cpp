@@ -20,7 +20,8 @@ std::vector<Item> everySecond(const std::vector<Item>& items, std::size_t first)
 }
 
 capture::ImageSequence everySecond(const capture::ImageSequence& sequence, std::size_t first) {
-  return {everySecond(sequence.images, first), everySecond(sequence.instants_ns, first)};
+  return {everySecond(sequence.images, first), everySecond(sequence.instants_ns, first), sequence.stddev_ns,
+          sequence.grey_range};
 }
 
 }  // namespace

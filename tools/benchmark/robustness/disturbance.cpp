@@ -31,7 +31,8 @@ std::vector<Item> chosen(const std::vector<Item>& items, const Indices& indices)
 }
 
 capture::ImageSequence chosen(const capture::ImageSequence& sequence, const Indices& indices) {
-  return {chosen(sequence.images, indices), chosen(sequence.instants_ns, indices), sequence.stddev_ns};
+  return {chosen(sequence.images, indices), chosen(sequence.instants_ns, indices), sequence.stddev_ns,
+          sequence.grey_range};
 }
 
 /// Those of the indices 0 to count - 1 for which keep(i) holds; always the first.

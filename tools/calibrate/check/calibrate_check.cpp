@@ -37,8 +37,9 @@ using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
 /// Calls `use` for pairs spread evenly over the source.
 void forSelectedPairs(const Options& options, const UsePair& use) {
   if (!options.right.empty()) {
-    const int bits = capture::measureGreyLevels({options.source, options.right}).used_bits;
-    use(capture::readGreyImage(options.source, bits), capture::readGreyImage(options.right, bits));
+    const capture::GreyLevels levels = capture::measureGreyLevels({options.source}, {options.right});
+    use(capture::readGreyImage(options.source, levels.left),
+        capture::readGreyImage(options.right, levels.right));
     return;
   }
   capture::StereoSource source = capture::openSource(options.source);

@@ -22,9 +22,10 @@ void requireSize(const cv::Mat& image, cv::Size size, const std::filesystem::pat
                            sizeText(size) + ": a calibration holds for one size only");
 }
 
-DetectedView detectPair(const ImagePair& pair, int used_bits, const calib::BoardSpec& board, cv::Size size) {
-  const cv::Mat left = capture::readGreyImage(pair.left, used_bits),
-                right = capture::readGreyImage(pair.right, used_bits);
+DetectedView detectPair(const ImagePair& pair, const capture::GreyLevels& levels,
+                        const calib::BoardSpec& board, cv::Size size) {
+  const cv::Mat left = capture::readGreyImage(pair.left, levels.left),
+                right = capture::readGreyImage(pair.right, levels.right);
   requireSize(left, size, pair.left);
   requireSize(right, size, pair.right);
   return detectView(pair.name, left, right, board);
@@ -141,7 +142,7 @@ BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
       [&](const cv::Range& range) {
         for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
           try {
-            detected[i] = detectPair(pairs.pairs[i], pairs.used_bits, board, size);
+            detected[i] = detectPair(pairs.pairs[i], pairs.grey_levels, board, size);
           } catch (...) {
             problems[i] = std::current_exception();
           }
@@ -155,15 +156,15 @@ BoardViews findViews(const ImagePairs& pairs, const calib::BoardSpec& board,
   }
   if (std::none_of(detected.begin(), detected.end(),
                    [](const DetectedView& view) { return !view.view.left.empty(); })) {
-    detected.front().other_board =
-        calib::describeOtherBoard(capture::readGreyImage(pairs.pairs.front().left, pairs.used_bits), board);
+    detected.front().other_board = calib::describeOtherBoard(
+        capture::readGreyImage(pairs.pairs.front().left, pairs.grey_levels.left), board);
   }
   BoardViews views = selectViews(detected, board, size);
   std::vector<LargerBoardSample> samples;
   for (std::size_t i = 0; i < detected.size() && samples.size() < kLargerBoardSamples; ++i) {
     if (!detected[i].view.left.empty())
       samples.push_back(
-          {detected[i].view.name, capture::readGreyImage(pairs.pairs[i].left, pairs.used_bits)});
+          {detected[i].view.name, capture::readGreyImage(pairs.pairs[i].left, pairs.grey_levels.left)});
   }
   refuseLargerBoard(samples, board);
   views.rejected.insert(views.rejected.end(), pairs.unpaired.begin(), pairs.unpaired.end());

@@ -54,12 +54,14 @@ ImagePairs paired(const NamedFiles& left, const NamedFiles& right) {
   return result;
 }
 
-/// Measures the bits in use over both cameras.
-ImagePairs withUsedBits(ImagePairs pairs) {
-  std::vector<fs::path> files;
-  for (const ImagePair& pair : pairs.pairs)
-    files.insert(files.end(), {pair.left, pair.right});
-  pairs.used_bits = capture::measureGreyLevels(files).used_bits;
+/// Measures the values of both cameras.
+ImagePairs withGreyLevels(ImagePairs pairs) {
+  std::vector<fs::path> left, right;
+  for (const ImagePair& pair : pairs.pairs) {
+    left.push_back(pair.left);
+    right.push_back(pair.right);
+  }
+  pairs.grey_levels = capture::measureGreyLevels(left, right);
   return pairs;
 }
 
@@ -93,7 +95,7 @@ ImagePairs pairsInFolder(const fs::path& folder) {
     result.unpaired.push_back({file.stem().string(), "there is no right image for " + file.string()});
   for (const fs::path& file : named.right_only)
     result.unpaired.push_back({file.stem().string(), "there is no left image for " + file.string()});
-  return withUsedBits(std::move(result));
+  return withGreyLevels(std::move(result));
 }
 
 ImagePairs pairsByPattern(const fs::path& left, const fs::path& right) {
@@ -102,7 +104,7 @@ ImagePairs pairsByPattern(const fs::path& left, const fs::path& right) {
     throw std::runtime_error("no two files form a pair: the text that '*' matches in " + left.string() +
                              " and in " + right.string() + " is never the same");
   }
-  return withUsedBits(std::move(result));
+  return withGreyLevels(std::move(result));
 }
 
 }  // namespace cartvo

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calib/solver/stereo_calibration.hpp"
+#include "capture/dataset/grey_levels.hpp"
 
 namespace cartvo {
 
@@ -18,7 +19,7 @@ struct ImagePair {
 struct ImagePairs {
   std::vector<ImagePair> pairs;               ///< in NaturalOrder of their names
   std::vector<calib::RejectedView> unpaired;  ///< images without a partner
-  int used_bits = 16;                         ///< of 16-bit images, see capture::GreyLevels
+  capture::GreyLevels grey_levels;
 };
 
 /// Pairs the images of a folder by name, see capture::findImageSubfolders and capture::pairByName. Throws

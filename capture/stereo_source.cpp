@@ -84,6 +84,11 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
   }
   if (isRecording(path)) return openRecording(path, settings);
   if (settings.side_by_side || detectImageFolder(path)) return openImageFolder(path, settings);
+  if (std::filesystem::exists(path / "000000/left.mkv")) {
+    throw std::runtime_error(path.string() +
+                             ": has the parts of a recording, but no recording.json; copy it from where the "
+                             "recording was made, or replay a part's left.mkv and right.mkv as videos");
+  }
   throw std::runtime_error(path.string() +
                            " cannot be replayed. Looked for: a recording (recording.json and "
                            "000000/left.mkv), " +

@@ -71,8 +71,10 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
   } catch (const nlohmann::json::parse_error& error) {
     throw std::runtime_error(file.string() + " is damaged: it is not JSON from byte " +
                              std::to_string(error.byte) + " on");
-  } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(file.string() + " is damaged: " + printableExcerpt(error.what(), 200));
+  } catch (const nlohmann::json::exception&) {
+    throw std::runtime_error(file.string() +
+                             " is damaged: expected an object with the integer format_version and the texts "
+                             "software_version, configuration and rig");
   }
   if (info.format_version != kRecordingFormatVersion) {
     throw std::runtime_error(file.string() + " has format " + std::to_string(info.format_version) +

@@ -139,13 +139,19 @@ RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::pa
       index.damage = name.string() + ", line " + std::to_string(number) + " is damaged or truncated";
   };
   std::string line;
-  if (!std::getline(input, line) || line != kHeader) {
+  // Editors of Windows end lines by "\r\n".
+  const auto read_line = [&] {
+    const bool is_read = static_cast<bool>(std::getline(input, line));
+    if (line.ends_with('\r')) line.pop_back();
+    return is_read;
+  };
+  if (!read_line() || line != kHeader) {
     // A header with other columns means another format; one that was overwritten is a damaged line.
     if (line.starts_with("number,"))
       throw std::runtime_error(name.string() + ", line 1: expected the header '" + indexHeader() + "'");
     count_damaged_line(1);
   }
-  for (int number = 2; std::getline(input, line); ++number) {
+  for (int number = 2; read_line(); ++number) {
     // The last line may be truncated and still parse: it is valid only with its end of line.
     const std::optional<IndexRow> row = input.eof() ? std::nullopt : parseIndexRow(line);
     const bool in_order = row && (index.rows.empty() || (row->number > index.rows.back().number &&

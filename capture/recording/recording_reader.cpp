@@ -18,6 +18,7 @@ namespace cartvo::capture {
 namespace {
 
 void requireSuccess(int result, const std::filesystem::path& file) {
+  if (result < 0 && std::filesystem::is_empty(file)) throw std::runtime_error(file.string() + " is empty");
   if (result < 0) throw std::runtime_error(file.string() + " cannot be opened: " + ffmpeg::errorText(result));
 }
 

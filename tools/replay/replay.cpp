@@ -189,8 +189,11 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
       replayPairs(source, rig, settings.odometry, observer, absentReadout(settings), settings.viewer);
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
-    throw std::runtime_error(settings.source.string() +
-                             ": no left and right image could be paired by their timestamps");
+    std::string message =
+        settings.source.string() + ": no left and right image could be paired by their timestamps";
+    for (const std::string& problem : replay.problems)
+      message += "; " + problem;
+    throw std::runtime_error(message);
   }
   return replay;
 }

@@ -50,7 +50,7 @@ std::vector<int> videoTracks(const AVFormatContext& context) {
   return tracks;
 }
 
-std::string rateText(double value) {
+std::string numberText(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g", value);
   return text.data();
@@ -94,6 +94,7 @@ struct VideoFileSource::Implementation {
   void sendPacket();
   std::shared_ptr<AVFrame> decodePicture();
   double timeOf(const AVFrame& picture) const;
+  std::string problemAtEnd() const;
   void requireSuccess(int result) const;
 };
 
@@ -159,7 +160,7 @@ void VideoFileSource::Implementation::chooseTimes() {
                              " is a raw stream: nothing in it says how many pictures a second " +
                              "it has. Give the cameras' frame rate by --frame-rate HZ");
   }
-  time_note = file.string() + " is a raw stream without time stamps; the " + rateText(frame_rate) +
+  time_note = file.string() + " is a raw stream without time stamps; the " + numberText(frame_rate) +
               " Hz that it declares are used. If the camera had another rate, give --frame-rate HZ";
 }
 
@@ -189,7 +190,7 @@ void VideoFileSource::Implementation::requireUsableTimes() const {
   const double interval = 2 * stamps.size() > pictures && !intervals.empty() ? medianOf(intervals) : 0.0;
   if (isPlausibleInterval(interval)) return;
   throw std::runtime_error(file.string() + " has no usable time stamps: " +
-                           (interval > 0.0 ? "their median interval is " + rateText(interval) + " s"
+                           (interval > 0.0 ? "their median interval is " + numberText(interval) + " s"
                                            : "most pictures have none, or the same") +
                            ". Give the cameras' frame rate by --frame-rate HZ");
 }
@@ -256,6 +257,33 @@ double VideoFileSource::Implementation::timeOf(const AVFrame& picture) const {
                            "by --frame-rate HZ");
 }
 
+/// Damage of the file, for the health; "" if there is none.
+std::string VideoFileSource::Implementation::problemAtEnd() const {
+  std::string problem;
+  if (health.damaged > 0 || undecodable > 0) {
+    problem = std::to_string(health.damaged) + " pictures are damaged, " + std::to_string(undecodable) +
+              " packets could not be decoded";
+  }
+  constexpr double kMinMissing_s = 1.0, kMinMissingFraction = 0.1;
+  const AVStream& video = *input->streams[stream];
+  // Matroska states the duration of the file, not of the stream.
+  const double duration = video.duration > 0 ? static_cast<double>(video.duration) * av_q2d(video.time_base)
+                                             : 1e-6 * static_cast<double>(input->duration);
+  const bool has_duration =
+      duration > 0.0 && frame_rate <= 0.0 && input->duration_estimation_method != AVFMT_DURATION_FROM_BITRATE;
+  if (has_duration && !interrupted && file_time <= time.to) {
+    const double start = video.start_time == AV_NOPTS_VALUE
+                             ? 0.0
+                             : static_cast<double>(video.start_time) * av_q2d(video.time_base);
+    const double read = file_time - start;
+    if (duration - read > std::max(kMinMissing_s, kMinMissingFraction * duration)) {
+      problem += (problem.empty() ? "" : "; ") + std::string("its pictures end after ") + numberText(read) +
+                 " s of the " + numberText(duration) + " s that its header states: it is cut off or damaged";
+    }
+  }
+  return problem.empty() ? "" : file.string() + ": " + problem;
+}
+
 ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*timeout*/) {
   Implementation& self = *implementation_;
   while (const std::shared_ptr<AVFrame> picture = self.decodePicture()) {
@@ -292,11 +320,7 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
   }
   const std::lock_guard lock(self.mutex);
   self.health.state = CameraState::ended;
-  if (self.health.damaged > 0 || self.undecodable > 0) {
-    self.health.last_error = self.file.string() + ": " + std::to_string(self.health.damaged) +
-                             " pictures are damaged, " + std::to_string(self.undecodable) +
-                             " packets could not be decoded";
-  }
+  self.health.last_error = self.problemAtEnd();
   return ReadOutcome::ended;
 }
 

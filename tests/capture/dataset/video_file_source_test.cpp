@@ -160,6 +160,21 @@ TEST(VideoFileSource, SaysThatAnMp4WasNeverFinished) {
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "empty.mp4", {}); }), HasSubstr("it is empty"));
 }
 
+TEST(VideoFileSource, SaysThatAFileEndsBeforeItsHeaderStates) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"a.mkv", "b.flv"}) {
+    const fs::path file = video(folder, name, "-c:v libx264 -pix_fmt yuv420p -g 10");
+    VideoFileSource complete(file, {});
+    framesOf(complete);
+    EXPECT_EQ(complete.health().last_error, "") << name;
+    fs::resize_file(file, fs::file_size(file) * 4 / 10);
+    VideoFileSource source(file, {});
+    EXPECT_LT(framesOf(source).size(), 25U) << name;
+    EXPECT_THAT(source.health().last_error, HasSubstr("that its header states: it is cut off or damaged"))
+        << name;
+  }
+}
+
 TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "no.mp4", {}); }),

@@ -2,6 +2,7 @@
 #include "common/strict_yaml.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -87,6 +88,41 @@ int lineIndentedByTab(const std::string& text) {
   return 0;
 }
 
+/// A parser's message in terms of the file.
+std::string explained(const std::string& message) {
+  struct Explanation {
+    const char* begin;  ///< of yaml-cpp's message
+    const char* text;
+  };
+  constexpr std::array<Explanation, 8> kExplanations{
+      {{"illegal map value",
+        "expected 'key: value', with a blank behind the colon, in this line or the one above"},
+       {"end of map not found", "this line is indented otherwise than the lines that it belongs to"},
+       {"end of sequence not found", "this line is indented otherwise than the lines that it belongs to"},
+       {"end of sequence flow not found", "a '[' is not closed by ']'"},
+       {"end of map flow not found", "a '{' is not closed by '}'"},
+       {"unknown escape character", "a backslash in double quotes must begin an escape; use single quotes"},
+       {"unknown token", "a value that begins with '@', '`' or '%' must be in quotes"},
+       {"bad file", "it is nested too deeply"}}};
+  for (const Explanation& explanation : kExplanations)
+    if (message.starts_with(explanation.begin)) return explanation.text;
+  return isPrintable(message) ? message : "it holds characters that cannot be shown";
+}
+
+/// The only document of a text that is not empty; an empty one if there is none.
+YAML::Node onlyDocument(const std::string& text, const std::filesystem::path& name) {
+  YAML::Node only;
+  for (const YAML::Node& document : YAML::LoadAll(text)) {
+    if (document.IsNull()) continue;
+    if (!only.IsNull()) {
+      throw std::runtime_error(name.string() + ":" + std::to_string(document.Mark().line + 1) +
+                               ": a second document begins behind '---'; expected one");
+    }
+    only.reset(document);
+  }
+  return only;
+}
+
 }  // namespace
 
 StrictYaml::StrictYaml(std::filesystem::path file, std::string key, const YAML::Node& node)
@@ -100,7 +136,7 @@ StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name
   // OpenCV before 4 writes a directive that is not valid YAML. A comment in its place keeps the line numbers.
   if (text.starts_with("%YAML:")) text.front() = '#';
   try {
-    StrictYaml root(name, "", YAML::Load(text));
+    StrictYaml root(name, "", onlyDocument(text, name));
     if (!root.node_.IsMap()) root.failExpecting("a map of keys and values");
     return root;
   } catch (const YAML::ParserException& error) {
@@ -108,9 +144,8 @@ StrictYaml StrictYaml::parse(std::string text, const std::filesystem::path& name
       throw std::runtime_error(name.string() + ":" + std::to_string(line) +
                                ": is not YAML: this line is indented by a tab; indent it by spaces");
     }
-    throw std::runtime_error(
-        name.string() + ":" + std::to_string(error.mark.line + 1) + ": is not YAML: " +
-        (isPrintable(error.msg) ? error.msg : "it holds characters that cannot be shown"));
+    throw std::runtime_error(name.string() + ":" + std::to_string(error.mark.line + 1) +
+                             ": is not YAML: " + explained(error.msg));
   }
 }
 

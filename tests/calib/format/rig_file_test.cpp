@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(
               "[-120, 0, 0]"},
         Fault{"IndentedByTab", "  fx: 500.5", "\tfx: 500.5",
               "9: is not YAML: this line is indented by a tab; indent it by spaces"},
-        Fault{"NotYaml", "left:", "left: [", "10: is not YAML: end of sequence flow not found"}),
+        Fault{"NotYaml", "left:", "left: [", "10: is not YAML: a '[' is not closed by ']'"}),
     [](const auto& test_case) { return test_case.param.name; });
 
 TEST(RigFile, ReportsAMissingFile) {

@@ -174,6 +174,27 @@ TEST_F(ConfigurationFile, NamesLineThatIsNotYaml) {
               AllOf(HasSubstr("cartvod.yaml:2"), HasSubstr("not YAML")));
 }
 
+TEST_F(ConfigurationFile, ExplainsWhatIsNotYaml) {
+  const std::string minimal(kMinimal);
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {minimal + "lcm:\n  url:x\n  time_to_live: 1\n",
+            "expected 'key: value', with a blank behind the colon"},
+           {minimal + "lcm:\n  url: a\n   ttl: 1\n", "expected 'key: value', with a blank behind the colon"},
+           {minimal + "lcm:\n    url: a\n  ttl: 1\n", "this line is indented otherwise than the lines"},
+           {minimal + "lcm: {url: a\n", "a '{' is not closed by '}'"},
+           {minimal + "lcm: " + std::string(5000, '['), "it is nested too deeply"}}) {
+    EXPECT_THAT(errorOf(text), AllOf(HasSubstr("cartvod.yaml:"), HasSubstr("is not YAML: " + message)))
+        << text;
+  }
+}
+
+TEST_F(ConfigurationFile, MustBeOneDocument) {
+  const std::string minimal(kMinimal);
+  EXPECT_THAT(errorOf(minimal + "---\n" + minimal),
+              HasSubstr("a second document begins behind '---'; expected one"));
+  EXPECT_NO_THROW(read("---\n" + minimal + "...\n---\n"));
+}
+
 TEST_F(ConfigurationFile, NamesMissingFile) {
   try {
     readConfiguration(folder_ / "none.yaml");

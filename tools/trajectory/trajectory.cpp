@@ -130,10 +130,12 @@ struct Rows {
   bool is_w_first = false;  ///< of quaternions in TUM's format
 };
 
-/// Whether a comment names a quaternion's columns with w before x, such as "# t px py pz qw qx qy qz".
+/// Whether a comment or header names a quaternion's columns with w before x, such as "# t px py pz qw qx qy
+/// qz".
 bool namesWFirst(const std::string& text) {
   const std::string comment = lowerCase(text);
-  for (const auto& [w, x] : {std::pair("qw", "qx"), std::pair("q_w", "q_x"), std::pair("q_rs_w", "q_rs_x")}) {
+  for (const auto& [w, x] : {std::pair("qw", "qx"), std::pair("q_w", "q_x"), std::pair("q_rs_w", "q_rs_x"),
+                             std::pair("orientation.w", "orientation.x")}) {
     const std::size_t at_w = comment.find(w), at_x = comment.find(x);
     if (at_w != std::string::npos && at_x != std::string::npos) return at_w < at_x;
   }
@@ -162,17 +164,39 @@ Format formatOf(const Row& row, bool has_commas) {
            std::to_string(row.words.size()));
 }
 
-/// Reads all rows that are not empty, without comments. Blanks or commas separate the columns.
+/// Where a line's comment begins: at '#', or at its start if it begins with '%' or '//', or is a header of
+/// names in front of the rows. Its length if it has none.
+std::size_t beginOfComment(const std::string& line, bool is_in_front) {
+  const std::size_t first = std::min(line.find_first_not_of(" \t\""), line.size());
+  const std::string_view content = std::string_view(line).substr(first);
+  const std::string word = lowerCase(content.substr(0, content.find_first_of(" \t,;")));
+  const bool is_header = is_in_front && !word.empty() && word.front() >= 'a' && word.front() <= 'z' &&
+                         word != "nan" && word != "inf";
+  if (is_header || content.starts_with('%') || content.starts_with("//")) return 0;
+  return std::min(line.find('#'), line.size());
+}
+
+/// Makes blanks of the separators: semicolons, with commas as decimal points, or else commas. Whether there
+/// was one.
+bool replaceSeparators(std::string& line) {
+  const bool has_semicolons = line.find(';') != std::string::npos;
+  if (has_semicolons) std::replace(line.begin(), line.end(), ',', '.');
+  const char separator = has_semicolons ? ';' : ',';
+  const bool is_found = line.find(separator) != std::string::npos;
+  std::replace(line.begin(), line.end(), separator, ' ');
+  return is_found;
+}
+
+/// Reads all rows that are not empty, without comments. Blanks, commas or semicolons separate the columns.
 Rows readRows(const std::filesystem::path& file) {
   std::istringstream stream(readInputText(file, kMaxFileBytes));
   Rows read;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const std::size_t comment = line.find('#');
-    if (comment != std::string::npos) read.is_w_first = read.is_w_first || namesWFirst(line.substr(comment));
-    line.resize(std::min(comment, line.size()));
-    const bool has_commas = line.find(',') != std::string::npos;
-    std::replace(line.begin(), line.end(), ',', ' ');
+    const std::size_t comment = beginOfComment(line, read.rows.empty());
+    read.is_w_first = read.is_w_first || namesWFirst(line.substr(comment));
+    line.resize(comment);
+    const bool has_commas = replaceSeparators(line);
     std::istringstream words(line);
     Row row{file.string() + ":" + std::to_string(number) + ": ", {}};
     for (std::string word; words >> word;)

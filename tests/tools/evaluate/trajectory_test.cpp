@@ -112,10 +112,15 @@ TEST(Trajectory, ReadsEurocsGroundTruth) {
 TEST(Trajectory, ReadsCommasByteOrderMarksAndColumnNames) {
   const test::TemporaryFolder folder;
   const Eigen::Quaterniond q(0.8, 0.0, 0.6, 0.0);
-  for (const std::string text : {"1.5,1,2,3,0,0.6,0,0.8\n", "1.5, 1, 2, 3, 0, 0.6, 0, 0.8\n",
-                                 "\xEF\xBB\xBF"
-                                 "1.5 1 2 3 0 0.6 0 0.8\n",
-                                 "# time px py pz qw qx qy qz\n1.5 1 2 3 0.8 0 0.6 0\n"}) {
+  for (const std::string text :
+       {"1.5,1,2,3,0,0.6,0,0.8\n", "1.5, 1, 2, 3, 0, 0.6, 0, 0.8\n",
+        "\xEF\xBB\xBF"
+        "1.5 1 2 3 0 0.6 0 0.8\n",
+        "# time px py pz qw qx qy qz\n1.5 1 2 3 0.8 0 0.6 0\n",
+        "timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 0 0.6 0 0.8\n",
+        "\"time\",\"x\",\"y\",\"z\",\"qw\",\"qx\",\"qy\",\"qz\"\n1.5,1,2,3,0.8,0,0.6,0\n",
+        "% t x y z qx qy qz qw\n// of a tool\n1.5 1 2 3 0 0.6 0 0.8\n",
+        "Zeit;x;y;z;qx;qy;qz;qw\n1,5;1;2,0;3;0;0,6;0;0,8\n"}) {
     write(folder / "a.tum", text);
     const Trajectory read = readTrajectory(folder / "a.tum");
     ASSERT_EQ(read.size(), 1U) << text;

@@ -18,6 +18,7 @@
 
 #include "common/command_line/bash_completion.hpp"
 #include "common/command_line/standard_output.hpp"
+#include "common/files/file_system_error.hpp"
 #include "daemon/diagnostics/journal.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/awaited_signals.hpp"
@@ -107,6 +108,9 @@ int run(const CommandLine& command_line) {
   Configuration configuration;
   try {
     configuration = loadConfiguration(command_line, start);
+  } catch (const std::filesystem::filesystem_error& error) {
+    spdlog::error(cartvo::textOf(error));
+    return kWrongConfiguration;
   } catch (const std::exception& error) {
     spdlog::error(error.what());
     return kWrongConfiguration;

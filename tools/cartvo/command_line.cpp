@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/ascii_text.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -115,6 +117,16 @@ std::string unknownOption(const Chain& chain, const std::string& word) {
   return textOf(chain) + " has no option " + name + (similar ? "; did you mean " + *similar + "?" : "");
 }
 
+/// CLI11's "Could not convert: --offset-ms = abc" with what was expected; any other message unchanged.
+std::string reasonOf(const CLI::Error& error) {
+  const std::string message = error.what();
+  const std::string prefix = "Could not convert: ", separator = " = ";
+  const std::size_t end = message.find(separator);
+  if (!message.starts_with(prefix) || end == std::string::npos) return message;
+  return message.substr(prefix.size(), end - prefix.size()) + ": expected a number, found '" +
+         message.substr(end + separator.size()) + "'";
+}
+
 /// The words of the arguments before "--".
 Words wordsOf(const Words& arguments) {
   return {arguments.begin(), std::find(arguments.begin(), arguments.end(), "--")};
@@ -151,11 +163,27 @@ std::string unknownWord(const CLI::App& cartvo, const Words& arguments) {
   return {};
 }
 
+void refuseUnusableValues(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;
+    const bool may_be_number = !option->get_positional();
+    option->check([may_be_number](const std::string& value) -> std::string {
+      if (value.empty()) return "expected a value, found an empty one";
+      std::string word = lowerCase(value);
+      if (word.starts_with('-') || word.starts_with('+')) word.erase(0, 1);
+      return may_be_number && word == "nan" ? "expected a number, found '" + value + "'" : "";
+    });
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+    refuseUnusableValues(*command);
+}
+
 std::string commandLineError(const CLI::App* cartvo, const CLI::Error& error) {
   Chain chain{cartvo};
   while (!chain.back()->get_subcommands().empty())
     chain.push_back(chain.back()->get_subcommands().front());
-  return std::string("cartvo: ") + error.what() + "\n'" + textOf(chain) + " --help' explains the command.\n";
+  return std::string("cartvo: ") + reasonOf(error) + "\n'" + textOf(chain) +
+         " --help' explains the command.\n";
 }
 
 }  // namespace cartvo

@@ -15,6 +15,10 @@ std::vector<std::string> withHelpAsOption(std::vector<std::string> arguments);
 /// `arguments`: without the program's name.
 std::string unknownWord(const CLI::App& cartvo, const std::vector<std::string>& arguments);
 
+/// Adds to all options of a command and its subcommands that a value is neither empty nor NaN, which no range
+/// excludes.
+void refuseUnusableValues(CLI::App& app);
+
 /// The error message of a wrong command line: "cartvo: REASON", and the command whose --help explains it.
 std::string commandLineError(const CLI::App* cartvo, const CLI::Error& error);
 

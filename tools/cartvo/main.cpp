@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/command_line/bash_completion.hpp"
 #include "common/command_line/standard_output.hpp"
+#include "common/files/file_system_error.hpp"
 #include "common/printable_text.hpp"
 #include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/commands.hpp"
@@ -39,6 +41,7 @@ void addCommands(CLI::App& cartvo) {
   cartvo::addDoctorCommand(cartvo);
   cartvo::addCalibrateCommand(cartvo);
   cartvo::addBenchmarkCommand(cartvo);
+  cartvo::refuseUnusableValues(cartvo);
 }
 
 /// Runs the command; returns the exit code.
@@ -54,6 +57,9 @@ int run(CLI::App& cartvo, std::vector<std::string> arguments) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return cartvo.exit(error) == 0 ? EXIT_SUCCESS : kWrongCommandLine;
+  } catch (const std::filesystem::filesystem_error& error) {
+    printError(cartvo::textOf(error));
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     printError(error.what());
     return EXIT_FAILURE;

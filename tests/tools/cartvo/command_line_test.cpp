@@ -47,8 +47,33 @@ TEST(CommandLine, ErrorNamesTheCommandWhoseHelpExplainsIt) {
               HasSubstr("'cartvo recording trim --help' explains the command"));
 }
 
+TEST(CommandLine, RejectsValuesThatAreNone) {
+  EXPECT_THAT(errorOf("replay . --output-dir out --frame-rate nan"),
+              HasSubstr("--frame-rate: expected a number, found 'nan'"));
+  EXPECT_THAT(errorOf("replay . --output-dir out --offset-ms 1,5"),
+              HasSubstr("--offset-ms: expected a number, found '1,5'"));
+  EXPECT_THAT(errorOf("replay . --output-dir ''"),
+              HasSubstr("--output-dir: expected a value, found an empty"));
+  EXPECT_THAT(errorOf("replay '' --output-dir out"), HasSubstr("expected a value, found an empty one"));
+}
+
+TEST(CommandLine, ExplainsThatTheCurrentFolderWasRemoved) {
+  const test::TemporaryFolder folder;
+  const fs::path removed = folder / "removed", kept = fs::current_path();
+  fs::create_directory(removed);
+  fs::current_path(removed);
+  fs::remove(removed);
+  const test::CommandResult result =
+      test::runCartvo("replay " + folder.path().string() + " --output-dir out");
+  fs::current_path(kept);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output,
+              HasSubstr("out: cannot be accessed: No such file or directory; the current folder "
+                        "was removed: change to one that exists"));
+}
+
 TEST(CommandLine, RejectsReadoutsThatAreNone) {
-  for (const char* readouts : {"fast", "32,", "32,38,40", "500", "nan"})
+  for (const char* readouts : {"fast", "32,", "32,38,40", "500"})
     EXPECT_THAT(errorOf("replay . --output-dir out --readout-ms " + std::string(readouts)),
                 HasSubstr("expected BOTH or LEFT,RIGHT"));
 }

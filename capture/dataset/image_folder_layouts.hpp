@@ -60,10 +60,11 @@ std::vector<TextLine> readLines(const std::filesystem::path& file);
 /// "FILE, line N: " for error messages.
 std::string fileAndLine(const std::filesystem::path& file, const TextLine& line);
 
-/// Parses the whole of `text` as a number; nothing if it is not one.
+/// Parses the whole of `text` as a number, with or without a sign; nothing if it is not one.
 template <typename Number>
 std::optional<Number> parseNumber(std::string_view text) {
   Number value{};
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;

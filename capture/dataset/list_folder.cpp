@@ -15,10 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Parses seconds with decimals, or an integer of 16 or more digits as ns, as ns.
-std::optional<std::int64_t> parseInstant(const std::string& text) {
+/// Nanoseconds for an integer of 16 or more digits, else seconds.
+TimeUnit unitOf(const std::string& text) {
   constexpr std::size_t kMinNanosecondDigits = 16;
-  if (text.size() >= kMinNanosecondDigits && text.find_first_not_of("0123456789") == std::string::npos) {
+  const bool is_integer = text.find_first_not_of("0123456789") == std::string::npos;
+  return is_integer && text.size() >= kMinNanosecondDigits ? TimeUnit::nanoseconds : TimeUnit::seconds;
+}
+
+/// Parses an instant as ns.
+std::optional<std::int64_t> parseInstant(const std::string& text) {
+  if (unitOf(text) == TimeUnit::nanoseconds) {
     const auto nanoseconds = parseNumber<std::int64_t>(text);
     return nanoseconds && *nanoseconds <= kMaxTimestampNs ? nanoseconds : std::nullopt;
   }
@@ -35,10 +41,12 @@ bool staysInside(const fs::path& path) {
 
 ImageSequence readList(const fs::path& file) {
   ImageSequence sequence;
+  TimeUnit unit = TimeUnit::seconds;
   for (const TextLine& line : readLines(file)) {
     const std::size_t end = line.text.find_first_of(" \t,");
     const std::size_t begin = line.text.find_first_not_of(" \t,", end);
     const auto instant_ns = parseInstant(line.text.substr(0, end));
+    unit = unitOf(line.text.substr(0, end));
     if (!instant_ns || begin == std::string::npos) {
       throw std::runtime_error(fileAndLine(file, line) +
                                "expected an instant (seconds, or ns of 16 or more digits) and an image file "
@@ -57,7 +65,7 @@ ImageSequence readList(const fs::path& file) {
     sequence.instants_ns.push_back(*instant_ns);
   }
   if (sequence.images.empty()) throw std::runtime_error(file.string() + " lists no image");
-  requirePlausibleInterval(sequence.instants_ns, file, TimeUnit::seconds);
+  requirePlausibleInterval(sequence.instants_ns, file, unit);
   return sequence;
 }
 

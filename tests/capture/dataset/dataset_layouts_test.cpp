@@ -189,6 +189,10 @@ TEST(Lists, GiveAnInstantAndAnImageALine) {
   }
   writeText(folder / "right.txt", "\n");
   EXPECT_THAT(readError(folder.path()), HasSubstr("right.txt lists no image"));
+  writeText(folder / "left.txt", "1403636579763555 a/1.png\n1403636579813555 a/2.png\n");
+  EXPECT_THAT(readError(folder.path()),
+              HasSubstr("the instants are read as nanoseconds, and the median of their intervals is 5e-05 s; "
+                        "expected a camera's, 0.001 s to 2 s. In microseconds they would be 0.05 s"));
   EXPECT_THAT(readError(folder.path(), {.frame_rate = 10.0}), HasSubstr("has the instants of its images"));
 }
 

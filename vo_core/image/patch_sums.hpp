@@ -13,9 +13,11 @@
 
 namespace cartvo::vo {
 
-// Numbers of parameters of a shift and of an affine warp.
+// Numbers of warp parameters: a shift; for stereo also the stretch and shear of columns; for an affine warp
+// also those of rows.
 constexpr int kShiftParameters = 2;   ///< x, y
-constexpr int kAffineParameters = 6;  ///< and the warp's elements xx, xy, yx, yy
+constexpr int kStereoParameters = 4;  ///< and the warp's elements xx, xy
+constexpr int kAffineParameters = 6;  ///< and yx, yy
 
 /// Two patches whose product is summed, by their indices in a list.
 struct Product {

@@ -119,7 +119,7 @@ std::string unknownOption(const Chain& chain, const std::string& word) {
 
 /// CLI11's "Could not convert: --offset-ms = abc" with what was expected; any other message unchanged.
 std::string reasonOf(const CLI::Error& error) {
-  const std::string message = error.what();
+  std::string message = error.what();
   const std::string prefix = "Could not convert: ", separator = " = ";
   const std::size_t end = message.find(separator);
   if (!message.starts_with(prefix) || end == std::string::npos) return message;

@@ -123,12 +123,12 @@ TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
       EXPECT_EQ(at("vx_m_s"), "");
       continue;
     }
-    const auto expectWritten = [&](const char* name, double value) {  // with nine significant digits
+    const auto expect_written = [&](const char* name, double value) {  // with nine significant digits
       EXPECT_NEAR(std::stod(at(name)), value, 1e-8 * std::abs(value)) << name;
     };
-    expectWritten("vx_m_s", message.velocity_body[0]);
-    expectWritten("twist_covariance_vx_vx", message.twist_covariance_body[0]);
-    expectWritten("pose_covariance_y_rz", message.pose_covariance_body[11]);
+    expect_written("vx_m_s", message.velocity_body[0]);
+    expect_written("twist_covariance_vx_vx", message.twist_covariance_body[0]);
+    expect_written("pose_covariance_y_rz", message.pose_covariance_body[11]);
   }
 }
 

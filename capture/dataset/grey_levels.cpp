@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 
 /// The values of a sample of images of one bit depth.
 struct Values {
-  bool exist = false;
+  std::size_t images = 0;
   int low = 0, high = 0;  ///< without a thousandth of the pixels of each image
   double mean = 0.0;      ///< of the images' means
-  std::size_t images = 0;
 
+  bool exist() const { return images > 0; }
   void add(const cv::Mat& image);
 };
 
@@ -55,10 +55,9 @@ void Values::add(const cv::Mat& image) {
       image.depth() == CV_16U ? histogram<std::uint16_t>(image) : histogram<std::uint8_t>(image);
   const std::size_t pixels = image.total(), ignored = pixels / kIgnoredFraction;
   const int image_low = valueAbove(counts, ignored), image_high = valueAbove(counts, pixels - ignored - 1);
-  low = exist ? std::min(low, image_low) : image_low;
+  low = exist() ? std::min(low, image_low) : image_low;
   high = std::max(high, image_high);
   mean += (cv::mean(image)[0] - mean) / static_cast<double>(++images);
-  exist = true;
 }
 
 CameraValues sampleValues(const std::vector<fs::path>& files) {
@@ -98,25 +97,25 @@ GreyRange rangeOf(const Values& values) {
 }
 
 Values merged(const Values& a, const Values& b) {
-  if (!a.exist || !b.exist) return a.exist ? a : b;
-  return {true, std::min(a.low, b.low), std::max(a.high, b.high), (a.mean + b.mean) / 2, a.images + b.images};
+  if (!a.exist() || !b.exist()) return a.exist() ? a : b;
+  return {a.images + b.images, std::min(a.low, b.low), std::max(a.high, b.high), (a.mean + b.mean) / 2};
 }
 
 /// The 16-bit values of a camera whose images have all 16 bits.
 Values sixteenBitValues(const CameraValues& camera) {
-  return camera.of_8.exist ? Values() : camera.of_16;
+  return camera.of_8.exist() ? Values() : camera.of_16;
 }
 
 /// Whether the means show that the cameras' values are of different scales: both see the same scene.
 bool haveOneScale(const Values& left, const Values& right) {
   constexpr double kMaxRatio = 2.5;
-  if (!left.exist || !right.exist) return true;
+  if (!left.exist() || !right.exist()) return true;
   return std::max(left.mean, right.mean) <= kMaxRatio * std::min(left.mean, right.mean);
 }
 
 int largestOf(const CameraValues& camera, const GreyRange& range) {
-  if (camera.of_8.exist) return camera.of_8.high;
-  if (!camera.of_16.exist) return 255;
+  if (camera.of_8.exist()) return camera.of_8.high;
+  if (!camera.of_16.exist()) return 255;
   const int above_black = std::max(0, camera.of_16.high - range.black);
   return std::min(255, above_black >> (range.used_bits - 8));
 }
@@ -130,8 +129,8 @@ GreyLevels measureGreyLevels(const std::vector<fs::path>& left, const std::vecto
   // One range for both keeps one brightness the same in both.
   const Values both = merged(left_values, right_values);
   const bool is_common = haveOneScale(left_values, right_values);
-  if (left_values.exist) levels.left = rangeOf(is_common ? both : left_values);
-  if (right_values.exist) levels.right = rangeOf(is_common ? both : right_values);
+  if (left_values.exist()) levels.left = rangeOf(is_common ? both : left_values);
+  if (right_values.exist()) levels.right = rangeOf(is_common ? both : right_values);
   levels.largest = std::max(largestOf(of_left, levels.left), largestOf(of_right, levels.right));
   return levels;
 }

@@ -45,8 +45,9 @@ ImageSequence readList(const fs::path& file) {
   for (const TextLine& line : readLines(file)) {
     const std::size_t end = line.text.find_first_of(" \t,");
     const std::size_t begin = line.text.find_first_not_of(" \t,", end);
-    const auto instant_ns = parseInstant(line.text.substr(0, end));
-    unit = unitOf(line.text.substr(0, end));
+    const std::string instant = line.text.substr(0, end);
+    const auto instant_ns = parseInstant(instant);
+    unit = unitOf(instant);
     if (!instant_ns || begin == std::string::npos) {
       throw std::runtime_error(fileAndLine(file, line) +
                                "expected an instant (seconds, or ns of 16 or more digits) and an image file "

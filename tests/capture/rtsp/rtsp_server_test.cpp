@@ -163,24 +163,24 @@ TEST(RtspServer, OtherProtocolsAreNamed) {
               HasSubstr("sent what is not RTSP: '220 ?? mail ready'"));
 }
 
-TEST(RtspServer, OtherCodecsAreNamed) {
-  const Meeting meeting = meet([](const std::string& request) {
-    const std::string body = "m=video 0 RTP/AVP 26\r\na=control:x\r\n";
+/// Answers DESCRIBE with this description.
+auto describing(const std::string& body) {
+  return [body](const std::string& request) {
     return request.starts_with("DESCRIBE")
                ? answer(request, "200 OK", "Content-Length: " + std::to_string(body.size()) + "\r\n") + body
                : std::string();
-  });
+  };
+}
+
+TEST(RtspServer, OtherCodecsAreNamed) {
+  const Meeting meeting = meet(describing("m=video 0 RTP/AVP 26\r\na=control:x\r\n"));
   EXPECT_THAT(meeting.error,
               HasSubstr("sends no H.264 or H.265 video (it offers JPEG); set its stream to H.264"));
 }
 
 TEST(RtspServer, EncryptionIsNamed) {
-  const Meeting meeting = meet([](const std::string& request) {
-    const std::string body = "m=video 0 RTP/SAVP 96\r\na=rtpmap:96 H264/90000\r\na=control:x\r\n";
-    return request.starts_with("DESCRIBE")
-               ? answer(request, "200 OK", "Content-Length: " + std::to_string(body.size()) + "\r\n") + body
-               : std::string();
-  });
+  const Meeting meeting =
+      meet(describing("m=video 0 RTP/SAVP 96\r\na=rtpmap:96 H264/90000\r\na=control:x\r\n"));
   EXPECT_THAT(meeting.error, HasSubstr("encrypts its video (SRTP, the profile RTP/SAVP)"));
   EXPECT_THAT(meeting.error, HasSubstr("switch SRTP off in the camera"));
   EXPECT_THAT(meeting.requests, Not(HasSubstr("SETUP")));

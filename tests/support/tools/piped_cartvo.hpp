@@ -4,12 +4,14 @@
 #include <csignal>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "support/places.hpp"
+#include "support/tools/child_process.hpp"
 #include "support/tools/run_cartvo.hpp"
 
 namespace cartvo::test {
@@ -29,8 +31,7 @@ class PipedCartvo {
       throw std::runtime_error("cannot start cartvo with a pipe");
     if (pid_ == 0) {
       dup2(pipe[1], STDERR_FILENO);
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
+      becomeShell(command);
     }
     close(pipe[1]);
     errors_ = pipe[0];
@@ -47,11 +48,13 @@ class PipedCartvo {
   /// Reads up to the first line that contains `part` and returns it; empty if there is none.
   std::string awaitLine(const std::string& part) {
     std::string line;
-    for (char next = 0; read(errors_, &next, 1) == 1; line += next) {
-      if (next != '\n') continue;
+    for (char next = 0; read(errors_, &next, 1) == 1;) {
+      if (next != '\n') {
+        line += next;
+        continue;
+      }
       if (line.find(part) != std::string::npos) return line;
       line.clear();
-      next = 0;
     }
     return {};
   }
@@ -60,15 +63,8 @@ class PipedCartvo {
 
   /// Waits for the end; the exit code and the rest of the error output.
   CommandResult finish() {
-    CommandResult run;
-    std::array<char, 4096> part{};
-    for (ssize_t count = 0; (count = read(errors_, part.data(), part.size())) > 0;)
-      run.output.append(part.data(), static_cast<std::size_t>(count));
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return run;
+    const std::string rest = readToEnd(errors_);
+    return {awaitExit(std::exchange(pid_, -1)), rest};
   }
 
  private:

@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <string>
 
-#include <sys/wait.h>
-
 #include "support/places.hpp"
+#include "support/tools/child_process.hpp"
 
 namespace cartvo::test {
 
@@ -24,8 +23,7 @@ inline CommandResult runCommand(const std::string& command) {
   std::array<char, 4096> part{};
   for (std::size_t count = 0; (count = fread(part.data(), 1, part.size(), pipe)) > 0;)
     run.output.append(part.data(), count);
-  const int status = pclose(pipe);
-  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  run.exit_code = exitCodeOf(pclose(pipe));
   return run;
 }
 

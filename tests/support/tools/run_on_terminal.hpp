@@ -1,14 +1,13 @@
 #pragma once
 
-#include <array>
 #include <stdexcept>
 #include <string>
 
 #include <pty.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "support/places.hpp"
+#include "support/tools/child_process.hpp"
 #include "support/tools/run_cartvo.hpp"
 
 namespace cartvo::test {
@@ -23,20 +22,11 @@ inline CommandResult runOnTerminal(const std::string& arguments) {
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, &size);
   if (child < 0) throw std::runtime_error("cannot open a terminal for cartvo");
-  if (child == 0) {
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    _exit(127);
-  }
-  CommandResult run;
-  std::array<char, 4096> part{};
-  // Reading fails when the program has closed the terminal.
-  for (ssize_t count = 0; (count = read(terminal, part.data(), part.size())) > 0;)
-    run.output.append(part.data(), static_cast<std::size_t>(count));
-  int status = 0;
-  waitpid(child, &status, 0);
+  if (child == 0) becomeShell(command);
+  const std::string output = readToEnd(terminal);
+  const int exit_code = awaitExit(child);
   close(terminal);
-  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return run;
+  return {exit_code, output};
 }
 
 }  // namespace cartvo::test

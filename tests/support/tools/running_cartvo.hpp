@@ -14,6 +14,7 @@
 
 #include "support/places.hpp"
 #include "support/test_timeout.hpp"
+#include "support/tools/child_process.hpp"
 
 namespace cartvo::test {
 
@@ -28,10 +29,7 @@ class RunningCartvo {
                                 output_file_.string() + " 2>&1";
     pid_ = fork();
     if (pid_ < 0) throw std::runtime_error("cannot fork a process for cartvo");
-    if (pid_ == 0) {
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
-    }
+    if (pid_ == 0) becomeShell(command);
   }
   ~RunningCartvo() {
     if (is_over_) return;
@@ -57,7 +55,7 @@ class RunningCartvo {
       int status = 0;
       if (waitpid(pid_, &status, WNOHANG) == pid_) {
         is_over_ = true;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        return exitCodeOf(status);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }

@@ -6,22 +6,18 @@
 #include <utility>
 
 #include "capture/dataset/image_folder.hpp"
+#include "tools/benchmark/chosen_images.hpp"
 #include "tools/benchmark/simultaneous.hpp"
 
 namespace cartvo::benchmark {
 namespace {
 
-template <typename Item>
-std::vector<Item> everySecond(const std::vector<Item>& items, std::size_t first) {
-  std::vector<Item> half;
-  for (std::size_t i = first; i < items.size(); i += 2)
-    half.push_back(items[i]);
-  return half;
-}
-
-capture::ImageSequence everySecond(const capture::ImageSequence& sequence, std::size_t first) {
-  return {everySecond(sequence.images, first), everySecond(sequence.instants_ns, first), sequence.stddev_ns,
-          sequence.grey_range};
+/// Every second of the indices 0 to count - 1, from `first` on.
+Indices everySecond(std::size_t count, std::size_t first) {
+  Indices indices;
+  for (std::size_t i = first; i < count; i += 2)
+    indices.push_back(i);
+  return indices;
 }
 
 }  // namespace
@@ -29,8 +25,9 @@ capture::ImageSequence everySecond(const capture::ImageSequence& sequence, std::
 capture::StereoSource openAlternate(const std::filesystem::path& folder, RightFrames right,
                                     bool simultaneous) {
   const capture::ImageFolder images = capture::readImageFolder(folder);
-  const capture::ImageSequence left = everySecond(images.left, 0);
-  const capture::ImageSequence other = everySecond(images.right, right == RightFrames::next ? 1 : 0);
+  const capture::ImageSequence left = chosen(images.left, everySecond(images.left.images.size(), 0));
+  const capture::ImageSequence other =
+      chosen(images.right, everySecond(images.right.images.size(), right == RightFrames::next ? 1 : 0));
   capture::StereoSource source = capture::openSource(folder);
   // Frames are paired within half of source.period_ns, and the next frame is exactly half of the doubled
   // period away: 10 % more for instants that are not evenly spaced.
@@ -46,7 +43,8 @@ capture::StereoSource openAlternate(const std::filesystem::path& folder, RightFr
 }
 
 SequenceTruth alternate(const SequenceTruth& truth) {
-  return {everySecond(truth.left_camera, 0), everySecond(truth.body_twist, 0)};
+  return {chosen(truth.left_camera, everySecond(truth.left_camera.size(), 0)),
+          chosen(truth.body_twist, everySecond(truth.body_twist.size(), 0))};
 }
 
 }  // namespace cartvo::benchmark

@@ -14,26 +14,12 @@
 
 #include "capture/dataset/image_folder.hpp"
 #include "common/units.hpp"
+#include "tools/benchmark/chosen_images.hpp"
 #include "tools/benchmark/offset/alternate_frames.hpp"
 #include "tools/benchmark/robustness/jumps.hpp"
 
 namespace cartvo::benchmark {
 namespace {
-
-using Indices = std::vector<std::size_t>;
-
-template <typename Item>
-std::vector<Item> chosen(const std::vector<Item>& items, const Indices& indices) {
-  std::vector<Item> result;
-  for (const std::size_t i : indices)
-    if (i < items.size()) result.push_back(items[i]);
-  return result;
-}
-
-capture::ImageSequence chosen(const capture::ImageSequence& sequence, const Indices& indices) {
-  return {chosen(sequence.images, indices), chosen(sequence.instants_ns, indices), sequence.stddev_ns,
-          sequence.grey_range};
-}
 
 /// Those of the indices 0 to count - 1 for which keep(i) holds; always the first.
 Indices indicesWhere(std::size_t count, const std::function<bool(std::size_t)>& keep) {

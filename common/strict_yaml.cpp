@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <yaml-cpp/eventhandler.h>
+
 #include "common/input_file.hpp"
 #include "common/printable_text.hpp"
 
@@ -94,8 +96,9 @@ std::string explained(const std::string& message) {
     const char* begin;  ///< of yaml-cpp's message
     const char* text;
   };
-  constexpr std::array<Explanation, 8> kExplanations{
-      {{"illegal map value",
+  constexpr std::array<Explanation, 9> kExplanations{
+      {{"no progress", "expected one value, found more behind its end"},
+       {"illegal map value",
         "expected 'key: value', with a blank behind the colon, in this line or the one above"},
        {"end of map not found", "this line is indented otherwise than the lines that it belongs to"},
        {"end of sequence not found", "this line is indented otherwise than the lines that it belongs to"},
@@ -109,8 +112,40 @@ std::string explained(const std::string& message) {
   return isPrintable(message) ? message : "it holds characters that cannot be shown";
 }
 
+/// Refuses a token between documents that yaml-cpp does not consume, such as a comma: its LoadAll would read
+/// empty documents at that place without end.
+class DocumentProgress : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (mark.pos == last_) throw YAML::ParserException(mark, "no progress");
+    last_ = mark.pos;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+  }
+  void OnMapEnd() override {}
+
+ private:
+  int last_ = -1;  // where the last document began
+};
+
+void requireProgress(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentProgress progress;
+  while (parser.HandleNextDocument(progress)) {
+  }
+}
+
 /// The only document of a text that is not empty; an empty one if there is none.
 YAML::Node onlyDocument(const std::string& text, const std::filesystem::path& name) {
+  requireProgress(text);
   YAML::Node only;
   for (const YAML::Node& document : YAML::LoadAll(text)) {
     if (document.IsNull()) continue;

@@ -232,7 +232,7 @@ std::vector<std::string> offeredValues(const Setting& setting, const CameraDocum
     for (const std::string& path : setting.paths)
       if (const auto offered = document->attribute(path, "opt")) {
         std::vector<std::string> values = split(*offered, ',');
-        std::erase_if(values, [](const std::string& value) { return !isPrintable(value); });
+        std::erase_if(values, [](const std::string& value) { return printableExcerpt(value) != value; });
         for (std::string& value : values)
           value = shown(setting, value);
         return values;

@@ -182,6 +182,8 @@ TEST_F(ConfigurationFile, ExplainsWhatIsNotYaml) {
            {minimal + "lcm:\n  url: a\n   ttl: 1\n", "expected 'key: value', with a blank behind the colon"},
            {minimal + "lcm:\n    url: a\n  ttl: 1\n", "this line is indented otherwise than the lines"},
            {minimal + "lcm: {url: a\n", "a '{' is not closed by '}'"},
+           {"[a],\n" + minimal, "expected one value, found more behind its end"},
+           {",", "expected one value, found more behind its end"},
            {minimal + "lcm: " + std::string(5000, '['), "it is nested too deeply"}}) {
     EXPECT_THAT(errorOf(text), AllOf(HasSubstr("cartvod.yaml:"), HasSubstr("is not YAML: " + message)))
         << text;

@@ -72,6 +72,14 @@ TEST(CameraSettings, ChooseTheNearestExposureThatBothOffer) {
               testing::AnyOf("1/250", "1/1000"));
 }
 
+TEST(CameraSettings, LeaveOutOffersTooLongToBeShown) {
+  const std::string long_exposure = "0.002" + std::string(80, '0');
+  const test::IsapiServer server({}, test::replaced(test::factoryDocuments(), "1/500,", long_exposure + ","));
+  const CameraDocuments camera = test::readSimulatedCamera(server);
+  EXPECT_THAT(offeredValues(settingOf("shutter"), camera), testing::Not(testing::Contains(long_exposure)));
+  EXPECT_THAT(bestValue(settingOf("shutter"), {&camera}), testing::AnyOf("1/250", "1/1000"));
+}
+
 TEST(CameraSettings, SetATimeServerByAddressAndByName) {
   const test::IsapiServer server;
   CameraDocuments camera = test::readSimulatedCamera(server);

@@ -37,8 +37,8 @@ double minimumDistance(const OdometrySettings& settings, int width, int height) 
   return std::max(std::min(settings.tracking.minimum_distance, 0.5 * spacing), 1.0);
 }
 
-int nearestDisparity(const StereoSettings& settings, int width) {
-  return std::max(settings.maximum_disparity, width / 2);
+int nearestDisparity(int width) {
+  return width / 2;
 }
 
 void validate(const OdometrySettings& settings) {
@@ -50,6 +50,7 @@ void validate(const OdometrySettings& settings) {
   requireRange("detection.maximum_threshold", detection.maximum_threshold, detection.minimum_threshold, 254);
   requireRange("tracking.iterations", settings.tracking.iterations, 1, 100);
   requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
+  requireRange("stereo.maximum_disparity", settings.stereo.maximum_disparity, 16, 1024);
   validate(settings.motion);
   requireRange("refinement.frames", settings.refinement.frames, 1, kMaximumRefinementFrames);
   requireRange("refinement.iterations", settings.refinement.iterations, 1, 100);

@@ -46,7 +46,7 @@ struct TrackingSettings {
   int search_again = 5;                    ///< pairs over which a lost feature with a depth is searched for
   double minimum_shift_correlation = 0.4;  ///< of the shifted patch, before its warp is estimated
   double maximum_stretch = 0.35;           ///< of a warp from the identity; above, the anchor changes
-  /// px; landmarks found farther from it contradict a prediction, and have to agree with a corrected one.
+  /// px; landmarks found farther from it contradict a prediction.
   double maximum_prediction_error = 4.0;
   double predicted_inverse_depth = 0.02;  ///< 1/m, predicts where landmarks without a depth appear
   double minimum_patch_noise = 0.07;      ///< px of the level, stddev of the position of the steepest patch
@@ -56,15 +56,11 @@ struct TrackingSettings {
 /// Stereo matching from left to right (thesis 4.1-4.4, 4.14).
 struct StereoSettings {
   double minimum_disparity = 0.5;  ///< px; points farther away have no usable depth
-  int maximum_disparity = 128;     ///< px; nearer points are not found, but see nearestDisparity()
+  int maximum_disparity = 128;     ///< px; nearer points are not found. `estimator: thesis` only
   int rows = 1;  ///< px of the level, rows searched above and below; a match is at most half a row beyond
   double minimum_correlation = 0.85;  ///< normalised cross-correlation of left and right patch
   double uniqueness = 0.8;         ///< maximum ratio of 1 - correlation of the best to the second-best match
   double maximum_sad_ratio = 1.3;  ///< of a candidate to the least one; above, it is ignored
-  double minimum_row_gate = 0.5;   ///< px of the level, of a row residual in inter-coded pictures
-  double row_gate_stddevs = 2.0;   ///< the same in standard deviations of all row residuals
-  double maximum_row_translation =
-      0.005;  ///< m along y and z between the exposures up to which rows are equal
 };
 
 /// Horn's method over subsets, then weights by prediction error (thesis 4.15, 4.16).
@@ -100,8 +96,6 @@ struct PoseSearchSettings {
   double sufficient_support =
       0.75;  ///< share of the points' weight; a start with as many inliers ends the search
   double maximum_acceleration = 30.0;  ///< m/s^2 and rad/s^2, gate of the change of the motion
-  /// Share of the landmarks that must agree on a pose which the last motion did not predict.
-  double minimum_surprised_share = 0.05;
 };
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included
@@ -194,10 +188,9 @@ struct OdometrySettings {
 /// half the mean spacing of `features` points if that is less; at least 1.
 double minimumDistance(const OdometrySettings& settings, int width, int height);
 
-/// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px:
-/// stereo.maximum_disparity, or half the width if that is more. Of nearer surfaces, only the edges are seen
-/// by both cameras.
-int nearestDisparity(const StereoSettings& settings, int width);
+/// Largest disparity (px) that `estimator: reprojection` searches in images of `width` px: half the width. Of
+/// nearer surfaces, only the edges are seen by both cameras.
+int nearestDisparity(int width);
 
 /// Throws std::invalid_argument that names the first value out of range and its range, for example
 /// "tracking.levels is 0: expected 1 to 8".

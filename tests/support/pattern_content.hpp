@@ -1,10 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/saturate.hpp>
+#include <opencv2/core/types.hpp>
 
 #include "tools/simulate/content.hpp"
 
@@ -67,7 +71,7 @@ class PatternContent : public simulate::Content {
   }
 
   std::string cacheKey() const override {
-    return "pattern " + std::to_string(settings_.size.width) + "x" + std::to_string(settings_.size.height) +
+    return "waves " + std::to_string(settings_.size.width) + "x" + std::to_string(settings_.size.height) +
            " " + std::to_string(settings_.frame_rate) + " Hz, " + std::to_string(settings_.pairs) +
            " pairs, offset " + std::to_string(settings_.offset_s) + " s, f " +
            std::to_string(settings_.focal_length) + ", b " + std::to_string(settings_.baseline) + ", Z " +
@@ -86,19 +90,32 @@ class PatternContent : public simulate::Content {
       const double y = (row - (image.rows - 1) / 2.0) * metres_per_pixel;
       for (int column = 0; column < image.cols; ++column) {
         const double x = camera_x + (column - (image.cols - 1) / 2.0) * metres_per_pixel;
-        image.at<std::uint8_t>(row, column) =
-            static_cast<std::uint8_t>(std::lround(128.0 + 100.0 * wall(x, y)));
+        image.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(128.0 + 100.0 * wall(x, y));
       }
     }
     return image;
   }
 
-  // Texture of the wall at (x, y) in m, in [-1, 1]. Wavelengths are at least 8 cm; their directions and
-  // ratios do not repeat within an image.
+  // Texture of the wall at (x, y) in m, between -1.25 and 1.25: twelve waves of 9 to 31 cm whose directions
+  // and lengths are spread by the golden ratio. Moved by 6 cm to 1 m, the texture correlates with itself by
+  // at most 0.61.
   static double wall(double x, double y) {
-    return 0.22 * std::sin(31.0 * x + 11.0 * y) + 0.22 * std::sin(-17.3 * x + 29.7 * y + 1.0) +
-           0.20 * std::sin(47.1 * x - 23.9 * y + 2.0) + 0.18 * std::sin(9.7 * x + 61.3 * y + 3.0) +
-           0.18 * std::sin(71.9 * x + 5.3 * y + 4.0);
+    constexpr int kWaves = 12;
+    constexpr double kGoldenRatio = std::numbers::phi;
+    static const auto wave_vectors = [] {
+      std::array<cv::Point2d, kWaves> vectors;  // rad/m
+      for (int i = 0; i < kWaves; ++i) {
+        const double turns = i / kGoldenRatio;
+        const double length = 20.0 * std::pow(3.6, turns - std::floor(turns));
+        const double angle = 2.0 * std::numbers::pi * i / (kGoldenRatio * kGoldenRatio);
+        vectors[i] = {length * std::cos(angle), length * std::sin(angle)};
+      }
+      return vectors;
+    }();
+    double sum = 0.0;
+    for (int i = 0; i < kWaves; ++i)
+      sum += std::sin(wave_vectors[i].x * x + wave_vectors[i].y * y + i);
+    return 1.5 / kWaves * sum;
   }
 
   PatternSettings settings_;

@@ -18,14 +18,13 @@ constexpr double kEarlyExitCorrelation = 0.6;  // a patch that correlates less a
 /// Arguments of alignAffine().
 struct AlignmentRequest {
   std::span<const AlignmentTask> tasks;
-  WarpModel model;
   int iterations;
   double convergence;
   std::span<std::optional<AffineAlignment>> results;
 };
 
 /// Aligns up to four tasks at once, one SIMD lane each.
-template <typename Processor, int Parameters>
+template <typename Processor>
 class FourAlignments {
  public:
   explicit FourAlignments(std::span<const AlignmentTask> tasks) : tasks_(tasks) {
@@ -39,10 +38,10 @@ class FourAlignments {
     bounds_.findInside(warps_, active_);
     for (std::size_t i = tasks.size(); i < kBatchSize; ++i)
       active_[i] = 0;
-    std::array<SumsOfPatch<TemplateSums<Parameters>>, kBatchSize> sums{};
+    std::array<SumsOfPatch<TemplateSums<kAffineParameters>>, kBatchSize> sums{};
     for (std::size_t i = 0; i < kBatchSize; ++i)
       if (active_[i] != 0) buildTemplate<Processor>(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
-    SumsOfFour<TemplateSums<Parameters>> lanes;
+    SumsOfFour<TemplateSums<kAffineParameters>> lanes;
     gatherLanes(sums, lanes);
     MaskLanes regular;
     equations_.setUp(lanes, regular);
@@ -92,56 +91,50 @@ class FourAlignments {
       samplePatch<Processor>(*tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i]);
       comparePatches<Processor>(templates_[i], now_[i], sums_[i]);
     }
-    SumsOfFour<ComparisonSums<Parameters>> lanes;
+    SumsOfFour<ComparisonSums<kAffineParameters>> lanes;
     gatherLanes(sums_, lanes);
     equations_.compare(lanes, at_);
   }
 
   std::span<const AlignmentTask> tasks_;
   MaskLanes active_{}, done_{};
-  std::array<AlignedTemplate<Parameters>, kBatchSize> templates_;
+  std::array<AlignedTemplate<kAffineParameters>, kBatchSize> templates_;
   std::array<AlignedPatch, kBatchSize> now_;
-  std::array<SumsOfPatch<ComparisonSums<Parameters>>, kBatchSize> sums_{};
-  AlignmentEquations<Parameters> equations_;
+  std::array<SumsOfPatch<ComparisonSums<kAffineParameters>>, kBatchSize> sums_{};
+  AlignmentEquations equations_;
   FourComparisons at_;
   FourWarps warps_;
   WarpBounds bounds_;
 };
 
-template <typename Processor, int Parameters>
-void alignBatches(const AlignmentRequest& request) {
+template <typename Processor>
+void alignAll(const AlignmentRequest& request) {
   // Stretched by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
   constexpr int kSpan = kPatchSide - 1;
   static_assert(kSpan * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
   for (std::size_t first = 0; first < request.tasks.size(); first += kBatchSize) {
     const std::size_t count = std::min<std::size_t>(kBatchSize, request.tasks.size() - first);
-    FourAlignments<Processor, Parameters> four(request.tasks.subspan(first, count));
+    FourAlignments<Processor> four(request.tasks.subspan(first, count));
     four.align(request.iterations, request.convergence);
     four.writeResults(request.results.subspan(first, count));
   }
-}
-
-template <typename Processor>
-void alignAll(const AlignmentRequest& request) {
-  if (request.model == WarpModel::stereo) return alignBatches<Processor, kStereoParameters>(request);
-  alignBatches<Processor, kAffineParameters>(request);
 }
 
 CARTVO_BY_PROCESSOR(void, dispatchAlignments, (const AlignmentRequest& request), (request), alignAll)
 
 }  // namespace
 
-void alignAffine(std::span<const AlignmentTask> tasks, WarpModel model, int iterations, double convergence,
+void alignAffine(std::span<const AlignmentTask> tasks, int iterations, double convergence,
                  std::span<std::optional<AffineAlignment>> aligned) {
-  dispatchAlignments({tasks, model, iterations, convergence, aligned});
+  dispatchAlignments({tasks, iterations, convergence, aligned});
 }
 
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
                                            const Eigen::Vector2d& from, const AffineAlignment& start,
-                                           WarpModel model, int iterations, double convergence) {
+                                           int iterations, double convergence) {
   const AlignmentTask task{&before, &after, from, start};
   std::optional<AffineAlignment> aligned;
-  alignAffine(std::span(&task, 1), model, iterations, convergence, std::span(&aligned, 1));
+  alignAffine(std::span(&task, 1), iterations, convergence, std::span(&aligned, 1));
   return aligned;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -27,13 +26,6 @@ struct AffineAlignment {
                                         ///< linearised at the patch after, misses the start
 };
 
-/// Motion model of a patch between two images.
-enum class WarpModel : std::uint8_t {
-  affine,  ///< between two instants: six parameters
-  stereo,  ///< between left and right image of one instant: rows stay, which leaves the shift and the slope
-           ///< of the disparity, four parameters
-};
-
 /// Aligns the 15x15 patch around `from` in `before` with `after`, starting at the position and warp of
 /// `start`, under a warp and any change of gain and brightness (J. Shi, C. Tomasi, "Good features to track",
 /// 1994; inverse compositional). Near the camera a patch of the road grows by a fifth from one image to the
@@ -42,7 +34,7 @@ enum class WarpModel : std::uint8_t {
 /// the patch moves too far from its start.
 std::optional<AffineAlignment> alignAffine(const PyramidLevel& before, const PyramidLevel& after,
                                            const Eigen::Vector2d& from, const AffineAlignment& start,
-                                           WarpModel model, int iterations, double convergence);
+                                           int iterations, double convergence);
 
 /// One alignment: the patch around `from` in `before` with `after`, starting at `start`.
 struct AlignmentTask {
@@ -53,7 +45,7 @@ struct AlignmentTask {
 };
 
 /// Aligns many patches, faster than one by one and with the same results. `aligned` has the size of `tasks`.
-void alignAffine(std::span<const AlignmentTask> tasks, WarpModel model, int iterations, double convergence,
+void alignAffine(std::span<const AlignmentTask> tasks, int iterations, double convergence,
                  std::span<std::optional<AffineAlignment>> aligned);
 
 }  // namespace cartvo::vo

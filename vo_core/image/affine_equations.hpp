@@ -66,26 +66,25 @@ struct FourComparisons {
   DoubleLanes right_side[kAffineParameters];  ///< of the normal equations
 };
 
-/// Normal equations of four alignments in the first `Parameters` of: shift x, y, then the warp elements xx,
-/// xy, yx, yy, scaled by half the patch side so that all are in px. The mean is removed from every sum, so
-/// that brightness does not matter; this rounds nothing, because the sums are exact.
-template <int Parameters>
+/// Normal equations of four alignments in the shift x, y and the warp elements xx, xy, yx, yy, scaled by half
+/// the patch side so that all are in px. The mean is removed from every sum, so that brightness does not
+/// matter; this rounds nothing, because the sums are exact.
 class AlignmentEquations {
  public:
   /// Sets up the templates. `regular`: lanes whose texture constrains the warp.
-  void setUp(const SumsOfFour<TemplateSums<Parameters>>& sums, MaskLanes& regular) {
-    using Sums = TemplateSums<Parameters>;
+  void setUp(const SumsOfFour<TemplateSums<kAffineParameters>>& sums, MaskLanes& regular) {
+    using Sums = TemplateSums<kAffineParameters>;
     mean_ = kPerPixel * sums[Sums::kGreys];
-    DoubleLanes normal[Parameters][Parameters];
+    DoubleLanes normal[kAffineParameters][kAffineParameters];
 #pragma GCC unroll 6
-    for (int i = 0; i < Parameters; ++i) {
+    for (int i = 0; i < kAffineParameters; ++i) {
       slopes_[i] = sums[Sums::slope(i)];
       slope_greys_[i] = sums[Sums::slopeGrey(i)] - mean_ * slopes_[i];
 #pragma GCC unroll 6
       for (int j = 0; j <= i; ++j)
         normal[i][j] = sums[Sums::normal(i, j)] - slopes_[i] * (kPerPixel * slopes_[j]);
     }
-    invertCorner<Parameters>(normal, kMinimumPivot, inverse_, regular);
+    invertCorner<kAffineParameters>(normal, kMinimumPivot, inverse_, regular);
     greys_ = sums[Sums::kGreys];
     norm_ = sums[Sums::kSquares] - mean_ * greys_;
     replaceBySquareRoots(norm_);
@@ -93,8 +92,8 @@ class AlignmentEquations {
 
   /// Compares the patches of the second image with the templates. The gain is divided out; otherwise a darker
   /// image would shorten each step.
-  void compare(const SumsOfFour<ComparisonSums<Parameters>>& sums, FourComparisons& out) const {
-    using Sums = ComparisonSums<Parameters>;
+  void compare(const SumsOfFour<ComparisonSums<kAffineParameters>>& sums, FourComparisons& out) const {
+    using Sums = ComparisonSums<kAffineParameters>;
     const DoubleLanes mean = kPerPixel * sums[Sums::kValues];
     DoubleLanes deviation = sums[Sums::kSquares] - mean * sums[Sums::kValues];
     clampToMinimum(1e-6, deviation);
@@ -104,7 +103,7 @@ class AlignmentEquations {
     clampToMinimum(kMinimumGain, gain);
     const DoubleLanes per_gain = 1.0 / gain;
 #pragma GCC unroll 6
-    for (int i = 0; i < Parameters; ++i)
+    for (int i = 0; i < kAffineParameters; ++i)
       out.right_side[i] = (sums[Sums::slope(i)] - mean * slopes_[i]) * per_gain - slope_greys_[i];
     out.mean.lanes() = mean;
     out.gain.lanes() = gain;
@@ -115,12 +114,12 @@ class AlignmentEquations {
   /// another iteration.
   void applyStep(const FourComparisons& at, double convergence, const MaskLanes& moving, FourWarps& warps,
                  MaskLanes& converged) const {
-    DoubleLanes step[kAffineParameters] = {};
+    DoubleLanes step[kAffineParameters];
 #pragma GCC unroll 6
-    for (int i = 0; i < Parameters; ++i) {
+    for (int i = 0; i < kAffineParameters; ++i) {
       step[i] = inverse_[i][0] * at.right_side[0];
 #pragma GCC unroll 6
-      for (int j = 1; j < Parameters; ++j)
+      for (int j = 1; j < kAffineParameters; ++j)
         step[i] += inverse_[i][j] * at.right_side[j];
     }
     composeInverse(step, moving, warps);
@@ -137,7 +136,7 @@ class AlignmentEquations {
     // Residual relative to the grey values of the template, from its correlation with the patch after.
     DoubleLanes left = 1.0 / (at.correlation.lanes() * at.correlation.lanes()) - 1.0;
     clampToMinimum(0.0, left);
-    const DoubleLanes square = norm_ * norm_ * left / (kAlignedSize - Parameters);
+    const DoubleLanes square = norm_ * norm_ * left / (kAlignedSize - kAffineParameters);
     x.lanes() = square * inverse_[0][0];
     y.lanes() = square * inverse_[1][1];
   }
@@ -151,18 +150,13 @@ class AlignmentEquations {
   static constexpr double kShiftShare = 0.5,
                           kStretchShare = 3.0;  // times `convergence`: limits of a converged step
 
-  /// Composes the warps with the inverses of the steps' warps. Rows that are fixed stay so to the last bit.
+  /// Composes the warps with the inverses of the steps' warps.
   static void composeInverse(const DoubleLanes* step, const MaskLanes& moving, FourWarps& warps) {
     const DoubleLanes a = 1.0 + kPerHalfSide * step[2], b = kPerHalfSide * step[3];
-    DoubleLanes xx = 1.0 / a, xy = -b * xx, yx{}, yy = 1.0 + DoubleLanes{};
-    if constexpr (Parameters == kAffineParameters) {
-      const DoubleLanes c = kPerHalfSide * step[4], d = 1.0 + kPerHalfSide * step[5];
-      const DoubleLanes per_determinant = 1.0 / (a * d - c * b);
-      xx = d * per_determinant;
-      xy = -b * per_determinant;
-      yx = -c * per_determinant;
-      yy = a * per_determinant;
-    }
+    const DoubleLanes c = kPerHalfSide * step[4], d = 1.0 + kPerHalfSide * step[5];
+    const DoubleLanes per_determinant = 1.0 / (a * d - c * b);
+    const DoubleLanes xx = d * per_determinant, xy = -b * per_determinant;
+    const DoubleLanes yx = -c * per_determinant, yy = a * per_determinant;
     const DoubleLanes new_xx = warps.xx.lanes() * xx + warps.xy.lanes() * yx;
     const DoubleLanes new_xy = warps.xx.lanes() * xy + warps.xy.lanes() * yy;
     const DoubleLanes new_yx = warps.yx.lanes() * xx + warps.yy.lanes() * yx;
@@ -184,9 +178,9 @@ class AlignmentEquations {
     converged = (shifted < shift * shift) & (stretched < stretch * stretch);
   }
 
-  DoubleLanes inverse_[Parameters][Parameters];  // of the Gauss-Newton matrix
-  DoubleLanes slopes_[Parameters];               // sums of the derivatives
-  DoubleLanes slope_greys_[Parameters];          // sums of derivative times grey less its mean
+  DoubleLanes inverse_[kAffineParameters][kAffineParameters];  // of the Gauss-Newton matrix
+  DoubleLanes slopes_[kAffineParameters];                      // sums of the derivatives
+  DoubleLanes slope_greys_[kAffineParameters];                 // sums of derivative times grey less its mean
   DoubleLanes greys_, mean_,
       norm_;  // of the grey values: sum, mean, and norm of their deviations from the mean
 };

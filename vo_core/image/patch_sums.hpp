@@ -13,11 +13,9 @@
 
 namespace cartvo::vo {
 
-// Numbers of warp parameters: a shift; for stereo also the stretch and shear of columns; for an affine warp
-// also those of rows.
+// Numbers of parameters of a shift and of an affine warp.
 constexpr int kShiftParameters = 2;   ///< x, y
-constexpr int kStereoParameters = 4;  ///< and the warp's elements xx, xy
-constexpr int kAffineParameters = 6;  ///< and yx, yy
+constexpr int kAffineParameters = 6;  ///< and the warp's elements xx, xy, yx, yy
 
 /// Two patches whose product is summed, by their indices in a list.
 struct Product {

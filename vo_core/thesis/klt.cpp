@@ -20,8 +20,8 @@ KltResult trackPatch(const ImagePyramid& before, const ImagePyramid& after, cons
   if (!shifted) return result;
   AffineAlignment start;
   start.position = *shifted;
-  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, WarpModel::affine,
-                                   settings.iterations, settings.convergence);
+  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, settings.iterations,
+                                   settings.convergence);
   if (!aligned) return result;
   result.position = aligned->position;
   result.correlation = aligned->correlation;

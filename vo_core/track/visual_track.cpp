@@ -7,7 +7,6 @@
 #include <functional>
 #include <utility>
 
-#include "common/statistics.hpp"
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
@@ -196,8 +195,7 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   const TrackingOutcome outcome = tracker_.track(landmarks_, draft.landmarks, image);
   draft.start = outcome.T_world_camera.value_or(expectedPose(pair));
   correctNewestRows(draft, draft.start);
-  draft.prediction_failed = outcome.prediction_failed;
-  if (draft.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
+  if (outcome.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
   if (pair.from_video) inflateCodecNoise(draft.landmarks, settings_.tracking);
   motion.counts.tracked = static_cast<int>(draft.landmarks.size());
 }
@@ -250,11 +248,6 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  if (draft.prediction_failed &&
-      found->inliers < settings_.pose_search.minimum_surprised_share * countWithDepth(landmarks_)) {
-    motion.reason = OdometryReason::too_few_inliers;
-    return false;
-  }
   motion.ambiguous = !velocity_ && isAmbiguous(*found);
   if (motion.ambiguous) {
     motion.reason = OdometryReason::too_few_inliers;
@@ -270,40 +263,17 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond
-/// the gate, too: what a cart can do is a matter of likelihood, and a pose that nearly all landmarks agree
-/// on, near and far, left and right, is measured.
+/// the gate, too: a pose that three quarters of the landmarks agree on is measured, whatever the cart can do.
 std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
   auto within_gate = search();
   if (!pose_problem_.admissible_change) return within_gate;
   if (within_gate && within_gate->inlier_ratio >= kMajority) return within_gate;
   const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
-  if (auto beyond = search(); beyond && isAgreedOnEverywhere(*beyond)) return beyond;
+  if (auto beyond = search(); beyond && beyond->inlier_ratio >= settings_.pose_search.sufficient_support)
+    return beyond;
   pose_problem_.admissible_change = gate;
   return search();  // sets the points' flags again
-}
-
-/// Whether most landmarks of each part of the scene are inliers: near and far ones, in the left and in the
-/// right half of the image, and nearly all of them together. A vehicle fills only some of the parts.
-bool VisualTrack::isAgreedOnEverywhere(const FoundPose& found) const {
-  if (found.inlier_ratio < settings_.pose_search.sufficient_support) return false;
-  std::vector<double> depths;
-  for (const PosePoint& point : pose_problem_.points)
-    depths.push_back(point.inverse_depth);
-  const double middle = median(depths);
-  const auto most_of = [&](const auto& belongs) {
-    double all = 0.0, inliers = 0.0;
-    for (const PosePoint& point : pose_problem_.points) {
-      if (!belongs(point)) continue;
-      all += point.weight;
-      inliers += point.inlier ? point.weight : 0.0;
-    }
-    return inliers > kMajority * all;
-  };
-  return most_of([&](const PosePoint& point) { return point.inverse_depth < middle; }) &&
-         most_of([&](const PosePoint& point) { return point.inverse_depth >= middle; }) &&
-         most_of([&](const PosePoint& point) { return point.left.x() < camera_.cx; }) &&
-         most_of([&](const PosePoint& point) { return point.left.x() >= camera_.cx; });
 }
 
 /// Whether the outliers of the found pose agree on another one that has nearly as much weight. Without a
@@ -351,9 +321,6 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     discardLastStereo(landmarks);  // matches at the wrong pitch are by chance
     match(landmarks, rig_);
   }
-  // With a time offset the row residual carries motion; do not gate it.
-  if (pair.from_video && keepsRows(T_right_left, settings_.stereo))
-    rejectRowOutliers(landmarks, settings_.stereo, rows_);
 
   const RigCorrection rig = rig_.correction();
   const RowTransform right_from_left(camera_, timing_, window.back(), T_right_left);

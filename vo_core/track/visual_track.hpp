@@ -99,7 +99,6 @@ class VisualTrack {
     std::vector<Landmark> landmarks;
     std::vector<WindowFrame> window;                          ///< the pair is the last
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
-    bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
   };
 
   // visual_track.cpp
@@ -113,7 +112,6 @@ class VisualTrack {
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   std::optional<FoundPose> findPose();
-  bool isAgreedOnEverywhere(const FoundPose& found) const;
   bool isAmbiguous(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
@@ -184,7 +182,6 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;
-  std::vector<double> rows_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
   RowMotionProblem row_problem_;

@@ -37,8 +37,8 @@ class AlignmentBlock {
 
   /// Calls handle(index, alignment) for each patch that aligned, in the order in which they were added.
   template <typename Handler>
-  void align(WarpModel model, const TrackingSettings& tracking, const Handler& handle) {
-    alignAffine({tasks_.begin(), tasks_.size()}, model, tracking.iterations, tracking.convergence,
+  void align(const TrackingSettings& tracking, const Handler& handle) {
+    alignAffine({tasks_.begin(), tasks_.size()}, tracking.iterations, tracking.convergence,
                 {aligned_.data(), tasks_.size()});
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       if (!aligned_[i]) continue;

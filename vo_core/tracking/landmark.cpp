@@ -1,11 +1,10 @@
-// Noise of landmark positions and rejection of stereo matches by their rows.
+// Counts, noise and views of landmarks.
 #include "vo_core/tracking/landmark.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "common/statistics.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 
 namespace cartvo::vo {
@@ -58,22 +57,6 @@ void inflateCodecNoise(std::vector<Landmark>& landmarks, const TrackingSettings&
     auto noise = landmark.observations.back().relative_noise.array();
     noise = (noise.square() + added_variance * scale * scale).sqrt();
   }
-}
-
-void rejectRowOutliers(std::vector<Landmark>& landmarks, const StereoSettings& settings,
-                       std::vector<double>& rows) {
-  rows.clear();
-  rows.reserve(landmarks.capacity());
-  for (const Landmark& landmark : landmarks)
-    if (landmark.last().stereo) rows.push_back(landmark.row_residual);
-  if (rows.empty()) return;
-  const double common = median(rows);  // nonzero if the rig has a pitch error
-  for (double& row : rows)
-    row = std::abs(row - common);
-  const double gate = std::max(settings.minimum_row_gate, settings.row_gate_stddevs * stddevFromMedian(rows));
-  for (Landmark& landmark : landmarks)
-    if (std::abs(landmark.row_residual - common) > gate * levelScale(landmark.level))
-      landmark.observations.back().stereo = false;
 }
 
 void discardLastStereo(std::vector<Landmark>& landmarks) {

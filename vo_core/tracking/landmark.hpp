@@ -44,7 +44,6 @@ struct Landmark {
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();          ///< of the patch, anchor to last left image
   Eigen::Matrix2d stereo_warp =
       Eigen::Matrix2d::Identity();  ///< of the patch, left to right image of the last stereo match
-  double row_residual = 0.0;        ///< px, row of the last stereo match minus the predicted row
 
   double inverse_depth = 0.0;  ///< 1/m, along the z axis of the anchor camera
   double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: no depth
@@ -84,11 +83,6 @@ Eigen::Vector2d relativeNoise(const Eigen::Vector2d& variance, int level, const 
 /// Increases the noise of the last pair's positions for inter-coded pictures: a block that the encoder copies
 /// unchanged matches perfectly, but its position has an error.
 void inflateCodecNoise(std::vector<Landmark>& landmarks, const TrackingSettings& settings);
-
-/// Removes the last pair's stereo matches whose row residuals are outliers. At a low bit rate, blocks of a
-/// video are displaced by up to two pixels in both directions; the known row reveals it. `rows` is a buffer.
-void rejectRowOutliers(std::vector<Landmark>& landmarks, const StereoSettings& settings,
-                       std::vector<double>& rows);
 
 /// Removes all stereo matches of the last pair.
 void discardLastStereo(std::vector<Landmark>& landmarks);

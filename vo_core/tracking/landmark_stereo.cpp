@@ -12,17 +12,6 @@
 namespace cartvo::vo {
 namespace {
 
-// The search beyond the ordinary largest disparity takes longer. It is made for one landmark in eight, and
-// for all if some are nearer than the ordinary search reaches.
-constexpr std::size_t kNearSample = 8, kNearLandmarks = 3;
-
-/// Warp model from the left to the right image. Between rectified cameras only the columns of a patch are
-/// stretched and sheared, whatever the baseline. A right camera that has moved since the left exposure
-/// changes the rows too; a model without them would bias the match sideways.
-WarpModel warpModelOf(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
-  return keepsRows(T_right_left, settings) ? WarpModel::stereo : WarpModel::affine;
-}
-
 /// Epipolar line in the right image, to first order in the inverse depth.
 EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                           const Eigen::Vector2d& pixel) {
@@ -39,15 +28,10 @@ EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T
 
 }  // namespace
 
-bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings) {
-  const Eigen::Vector3d place = T_right_left.inverse().translation();
-  return place.tail<2>().norm() < settings.maximum_row_translation;
-}
-
 /// Initial value of the alignment in the right image: predicted from the depth or, without one, found by a
 /// search along the epipolar line.
 std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& landmark, const StereoView& view,
-                                                             double inverse_depth, bool search_near) const {
+                                                             double inverse_depth) const {
   const Eigen::Vector2d& left = landmark.last().left;
   const Eigen::Isometry3d T_right_left = view.right_from_left.at(left);
   AffineAlignment start;
@@ -57,12 +41,10 @@ std::optional<AffineAlignment> LandmarkTracker::startInRight(const Landmark& lan
     if (!expected.valid) return std::nullopt;
     start.position = expected.pixel;
     start.warp = landmark.stereo_warp;
-    // The stereo warp model keeps rows: reset what an earlier affine alignment has estimated for them.
-    if (view.warp_model == WarpModel::stereo) start.warp.row(1) = Eigen::RowVector2d::UnitY();
   } else {
     const EpipolarLine line = epipolarLine(camera_, T_right_left, left);
-    const StereoSettings& search = search_near ? near_stereo_ : settings_.stereo;
-    const auto found = cartvo::vo::matchStereo(view.left, view.right, left, search, line, landmark.level);
+    const auto found =
+        cartvo::vo::matchStereo(view.left, view.right, left, settings_.stereo, line, landmark.level);
     if (!found) return std::nullopt;
     start.position = found->right;
   }
@@ -81,41 +63,27 @@ double LandmarkTracker::expectedInverseDepth(const Landmark& landmark, const Sce
   return seen.valid ? std::max(landmark.inverse_depth, 1e-4) / seen.ray.z() : 0.0;
 }
 
-/// Whether landmarks are nearer than the ordinary search reaches, or no depth is known yet.
-bool LandmarkTracker::seesNearSurfaces(const std::vector<Landmark>& landmarks) const {
-  const double nearest = settings_.stereo.maximum_disparity / (camera_.focal_length * camera_.baseline);
-  std::size_t known = 0, near = 0;
-  for (const Landmark& landmark : landmarks) {
-    if (!landmark.hasDepth()) continue;
-    ++known;
-    if (landmark.inverse_depth > nearest) ++near;
-  }
-  return known == 0 || near >= kNearLandmarks;
-}
-
 void LandmarkTracker::matchBlock(std::span<Landmark> landmarks, const Scene& scene,
                                  const StereoView& view) const {
   std::array<double, AlignmentBlock::kCapacity> expected_row{};
   AlignmentBlock block;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& landmark = landmarks[i];
-    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene),
-                                    view.near_surfaces || i % kNearSample == 0);
+    const auto start = startInRight(landmark, view, expectedInverseDepth(landmark, scene));
     if (!start) continue;
     expected_row[i] = start->position.y();
     block.add(i, {view.left, view.right, landmark.level}, landmark.last().left, *start);
   }
-  block.align(view.warp_model, settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+  block.align(settings_.tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     Landmark& landmark = landmarks[i];
-    const double row_residual = aligned.position.y() - expected_row[i];
     if (aligned.correlation < settings_.stereo.minimum_correlation ||
-        std::abs(row_residual) > (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
+        std::abs(aligned.position.y() - expected_row[i]) >
+            (settings_.stereo.rows + 0.5) * levelScale(landmark.level) ||
         !isConsistentBackward(aligned, settings_.tracking) ||
         !view.right.mask.allows(aligned.position, landmark.level))
       return;
     Observation& observation = landmark.observations.back();
     landmark.stereo_warp = aligned.warp;
-    landmark.row_residual = row_residual;
     observation.stereo = true;
     observation.stereo_offset = observation.left - aligned.position;
   });
@@ -126,9 +94,7 @@ void LandmarkTracker::matchStereo(std::vector<Landmark>& landmarks, const std::v
                                   const RowTransform& right_from_left,
                                   const Eigen::Isometry3d& T_world_camera) const {
   const Scene scene(window, left, window.back().index, T_world_camera);
-  const StereoView view{left, right, right_from_left,
-                        warpModelOf(right_from_left.betweenExposures(), settings_.stereo),
-                        seesNearSurfaces(landmarks)};
+  const StereoView view{left, right, right_from_left};
   forEachBlock(landmarks.size(), AlignmentBlock::kCapacity, [&](std::size_t first, std::size_t count) {
     matchBlock(std::span(landmarks).subspan(first, count), scene, view);
   });

@@ -84,9 +84,8 @@ void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vec
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const OdometrySettings& settings)
     : camera_(camera),
       settings_(settings),
-      near_stereo_(settings.stereo),
       detector_(settings.detection, settings.features, cv::Size(camera.width, camera.height)) {
-  near_stereo_.maximum_disparity = nearestDisparity(settings.stereo, camera.width);
+  settings_.stereo.maximum_disparity = nearestDisparity(camera.width);
 }
 
 void LandmarkTracker::setTargetFeatureCount(int features) {
@@ -188,7 +187,7 @@ void LandmarkTracker::alignWithAnchors(std::span<const Landmark> landmarks, cons
     start.warp = predictedGrowth(landmark, scene) * landmark.warp;
     block.add(i, {*anchor->left, scene.left, landmark.level}, landmark.anchor().left, start);
   }
-  block.align(WarpModel::affine, tracking, [&](std::size_t i, const AffineAlignment& aligned) {
+  block.align(tracking, [&](std::size_t i, const AffineAlignment& aligned) {
     if (aligned.correlation >= tracking.minimum_correlation && isConsistentBackward(aligned, tracking))
       attempts[i].aligned = aligned;
   });
@@ -281,14 +280,11 @@ bool LandmarkTracker::predictionFails() const {
 
 /// Searches the landmarks that were not found once more, in all pyramid levels, and marks those found in
 /// found_. Returns the corrected prediction.
-std::optional<Eigen::Isometry3d> LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
-                                                               std::vector<Landmark>& tracked,
-                                                               const TrackedImage& image) {
+Eigen::Isometry3d LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
+                                                std::vector<Landmark>& tracked, const TrackedImage& image) {
   const Eigen::Isometry3d& expected = *image.T_world_camera;
-  std::optional<Eigen::Isometry3d> prediction =
-      correctedByLandmarks(tracked, found_, image.window, camera_, expected, settings_);
-  if (!prediction) prediction = correctedByImageShift(previous, image.window, image.left, camera_, expected);
-  if (!prediction) prediction = expected;
+  const Eigen::Isometry3d prediction =
+      correctedByImageShift(previous, image.window, image.left, camera_, expected).value_or(expected);
   Scene scene(image.window, image.left, image.frame, prediction);
   scene.wide = scene.at_prediction = true;
   lost_.clear();

@@ -52,8 +52,8 @@ class LandmarkTracker {
   /// image is masked counts as not found.
   ///
   /// Landmarks are searched near their predicted positions. If too few are found there, or those found are
-  /// far from them, the prediction is corrected by those found or by the shift of the whole image, and the
-  /// others are searched in all pyramid levels.
+  /// far from them, the prediction is corrected by the shift of the whole image, and the others are searched
+  /// in all pyramid levels.
   TrackingOutcome track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                         const TrackedImage& image);
 
@@ -92,8 +92,6 @@ class LandmarkTracker {
     const ImagePyramid& left;
     const ImagePyramid& right;
     const RowTransform& right_from_left;  ///< predicted
-    WarpModel warp_model;
-    bool near_surfaces;  ///< whether to search all landmarks beyond the ordinary largest disparity
   };
 
   /// State of the search for one landmark.
@@ -120,17 +118,15 @@ class LandmarkTracker {
                 std::vector<SearchResult>& results) const;
   bool isFound(std::size_t landmark) const { return found_[landmark] != SearchResult::lost; }
   bool predictionFails() const;
-  std::optional<Eigen::Isometry3d> searchWidely(const std::vector<Landmark>& previous,
-                                                std::vector<Landmark>& tracked, const TrackedImage& image);
+  Eigen::Isometry3d searchWidely(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
+                                 const TrackedImage& image);
   std::optional<AffineAlignment> startInRight(const Landmark& landmark, const StereoView& view,
-                                              double inverse_depth, bool search_near) const;
+                                              double inverse_depth) const;
   double expectedInverseDepth(const Landmark& landmark, const Scene& scene) const;
-  bool seesNearSurfaces(const std::vector<Landmark>& landmarks) const;
   void matchBlock(std::span<Landmark> landmarks, const Scene& scene, const StereoView& view) const;
 
   StereoCamera camera_;
-  OdometrySettings settings_;
-  StereoSettings near_stereo_;  ///< those of settings_ with nearestDisparity()
+  OdometrySettings settings_;  ///< with nearestDisparity()
   LandmarkDetector detector_;
   // Memory of track(), reused.
   std::vector<SearchResult> found_;       ///< result for each landmark
@@ -149,9 +145,5 @@ class LandmarkTracker {
     }
   } buffers_;
 };
-
-/// Whether each point has the same row in both images, each at its own exposure time: false if the right
-/// camera has moved along z or y since the left exposure.
-bool keepsRows(const Eigen::Isometry3d& T_right_left, const StereoSettings& settings);
 
 }  // namespace cartvo::vo

@@ -64,7 +64,6 @@ class RowTransform {
   RowTransform(const StereoCamera& camera, const RowTiming& timing, const WindowFrame& frame,
                const Eigen::Isometry3d& T_right_left);
 
-  const Eigen::Isometry3d& betweenExposures() const { return T_right_left_; }
   Eigen::Isometry3d at(const Eigen::Vector2d& left_pixel) const;
   /// The left camera at the instant of a pixel, relative to its exposure.
   Eigen::Isometry3d exposureFromLeft(const Eigen::Vector2d& left_pixel) const;

@@ -40,7 +40,7 @@ struct AlignmentErrors {
 };
 
 /// Aligns a grid of points, from a start that is a little off and has no warp.
-AlignmentErrors alignGrid(const Change& change, WarpModel model) {
+AlignmentErrors alignGrid(const Change& change) {
   const test::WaveTexture texture(23);
   const auto changed = [&](double x, double y) {
     const Eigen::Vector2d source = change.before({x, y});
@@ -54,8 +54,8 @@ AlignmentErrors alignGrid(const Change& change, WarpModel model) {
     for (int x = 40; x < kWidth - 40; x += 7) {
       const Eigen::Vector2d from(x + 0.3, y + 0.6);
       AffineAlignment start;
-      start.position = change.after(from) + Eigen::Vector2d(0.6, model == WarpModel::affine ? -0.5 : 0.0);
-      const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start, model,
+      start.position = change.after(from) + Eigen::Vector2d(0.6, -0.5);
+      const auto aligned = alignAffine(before.grey.front(), after.grey.front(), from, start,
                                        settings.iterations, settings.convergence);
       ++errors.attempted;
       if (!aligned || aligned->correlation < settings.minimum_correlation) continue;
@@ -69,8 +69,8 @@ AlignmentErrors alignGrid(const Change& change, WarpModel model) {
   return errors;
 }
 
-void expectAligned(const Change& change, WarpModel model) {
-  const AlignmentErrors errors = alignGrid(change, model);
+void expectAligned(const Change& change) {
+  const AlignmentErrors errors = alignGrid(change);
   EXPECT_GT(errors.aligned, 0.95 * errors.attempted);
   EXPECT_LT(std::abs(errors.x.mean()), 0.015);
   EXPECT_LT(std::abs(errors.y.mean()), 0.015);
@@ -80,20 +80,18 @@ void expectAligned(const Change& change, WarpModel model) {
 }
 
 TEST(AffineAlignment, RecoversAShift) {
-  expectAligned({.shift = {4.3, -2.8}}, WarpModel::affine);
+  expectAligned({.shift = {4.3, -2.8}});
 }
 
 TEST(AffineAlignment, RecoversScaleAndRotation) {
   Eigen::Matrix2d warp;
   warp << 1.15, -0.08, 0.06, 1.1;
-  expectAligned({.warp = warp, .shift = {1.4, 2.7}}, WarpModel::affine);
+  expectAligned({.warp = warp, .shift = {1.4, 2.7}});
 }
 
 TEST(AffineAlignment, IsInvariantToGainAndBrightness) {
-  for (const WarpModel model : {WarpModel::affine, WarpModel::stereo}) {
-    expectAligned({.shift = {4.3, 0.0}, .gain = 0.4, .brightness = 90.0}, model);
-    expectAligned({.shift = {4.3, 0.0}, .gain = 1.4, .brightness = -60.0}, model);
-  }
+  expectAligned({.shift = {4.3, 0.0}, .gain = 0.4, .brightness = 90.0});
+  expectAligned({.shift = {4.3, 0.0}, .gain = 1.4, .brightness = -60.0});
 }
 
 /// The right view of a surface whose disparity changes by so much per row and per column.
@@ -104,30 +102,11 @@ Change slope(double per_row, double per_column) {
   return change;
 }
 
-TEST(AffineAlignment, StereoModelRecoversTheSlopeOfTheDisparity) {
-  expectAligned(slope(0.3, 0.0), WarpModel::stereo);
-  expectAligned(slope(-0.3, 0.0), WarpModel::stereo);
-  expectAligned(slope(0.0, 0.15), WarpModel::stereo);
-  expectAligned(slope(0.2, -0.1), WarpModel::stereo);
-}
-
-TEST(AffineAlignment, StereoModelKeepsRowsFixed) {
-  const test::WaveTexture texture(23);
-  const Change turned = {.warp = Eigen::Rotation2Dd(0.05).toRotationMatrix()};
-  const auto changed = [&](double x, double y) {
-    const Eigen::Vector2d source = turned.before({x, y});
-    return texture(source.x(), source.y());
-  };
-  const ImagePyramid before = buildPyramid(test::draw(kWidth, kHeight, texture), 1);
-  const ImagePyramid after = buildPyramid(test::draw(kWidth, kHeight, changed), 1);
-  AffineAlignment start;
-  start.position = Change::centre();
-  const auto aligned = alignAffine(before.grey.front(), after.grey.front(), Change::centre(), start,
-                                   WarpModel::stereo, 30, 0.01);
-  ASSERT_TRUE(aligned.has_value());
-  EXPECT_EQ(aligned->warp(1, 0), 0.0);
-  EXPECT_EQ(aligned->warp(1, 1), 1.0);
-  EXPECT_LT(aligned->warp(0, 1), -0.02);
+TEST(AffineAlignment, RecoversTheSlopeOfTheDisparity) {
+  expectAligned(slope(0.3, 0.0));
+  expectAligned(slope(-0.3, 0.0));
+  expectAligned(slope(0.0, 0.15));
+  expectAligned(slope(0.2, -0.1));
 }
 
 /// Mean forward-backward error of patches across a vertical edge right of which the texture moves by another
@@ -143,7 +122,7 @@ double forwardBackwardErrorAtAnEdge(double step) {
     AffineAlignment start;
     start.position = {0.5 * kWidth, y};
     const auto aligned = alignAffine(before.grey.front(), after.grey.front(), start.position, start,
-                                     WarpModel::affine, settings.iterations, settings.convergence);
+                                     settings.iterations, settings.convergence);
     if (aligned) miss.add(aligned->forward_backward_error);
   }
   return miss.mean();
@@ -174,22 +153,20 @@ TEST(AffineAlignment, GivesTheSameResultsTogetherAsAlone) {
     tasks.push_back(task);
   }
   int aligned = 0;
-  for (const WarpModel model : {WarpModel::affine, WarpModel::stereo}) {
-    for (const std::size_t count : {1UL, 2UL, 4UL, 7UL, tasks.size()}) {
-      std::vector<std::optional<AffineAlignment>> together(count);
-      alignAffine(std::span(tasks).first(count), model, 6, 0.1, together);
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto alone =
-            alignAffine(*tasks[i].before, *tasks[i].after, tasks[i].from, tasks[i].start, model, 6, 0.1);
-        ASSERT_EQ(together[i].has_value(), alone.has_value()) << i << " of " << count;
-        if (!alone) continue;
-        ++aligned;
-        EXPECT_EQ(together[i]->position, alone->position);
-        EXPECT_EQ(together[i]->variance, alone->variance);
-        EXPECT_EQ(together[i]->warp, alone->warp);
-        EXPECT_EQ(together[i]->correlation, alone->correlation);
-        EXPECT_EQ(together[i]->forward_backward_error, alone->forward_backward_error);
-      }
+  for (const std::size_t count : {1UL, 2UL, 4UL, 7UL, tasks.size()}) {
+    std::vector<std::optional<AffineAlignment>> together(count);
+    alignAffine(std::span(tasks).first(count), 6, 0.1, together);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto alone =
+          alignAffine(*tasks[i].before, *tasks[i].after, tasks[i].from, tasks[i].start, 6, 0.1);
+      ASSERT_EQ(together[i].has_value(), alone.has_value()) << i << " of " << count;
+      if (!alone) continue;
+      ++aligned;
+      EXPECT_EQ(together[i]->position, alone->position);
+      EXPECT_EQ(together[i]->variance, alone->variance);
+      EXPECT_EQ(together[i]->warp, alone->warp);
+      EXPECT_EQ(together[i]->correlation, alone->correlation);
+      EXPECT_EQ(together[i]->forward_backward_error, alone->forward_backward_error);
     }
   }
   EXPECT_GT(aligned, 20);
@@ -210,8 +187,8 @@ TEST(AffineAlignment, VarianceAgreesWithTheScatterUnderNoise) {
     for (int x = 30; x < kWidth - 30; x += 5) {
       AffineAlignment start;
       start.position = {x + 0.3, y + 0.6};
-      const auto aligned = alignAffine(before.grey.front(), after.grey.front(), start.position, start,
-                                       WarpModel::affine, 20, 0.01);
+      const auto aligned =
+          alignAffine(before.grey.front(), after.grey.front(), start.position, start, 20, 0.01);
       if (!aligned) continue;
       column.add(aligned->position.x() - start.position.x());
       row.add(aligned->position.y() - start.position.y());
@@ -237,10 +214,9 @@ TEST(AffineAlignment, RejectsPatchesWithoutTextureOrThatDiverge) {
   AffineAlignment start;
   start.position = Change::centre();
   for (const ImagePyramid& image : {grey, stripes})
-    EXPECT_FALSE(alignAffine(image.grey.front(), image.grey.front(), Change::centre(), start,
-                             WarpModel::affine, 30, 0.01));
+    EXPECT_FALSE(alignAffine(image.grey.front(), image.grey.front(), Change::centre(), start, 30, 0.01));
 
-  const AlignmentErrors other = alignGrid({.warp = 2.5 * Eigen::Matrix2d::Identity()}, WarpModel::affine);
+  const AlignmentErrors other = alignGrid({.warp = 2.5 * Eigen::Matrix2d::Identity()});
   EXPECT_LT(other.aligned, 0.1 * other.attempted);
 }
 

@@ -1,57 +1,10 @@
-// Tests of the rejection of stereo matches by their rows and of the noise of positions.
+// Tests of the noise of positions.
 #include "vo_core/tracking/landmark.hpp"
 
 #include <gtest/gtest.h>
 
 namespace cartvo::vo {
 namespace {
-
-std::vector<Landmark> withRowResiduals(const std::vector<double>& rows) {
-  std::vector<Landmark> landmarks;
-  for (const double row : rows) {
-    Landmark& landmark = landmarks.emplace_back();
-    landmark.observations.push_back({.frame = 1, .stereo = true});
-    landmark.row_residual = row;
-  }
-  return landmarks;
-}
-
-std::vector<bool> matchesAfterRejection(std::vector<Landmark> landmarks) {
-  std::vector<double> rows;
-  rejectRowOutliers(landmarks, {}, rows);
-  std::vector<bool> matched;
-  for (const Landmark& landmark : landmarks)
-    matched.push_back(landmark.last().stereo);
-  return matched;
-}
-
-TEST(RejectRowOutliers, RemovesMatchesFarFromTheMedianRow) {
-  EXPECT_EQ(matchesAfterRejection(withRowResiduals({0.1, -0.2, 1.2, 0.0, -0.9, 0.4, -0.1})),
-            (std::vector<bool>{true, true, false, true, false, true, true}));
-}
-
-TEST(RejectRowOutliers, KeepsMatchesOfARigWithPitchError) {
-  EXPECT_EQ(matchesAfterRejection(withRowResiduals({1.1, 0.8, 1.2, 1.0, 0.0})),
-            (std::vector<bool>{true, true, true, true, false}));
-}
-
-TEST(RejectRowOutliers, KeepsMatchesOfARolledRig) {
-  const std::vector<double> rows{-1.6, -1.2, -0.8, -0.4, 0.0, 0.4, 0.8, 1.2, 1.6};
-  EXPECT_EQ(matchesAfterRejection(withRowResiduals(rows)), std::vector<bool>(rows.size(), true));
-}
-
-TEST(RejectRowOutliers, DoublesTheGateForCoarsePatches) {
-  std::vector<Landmark> landmarks = withRowResiduals({0.0, 0.0, 0.0, 0.0, 0.8, 0.8, 1.2});
-  landmarks[4].level = landmarks[6].level = 1;
-  EXPECT_EQ(matchesAfterRejection(landmarks),
-            (std::vector<bool>{true, true, true, true, true, false, false}));
-}
-
-TEST(RejectRowOutliers, IgnoresLandmarksWithoutMatch) {
-  std::vector<Landmark> landmarks = withRowResiduals({0.0, 3.0});
-  discardLastStereo(landmarks);
-  EXPECT_EQ(matchesAfterRejection(landmarks), (std::vector<bool>{false, false}));
-}
 
 TEST(PatchNoise, GrowsWithAlignmentVarianceAndLevel) {
   const Eigen::Vector2d steep = relativeNoise({0.0, 0.0}, 0, {});

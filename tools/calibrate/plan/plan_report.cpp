@@ -15,8 +15,7 @@ namespace cartvo::calibrate {
 namespace {
 
 double largestDisparity(const StereoDesign& design, const PlanSettings& settings) {
-  return settings.largest_disparity.value_or(
-      vo::nearestDisparity(vo::StereoSettings{}, static_cast<int>(design.image_width)));
+  return settings.largest_disparity.value_or(vo::nearestDisparity(static_cast<int>(design.image_width)));
 }
 
 double nearestMatched(const StereoDesign& design, const PlanSettings& settings) {

@@ -1,4 +1,5 @@
 // Repeated replays of a recording with all known capture faults: same results, no growth of resources.
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -148,10 +149,13 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   EXPECT_EQ(valid_pairs(10.2, 12.8), 0) << "the right camera was off";
   EXPECT_GE(valid_pairs(15.0, 16.5), 5);
   EXPECT_GE(valid_pairs(31.0, 34.0), 12) << "a camera's clock was set";
-  // The true velocity is 0.4 m/s to the right.
+  // What is wrong is stated to be uncertain: a frozen picture is encoded anew, so that each key frame seems
+  // to show a cart that has stopped, and the picture behind it one that has moved by two seconds' way.
+  const Eigen::Vector3d true_velocity(0.0, -0.4, 0.0);  // m/s, to the right
   for (const ReplayedPair& pair : first.pairs) {
     if (!pair.valid || pair.reasons != vo::OdometryReason::none) continue;
-    EXPECT_LT(pair.velocity.norm(), 0.8) << pair.exposure_ns;
+    const double stddev = std::sqrt(pair.twist_covariance.topLeftCorner<3, 3>().trace());
+    EXPECT_LT((pair.velocity - true_velocity).norm(), 3.0 * stddev) << pair.exposure_ns;
   }
 
   const int replays = replayCount();

@@ -2,8 +2,13 @@
 
 #include "capture/codec/luma_plane.hpp"
 
+#include <array>
+#include <cstdint>
+#include <memory>
+
 extern "C" {
 #include <libavutil/pixdesc.h>
+#include <libswscale/swscale.h>
 }
 
 namespace cartvo::capture {
@@ -22,6 +27,21 @@ cv::Mat lumaPlane(const AVFrame& frame) {
   cv::Mat grey;
   deep.convertTo(grey, CV_8UC1, 1.0 / static_cast<double>(1U << (luma.depth - 8 + luma.shift)));
   return grey;
+}
+
+cv::Mat greyPicture(const AVFrame& frame) {
+  if (cv::Mat luma = lumaPlane(frame); !luma.empty()) return luma;
+  const std::unique_ptr<SwsContext, decltype(&sws_freeContext)> context(
+      sws_getContext(frame.width, frame.height, static_cast<AVPixelFormat>(frame.format), frame.width,
+                     frame.height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr),
+      sws_freeContext);
+  if (!context) return {};
+  cv::Mat grey(frame.height, frame.width, CV_8UC1);
+  const std::array<std::uint8_t*, 1> planes{grey.data};
+  const std::array<int, 1> strides{static_cast<int>(grey.step)};
+  const int rows =
+      sws_scale(context.get(), frame.data, frame.linesize, 0, frame.height, planes.data(), strides.data());
+  return rows == frame.height ? grey : cv::Mat();
 }
 
 }  // namespace cartvo::capture

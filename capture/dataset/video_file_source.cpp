@@ -295,12 +295,12 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
       self.damaged = true;
     if (self.file_time < self.time.from) continue;
     frame = {};
-    frame.image = lumaPlane(*picture);
+    frame.image = greyPicture(*picture);
     if (!frame.image.empty()) frame.image = partOf(frame.image, self.view.part);
     if (frame.image.empty()) {
       throw std::runtime_error(
           self.file.string() +
-          " has pictures without a luma plane; convert it by 'ffmpeg -i FILE -pix_fmt yuv420p "
+          " has pictures of a format that cannot be converted; convert it by 'ffmpeg -i FILE -pix_fmt yuv420p "
           "-c:v libx264 -qp 10 FILE.mkv'");
     }
     frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;

@@ -96,6 +96,8 @@ struct PoseSearchSettings {
   double sufficient_support =
       0.75;  ///< share of the points' weight; a start with as many inliers ends the search
   double maximum_acceleration = 30.0;  ///< m/s^2 and rad/s^2, gate of the change of the motion
+  /// Share of the landmarks that must agree on a pose which the last motion did not predict.
+  double minimum_surprised_share = 0.05;
 };
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included

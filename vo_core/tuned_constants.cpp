@@ -56,6 +56,7 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(pose_search.sufficient_support, "", 0, 1, "assumption"),
     CONSTANT(pose_search.maximum_acceleration, "m/s^2, rad/s^2", 0.1, 1e6,
              "kerbs, measured on a golf cart's shocks"),
+    CONSTANT(pose_search.minimum_surprised_share, "", 0, 1, "more than agree by chance"),
     CONSTANT(bundle.frames, "pairs", 2, 7, "measured (cartvo benchmark ablation)"),
     CONSTANT(bundle.free_frames, "pairs", 1, 7, "measured (cartvo benchmark ablation)"),
     CONSTANT(bundle.prior_weight, "", 0, 1000, "measured (cartvo benchmark ablation)"),

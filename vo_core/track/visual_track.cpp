@@ -195,7 +195,8 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
   const TrackingOutcome outcome = tracker_.track(landmarks_, draft.landmarks, image);
   draft.start = outcome.T_world_camera.value_or(expectedPose(pair));
   correctNewestRows(draft, draft.start);
-  if (outcome.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
+  draft.prediction_failed = outcome.prediction_failed;
+  if (draft.prediction_failed) searchAgainAtFoundPose(pair, image, draft);
   if (pair.from_video) inflateCodecNoise(draft.landmarks, settings_.tracking);
   motion.counts.tracked = static_cast<int>(draft.landmarks.size());
 }
@@ -244,6 +245,11 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   const auto found = findPose();
   if (!found || !hasEnoughInliers(*found, settings_.validity)) {
+    motion.reason = OdometryReason::too_few_inliers;
+    return false;
+  }
+  if (draft.prediction_failed &&
+      found->inliers < settings_.pose_search.minimum_surprised_share * countWithDepth(landmarks_)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }

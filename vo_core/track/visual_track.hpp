@@ -99,6 +99,7 @@ class VisualTrack {
     std::vector<Landmark> landmarks;
     std::vector<WindowFrame> window;                          ///< the pair is the last
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
+    bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
   };
 
   // visual_track.cpp

@@ -11,8 +11,8 @@ namespace cartvo::capture {
 /// luma are not converted.
 cv::Mat lumaPlane(const AVFrame& frame);
 
-/// As lumaPlane; the luma of other formats, such as RGB or interleaved YUYV, is computed. Empty if the format is
-/// not in main memory or FFmpeg cannot convert it.
+/// As lumaPlane; the luma of other formats, such as RGB or interleaved YUYV, is computed. Empty if the format
+/// is not in main memory or FFmpeg cannot convert it.
 cv::Mat greyPicture(const AVFrame& frame);
 
 }  // namespace cartvo::capture

@@ -3,12 +3,14 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 
 namespace cartvo::vo {
 
 namespace {
 
 constexpr double kVagueVariance = 1e4;  // (m/s)^2, (rad/s)^2 and the same of accelerations
+constexpr int kIterations = 3;          // to a maximum of the likelihood
 
 }  // namespace
 
@@ -23,26 +25,37 @@ ExposureMotion motionOf(const RowInformation::Vector& components) {
 }
 
 MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-                         const RowInformation::Vector& variances, bool use_rows) {
+                         const RowInformation::Vector& variances, double freedom, bool use_rows) {
   // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
   // hide that the velocity differs.
   RowInformation::Vector vague = RowInformation::Vector::Constant(kVagueVariance);
   vague.tail<3>() = variances.tail<3>();
   blend(rows, vague);
-  squared_difference = (by_rows - vectorOf(expected)).array().square();
+  const RowInformation::Vector rows_alone = by_rows, mean = vectorOf(expected);
+  squared_difference = (rows_alone - mean).array().square();
   row_variances = covariance.diagonal().array();
-  // Where the difference is significant, it is the best estimate of its own variance.
+  const auto squares = [&](const RowInformation::Vector& at) {
+    return ((at - mean).array().square() / variances.array()).eval();
+  };
+  // Negative logarithm of the likelihood by the rows and by a motion of Student's t distribution.
+  const auto cost = [&](const RowInformation::Vector& at) {
+    const RowInformation::Vector residual = at - rows_alone;
+    return 0.5 * residual.dot(rows.information * residual) +
+           0.5 * (freedom + 1.0) * (squares(at) / freedom).log1p().sum();
+  };
+  // Iteratively reweighted least squares. `agreed`: variances by which the rows are blended at the maximum.
   RowInformation::Vector agreed = variances;
-  for (const int first : {0, 3}) {
-    const double difference = squared_difference.segment<3>(first).mean();
-    const double prior = variances.segment<3>(first).mean();
-    if (difference < kSignificance * (prior + row_variances.segment<3>(first).mean())) continue;
-    use_rows = true;
-    const double factor = difference / prior;
-    agreed.segment<3>(first) *= factor;
-    agreed.segment<3>(6 + first) *= factor;
-    if (first == 3) agreed.tail<3>() *= factor;
-  }
+  const auto maximumNear = [&](RowInformation::Vector at) {
+    for (int i = 0; i < kIterations; ++i) {
+      agreed = variances.array() * (freedom + squares(at)) / (freedom + 1.0);
+      blend(rows, agreed);
+      at = expected_share * mean + by_rows;
+    }
+    return at;
+  };
+  const double near_expected = cost(maximumNear(mean)), near_rows = cost(maximumNear(rows_alone));
+  agreed = agreed.cwiseMax(variances);
+  use_rows = use_rows || near_rows < near_expected;
   if (use_rows) {
     blend(rows, agreed);
     return;

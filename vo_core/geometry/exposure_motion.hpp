@@ -77,9 +77,11 @@ struct MotionBlend {
 
   MotionBlend() = default;
   /// `variances`: of the difference between the motion and the expected one. Without `use_rows` the motion is
-  /// the expected one, unless translations or rotations of the rows contradict it, as at a kerb.
+  /// the expected one, unless translations or rotations of the rows contradict it, as at a kerb: if the
+  /// motion has Student's t distribution with this `freedom`, the likelihood then has its maximum near the
+  /// rows.
   MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-              const RowInformation::Vector& variances, bool use_rows);
+              const RowInformation::Vector& variances, double freedom, bool use_rows);
 
   ExposureMotion of(const ExposureMotion& expected) const;
 

@@ -250,7 +250,8 @@ void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
     const ExposureMotion expected = motionByPoses(poses, i);
     const RowInformation::Vector variances = roughness_.variances(poses, i, last_stddev_);
-    window[i].rows.emplace(window[i].row_information, expected, variances, roughness_.isRough());
+    window[i].rows.emplace(window[i].row_information, expected, variances,
+                           settings_.rolling_shutter.prior_freedom, roughness_.isRough());
     window[i].motion = window[i].rows->of(expected);
   }
 }

@@ -162,18 +162,34 @@ RowInformation rowsAbout(const ExposureMotion& motion, double stddev) {
   return rows;
 }
 
+constexpr double kFreedom = 4.0;
+
 TEST(MotionBlend, TakesADifferenceByChanceForNone) {
   ExposureMotion seen = kTurn;
   seen.velocity[4] += 0.03;  // three standard deviations of one component
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), false);
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), kFreedom,
+                          false);
   EXPECT_TRUE(blend.expected_share.isIdentity());
   EXPECT_NEAR(blend.of(kTurn).velocity[4], kTurn.velocity[4], 1e-4);
+}
+
+// Errors of a video's rows reach five standard deviations; a smooth drive has no such changes of motion.
+TEST(MotionBlend, NeedsTheMoreEvidenceTheSmootherTheDrive) {
+  ExposureMotion seen = kTurn;
+  seen.velocity[0] += 0.5;
+  const RowInformation rows = rowsAbout(seen, 0.1);
+  const MotionBlend smooth(rows, kTurn, RowInformation::Vector::Constant(1e-6), kFreedom, false);
+  EXPECT_TRUE(smooth.expected_share.isIdentity());
+  const MotionBlend rough(rows, kTurn, RowInformation::Vector::Constant(1e-2), kFreedom, false);
+  EXPECT_FALSE(rough.expected_share.isIdentity());
+  EXPECT_GT(rough.of(kTurn).velocity[0], kTurn.velocity[0] + 0.2);
 }
 
 TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
   ExposureMotion seen = kTurn;
   seen.velocity.tail<3>() += Eigen::Vector3d(0.2, -0.1, 0.1);
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), false);
+  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), kFreedom,
+                          false);
   EXPECT_FALSE(blend.expected_share.isIdentity());
   const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
   EXPECT_LT(error.tail<3>().norm(), 0.005);

@@ -14,21 +14,23 @@ namespace {
 /// Errors of one pose when the starts coincide.
 struct PoseError {
   double distance = 0.0;     ///< true distance from the start along the path, m
-  double seconds = 0.0;      ///< since the first pose
+  double seconds = 0.0;      ///< as secondsOf()
   double translation = 0.0;  ///< m
   double rotation_deg = 0.0;
 };
 
-/// Time of each compared pose, s since the first; empty if the files have no times and there are no messages.
+/// Time of each compared pose, s since the first message, or since the first pose if there are no messages;
+/// empty if the files have no times and there are no messages.
 std::vector<double> secondsOf(const ReportInput& input) {
   const Trajectory& estimate = input.associated.estimate;
   const bool has_times = input.associated.method == AssociationMethod::time;
   if (!has_times && input.messages.size() != estimate.size()) return {};
+  const std::int64_t start_ns =
+      input.messages.empty() ? estimate.front().time_ns : input.messages.front().time_ns;
   std::vector<double> seconds;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
-    const std::int64_t time_ns = has_times ? estimate[i].time_ns - estimate.front().time_ns
-                                           : input.messages[i].time_ns - input.messages.front().time_ns;
-    seconds.push_back(1e-9 * static_cast<double>(time_ns));
+    const std::int64_t time_ns = has_times ? estimate[i].time_ns : input.messages[i].time_ns;
+    seconds.push_back(1e-9 * static_cast<double>(time_ns - start_ns));
   }
   return seconds;
 }

@@ -268,13 +268,14 @@ void drawLegend(Drawing& drawing, const std::vector<LegendEntry>& legend,
   }
 }
 
-/// Bar in which the marked parts are filled.
+/// Bar in which the marked parts are filled, as far as they are in the range of the panels.
 void drawMarks(Drawing& drawing, const Chart& chart, const PanelMap& map, double top) {
   const double bottom = top + kMarkHeight;
   drawing.addArea({{kLeft, top}, {kWidth - kRight, top}, {kWidth - kRight, bottom}, {kLeft, bottom}},
                   kChartGreen, kBandOpacity);
   constexpr double kMinWidth = 1.5;  // px, so that a single pair is seen
   for (const ChartSpan& span : chart.marked) {
+    if (map.across(span.to) < kLeft || map.across(span.from) > kWidth - kRight) continue;
     const double from = std::clamp(map.across(span.from), kLeft, kWidth - kRight - kMinWidth);
     const double to = std::clamp(map.across(span.to), from + kMinWidth, kWidth - kRight);
     drawing.addArea({{from, top}, {to, top}, {to, bottom}, {from, bottom}}, kChartRed, 1.0);

@@ -117,6 +117,16 @@ TEST(EvaluationFigures, MarkWhereMessagesAreNotValidExceptTheFirst) {
   EXPECT_DOUBLE_EQ(spans[0].to, 1.05);
 }
 
+TEST(EvaluationFigures, CountTheTimeOfErrorsFromTheFirstMessageAlsoIfTheTruthBeginsLater) {
+  ReportInput input = inputOf(truthOf(200));
+  Trajectory& estimate = input.associated.estimate;
+  estimate.erase(estimate.begin(), estimate.begin() + 100);
+  input.associated.truth = estimate;
+  const Figure over_time = evaluationFigures(input)[2];
+  ASSERT_EQ(over_time.name, "error-over-time");
+  EXPECT_DOUBLE_EQ(over_time.chart.panels[0].series[0].points.front().x, 5.0);
+}
+
 TEST(EvaluationPage, HasEachFigureWithItsNumbersAndNeedsNoOtherFile) {
   const ReportInput input = inputOf(truthOf(200));
   const std::vector<Figure> figures = evaluationFigures(input);

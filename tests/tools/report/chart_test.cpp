@@ -63,6 +63,22 @@ TEST(Chart, TakesThePagesColoursAsAnElement) {
                          Not(HasSubstr("#0072b2")), Not(HasSubstr("xmlns"))));
 }
 
+TEST(Chart, LeavesOutMarksBesideTheRangeOfItsPanels) {
+  const auto red_shapes = [](const ChartSpan& span) {
+    Chart chart = example();
+    chart.marked = {span};
+    const std::string svg = drawChart(chart).svgElement("Speed", chartColourNames());
+    int count = 0;
+    for (std::size_t at = 0; (at = svg.find("var(--red)", at)) != std::string::npos; ++at)
+      ++count;
+    return count;
+  };
+  const int inside = red_shapes({0.5, 1.0});
+  EXPECT_EQ(red_shapes({-5.0, -4.0}), inside - 1);
+  EXPECT_EQ(red_shapes({5.0, 6.0}), inside - 1);
+  EXPECT_EQ(red_shapes({-5.0, 6.0}), inside);
+}
+
 TEST(Chart, OfNothingAndOfOneValueIsDrawn) {
   Chart chart;
   chart.panels.emplace_back();

@@ -87,7 +87,9 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
     throw std::runtime_error(
         "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
         span(estimate) + ", the truth of " + span(truth) +
-        "; check that both use the same clock, and seconds");
+        "; check that both are of one drive (each 'cartvo simulate' replaces its truth.tum) and one clock, "
+        "in "
+        "seconds");
   }
   return associated;
 }

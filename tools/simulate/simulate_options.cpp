@@ -129,8 +129,10 @@ void addCameraOptions(CLI::App& command, SimulateOptions& options) {
       ->capture_default_str();
   group->add_flag("--start-when-watched", options.start_when_watched,
                   "Start the lead-in when clients play both cameras, not at once");
-  group->add_flag("--loop", options.loop,
-                  "Repeat the content for ever; the ground truth covers its first run");
+  group->add_flag(
+      "--loop", options.loop,
+      "Repeat the content for ever. The cart jumps back each time, which makes odometry and self-checks fail "
+      "there; the ground truth covers the first run");
 }
 
 void addFileOptions(CLI::App& command, SimulateOptions& options) {

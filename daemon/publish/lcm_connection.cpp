@@ -98,7 +98,7 @@ bool isLoopback(const std::string& interface) {
 }
 
 std::string howToAddRoute(const std::string& address) {
-  return "To keep LCM on this host: 'ip link set lo multicast on; ip route add " + address +
+  return "To keep LCM on this host, as root: 'ip link set lo multicast on; ip route add " + address +
          "/32 dev lo' (cartvo-multicast.service does it at boot). To reach other hosts: use the network's "
          "interface instead of lo, and ttl=1 in the URL";
 }

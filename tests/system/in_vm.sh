@@ -240,7 +240,7 @@ stopped_cleanly() {
 logins_are_open() { systemctl -q is-active systemd-user-sessions && systemctl -q is-active getty@tty1; }
 fixed_by_its_commands() { # runs the commands quoted in the message
   local commands
-  commands=$(journal -o cat | sed -n "s/.*To keep LCM on this host: '\([^']*\)'.*/\1/p" | head -n 1)
+  commands=$(journal -o cat | sed -n "s/.*To keep LCM on this host, as root: '\([^']*\)'.*/\1/p" | head -n 1)
   echo "     | $commands"
   [ -n "$commands" ] && sh -ec "$commands"
 }

@@ -61,7 +61,8 @@ std::optional<daemon::Configuration> checkRecording(const std::filesystem::path&
     const capture::RecordingSummary summary = capture::summariseRecording(folder);
     const bool is_whole = summary.unfinalised.empty() || summary.being_written;
     findings.add("recording", okIf(is_whole, Verdict::look_at),
-                 {fmt::format("{} segments, {:.1f} MB, by cartvo {}{}", summary.segments,
+                 {fmt::format("{} {}, {:.1f} MB, by cartvo {}{}", summary.segments,
+                              summary.segments == 1 ? "segment" : "segments",
                               1e-6 * static_cast<double>(summary.bytes), summary.info.software_version,
                               summary.being_written ? ", being written"
                               : is_whole            ? ""

@@ -138,7 +138,8 @@ std::string informationText(const capture::RecordingSummary& summary) {
   std::string text = "format " + std::to_string(summary.info.format_version) + ", by cartvo " +
                      printableExcerpt(summary.info.software_version) + ", started " +
                      utc(summary.info.started_ns) + "\n" + fixed(duration(summary), 1) + " s in " +
-                     std::to_string(summary.segments) + " segments, " +
+                     std::to_string(summary.segments) +
+                     (summary.segments == 1 ? " segment, " : " segments, ") +
                      fixed(1e-6 * static_cast<double>(summary.bytes), 1) + " MB";
   if (summary.being_written) text += ", being written";
   text += std::string("; with") + (summary.info.rig.empty() ? "out" : "") + " rig, with" +

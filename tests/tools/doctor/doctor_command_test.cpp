@@ -176,7 +176,7 @@ TEST_F(DoctorCommand, LooksAtARecording) {
   const CommandResult result = test::pipeCartvo("doctor --json " + (folder_ / "drive").string());
   ASSERT_NE(result.exit_code, 1) << result.output;
   const nlohmann::json json = nlohmann::json::parse(result.output);
-  EXPECT_THAT(finding(json, "source", "recording"), HasSubstr("ok: 1 segments"));
+  EXPECT_THAT(finding(json, "source", "recording"), HasSubstr("ok: 1 segment,"));
   EXPECT_THAT(finding(json, "left camera", "frame rate"), HasSubstr("ok: 20.000 Hz"));
   EXPECT_THAT(finding(json, "odometry", "odometry"), HasSubstr("pairs valid"));
 }

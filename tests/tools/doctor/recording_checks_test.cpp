@@ -30,7 +30,7 @@ class RecordingChecks : public testing::Test {
 TEST_F(RecordingChecks, ReadAWholeRecording) {
   test::recordWalls(folder_ / "drive");
   checkRecording(folder_ / "drive", list_);
-  EXPECT_THAT(findingOf(list_.findings(), "recording"), Saw(Verdict::ok, "1 segments"));
+  EXPECT_THAT(findingOf(list_.findings(), "recording"), Saw(Verdict::ok, "1 segment,"));
   EXPECT_THAT(findingOf(list_.findings(), "right camera"), Saw(Verdict::ok, "60 pictures in 3.0 s"));
   const SourceContent content = readSource(folder_ / "drive", interrupted_, list_);
   ASSERT_TRUE(content.rig);

@@ -94,7 +94,7 @@ TEST_F(RecordingCommand, InfoShowsContents) {
   const test::CommandResult text = run("info", "");
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_THAT(text.output,
-              AllOf(HasSubstr("format 2, by cartvo " CARTVO_VERSION), HasSubstr("2.0 s in 1 segments"),
+              AllOf(HasSubstr("format 2, by cartvo " CARTVO_VERSION), HasSubstr("2.0 s in 1 segment,"),
                     HasSubstr("160x96"), HasSubstr("H.264"), HasSubstr("arrival 100 %")));
   const nlohmann::json json = jsonOf("info");
   EXPECT_EQ(json["left"]["pictures"], 40);
@@ -125,7 +125,7 @@ TEST_F(RecordingCommand, InfoReportsInterruptedRecordingAndMaximumLoss) {
   waitpid(child, nullptr, 0);
   const test::CommandResult text = test::runCartvo("recording info " + cut);
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_THAT(text.output, AllOf(HasSubstr("2.0 s in 1 segments"),
+  EXPECT_THAT(text.output, AllOf(HasSubstr("2.0 s in 1 segment,"),
                                  HasSubstr("NOT ENDED: 000000/left.mkv has no trailer, as after a power cut"),
                                  HasSubstr("NOT ENDED: 000000/right.mkv"),
                                  HasSubstr("its last picture is from 2023-11-14 22:13:21 UTC; at most 1.0 s "

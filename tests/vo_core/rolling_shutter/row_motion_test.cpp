@@ -192,7 +192,7 @@ TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
                           false);
   EXPECT_FALSE(blend.expected_share.isIdentity());
   const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
-  EXPECT_LT(error.tail<3>().norm(), 0.005);
+  EXPECT_LT(error.tail<3>().norm(), 0.01);  // the standard deviation of the rows
   EXPECT_LT(std::sqrt(blend.covariance(3, 3)), 0.011);
 }
 

@@ -45,7 +45,7 @@ MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expec
   };
   // Iteratively reweighted least squares. `agreed`: variances by which the rows are blended at the maximum.
   RowInformation::Vector agreed = variances;
-  const auto maximumNear = [&](RowInformation::Vector at) {
+  const auto maximum_near = [&](RowInformation::Vector at) {
     for (int i = 0; i < kIterations; ++i) {
       agreed = variances.array() * (freedom + squares(at)) / (freedom + 1.0);
       blend(rows, agreed);
@@ -53,7 +53,7 @@ MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expec
     }
     return at;
   };
-  const double near_expected = cost(maximumNear(mean)), near_rows = cost(maximumNear(rows_alone));
+  const double near_expected = cost(maximum_near(mean)), near_rows = cost(maximum_near(rows_alone));
   agreed = agreed.cwiseMax(variances);
   use_rows = use_rows || near_rows < near_expected;
   if (use_rows) {

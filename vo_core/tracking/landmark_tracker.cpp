@@ -283,7 +283,7 @@ bool LandmarkTracker::predictionFails() const {
 Eigen::Isometry3d LandmarkTracker::searchWidely(const std::vector<Landmark>& previous,
                                                 std::vector<Landmark>& tracked, const TrackedImage& image) {
   const Eigen::Isometry3d& expected = *image.T_world_camera;
-  const Eigen::Isometry3d prediction =
+  Eigen::Isometry3d prediction =
       correctedByImageShift(previous, image.window, image.left, camera_, expected).value_or(expected);
   Scene scene(image.window, image.left, image.frame, prediction);
   scene.wide = scene.at_prediction = true;

@@ -12,6 +12,26 @@ namespace {
 constexpr double kVagueVariance = 1e4;  // (m/s)^2, (rad/s)^2 and the same of accelerations
 constexpr int kIterations = 3;          // to a maximum of the likelihood
 
+/// A maximum of the likelihood by rows and a prior.
+struct Maximum {
+  RowInformation::Vector motion;
+  RowInformation::Vector prior_information;  ///< of the normal prior that has its maximum there, too
+};
+
+/// The maximum near `start`, by iteratively reweighted least squares.
+Maximum maximumNear(const RowInformation::Vector& start, const RowInformation& rows,
+                    const MotionPrior& prior) {
+  Maximum maximum{start, prior.variances.cwiseInverse()};
+  for (int i = 0; i < kIterations; ++i) {
+    maximum.prior_information = prior.informationAt(maximum.motion);
+    RowInformation::Matrix sum = rows.information;
+    sum.diagonal() += maximum.prior_information;
+    maximum.motion = Eigen::LDLT<RowInformation::Matrix>(sum).solve(
+        rows.gradient + maximum.prior_information.cwiseProduct(prior.mean));
+  }
+  return maximum;
+}
+
 }  // namespace
 
 RowInformation::Vector vectorOf(const ExposureMotion& motion) {
@@ -24,57 +44,50 @@ ExposureMotion motionOf(const RowInformation::Vector& components) {
   return {components.head<6>(), components.segment<6>(6), components.tail<3>()};
 }
 
-MotionBlend::MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-                         const RowInformation::Vector& variances, double freedom, bool use_rows) {
+RowInformation::Vector MotionPrior::informationAt(const RowInformation::Vector& motion) const {
+  const auto squares = (motion - mean).array().square() / variances.array();
+  return (freedom + 1.0) / ((freedom + squares) * variances.array());
+}
+
+double MotionPrior::costAt(const RowInformation::Vector& motion) const {
+  const auto squares = (motion - mean).array().square() / variances.array();
+  return 0.5 * (freedom + 1.0) * (squares / freedom).log1p().sum();
+}
+
+MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior, bool use_rows) {
   // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
   // hide that the velocity differs.
-  RowInformation::Vector vague = RowInformation::Vector::Constant(kVagueVariance);
-  vague.tail<3>() = variances.tail<3>();
+  RowInformation::Vector vague = RowInformation::Vector::Constant(1.0 / kVagueVariance);
+  const RowInformation::Vector information = prior.variances.cwiseInverse();
+  vague.tail<3>() = information.tail<3>();
   blend(rows, vague);
-  const RowInformation::Vector rows_alone = by_rows, mean = vectorOf(expected);
-  squared_difference = (rows_alone - mean).array().square();
+  const RowInformation::Vector rows_alone = by_rows;
+  squared_difference = (rows_alone - prior.mean).array().square();
   row_variances = covariance.diagonal().array();
-  const auto squares = [&](const RowInformation::Vector& at) {
-    return ((at - mean).array().square() / variances.array()).eval();
+
+  const auto cost = [&](const RowInformation::Vector& motion) {
+    const RowInformation::Vector residual = motion - rows_alone;
+    return 0.5 * residual.dot(rows.information * residual) + prior.costAt(motion);
   };
-  // Negative logarithm of the likelihood by the rows and by a motion of Student's t distribution.
-  const auto cost = [&](const RowInformation::Vector& at) {
-    const RowInformation::Vector residual = at - rows_alone;
-    return 0.5 * residual.dot(rows.information * residual) +
-           0.5 * (freedom + 1.0) * (squares(at) / freedom).log1p().sum();
-  };
-  // Iteratively reweighted least squares. `agreed`: variances by which the rows are blended at the maximum.
-  RowInformation::Vector agreed = variances;
-  const auto maximum_near = [&](RowInformation::Vector at) {
-    for (int i = 0; i < kIterations; ++i) {
-      agreed = variances.array() * (freedom + squares(at)) / (freedom + 1.0);
-      blend(rows, agreed);
-      at = expected_share * mean + by_rows;
-    }
-    return at;
-  };
-  const double near_expected = cost(maximum_near(mean)), near_rows = cost(maximum_near(rows_alone));
-  agreed = agreed.cwiseMax(variances);
-  use_rows = use_rows || near_rows < near_expected;
-  if (use_rows) {
-    blend(rows, agreed);
+  const Maximum near_rows = maximumNear(rows_alone, rows, prior);
+  if (use_rows || cost(near_rows.motion) < cost(maximumNear(prior.mean, rows, prior).motion)) {
+    blend(rows, near_rows.prior_information.cwiseMin(information));
     return;
   }
   expected_share.setIdentity();
   by_rows.setZero();
-  covariance = variances.asDiagonal();
+  covariance = prior.variances.asDiagonal();
 }
 
-void MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& variances) {
-  const RowInformation::Vector information = variances.cwiseInverse();
+void MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& prior_information) {
   RowInformation::Matrix sum = rows.information;
-  sum.diagonal() += information;
+  sum.diagonal() += prior_information;
   const Eigen::LDLT<RowInformation::Matrix> factor(sum);
   const RowInformation::Matrix inverse = factor.solve(RowInformation::Matrix::Identity());
   const RowInformation::Vector add = inverse * rows.gradient;
   if (!inverse.allFinite() || !add.allFinite()) return;
   covariance = inverse;
-  expected_share = inverse * information.asDiagonal();
+  expected_share = inverse * prior_information.asDiagonal();
   by_rows = add;
 }
 

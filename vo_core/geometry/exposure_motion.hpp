@@ -60,6 +60,18 @@ struct RowInformation {
 RowInformation::Vector vectorOf(const ExposureMotion& motion);
 ExposureMotion motionOf(const RowInformation::Vector& components);
 
+/// Prior of a motion, in the order of RowInformation: the differences of its components from the mean have
+/// Student's t distributions, so that a kerb or a shaken mount is not impossible.
+struct MotionPrior {
+  RowInformation::Vector mean, variances;
+  double freedom = 1.0;  ///< degrees of freedom of the distributions
+
+  /// Inverse variances of the normal distributions whose logarithm has the same derivatives at a motion.
+  RowInformation::Vector informationAt(const RowInformation::Vector& motion) const;
+  /// Negative logarithm of the probability density, but for a constant.
+  double costAt(const RowInformation::Vector& motion) const;
+};
+
 /// The motion that agrees best with the rows and with an expected motion: the share of the expected one, and
 /// what the rows add. In the order of RowInformation.
 struct MotionBlend {
@@ -76,17 +88,14 @@ struct MotionBlend {
   RowInformation::Array row_variances = RowInformation::Array::Zero();
 
   MotionBlend() = default;
-  /// `variances`: of the difference between the motion and the expected one. Without `use_rows` the motion is
-  /// the expected one, unless translations or rotations of the rows contradict it, as at a kerb: if the
-  /// motion has Student's t distribution with this `freedom`, the likelihood then has its maximum near the
-  /// rows.
-  MotionBlend(const RowInformation& rows, const ExposureMotion& expected,
-              const RowInformation::Vector& variances, double freedom, bool use_rows);
+  /// Without `use_rows` the motion is the expected one, unless the rows contradict it, as at a kerb: the
+  /// likelihood then has its higher maximum near the rows.
+  MotionBlend(const RowInformation& rows, const MotionPrior& prior, bool use_rows);
 
   ExposureMotion of(const ExposureMotion& expected) const;
 
  private:
-  void blend(const RowInformation& rows, const RowInformation::Vector& variances);
+  void blend(const RowInformation& rows, const RowInformation::Vector& prior_information);
 };
 
 /// What the rows tell if they were compared with a map that was made under motions with errors of this

@@ -76,8 +76,9 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
   RowState state;
   state.motion = problem.start;
   const double readout_information = 1.0 / std::pow(std::max(problem.readout_stddev, kKnown), 2);
-  RowInformation::Vector prior_information = problem.variances.cwiseInverse();
   const RollingShutterSettings& settings = problem.settings;
+  const MotionPrior prior{vectorOf(problem.expected), problem.variances, settings.prior_freedom};
+  RowInformation::Vector prior_information = prior.variances.cwiseInverse();
   const double depth_stddevs[RowUnknowns::kDepthErrors] = {
       problem.depth_scale_stddev, settings.depth_offset_stddev, settings.depth_offset_stddev,
       problem.depth_scale_stddev};
@@ -85,12 +86,8 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     RowEquations sums = points_->equationsAt(state);
     for (int i = 0; i < RowUnknowns::kDepthErrors; ++i)
       sums.addPrior(kDepths + i, 1.0 / (depth_stddevs[i] * depth_stddevs[i]), 0.0);
-    const RowInformation::Vector difference = vectorOf(problem.expected) - vectorOf(state.motion);
-    if (iteration > 0) {
-      const auto squares = difference.array().square() / problem.variances.array();
-      prior_information =
-          (settings.prior_freedom + 1.0) / ((settings.prior_freedom + squares) * problem.variances.array());
-    }
+    const RowInformation::Vector difference = prior.mean - vectorOf(state.motion);
+    if (iteration > 0) prior_information = prior.informationAt(vectorOf(state.motion));
     RowEquations with_motion = sums;
     for (int i = 0; i < kMotionSize; ++i)
       with_motion.addPrior(kMotion + i, prior_information[i], difference[i]);

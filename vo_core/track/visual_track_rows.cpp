@@ -249,9 +249,9 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
 void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
   for (int i = 0; i < static_cast<int>(window.size()); ++i) {
     const ExposureMotion expected = motionByPoses(poses, i);
-    const RowInformation::Vector variances = roughness_.variances(poses, i, last_stddev_);
-    window[i].rows.emplace(window[i].row_information, expected, variances,
-                           settings_.rolling_shutter.prior_freedom, roughness_.isRough());
+    const MotionPrior prior{vectorOf(expected), roughness_.variances(poses, i, last_stddev_),
+                            settings_.rolling_shutter.prior_freedom};
+    window[i].rows.emplace(window[i].row_information, prior, roughness_.isRough());
     window[i].motion = window[i].rows->of(expected);
   }
 }

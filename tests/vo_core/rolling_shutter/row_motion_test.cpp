@@ -162,13 +162,14 @@ RowInformation rowsAbout(const ExposureMotion& motion, double stddev) {
   return rows;
 }
 
-constexpr double kFreedom = 4.0;
+MotionPrior priorAbout(const ExposureMotion& motion, double variance) {
+  return {vectorOf(motion), RowInformation::Vector::Constant(variance), 4.0};
+}
 
 TEST(MotionBlend, TakesADifferenceByChanceForNone) {
   ExposureMotion seen = kTurn;
   seen.velocity[4] += 0.03;  // three standard deviations of one component
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), kFreedom,
-                          false);
+  const MotionBlend blend(rowsAbout(seen, 0.01), priorAbout(kTurn, 1e-8), false);
   EXPECT_TRUE(blend.expected_share.isIdentity());
   EXPECT_NEAR(blend.of(kTurn).velocity[4], kTurn.velocity[4], 1e-4);
 }
@@ -178,9 +179,9 @@ TEST(MotionBlend, NeedsTheMoreEvidenceTheSmootherTheDrive) {
   ExposureMotion seen = kTurn;
   seen.velocity[0] += 0.5;
   const RowInformation rows = rowsAbout(seen, 0.1);
-  const MotionBlend smooth(rows, kTurn, RowInformation::Vector::Constant(1e-6), kFreedom, false);
+  const MotionBlend smooth(rows, priorAbout(kTurn, 1e-6), false);
   EXPECT_TRUE(smooth.expected_share.isIdentity());
-  const MotionBlend rough(rows, kTurn, RowInformation::Vector::Constant(1e-2), kFreedom, false);
+  const MotionBlend rough(rows, priorAbout(kTurn, 1e-2), false);
   EXPECT_FALSE(rough.expected_share.isIdentity());
   EXPECT_GT(rough.of(kTurn).velocity[0], kTurn.velocity[0] + 0.2);
 }
@@ -188,8 +189,7 @@ TEST(MotionBlend, NeedsTheMoreEvidenceTheSmootherTheDrive) {
 TEST(MotionBlend, FollowsRowsThatContradictTheExpectedMotion) {
   ExposureMotion seen = kTurn;
   seen.velocity.tail<3>() += Eigen::Vector3d(0.2, -0.1, 0.1);
-  const MotionBlend blend(rowsAbout(seen, 0.01), kTurn, RowInformation::Vector::Constant(1e-8), kFreedom,
-                          false);
+  const MotionBlend blend(rowsAbout(seen, 0.01), priorAbout(kTurn, 1e-8), false);
   EXPECT_FALSE(blend.expected_share.isIdentity());
   const Vector6d error = blend.of(kTurn).velocity - seen.velocity;
   EXPECT_LT(error.tail<3>().norm(), 0.01);  // the standard deviation of the rows

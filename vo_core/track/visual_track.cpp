@@ -248,12 +248,12 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
+  motion.counts.inliers = found->inliers;
   if (draft.prediction_failed &&
       found->inliers < settings_.pose_search.minimum_surprised_share * countWithDepth(landmarks_)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
-  motion.counts.inliers = found->inliers;
   motion.ambiguous = !velocity_ && isAmbiguous(*found);
   if (motion.ambiguous) {
     motion.reason = OdometryReason::too_few_inliers;

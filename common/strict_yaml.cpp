@@ -96,9 +96,8 @@ std::string explained(const std::string& message) {
     const char* begin;  ///< of yaml-cpp's message
     const char* text;
   };
-  constexpr std::array<Explanation, 9> kExplanations{
-      {{"no progress", "expected one value, found more behind its end"},
-       {"illegal map value",
+  constexpr std::array<Explanation, 8> kExplanations{
+      {{"illegal map value",
         "expected 'key: value', with a blank behind the colon, in this line or the one above"},
        {"end of map not found", "this line is indented otherwise than the lines that it belongs to"},
        {"end of sequence not found", "this line is indented otherwise than the lines that it belongs to"},
@@ -117,7 +116,7 @@ std::string explained(const std::string& message) {
 class DocumentProgress : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (mark.pos == last_) throw YAML::ParserException(mark, "no progress");
+    if (mark.pos == last_) throw YAML::ParserException(mark, "expected one value, found more behind its end");
     last_ = mark.pos;
   }
   void OnDocumentEnd() override {}

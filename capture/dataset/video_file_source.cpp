@@ -299,9 +299,8 @@ ReadOutcome VideoFileSource::read(Frame& frame, std::chrono::milliseconds /*time
     if (!frame.image.empty()) frame.image = partOf(frame.image, self.view.part);
     if (frame.image.empty()) {
       throw std::runtime_error(self.file.string() +
-                               " has pictures of a format that cannot be converted; convert it by 'ffmpeg -i "
-                               "FILE -pix_fmt yuv420p "
-                               "-c:v libx264 -qp 10 FILE.mkv'");
+                               " has pictures of a format that cannot be converted; convert it by "
+                               "'ffmpeg -i FILE -pix_fmt yuv420p -c:v libx264 -qp 10 FILE.mkv'");
     }
     frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;
     frame.storage = picture;

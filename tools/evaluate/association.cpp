@@ -88,8 +88,7 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
         "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
         span(estimate) + ", the truth of " + span(truth) +
         "; check that both are of one drive (each 'cartvo simulate' replaces its truth.tum) and one clock, "
-        "in "
-        "seconds");
+        "in seconds");
   }
   return associated;
 }

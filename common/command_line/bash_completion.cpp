@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 namespace cartvo {
 namespace {
 

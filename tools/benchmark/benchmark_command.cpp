@@ -1,6 +1,7 @@
 // The command line of `cartvo benchmark`, and of its subcommand thesis.
 #include <memory>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "tools/benchmark/accuracy/benchmark_ablation.hpp"

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/core/version.hpp>
 
 #include "common/atomic_file.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
@@ -16,6 +15,11 @@
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace cartvo {
 

@@ -1,4 +1,6 @@
 // `cartvo calibrate`: calibrates the cameras, their relative pose and their mounting on the cart.
+#include <CLI/CLI.hpp>
+
 #include "tools/calibrate/board/calibrate_board.hpp"
 #include "tools/calibrate/calibrate_convert.hpp"
 #include "tools/calibrate/calibrate_rig.hpp"

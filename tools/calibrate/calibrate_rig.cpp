@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "calib/format/rig_file.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/solver/calibration.hpp"

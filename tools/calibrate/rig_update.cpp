@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "calib/format/rig_file.hpp"
 #include "capture/stereo_source.hpp"
 #include "daemon/pipeline/source_rig.hpp"

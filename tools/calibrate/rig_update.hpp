@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "calib/model/rig.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace cartvo::calibrate {
 

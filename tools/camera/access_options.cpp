@@ -1,6 +1,8 @@
 // Options of the commands that ask cameras' web pages.
 #include "tools/camera/access_options.hpp"
 
+#include <CLI/CLI.hpp>
+
 namespace cartvo {
 
 void addWebPageOptions(CLI::App& command, AccessOptions& access) {

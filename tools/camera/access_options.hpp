@@ -1,8 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "tools/camera/camera_access.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace cartvo {
 

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+
 #include "common/ascii_text.hpp"
 
 namespace cartvo {

@@ -3,7 +3,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+class Error;
+}  // namespace CLI
 
 namespace cartvo {
 

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "common/command_line/bash_completion.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 namespace cartvo {
 
 std::optional<std::array<std::optional<double>, 2>> readReadouts(const std::string& text, double largest_ms) {

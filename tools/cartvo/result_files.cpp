@@ -4,6 +4,8 @@
 #include <exception>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "common/atomic_file.hpp"
 #include "tools/report/drawing.hpp"
 

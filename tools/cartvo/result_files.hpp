@@ -4,7 +4,10 @@
 #include <initializer_list>
 #include <string>
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace cartvo {
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "common/atomic_file.hpp"
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"

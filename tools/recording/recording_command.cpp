@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 
+#include <CLI/CLI.hpp>
+
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "calib/model/rig_validation.hpp"

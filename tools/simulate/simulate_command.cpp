@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "capture/rtsp/password_file.hpp"

@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "common/image_size.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"

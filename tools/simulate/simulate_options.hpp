@@ -4,13 +4,16 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/types.hpp>
 
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace cartvo {
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "common/atomic_file.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "tools/benchmark/accuracy/ablation_report.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "tools/benchmark/benchmark_options.hpp"

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "common/image_size.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/speed/speed_benchmark.hpp"

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"

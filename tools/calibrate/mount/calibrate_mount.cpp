@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "calib/format/rig_file.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"

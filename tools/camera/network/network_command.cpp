@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <net/if.h>
 
 #include "capture/rtsp/rtsp_url.hpp"

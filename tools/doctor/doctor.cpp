@@ -246,7 +246,7 @@ void Run::examineFolder() {
   daemon::Configuration configuration;
   const bool is_recording = capture::isRecording(settings_.source);
   if (is_recording) configuration = checkRecording(settings_.source, source).value_or(configuration);
-  step({"reading the first pairs"});
+  step({"reading pairs of the first two minutes"});
   SourceContent content = readSource(settings_.source, interrupted_, source);
   examination_.rig = std::move(content.rig);
   finish(std::move(source));

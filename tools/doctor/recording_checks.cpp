@@ -1,7 +1,9 @@
 // Checks of a recording or sequence on disk.
 #include "tools/doctor/recording_checks.hpp"
 
+#include <cstdint>
 #include <exception>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -44,11 +46,17 @@ std::optional<daemon::Configuration> recordedConfiguration(const capture::Record
   }
 }
 
+/// Pairs of the first two minutes: a drive begins with a standstill, in which nothing is seen of static
+/// parts.
 KeptPairs firstPairs(capture::StereoSource& source, const std::atomic<bool>& interrupted) {
+  constexpr std::int64_t kMost_ns = 120'000'000'000;
   PairKeeper keeper;
+  std::optional<std::int64_t> first_ns;
   calibrate::forEachPair(source, [&](const capture::FramePair& pair) {
+    if (!first_ns) first_ns = pair.left.exposure_ns;
+    if (pair.left.exposure_ns - *first_ns > kMost_ns) return false;
     keeper.add(pair);
-    return !interrupted && !keeper.hasAllSpread();
+    return !interrupted.load();
   });
   return keeper.take();
 }

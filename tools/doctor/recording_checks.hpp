@@ -27,7 +27,7 @@ StreamMeasurement measureRecording(const std::filesystem::path& folder, capture:
 /// What is read of a source.
 struct SourceContent {
   std::optional<calib::Rig> rig;
-  KeptPairs pairs;  ///< of its beginning
+  KeptPairs pairs;  ///< of its first two minutes
   daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
 };
 

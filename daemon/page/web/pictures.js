@@ -51,6 +51,18 @@ export class PictureView {
     if (this.view === 'epipolar') this.drawEpipolarLines(context);
     this.drawStillRegions(context);
     this.drawLandmarks(context, at);
+    if (this.view === 'overlay') this.drawName(context, 'left over right', at[0]);
+    else ['left', 'right'].forEach((name, side) => this.drawName(context, name, at[side]));
+  }
+
+  /** Names a picture in its upper left corner, 13 px high on the screen. */
+  drawName(context, name, [x, y]) {
+    const size = 13 * this.canvas.width / this.canvas.clientWidth / context.getTransform().a;
+    context.font = `${size}px system-ui, sans-serif`;
+    context.fillStyle = 'rgb(0 0 0 / 60%)';
+    context.fillRect(x, y, context.measureText(name).width + size, 1.5 * size);
+    context.fillStyle = '#fff';
+    context.fillText(name, x + size / 2, y + 1.1 * size);
   }
 
   drawPicture(context, side, [x, y], alpha) {

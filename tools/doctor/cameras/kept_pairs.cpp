@@ -8,12 +8,16 @@
 namespace cartvo::doctor {
 namespace {
 
-constexpr std::size_t kMaxPairs = 40, kMinPairs = 2, kMaxBytes = 150'000'000;
-constexpr std::int64_t kSpread_ns = 250'000'000;
+struct Capacity {
+  std::size_t pairs, bytes;
+};
+constexpr Capacity kConsecutive{40, 150'000'000}, kSpread{80, 300'000'000};
+constexpr std::size_t kMinPairs = 2;
 
-std::size_t capacity(const capture::FramePair& pair) {
+/// Number of pairs like this one.
+std::size_t most(const Capacity& capacity, const capture::FramePair& pair) {
   const std::size_t bytes = pair.left.image.total() + pair.right.image.total();
-  return std::clamp(kMaxBytes / std::max<std::size_t>(1, bytes), kMinPairs, kMaxPairs);
+  return std::clamp(capacity.bytes / std::max<std::size_t>(1, bytes), kMinPairs, capacity.pairs);
 }
 
 void makeOwned(capture::Frame& frame) {
@@ -21,18 +25,26 @@ void makeOwned(capture::Frame& frame) {
   frame.storage.reset();
 }
 
+void keepEverySecond(std::vector<capture::FramePair>& pairs) {
+  std::vector<capture::FramePair> kept;
+  for (std::size_t i = 0; i < pairs.size(); i += 2)
+    kept.push_back(std::move(pairs[i]));
+  pairs = std::move(kept);
+}
+
 }  // namespace
 
 void PairKeeper::add(capture::FramePair pair) {
   makeOwned(pair.left);
   makeOwned(pair.right);
-  const std::size_t most = capacity(pair);
-  const bool is_spread =
-      spread_.empty() || pair.left.exposure_ns - spread_.back().left.exposure_ns >= kSpread_ns;
-  if (is_spread && spread_.size() < most) spread_.push_back(pair);
-  has_all_spread_ = spread_.size() >= most;
+  if (spread_.empty() || pair.left.exposure_ns - spread_.back().left.exposure_ns >= distance_ns_)
+    spread_.push_back(pair);
+  if (spread_.size() > most(kSpread, pair)) {
+    keepEverySecond(spread_);
+    distance_ns_ *= 2;
+  }
   consecutive_.push_back(std::move(pair));
-  while (consecutive_.size() > most)
+  while (consecutive_.size() > most(kConsecutive, consecutive_.back()))
     consecutive_.pop_front();
 }
 

@@ -13,23 +13,21 @@ namespace cartvo::doctor {
 /// Pairs of two cameras, in order of time. Their pictures are their own: no decoder shares them.
 struct KeptPairs {
   std::vector<capture::FramePair> consecutive;  ///< the last ones
-  std::vector<capture::FramePair> spread;       ///< the first ones that are 0.25 s or more apart
+  std::vector<capture::FramePair> spread;       ///< over the whole time, 0.25 s or more apart
 };
 
-/// Keeps pairs: of each kind at most 40, and at most 150 MB.
+/// Keeps pairs: at most 40 consecutive ones in 150 MB, and 80 spread ones in 300 MB. If more would be spread,
+/// every second one is dropped and their distance doubles.
 class PairKeeper {
  public:
   void add(capture::FramePair pair);
-
-  /// Whether further pairs only replace consecutive ones.
-  bool hasAllSpread() const { return has_all_spread_; }
 
   KeptPairs take();
 
  private:
   std::deque<capture::FramePair> consecutive_;
   std::vector<capture::FramePair> spread_;
-  bool has_all_spread_ = false;
+  std::int64_t distance_ns_ = 250'000'000;  ///< least, between spread pairs
 };
 
 /// Pairs the frames of two live cameras and keeps pairs. Thread-safe.

@@ -34,6 +34,8 @@ function(cartvo_list_sources folder result)
   set(${result} "${lines}" PARENT_SCOPE)
 endfunction()
 
+set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/tools/unity_groups.py ${PROJECT_SOURCE_DIR}/tools/source_names.py)
 cartvo_list_sources(${PROJECT_SOURCE_DIR} lines)
 file(WRITE ${PROJECT_BINARY_DIR}/unity_sources.txt "${lines}")
 find_package(Python3 REQUIRED COMPONENTS Interpreter)

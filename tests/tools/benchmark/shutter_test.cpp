@@ -78,17 +78,17 @@ SequenceTruth turningTruth(double rate) {
   return truth;
 }
 
-TEST(RateErrors, AreRelativeToTheTrueRatesOfValidPairs) {
-  RateErrors errors(turning(0.9), turningTruth(1.0));
+TEST(AngularRateErrors, AreRelativeToTheTrueRatesOfValidPairs) {
+  AngularRateErrors errors(turning(0.9), turningTruth(1.0));
   EXPECT_EQ(errors.count(), 3u);
   EXPECT_NEAR(errors.relative(), 0.1, 1e-12);
-  errors.add(RateErrors(turning(2.0), turningTruth(2.0)));
+  errors.add(AngularRateErrors(turning(2.0), turningTruth(2.0)));
   EXPECT_NEAR(errors.relative(), std::sqrt(0.03 / 15.0), 1e-12) << "squares are pooled";
 }
 
 ShutterAccuracy example(const std::string& sequence, const ShutterCase& seen, ReadoutModel model,
                         double translation) {
-  ShutterAccuracy one{sequence, seen, model, {}, RateErrors(turning(0.9), turningTruth(1.0))};
+  ShutterAccuracy one{sequence, seen, model, {}, AngularRateErrors(turning(0.9), turningTruth(1.0))};
   one.accuracy.sequence = sequence;
   one.accuracy.kind = SequenceKind::rendered;
   one.accuracy.pairs = 101;

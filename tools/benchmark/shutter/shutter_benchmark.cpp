@@ -56,7 +56,7 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
   result.accuracy = measureAccuracy(replay, sequence.truth);
   result.accuracy.kind = sequence.kind;
   result.accuracy.estimator = estimatorName(settings.odometry.estimator);
-  result.rates = RateErrors(replay, sequence.truth);
+  result.rates = AngularRateErrors(replay, sequence.truth);
   return result;
 }
 
@@ -86,7 +86,7 @@ bool isMeasured(const ShutterCase& seen, ReadoutModel model) {
   return model != ReadoutModel::estimated || (seen.readout.left > 0.0 && seen.readout.right > 0.0);
 }
 
-RateErrors::RateErrors(const Replay& replay, const SequenceTruth& truth) {
+AngularRateErrors::AngularRateErrors(const Replay& replay, const SequenceTruth& truth) {
   const TruthRows rows(replay, truth.left_camera);
   for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
     const ReplayedPair& pair = replay.pairs[index];
@@ -99,13 +99,13 @@ RateErrors::RateErrors(const Replay& replay, const SequenceTruth& truth) {
   }
 }
 
-void RateErrors::add(const RateErrors& other) {
+void AngularRateErrors::add(const AngularRateErrors& other) {
   errors_ += other.errors_;
   rates_ += other.rates_;
   count_ += other.count_;
 }
 
-double RateErrors::relative() const {
+double AngularRateErrors::relative() const {
   return std::sqrt(errors_ / rates_);
 }
 

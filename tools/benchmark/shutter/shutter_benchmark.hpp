@@ -61,12 +61,12 @@ struct ShutterSettings {
 };
 
 /// Errors of the published angular velocities against the true ones at the exposures, over valid pairs.
-class RateErrors {
+class AngularRateErrors {
  public:
-  RateErrors() = default;
-  RateErrors(const Replay& replay, const SequenceTruth& truth);
+  AngularRateErrors() = default;
+  AngularRateErrors(const Replay& replay, const SequenceTruth& truth);
 
-  void add(const RateErrors& other);
+  void add(const AngularRateErrors& other);
 
   std::size_t count() const { return count_; }
   /// RMS of the error over RMS of the true rate; infinite if the cart never turned.
@@ -83,7 +83,7 @@ struct ShutterAccuracy {
   ShutterCase seen;
   ReadoutModel model = ReadoutModel::known;
   SequenceAccuracy accuracy;  ///< see summarise
-  RateErrors rates;
+  AngularRateErrors rates;
 };
 
 /// Combines results of the same case and model into one with the given name. `results` must not be empty.

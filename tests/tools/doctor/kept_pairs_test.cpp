@@ -6,14 +6,14 @@
 namespace cartvo::doctor {
 namespace {
 
-/// Pairs 0.1 s apart.
+/// Pairs 0.05 s apart.
 KeptPairs keep(int count, cv::Size size) {
   PairKeeper keeper;
   for (int i = 0; i < count; ++i) {
     capture::FramePair pair;
     pair.left.image = cv::Mat::zeros(size, CV_8UC1);
     pair.right.image = cv::Mat::zeros(size, CV_8UC1);
-    pair.left.exposure_ns = pair.right.exposure_ns = i * 100'000'000LL;
+    pair.left.exposure_ns = pair.right.exposure_ns = i * 50'000'000LL;
     keeper.add(std::move(pair));
   }
   return keeper.take();
@@ -26,25 +26,25 @@ double exposure(const capture::FramePair& pair) {
 TEST(PairKeeper, KeepsAllOfAFew) {
   const KeptPairs kept = keep(20, {8, 8});
   EXPECT_EQ(kept.consecutive.size(), 20U);
-  EXPECT_EQ(kept.spread.size(), 7U);
+  EXPECT_EQ(kept.spread.size(), 4U);
 }
 
 TEST(PairKeeper, SpreadsPairsOverTheWholeTime) {
-  const KeptPairs kept = keep(1200, {8, 8});
+  const KeptPairs kept = keep(2400, {8, 8});
   ASSERT_GE(kept.spread.size(), 40U);
   ASSERT_LE(kept.spread.size(), 80U);
   EXPECT_EQ(exposure(kept.spread.front()), 0.0);
   const double distance = exposure(kept.spread[1]);
   for (std::size_t i = 1; i < kept.spread.size(); ++i)
-    EXPECT_NEAR(exposure(kept.spread[i]) - exposure(kept.spread[i - 1]), distance, 0.101);
-  EXPECT_GE(exposure(kept.spread.back()), 119.9 - 1.1 * distance);
+    EXPECT_NEAR(exposure(kept.spread[i]) - exposure(kept.spread[i - 1]), distance, 1e-6);
+  EXPECT_GE(exposure(kept.spread.back()), 119.95 - distance - 1e-6);
 }
 
 TEST(PairKeeper, KeepsTheLastConsecutivePairs) {
-  const KeptPairs kept = keep(1200, {8, 8});
+  const KeptPairs kept = keep(2400, {8, 8});
   ASSERT_EQ(kept.consecutive.size(), 40U);
-  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.front()), 116.0);
-  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.back()), 119.9);
+  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.front()), 118.0);
+  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.back()), 119.95);
 }
 
 TEST(PairKeeper, KeepsFewerLargePairs) {

@@ -1,7 +1,7 @@
-# CARTVO_UNITY: compiles several sources of a target as one, which takes a third of the time. The compiler reads the headers
-# of libraries once for all of them, and instantiates their templates once. In such a source, GCC warns of types in unnamed
-# namespaces as if they were in headers, and of names that another file's hide.
-target_compile_options(cartvo_build_flags INTERFACE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+# CARTVO_UNITY: compiles several sources of a target as one. The compiler reads the headers of libraries once for all of
+# them, and instantiates their templates once. In such a source, GCC warns of types in unnamed namespaces as if they were
+# in headers.
+target_compile_options(cartvo_build_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 
 # The C++ sources of this project in the targets of a folder and the folders below it, one line for each target.
 function(cartvo_list_sources folder result)

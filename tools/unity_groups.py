@@ -9,7 +9,7 @@ import sys
 
 from source_names import compatible_groups
 
-MAX_GROUP_SIZE = 8  # sources: the compiler needs up to 1 GB for them
+MAX_GROUP_SIZE = 8  # sources: the compiler needs about 1 GB for them
 
 
 def main() -> None:
@@ -20,7 +20,8 @@ def main() -> None:
         groups = compatible_groups([(pathlib.Path(source), None) for source in sources], MAX_GROUP_SIZE)
         for index, members in enumerate(groups):
             if len(members) > 1:
-                output.append(f"set_source_files_properties({' '.join(map(str, members))} TARGET_DIRECTORY {target}\n"
+                paths = " ".join(f'"{member}"' for member in members)
+                output.append(f"set_source_files_properties({paths} TARGET_DIRECTORY {target}\n"
                               f"  PROPERTIES UNITY_GROUP {target}_{index})\n")
     pathlib.Path(sys.argv[2]).write_text("".join(output))
 

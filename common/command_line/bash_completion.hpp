@@ -3,9 +3,7 @@
 
 #include <string>
 
-namespace CLI {
-class App;
-}  // namespace CLI
+#include "common/command_line/cli11_forward.hpp"
 
 namespace cartvo {
 

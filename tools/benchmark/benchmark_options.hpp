@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/cli11_forward.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/world_sets.hpp"
 #include "tools/cartvo/work_display.hpp"
@@ -15,11 +16,6 @@
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
 
 namespace cartvo {
 

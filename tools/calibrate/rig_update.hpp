@@ -4,10 +4,7 @@
 #include <string>
 
 #include "calib/model/rig.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
+#include "common/command_line/cli11_forward.hpp"
 
 namespace cartvo::calibrate {
 

@@ -1,10 +1,7 @@
 #pragma once
 
+#include "common/command_line/cli11_forward.hpp"
 #include "tools/camera/camera_access.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace cartvo {
 

@@ -3,10 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-class Error;
-}  // namespace CLI
+#include "common/command_line/cli11_forward.hpp"
 
 namespace cartvo {
 

@@ -4,10 +4,7 @@
 #include <initializer_list>
 #include <string>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "common/command_line/cli11_forward.hpp"
 
 namespace cartvo {
 

@@ -246,8 +246,8 @@ void Run::examineFolder() {
   daemon::Configuration configuration;
   const bool is_recording = capture::isRecording(settings_.source);
   if (is_recording) configuration = checkRecording(settings_.source, source).value_or(configuration);
-  step({"reading pairs of the first two minutes"});
-  SourceContent content = readSource(settings_.source, interrupted_, source);
+  step({"reading pairs of the first two minutes", "s"});
+  SourceContent content = readSource(settings_.source, observer_.work.progress, interrupted_, source);
   examination_.rig = std::move(content.rig);
   finish(std::move(source));
   FindingList computer("computer");

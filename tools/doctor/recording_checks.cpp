@@ -48,13 +48,16 @@ std::optional<daemon::Configuration> recordedConfiguration(const capture::Record
 
 /// Pairs of the first two minutes: a drive begins with a standstill, in which nothing is seen of static
 /// parts.
-KeptPairs firstPairs(capture::StereoSource& source, const std::atomic<bool>& interrupted) {
-  constexpr std::int64_t kMost_ns = 120'000'000'000;
+KeptPairs firstPairs(capture::StereoSource& source, const WorkObserver::Progress& progress,
+                     const std::atomic<bool>& interrupted) {
+  constexpr std::int64_t kMost_ns = 120'000'000'000, kSecond_ns = 1'000'000'000;
   PairKeeper keeper;
   std::optional<std::int64_t> first_ns;
   calibrate::forEachPair(source, [&](const capture::FramePair& pair) {
     if (!first_ns) first_ns = pair.left.exposure_ns;
-    if (pair.left.exposure_ns - *first_ns > kMost_ns) return false;
+    const std::int64_t elapsed_ns = pair.left.exposure_ns - *first_ns;
+    if (elapsed_ns > kMost_ns) return false;
+    progress(static_cast<int>(elapsed_ns / kSecond_ns), static_cast<int>(kMost_ns / kSecond_ns));
     keeper.add(pair);
     return !interrupted.load();
   });
@@ -114,15 +117,15 @@ StreamMeasurement measureRecording(const std::filesystem::path& folder, capture:
   return measurement;
 }
 
-SourceContent readSource(const std::filesystem::path& folder, const std::atomic<bool>& interrupted,
-                         FindingList& findings) {
+SourceContent readSource(const std::filesystem::path& folder, const WorkObserver::Progress& progress,
+                         const std::atomic<bool>& interrupted, FindingList& findings) {
   SourceContent content;
   try {
     capture::StereoSource source = capture::openSource(folder);
     content.absent_readout = daemon::absentReadoutOf(source.kind);
     daemon::FoundRig found = daemon::findRig(source, folder, {});
     if (checkRig(found.rig, found.origin, findings)) content.rig = std::move(found.rig);
-    content.pairs = firstPairs(source, interrupted);
+    content.pairs = firstPairs(source, progress, interrupted);
   } catch (const std::exception& error) {
     findings.add("source", Verdict::broken,
                  {error.what(), "a recording, or a sequence in KITTI's or EuRoC's layout, with its rig",

@@ -8,6 +8,7 @@
 #include "capture/camera_side.hpp"
 #include "daemon/pipeline/shutters.hpp"
 #include "daemon/service/configuration.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/cameras/stream_measurement.hpp"
 #include "tools/doctor/finding_list.hpp"
@@ -31,8 +32,8 @@ struct SourceContent {
   daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
 };
 
-/// Opens a source and finds its rig; faults are findings.
-SourceContent readSource(const std::filesystem::path& folder, const std::atomic<bool>& interrupted,
-                         FindingList& findings);
+/// Opens a source, finds its rig and reads pairs; faults are findings. `progress`: in seconds of the source.
+SourceContent readSource(const std::filesystem::path& folder, const WorkObserver::Progress& progress,
+                         const std::atomic<bool>& interrupted, FindingList& findings);
 
 }  // namespace cartvo::doctor

@@ -6,14 +6,11 @@
 
 #include <opencv2/core/types.hpp>
 
+#include "common/command_line/cli11_forward.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace cartvo {
 

@@ -8,7 +8,6 @@
 namespace cartvo::daemon {
 namespace {
 
-using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using Line = CameraLog::Line;
@@ -30,7 +29,7 @@ class CameraLogTest : public testing::Test {
   /// Polls one second after the previous poll.
   std::vector<Line> poll(capture::CameraState state, const std::string& last_error,
                          std::uint64_t reconnections) {
-    now_ += seconds(1);
+    now_ += std::chrono::seconds(1);
     return log_.due(health(state, last_error, reconnections), now_);
   }
 

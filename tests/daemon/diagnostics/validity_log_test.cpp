@@ -12,7 +12,6 @@ namespace cartvo::daemon {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::ElementsAre;
 
 odometry_t valid() {
@@ -68,14 +67,14 @@ TEST(ValidityLog, LogsNumberOfFrequentChanges) {
                                  "odometry is not valid: no pair; its validity changed 100 times in 10 s"));
 
   lines.clear();
-  at(seconds(60), valid());
-  at(seconds(70), valid());
+  at(std::chrono::seconds(60), valid());
+  at(std::chrono::seconds(70), valid());
   EXPECT_THAT(lines, ElementsAre("odometry is valid; its validity changed 99 times in 10 s"))
       << "the final state is logged late";
 
   lines.clear();
   for (int i = 0; i < 10; ++i)
-    at(seconds(300 + i), i % 2 == 0 ? invalid() : valid());
+    at(std::chrono::seconds(300 + i), i % 2 == 0 ? invalid() : valid());
   EXPECT_EQ(lines.size(), 5U) << "after a quiet time each change is logged again";
 }
 

@@ -32,7 +32,10 @@ TEST_F(RecordingChecks, ReadAWholeRecording) {
   checkRecording(folder_ / "drive", list_);
   EXPECT_THAT(findingOf(list_.findings(), "recording"), Saw(Verdict::ok, "1 segment,"));
   EXPECT_THAT(findingOf(list_.findings(), "right camera"), Saw(Verdict::ok, "60 pictures in 3.0 s"));
-  const SourceContent content = readSource(folder_ / "drive", interrupted_, list_);
+  int last_second = -1;
+  const auto progress = [&](int done, int) { last_second = done; };
+  const SourceContent content = readSource(folder_ / "drive", progress, interrupted_, list_);
+  EXPECT_EQ(last_second, 2);
   ASSERT_TRUE(content.rig);
   EXPECT_EQ(content.rig->name, "test");
   EXPECT_EQ(content.pairs.consecutive.size(), 40U);
@@ -59,7 +62,9 @@ TEST_F(RecordingChecks, FindWhatIsNoRecording) {
   std::ofstream(folder_ / "damaged/recording.json") << "{";
   checkRecording(folder_ / "damaged", list_);
   EXPECT_THAT(list_.findings().back(), Saw(Verdict::broken, "recording.json"));
-  EXPECT_TRUE(readSource(folder_.path(), interrupted_, list_).pairs.spread.empty());
+  EXPECT_TRUE(readSource(
+                  folder_.path(), [](int, int) {}, interrupted_, list_)
+                  .pairs.spread.empty());
   EXPECT_EQ(list_.findings().back().verdict, Verdict::broken);
   EXPECT_NE(measureRecording(folder_ / "nothing", capture::CameraSide::left, 1.0, interrupted_).problem, "");
 }

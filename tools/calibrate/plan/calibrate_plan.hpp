@@ -1,8 +1,6 @@
 #pragma once
 
-namespace CLI {
-class App;
-}  // namespace CLI
+#include "common/command_line/cli11_forward.hpp"
 
 namespace cartvo {
 

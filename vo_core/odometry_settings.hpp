@@ -140,7 +140,7 @@ struct StandstillSettings {
 
 /// Motion about exposures from the rows of rolling-shutter images.
 struct RollingShutterSettings {
-  double jerk_variance = 6.0;          ///< (m/s^3)^2 and (rad/s^3)^2, of a smooth drive
+  double jerk_variance = 6.0;          ///< (m/s^3)^2 and (rad/s^3)^2, of the first pairs
   double unknown_velocity = 3.0;       ///< m/s and rad/s, stddev with one pose; per s with two
   double depth_offset_stddev = 0.015;  ///< 1/m, of their offset, and its tilt over the rows
   double prior_freedom = 4.0;          ///< degrees of freedom of the expected motion's t distribution

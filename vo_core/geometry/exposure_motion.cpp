@@ -54,41 +54,38 @@ double MotionPrior::costAt(const RowInformation::Vector& motion) const {
   return 0.5 * (freedom + 1.0) * (squares / freedom).log1p().sum();
 }
 
-MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior, bool use_rows) {
+MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior) {
   // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
   // hide that the velocity differs.
   RowInformation::Vector vague = RowInformation::Vector::Constant(1.0 / kVagueVariance);
   const RowInformation::Vector information = prior.variances.cwiseInverse();
   vague.tail<3>() = information.tail<3>();
-  blend(rows, vague);
+  covariance = prior.variances.asDiagonal();
+  if (!blend(rows, vague)) return;
   const RowInformation::Vector rows_alone = by_rows;
-  squared_difference = (rows_alone - prior.mean).array().square();
-  row_variances = covariance.diagonal().array();
-
   const auto cost = [&](const RowInformation::Vector& motion) {
     const RowInformation::Vector residual = motion - rows_alone;
     return 0.5 * residual.dot(rows.information * residual) + prior.costAt(motion);
   };
   const Maximum near_rows = maximumNear(rows_alone, rows, prior);
-  if (use_rows || cost(near_rows.motion) < cost(maximumNear(prior.mean, rows, prior).motion)) {
-    blend(rows, near_rows.prior_information.cwiseMin(information));
-    return;
-  }
-  expected_share.setIdentity();
-  by_rows.setZero();
+  const Maximum near_prior = maximumNear(prior.mean, rows, prior);
+  const Maximum& best = cost(near_rows.motion) < cost(near_prior.motion) ? near_rows : near_prior;
+  if (blend(rows, best.prior_information.cwiseMin(information))) return;
+  *this = MotionBlend();
   covariance = prior.variances.asDiagonal();
 }
 
-void MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& prior_information) {
+bool MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& prior_information) {
   RowInformation::Matrix sum = rows.information;
   sum.diagonal() += prior_information;
   const Eigen::LDLT<RowInformation::Matrix> factor(sum);
   const RowInformation::Matrix inverse = factor.solve(RowInformation::Matrix::Identity());
   const RowInformation::Vector add = inverse * rows.gradient;
-  if (!inverse.allFinite() || !add.allFinite()) return;
+  if (!inverse.allFinite() || !add.allFinite()) return false;
   covariance = inverse;
   expected_share = inverse * prior_information.asDiagonal();
   by_rows = add;
+  return true;
 }
 
 RowInformation withMapError(const RowInformation& rows, const RowInformation::Matrix& covariance) {

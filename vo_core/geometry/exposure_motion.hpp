@@ -50,7 +50,6 @@ struct RowInformation {
   static constexpr int kSize = 15;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  using Array = Eigen::Array<double, kSize, 1>;
 
   Matrix information = Matrix::Zero();  ///< inverse covariance; singular where the rows tell nothing
   Vector gradient = Vector::Zero();     ///< information times motion
@@ -72,30 +71,23 @@ struct MotionPrior {
   double costAt(const RowInformation::Vector& motion) const;
 };
 
-/// The motion that agrees best with the rows and with an expected motion: the share of the expected one, and
-/// what the rows add. In the order of RowInformation.
+/// The most likely motion by the rows and by an expected motion: the share of the expected one, and what the
+/// rows add. In the order of RowInformation.
 struct MotionBlend {
-  /// Mean squared difference from the expected motion, relative to its variance, that is no chance. Errors of
-  /// rows are alike from pair to pair, so that three standard deviations would not do.
-  static constexpr double kSignificance = 8.0;
-
   RowInformation::Matrix expected_share = RowInformation::Matrix::Identity();
   RowInformation::Vector by_rows = RowInformation::Vector::Zero();
   RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of the blended motion
-  /// Squares of the differences between the rows alone and the expected motion, and their variances as far as
-  /// they are those of the rows.
-  RowInformation::Array squared_difference = RowInformation::Array::Zero();
-  RowInformation::Array row_variances = RowInformation::Array::Zero();
 
   MotionBlend() = default;
-  /// Without `use_rows` the motion is the expected one, unless the rows contradict it, as at a kerb: the
-  /// likelihood then has its higher maximum near the rows.
-  MotionBlend(const RowInformation& rows, const MotionPrior& prior, bool use_rows);
+  /// Where the rows contradict the prior, as at a kerb, the likelihood has a maximum near each; the higher
+  /// one is taken.
+  MotionBlend(const RowInformation& rows, const MotionPrior& prior);
 
   ExposureMotion of(const ExposureMotion& expected) const;
 
  private:
-  void blend(const RowInformation& rows, const RowInformation::Vector& prior_information);
+  /// Changes nothing and returns false if the equations have no solution.
+  bool blend(const RowInformation& rows, const RowInformation::Vector& prior_information);
 };
 
 /// What the rows tell if they were compared with a map that was made under motions with errors of this

@@ -1,4 +1,4 @@
-// Estimation of the jerk from what the rows of images show.
+// Measurement of the jerk by the last poses.
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
 
 #include <algorithm>
@@ -34,30 +34,10 @@ Sensitivity sensitivityOf(std::span<const TimedPose> poses, int index) {
 
 }  // namespace
 
-void MotionRoughness::Excess::update(double squared, double expected, double memory) {
-  squared_ = memory * squared_ + (1.0 - memory) * squared;
-  expected_ = memory * expected_ + (1.0 - memory) * expected;
-}
-
-double MotionRoughness::Excess::excess() const {
-  return ratio() < MotionBlend::kSignificance ? 0.0 : measured();
-}
-
-double MotionRoughness::Excess::measured() const {
-  return std::max(squared_ - expected_, 0.0);
-}
-
-/// Variances of the jerk: those of a smooth drive and an excess.
-Vector6d MotionRoughness::withExcess(double translation, double rotation) const {
-  Vector6d jerk;
-  jerk << Eigen::Vector3d::Constant(settings_.jerk_variance + translation),
-      Eigen::Vector3d::Constant(settings_.jerk_variance + rotation);
-  return jerk;
-}
-
-RowInformation::Vector MotionRoughness::variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses,
-                                                      int index, const Vector6d& motion_stddev) const {
+RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> poses, int index,
+                                                  const Vector6d& motion_stddev) const {
   RowInformation::Vector variances;
+  const Vector6d jerk = index + 1 == static_cast<int>(poses.size()) ? newestJerk() : meanJerk();
   const Sensitivity by = sensitivityOf(poses, index);
   if (!by.known) {
     const auto [near, far] = parabolaTimes(poses, index);
@@ -77,18 +57,10 @@ RowInformation::Vector MotionRoughness::variancesWith(const Vector6d& jerk, std:
 }
 
 RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
+  const Vector6d jerk = newestJerk();
   RowInformation::Vector variances;
-  variances << std::pow(0.5 * time_step * time_step, 2) * jerk(), time_step * time_step * jerk(),
-      jerk().tail<3>();
+  variances << std::pow(0.5 * time_step * time_step, 2) * jerk, time_step * time_step * jerk, jerk.tail<3>();
   return variances;
-}
-
-Vector6d MotionRoughness::jerk() const {
-  return withExcess(translation_.excess(), rotation_.excess());
-}
-
-Vector6d MotionRoughness::measuredJerk() const {
-  return withExcess(translation_.measured(), rotation_.measured());
 }
 
 void MotionRoughness::compare(const Vector6d& difference, const Vector6d& variances) {
@@ -96,21 +68,30 @@ void MotionRoughness::compare(const Vector6d& difference, const Vector6d& varian
       memory_ * inconsistency_ + (1.0 - memory_) * difference.cwiseAbs2().cwiseQuotient(variances);
 }
 
-void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev,
-                             const MotionBlend& rows) {
-  const Sensitivity by = sensitivityOf(poses, static_cast<int>(poses.size()) - 1);
-  if (!by.known) return;
-  const double square = by.velocity * by.velocity;
-  const auto adapt = [&](int first, Excess& excess) {
-    const auto mean = [&](const auto& of) { return of.template segment<3>(first).mean() / square; };
-    excess.update(mean(rows.squared_difference),
-                  mean(rows.row_variances) +
-                      by.velocity_noise * by.velocity_noise * mean(motion_stddev.cwiseAbs2()) +
-                      settings_.jerk_variance,
-                  memory_);
+Vector6d MotionRoughness::meanJerk() const {
+  const double stddev = std::sqrt(2.0 * (1.0 - memory_) / (1.0 + memory_));  // of the mean square, relative
+  return (jerk_squares_ - jerk_noise_).cwiseMax(stddev * jerk_squares_);
+}
+
+/// The third difference of the last four poses. With independent errors of poses, each half the variance of a
+/// motion, its variance is 20 times theirs.
+void MotionRoughness::update(std::span<const TimedPose> poses, const Vector6d& motion_stddev) {
+  constexpr std::size_t kPoses = 4;
+  if (poses.size() < kPoses) return;
+  const std::span<const TimedPose> last = poses.last(kPoses);
+  const auto velocity = [&](std::size_t to) -> Vector6d {
+    return vectorFromMotion(last[to - 1].T_world_camera.inverse() * last[to].T_world_camera) /
+           (last[to].time - last[to - 1].time);
   };
-  adapt(0, translation_);
-  adapt(3, rotation_);
+  const double before = 0.5 * (last[2].time - last[0].time), after = 0.5 * (last[3].time - last[1].time);
+  const double between = (last[3].time - last[0].time) / 3.0;
+  const Vector6d jerk =
+      ((velocity(3) - velocity(2)) / after - (velocity(2) - velocity(1)) / before) / between;
+  if (!jerk.allFinite()) return;
+  const Vector6d noise = 10.0 / std::pow(before * between * after, 2) * motion_stddev.cwiseAbs2();
+  newest_jerk_ = jerk.cwiseAbs2() - noise;
+  jerk_squares_ = memory_ * jerk_squares_ + (1.0 - memory_) * jerk.cwiseAbs2();
+  jerk_noise_ = memory_ * jerk_noise_ + (1.0 - memory_) * noise;
 }
 
 }  // namespace cartvo::vo

@@ -9,32 +9,26 @@
 
 namespace cartvo::vo {
 
-/// How much the motion about an exposure differs from the parabola through the poses: by a jerk, that of a
-/// smooth drive and what the rows of the last images have shown in addition.
+/// How much the motion about an exposure differs from the parabola through the poses: by a jerk, whose
+/// variance along each axis is measured by the last poses.
 class MotionRoughness {
  public:
   /// `correlated_pairs`: see SelfCalibrationSettings.
   MotionRoughness(const RollingShutterSettings& settings, double correlated_pairs)
-      : settings_(settings), memory_(1.0 - 1.0 / correlated_pairs) {}
+      : settings_(settings),
+        memory_(1.0 - 1.0 / correlated_pairs),
+        jerk_squares_(Vector6d::Constant(settings.jerk_variance)) {}
 
   /// Variances of the difference between the motion about poses[index] and motionByPoses(). `motion_stddev`:
   /// of the motion from pair to pair.
   RowInformation::Vector variances(std::span<const TimedPose> poses, int index,
-                                   const Vector6d& motion_stddev) const {
-    return variancesWith(jerk(), poses, index, motion_stddev);
-  }
-  /// The same for a covariance: with all that the rows have shown, even where it is too little to use them.
-  RowInformation::Vector measuredVariances(std::span<const TimedPose> poses, int index,
-                                           const Vector6d& motion_stddev) const {
-    return variancesWith(measuredJerk(), poses, index, motion_stddev);
-  }
-
+                                   const Vector6d& motion_stddev) const;
   /// Variances of the difference between the velocity and acceleration `time_step` seconds after an exposure
   /// and those extrapolated from it.
   RowInformation::Vector variancesAfter(double time_step) const;
 
-  /// Updates with what the rows show of the velocity at the newest of the poses.
-  void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev, const MotionBlend& rows);
+  /// Updates with the jerk between the last four poses.
+  void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev);
 
   /// Updates with the difference between the motion between two poses as the motions about their exposures
   /// make it, and that of the poses themselves, and with the variances that it is said to have.
@@ -43,34 +37,18 @@ class MotionRoughness {
   /// last pairs over their variances, along the axis where it is the largest.
   double varianceFactor() const { return std::max(1.0, inconsistency_.maxCoeff()); }
 
-  /// Whether the motion is rougher than the parabola follows.
-  bool isRough() const { return ratio() > MotionBlend::kSignificance; }
-  /// Mean squared difference between the rows and the parabola, relative to what is expected of a smooth
-  /// drive: the larger of translations and rotations.
-  double ratio() const { return std::max(translation_.ratio(), rotation_.ratio()); }
-
  private:
-  /// Mean of squared jerks, and of what was expected of them without an excess, of the last pairs.
-  class Excess {
-   public:
-    void update(double squared, double expected, double memory);
-    double ratio() const { return expected_ > 0.0 ? squared_ / expected_ : 0.0; }
-    double excess() const;    ///< 0 unless it is significant
-    double measured() const;  ///< the same, significant or not
-
-   private:
-    double squared_ = 0.0, expected_ = 0.0;
-  };
-
-  RowInformation::Vector variancesWith(const Vector6d& jerk, std::span<const TimedPose> poses, int index,
-                                       const Vector6d& motion_stddev) const;
-  Vector6d withExcess(double translation, double rotation) const;
-  Vector6d jerk() const;
-  Vector6d measuredJerk() const;
+  /// Variances of the jerk, (m/s^3)^2 and (rad/s^3)^2: the mean of the last pairs less what the noise of
+  /// poses adds, but at least one standard deviation of that mean.
+  Vector6d meanJerk() const;
+  /// The same, or the newest if that is larger: a kerb is no smooth drive.
+  Vector6d newestJerk() const { return meanJerk().cwiseMax(newest_jerk_); }
   RollingShutterSettings settings_;
-  double memory_;       ///< weight of the previous roughness, per pair
-  Excess translation_;  ///< (m/s^3)^2
-  Excess rotation_;     ///< (rad/s^3)^2
+  double memory_;  ///< weight of the previous pairs, per pair
+  /// Mean squares of the third differences of the last poses, and of what the noise of the poses adds to
+  /// them.
+  Vector6d jerk_squares_, jerk_noise_ = Vector6d::Zero();
+  Vector6d newest_jerk_ = Vector6d::Zero();  ///< square of the newest third difference less its noise
   Vector6d inconsistency_ = Vector6d::Zero();
 };
 

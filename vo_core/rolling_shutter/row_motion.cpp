@@ -108,7 +108,6 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     state.readout_change += step[kReadout];
     if (last) break;
   }
-  result.pose_change = vectorFromMotion(state.change);
   result.motion = state.motion;
   result.readout_change = state.readout_change;
   result.converged = true;

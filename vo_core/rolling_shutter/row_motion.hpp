@@ -52,7 +52,6 @@ struct ReadoutEquation {
 /// Result of the estimation.
 struct RowMotion {
   bool converged = false;
-  Vector6d pose_change = Vector6d::Zero();  ///< of the camera's pose, on the right of the first guess
   ExposureMotion motion;
   RowInformation rows;                                                 ///< without the prior
   RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of `motion`
@@ -64,11 +63,11 @@ struct RowMotion {
 
 class RowPoints;
 
-/// Estimates pose and motion of a camera by Gauss-Newton steps on the residuals of all rows of its image,
-/// each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. Components of
-/// the motion that contradict the prior lose it (Student's t distribution), so that a kerb or a shaken mount
-/// is measured by the rows alone. The other camera's image is left out: depths come from disparities, and
-/// would tell what was assumed of the motion between the exposures when they were measured.
+/// Estimates the motion of a camera, with its pose, by Gauss-Newton steps on the residuals of all rows of its
+/// image, each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated.
+/// Components of the motion that contradict the prior lose it (Student's t distribution), so that a kerb or a
+/// shaken mount is measured by the rows alone. The other camera's image is left out: depths come from
+/// disparities, and would tell what was assumed of the motion between the exposures when they were measured.
 class RowMotionEstimator {
  public:
   RowMotionEstimator();

@@ -134,16 +134,16 @@ class VisualTrack {
   enum class RigSide : std::uint8_t { left, right };
   void expectMotion(const PreparedPair& pair, Draft& draft);
   void addRowNoise(const Draft& draft);
-  void estimateRowMotion(Draft& draft, TrackedMotion& motion);
+  std::optional<Matrix6d> estimateRowMotion(Draft& draft);
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
-  void useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion);
   void updateRowConsistency(const std::vector<WindowFrame>& window);
-  void concludeRowMotion(const TimedPoses& poses, const WindowFrame& pair, TrackedMotion& motion);
+  void concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const;
   void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
                        const RowInformation::Vector& variances);
   void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);
   void updateReadouts(const Draft& draft, const TimedPoses& poses);
-  void updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const;
+  void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev,
+                    WindowFrame& pair) const;
 
   // visual_track_adjustment.cpp
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);

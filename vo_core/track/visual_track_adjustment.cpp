@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
@@ -69,7 +70,8 @@ BundleResult VisualTrack::adjustWithRig(const Draft& draft, RigCalibrationFilter
 
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  if (timing_.isRolling()) estimateRowMotion(draft, motion);
+  std::optional<Matrix6d> by_rows;
+  if (timing_.isRolling()) by_rows = estimateRowMotion(draft);
   RigCalibrationFilter updated_rig;
   const BundleResult result = adjustWithRig(draft, updated_rig);
   if (!result.converged) {
@@ -79,11 +81,10 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   for (std::size_t i = 0; i < draft.window.size(); ++i)
     draft.window[i].T_world_camera = bundle_.poses[i].T_world_camera;
   updateLandmarks(draft);
-  const Matrix6d by_rows = motion.error.by_rows;
   motion.error = updateUncertainties(
       bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
       settings_.uncertainty, draft.window);
-  motion.error.by_rows = by_rows;
+  if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;

@@ -1,6 +1,7 @@
 // Rolling shutters in a track: the motion about exposures and the row shifts that follow from it.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/geometry/exposure_motion.hpp"
@@ -154,27 +155,34 @@ void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Is
 }
 
 /// Estimates the newest pair's motion from the rows of its left image, the readouts, and from them all row
-/// shifts of the window.
-void VisualTrack::estimateRowMotion(Draft& draft, TrackedMotion& motion) {
-  const TimedPoses before = timedPoses(draft.window);
-  const int newest = static_cast<int>(before.size()) - 1;
-  buildRowProblem(draft, newest, motionByPoses(before, newest),
-                  roughness_.measuredVariances(before, newest, last_stddev_));
+/// shifts of the window. Returns what the motion about the exposure adds to the covariance of its pose;
+/// nothing in a short window, or if the rows tell no motion.
+std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
+  const TimedPoses poses = timedPoses(draft.window);
+  const int newest = static_cast<int>(poses.size()) - 1;
+  const bool enough_pairs = draft.window.size() >= kFirstWindow;
+  if (enough_pairs) roughness_.update(poses, last_stddev_);
+  buildRowProblem(draft, newest, motionByPoses(poses, newest),
+                  roughness_.variances(poses, newest, last_stddev_));
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
-  const bool use = found.converged && draft.window.size() >= kFirstWindow;
-  if (use) useRowMotion(found, draft, motion);
-  const TimedPoses poses = timedPoses(draft.window);
-  updateMotions(poses, draft.window);
+  const bool use = found.converged && enough_pairs;
   if (use) {
-    roughness_.update(poses, last_stddev_, *draft.window.back().rows);
+    // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
+    const WindowFrame& before = draft.window[draft.window.size() - 2];
+    draft.window.back().row_information =
+        before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
+  }
+  for (int i = static_cast<int>(firstToCorrect(draft.window)); i <= newest; ++i)
+    updateMotion(poses, i, last_stddev_, draft.window[i]);
+  if (use) {
     updateRowConsistency(draft.window);
-    concludeRowMotion(poses, draft.window.back(), motion);
     updateReadouts(draft, poses);
   }
   timing_.setReadouts(rig_.leftReadout(), rig_.rightReadout());
   correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window),
               settings_.tracking.predicted_inverse_depth, draft.landmarks);
+  return use ? std::optional(found.pose_covariance_by_motion) : std::nullopt;
 }
 
 /// Compares the motions about the last two exposures with the motion between their poses: the errors that the
@@ -189,42 +197,36 @@ void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
                      0.25 * step * step * velocity_variances + last_stddev_.cwiseAbs2());
 }
 
-/// Sets the twist at the newest exposure, and widens its covariance and what the motion about the exposure
-/// adds to that of the pose, as far as the rows have been inconsistent.
-void VisualTrack::concludeRowMotion(const TimedPoses& poses, const WindowFrame& pair, TrackedMotion& motion) {
-  const int newest = static_cast<int>(poses.size()) - 1;
-  Matrix6d covariance = pair.rows->covariance.topLeftCorner<6, 6>();
-  covariance.diagonal() += (roughness_.measuredVariances(poses, newest, last_stddev_) -
-                            roughness_.variances(poses, newest, last_stddev_))
-                               .head<6>();
+/// Updates the motion about the newest exposure by the adjusted poses, and sets the twist. Widens its
+/// covariance and what the motion adds to that of the pose, `by_rows`, as far as the rows have been
+/// inconsistent.
+void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const {
+  WindowFrame& pair = draft.window.back();
+  updateMotion(timedPoses(draft.window), static_cast<int>(draft.window.size()) - 1,
+               motion.stddevByLandmarks(), pair);
   const double factor = roughness_.varianceFactor();
-  motion.twist = ExposureTwist{pair.motion->velocity, factor * covariance};
-  motion.error.by_rows *= factor;
+  motion.twist = ExposureTwist{pair.motion->velocity, factor * pair.rows->covariance.topLeftCorner<6, 6>()};
+  motion.error.by_rows = factor * by_rows;
 }
 
 /// Position in the window of the first pair whose row shifts are not up to date: older poses and motions
-/// hardly change, unless the rows tell the motion or the readout.
+/// hardly change, unless the rows tell the readout.
 std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) const {
-  const bool all_change = roughness_.isRough() || timing_.shutters().areUncertain();
+  const bool all_change = timing_.shutters().areUncertain();
   return all_change || window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;
 }
 
-void VisualTrack::useRowMotion(const RowMotion& found, Draft& draft, TrackedMotion& motion) {
-  WindowFrame& newest = draft.window.back();
-  if (roughness_.isRough())
-    newest.T_world_camera = orthonormalised(newest.T_world_camera * motionFromVector(found.pose_change));
-  // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
-  const WindowFrame& before = draft.window[draft.window.size() - 2];
-  newest.row_information = before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
-  motion.error.by_rows = found.pose_covariance_by_motion;
-}
-
-/// Updates the readouts by the rows of a pair in the middle of the window. A rough drive tells them less:
-/// times a motion that is known badly, a readout would be measured wrongly.
+/// Updates the readouts by the rows of a pair in the middle of the window, weighted by the square of the
+/// poses' least share in the motions since: where the poses tell a motion badly, its error would pass for one
+/// of the readout, and in a vibration always with the same sign.
 void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
-  const double weight = 1.0 / std::max(1.0, std::pow(roughness_.ratio(), 2));
+  double share_of_poses = 1.0;
+  for (std::size_t i = position; i < draft.window.size(); ++i)
+    share_of_poses =
+        std::min(share_of_poses, draft.window[i].rows->expected_share.diagonal().head<6>().minCoeff());
+  const double weight = std::pow(std::max(share_of_poses, 0.0), 2);
   const bool right_is_due = frame.index % kReadoutInterval == 0;
   const int left_interval = rig_.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;
@@ -245,15 +247,15 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
     rig_.updateRightReadout(found.readout, weight * kReadoutInterval);
 }
 
-/// Motions about all exposures of the window: those of the poses, unless the rows contradict them.
-void VisualTrack::updateMotions(const TimedPoses& poses, std::vector<WindowFrame>& window) const {
-  for (int i = 0; i < static_cast<int>(window.size()); ++i) {
-    const ExposureMotion expected = motionByPoses(poses, i);
-    const MotionPrior prior{vectorOf(expected), roughness_.variances(poses, i, last_stddev_),
-                            settings_.rolling_shutter.prior_freedom};
-    window[i].rows.emplace(window[i].row_information, prior, roughness_.isRough());
-    window[i].motion = window[i].rows->of(expected);
-  }
+/// Updates the motion about the exposure of the pair at `position` in the window: that of the poses and of
+/// the pair's rows, each by its covariance.
+void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev,
+                               WindowFrame& pair) const {
+  const ExposureMotion expected = motionByPoses(poses, position);
+  const MotionPrior prior{vectorOf(expected), roughness_.variances(poses, position, motion_stddev),
+                          settings_.rolling_shutter.prior_freedom};
+  pair.rows.emplace(pair.row_information, prior);
+  pair.motion = pair.rows->of(expected);
 }
 
 }  // namespace cartvo::vo

@@ -12,6 +12,14 @@ namespace {
 constexpr double kVagueVariance = 1e4;  // (m/s)^2, (rad/s)^2 and the same of accelerations
 constexpr int kIterations = 3;          // to a maximum of the likelihood
 
+/// The most likely motion by the rows and by a normal prior of this mean and these inverse variances.
+RowInformation::Vector mostLikely(const RowInformation& rows, const RowInformation::Vector& mean,
+                                  const RowInformation::Vector& prior_information) {
+  RowInformation::Matrix sum = rows.information;
+  sum.diagonal() += prior_information;
+  return Eigen::LDLT<RowInformation::Matrix>(sum).solve(rows.gradient + prior_information.cwiseProduct(mean));
+}
+
 /// A maximum of the likelihood by rows and a prior.
 struct Maximum {
   RowInformation::Vector motion;
@@ -24,10 +32,7 @@ Maximum maximumNear(const RowInformation::Vector& start, const RowInformation& r
   Maximum maximum{start, prior.variances.cwiseInverse()};
   for (int i = 0; i < kIterations; ++i) {
     maximum.prior_information = prior.informationAt(maximum.motion);
-    RowInformation::Matrix sum = rows.information;
-    sum.diagonal() += maximum.prior_information;
-    maximum.motion = Eigen::LDLT<RowInformation::Matrix>(sum).solve(
-        rows.gradient + maximum.prior_information.cwiseProduct(prior.mean));
+    maximum.motion = mostLikely(rows, prior.mean, maximum.prior_information);
   }
   return maximum;
 }
@@ -54,15 +59,14 @@ double MotionPrior::costAt(const RowInformation::Vector& motion) const {
   return 0.5 * (freedom + 1.0) * (squares / freedom).log1p().sum();
 }
 
-MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior) {
+MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior)
+    : covariance(prior.variances.asDiagonal()) {
   // The rows alone, with a vague prior where they tell nothing. The jerk keeps its own: a vague one would
   // hide that the velocity differs.
   RowInformation::Vector vague = RowInformation::Vector::Constant(1.0 / kVagueVariance);
   const RowInformation::Vector information = prior.variances.cwiseInverse();
   vague.tail<3>() = information.tail<3>();
-  covariance = prior.variances.asDiagonal();
-  if (!blend(rows, vague)) return;
-  const RowInformation::Vector rows_alone = by_rows;
+  const RowInformation::Vector rows_alone = mostLikely(rows, RowInformation::Vector::Zero(), vague);
   const auto cost = [&](const RowInformation::Vector& motion) {
     const RowInformation::Vector residual = motion - rows_alone;
     return 0.5 * residual.dot(rows.information * residual) + prior.costAt(motion);
@@ -70,22 +74,18 @@ MotionBlend::MotionBlend(const RowInformation& rows, const MotionPrior& prior) {
   const Maximum near_rows = maximumNear(rows_alone, rows, prior);
   const Maximum near_prior = maximumNear(prior.mean, rows, prior);
   const Maximum& best = cost(near_rows.motion) < cost(near_prior.motion) ? near_rows : near_prior;
-  if (blend(rows, best.prior_information.cwiseMin(information))) return;
-  *this = MotionBlend();
-  covariance = prior.variances.asDiagonal();
-}
 
-bool MotionBlend::blend(const RowInformation& rows, const RowInformation::Vector& prior_information) {
+  const RowInformation::Vector prior_information = best.prior_information.cwiseMin(information);
   RowInformation::Matrix sum = rows.information;
   sum.diagonal() += prior_information;
-  const Eigen::LDLT<RowInformation::Matrix> factor(sum);
-  const RowInformation::Matrix inverse = factor.solve(RowInformation::Matrix::Identity());
+  const RowInformation::Matrix inverse =
+      Eigen::LDLT<RowInformation::Matrix>(sum).solve(RowInformation::Matrix::Identity());
   const RowInformation::Vector add = inverse * rows.gradient;
-  if (!inverse.allFinite() || !add.allFinite()) return false;
+  // Eigen's factorisation leaves out a pivot that is no number, and the rest looks like a solution.
+  if (!rows.information.allFinite() || !inverse.allFinite() || !add.allFinite()) return;
   covariance = inverse;
   expected_share = inverse * prior_information.asDiagonal();
   by_rows = add;
-  return true;
 }
 
 RowInformation withMapError(const RowInformation& rows, const RowInformation::Matrix& covariance) {

@@ -80,14 +80,10 @@ struct MotionBlend {
 
   MotionBlend() = default;
   /// Where the rows contradict the prior, as at a kerb, the likelihood has a maximum near each; the higher
-  /// one is taken.
+  /// one is taken. The expected motion alone if the rows are not finite or give no solution.
   MotionBlend(const RowInformation& rows, const MotionPrior& prior);
 
   ExposureMotion of(const ExposureMotion& expected) const;
-
- private:
-  /// Changes nothing and returns false if the equations have no solution.
-  bool blend(const RowInformation& rows, const RowInformation::Vector& prior_information);
 };
 
 /// What the rows tell if they were compared with a map that was made under motions with errors of this

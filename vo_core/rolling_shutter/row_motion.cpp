@@ -109,7 +109,6 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     if (last) break;
   }
   result.motion = state.motion;
-  result.readout_change = state.readout_change;
   result.converged = true;
   return result;
 }

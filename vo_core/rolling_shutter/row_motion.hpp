@@ -58,7 +58,6 @@ struct RowMotion {
   /// What the uncertainties of motion, depths and readout add to the covariance of the pose.
   Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
   ReadoutEquation readout;
-  double readout_change = 0.0;  ///< s, by which the readout is longer than assumed
 };
 
 class RowPoints;

@@ -19,7 +19,8 @@ constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
 static_assert(kFirstWindow > 2 * kReadoutNeighbours);
-constexpr std::size_t kCorrectedPairs = 3;  // whose row shifts are computed anew with each pair
+constexpr std::size_t kCorrectedPairs = 3;  // whose motions and row shifts are computed anew with each pair
+static_assert(kCorrectedPairs > kReadoutNeighbours);
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
 Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
@@ -173,15 +174,16 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
     draft.window.back().row_information =
         before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
   }
-  for (int i = static_cast<int>(firstToCorrect(draft.window)); i <= newest; ++i)
+  const std::size_t first = firstToCorrect(draft.window);
+  for (int i = static_cast<int>(first); i <= newest; ++i)
     updateMotion(poses, i, last_stddev_, draft.window[i]);
   if (use) {
     updateRowConsistency(draft.window);
     updateReadouts(draft, poses);
   }
   timing_.setReadouts(rig_.leftReadout(), rig_.rightReadout());
-  correctRows(camera_, timing_, draft.window, firstToCorrect(draft.window),
-              settings_.tracking.predicted_inverse_depth, draft.landmarks);
+  correctRows(camera_, timing_, draft.window, first, settings_.tracking.predicted_inverse_depth,
+              draft.landmarks);
   return use ? std::optional(found.pose_covariance_by_motion) : std::nullopt;
 }
 
@@ -189,7 +191,6 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
 /// rows of several pictures have in common are not part of their covariances.
 void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
   const WindowFrame &from = window[window.size() - 2], &to = window.back();
-  if (!from.rows) return;
   const double step = secondsBetween(from, to);
   const Vector6d velocity_variances =
       from.rows->covariance.diagonal().head<6>() + to.rows->covariance.diagonal().head<6>();
@@ -209,8 +210,8 @@ void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, Track
   motion.error.by_rows = factor * by_rows;
 }
 
-/// Position in the window of the first pair whose row shifts are not up to date: older poses and motions
-/// hardly change, unless the rows tell the readout.
+/// Position in the window of the first pair whose motion and row shifts are not up to date: older poses and
+/// motions hardly change, unless the rows tell the readout.
 std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) const {
   const bool all_change = timing_.shutters().areUncertain();
   return all_change || window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;

@@ -202,6 +202,30 @@ TEST_F(VisualTrackTest, NamesTheReasonOfAnInvalidMotion) {
   }
 }
 
+/// An implausible motion is only known to be one when all else has been estimated.
+TEST_F(VisualTrackTest, ImplausibleMotionLeavesTheEstimatesUnchanged) {
+  StereoShutters shutters;
+  for (Shutter* shutter : {&shutters.left, &shutters.right})
+    *shutter = {.readout = 0.03, .readout_stddev = 0.005, .rows = {}};
+  OdometrySettings settings = smallSettings();
+  settings.validity.maximum_speed = 1.5 * kStep / 0.05;
+  VisualTrack track(kCamera, settings, RowTiming(kCamera, shutters), prepared(drivePair(0), 0),
+                    {RigCalibrationFilter({}, shutters), StillRegions(kCamera)}, reinitialiser_, observer_);
+  for (int i = 1; i < 6; ++i)
+    ASSERT_TRUE(show(track, drivePair(i), i).valid()) << i;
+  const auto readout = [&] { return track.readouts().value().left; };
+  const auto pitch = [&] { return track.rigCalibrationError().value().pitch; };
+  const EstimateWithStddev readout_before = readout(), pitch_before = pitch();
+  ASSERT_EQ(show(track, drivePair(7), 6).reason, OdometryReason::implausible_motion);
+  EXPECT_EQ(readout().value, readout_before.value);
+  EXPECT_EQ(readout().stddev, readout_before.stddev);
+  EXPECT_EQ(pitch().value, pitch_before.value);
+  EXPECT_EQ(pitch().stddev, pitch_before.stddev);
+  ASSERT_TRUE(show(track, drivePair(7), 7).valid());
+  EXPECT_NE(readout().value, readout_before.value);
+  EXPECT_NE(pitch().value, pitch_before.value);
+}
+
 /// Half of the image moves as if the cart drove, half as if it stood, as beside a bus.
 TEST_F(VisualTrackTest, RejectsAnAmbiguousFirstMotion) {
   VisualTrack track = begin();
@@ -271,6 +295,18 @@ TEST_F(VisualTrackTest, StandstillEndsWithTheFirstMotion) {
     EXPECT_EQ(motion.error.covariance()(3, 3) > limits(3, 3), before == 0.0);
     before = place;
   }
+}
+
+/// The cart is held at the pose of the standstill until a motion is valid.
+TEST_F(VisualTrackTest, InvalidMotionDoesNotEndAStandstill) {
+  OdometrySettings settings = smallSettings();
+  settings.validity.maximum_speed = 0.5 * kStep / 0.05;
+  VisualTrack track = begin(settings);
+  int index = stop(track);
+  ASSERT_EQ(show(track, drivePair(1), index++).reason, OdometryReason::implausible_motion);
+  const TrackedMotion motion = show(track, test::CorridorWorld(3).render(kCamera, drive(0.3), 0), index++);
+  ASSERT_EQ(motion.reason, OdometryReason::none);
+  EXPECT_GT(motion.error.covariance()(3, 3), StandstillDetector(StandstillSettings{}).covariance()(3, 3));
 }
 
 TEST_F(VisualTrackTest, KeepsHiddenLandmarksDuringAStandstill) {

@@ -61,16 +61,17 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     : camera_(camera),
       settings_(settings),
       timing_(timing),
-      roughness_(settings.rolling_shutter, settings.self_calibration.correlated_pairs),
       tracker_(camera, settings),
       random_(settings.seed),
       cell_noise_(settings.self_calibration.correlated_pairs, settings.history.half_weight_stddevs),
-      rig_(learnt.rig),
       pitch_reinitialiser_(camera),
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
-      still_regions_(learnt.still_regions),
+      estimates_{learnt.rig,
+                 learnt.still_regions,
+                 {settings.rolling_shutter, settings.self_calibration.correlated_pairs}},
       last_exposure_ns_(first.left_exposure_ns),
+      draft_{{}, {}, estimates_},
       row_regression_(settings.self_calibration) {
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
@@ -95,7 +96,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
 
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
   if (!timing_.isRolling()) return std::nullopt;
-  return rig_.readouts();
+  return estimates_.rig.readouts();
 }
 
 void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {
@@ -117,7 +118,7 @@ bool VisualTrack::estimatesRig() const {
 
 std::optional<RigCalibrationError> VisualTrack::rigCalibrationError() const {
   if (!estimatesRig()) return std::nullopt;
-  return rig_.error();
+  return estimates_.rig.error();
 }
 
 double VisualTrack::secondsSinceLast(const PreparedPair& pair) const {
@@ -159,25 +160,25 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   checkRightCamera(pair, draft, motion.evidence, observer);
   if (isRejected(pair, motion)) return motion;
   const bool still_stands = standing_ && within_standstill;
-  const bool stood = standing_;
   if (standing_) {
     motion.counts.detected = static_cast<int>(landmarks_.size());
     if (still_stands) applyZeroVelocity(pair, motion);
     const bool enough_landmarks = motion.counts.matched >= kMajority * landmarks_when_stopped_;
     if (still_stands && enough_landmarks) return motion;
-    // The pair is added: the cart moves, or too many landmarks of the start of the standstill are lost.
-    standing_ = still_stands;
   }
+  // The pair is added if its motion is valid. In a standstill, too many landmarks of its start are lost.
   replenishLandmarks(pair, draft, motion, observer);
   const StageScope stage(observer, Stage::weights);
-  if (still_stands)
+  if (still_stands) {
     refreshStandstill(pair, draft, motion);
-  else
-    adjust(pair, draft, motion);
+    return motion;
+  }
+  adjust(pair, draft, motion);
   // The first motion after a standstill starts at the fixed pose, not at the true one.
-  if (stood && !still_stands) motion.error.by_standstill = standstill_.covariance();
-  if (!still_stands && motion.valid() && standstill_.update(motion.T_world_camera, pair.left_exposure_ns)) {
-    standing_ = true;
+  if (standing_) motion.error.by_standstill = standstill_.covariance();
+  if (!motion.valid()) return motion;
+  standing_ = standstill_.update(motion.T_world_camera, pair.left_exposure_ns);
+  if (standing_) {
     landmarks_when_stopped_ = motion.counts.matched;
     velocity_ = Vector6d::Zero();
   }
@@ -322,18 +323,18 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
                        wanted);
   };
   const StereoMatchFunction match = std::cref(match_rotated);  // a reference: a copy would be allocated
-  match(landmarks, rig_);
-  if (estimatesRig() && reinitialiser.tryReinitialise({landmarks, window, match}, rig_)) {
+  match(landmarks, estimates_.rig);
+  if (estimatesRig() && reinitialiser.tryReinitialise({landmarks, window, match}, estimates_.rig)) {
     discardLastStereo(landmarks);  // matches at the wrong pitch are by chance
-    match(landmarks, rig_);
+    match(landmarks, estimates_.rig);
   }
 
-  const RigCorrection rig = rig_.correction();
+  const RigCorrection rig = estimates_.rig.correction();
   const RowTransform right_from_left(camera_, timing_, window.back(), T_right_left);
   for (Landmark& landmark : landmarks) {
     const Observation& anchor = landmark.anchor();
     if (landmark.hasDepth() || landmark.observations.size() > 1 || !anchor.stereo) continue;
-    if (still_regions_.contains(anchor.left)) continue;
+    if (estimates_.still_regions.contains(anchor.left)) continue;
     initialiseDepth(landmark, camera_, right_from_left.at(anchor.left),
                     right_from_left.exposureFromLeft(anchor.left),
                     correctedRight(camera_, rig, anchor.right()), noise_);

@@ -87,17 +87,25 @@ class VisualTrack {
   /// Adds the landmarks that the pair with this index observed.
   void viewLandmarks(std::int64_t pair, LandmarkViews& views) const;
   int stereoCount() const;  ///< landmarks found in the last pair's right image
-  const RigCalibrationFilter& rig() const { return rig_; }
+  const RigCalibrationFilter& rig() const { return estimates_.rig; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
-  const StillRegions& stillRegions() const { return still_regions_; }
-  LearntByTracks learnt() const { return {rig_, still_regions_}; }
+  const StillRegions& stillRegions() const { return estimates_.still_regions; }
+  LearntByTracks learnt() const { return {estimates_.rig, estimates_.still_regions}; }
   std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters
 
  private:
-  /// Landmarks and window with the current pair, before it is accepted.
+  /// What motions tell of cameras and road.
+  struct Estimates {
+    RigCalibrationFilter rig;  ///< without RigRefinement::correct, only its readouts change
+    StillRegions still_regions;
+    MotionRoughness roughness;
+  };
+
+  /// Landmarks, window and estimates with the current pair, before it is accepted.
   struct Draft {
     std::vector<Landmark> landmarks;
     std::vector<WindowFrame> window;                          ///< the pair is the last
+    Estimates estimates;                                      ///< set by adjust()
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
     bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
   };
@@ -136,18 +144,17 @@ class VisualTrack {
   void addRowNoise(const Draft& draft);
   std::optional<Matrix6d> estimateRowMotion(Draft& draft);
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
-  void updateRowConsistency(const std::vector<WindowFrame>& window);
+  void updateRowConsistency(Draft& draft) const;
   void concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const;
   void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
                        const RowInformation::Vector& variances);
   void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);
-  void updateReadouts(const Draft& draft, const TimedPoses& poses);
-  void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev,
-                    WindowFrame& pair) const;
+  void updateReadouts(Draft& draft, const TimedPoses& poses);
+  void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev, Draft& draft) const;
 
   // visual_track_adjustment.cpp
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
-  BundleResult adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig);
+  BundleResult adjustWithRig(Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
@@ -157,18 +164,16 @@ class VisualTrack {
 
   StereoCamera camera_;
   OdometrySettings settings_;
-  RowTiming timing_;
-  MotionRoughness roughness_;
+  RowTiming timing_;  ///< with the readouts of the current pair
   RowInformation::Vector expected_variances_ = RowInformation::Vector::Zero();  ///< of the expected motion
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;
   CellNoise cell_noise_;
-  RigCalibrationFilter rig_;                ///< without RigRefinement::correct, only its readouts change
   PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;
   FrozenCameraDetector frozen_camera_;
-  StillRegions still_regions_;
+  Estimates estimates_;  ///< changed by pairs with a valid motion, and by pitch_reinitialiser_
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;

@@ -52,12 +52,12 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
 }
 
 /// Adjusts the window, and once more if the rig's correction changes by that: older poses are fixed, so that
-/// a wrong scale would last as long as the window. `updated_rig`: result.
-BundleResult VisualTrack::adjustWithRig(const Draft& draft, RigCalibrationFilter& updated_rig) {
-  RigCorrection rig = rig_.correction();
+/// a wrong scale would last as long as the window. Updates the rig.
+BundleResult VisualTrack::adjustWithRig(Draft& draft) {
+  RigCorrection rig = estimates_.rig.correction();
   buildBundleProblem(draft, rig);
   BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
-  updated_rig = updatedRig(result, draft, rig);
+  RigCalibrationFilter updated_rig = updatedRig(result, draft, rig);
   if (const RigCorrection better = updated_rig.correction();
       kMinimumRigChange < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
@@ -65,15 +65,16 @@ BundleResult VisualTrack::adjustWithRig(const Draft& draft, RigCalibrationFilter
     result = adjuster_.adjust(bundle_, settings_.bundle);
     updated_rig = updatedRig(result, draft, rig);
   }
+  draft.estimates.rig = updated_rig;
   return result;
 }
 
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  draft.estimates = estimates_;
   std::optional<Matrix6d> by_rows;
   if (timing_.isRolling()) by_rows = estimateRowMotion(draft);
-  RigCalibrationFilter updated_rig;
-  const BundleResult result = adjustWithRig(draft, updated_rig);
+  const BundleResult result = adjustWithRig(draft);
   if (!result.converged) {
     motion.reason = OdometryReason::degenerate_geometry;
     return;
@@ -99,21 +100,22 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   last_stddev_ = motion.stddevByLandmarks();
   cell_noise_.update(bundle_);
   noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
-  rig_ = updated_rig;
+  std::swap(estimates_, draft.estimates);
   accept(pair, draft);
 }
 
 /// Updates the landmarks' depths, and their trust from their residuals. Landmarks in still regions have no
 /// depth and so no say in the poses.
 void VisualTrack::updateLandmarks(Draft& draft) {
-  still_regions_.update(draft.landmarks, draft.window);
+  StillRegions& still_regions = draft.estimates.still_regions;
+  still_regions.update(draft.landmarks, draft.window);
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     Landmark& landmark = draft.landmarks[chosen_[i]];
     const BundleLandmark& adjusted = bundle_.landmarks[i];
     const double ratio = adjusted.error / settings_.history.half_weight_stddevs;
     const double square = ratio * ratio;
     landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
-    if (still_regions_.contains(landmark.last().left))
+    if (still_regions.contains(landmark.last().left))
       landmark.information = 0.0;
     else
       updateDepth(adjusted, landmark);
@@ -143,7 +145,7 @@ OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
 /// `applied`; unchanged if it is off or the adjustment has not converged.
 RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const Draft& draft,
                                              const RigCorrection& applied) {
-  RigCalibrationFilter rig = rig_;
+  RigCalibrationFilter rig = draft.estimates.rig;
   if (!result.converged || !estimatesRig()) return rig;
   const double time_step = secondsBetween(window_.back(), draft.window.back());
   rig.predict(time_step);

@@ -51,8 +51,9 @@ Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
 }  // namespace
 
 /// Expects the motion about the pair's exposure: that about the last exposure extrapolated and the mean of
-/// the window, each as far as it has been a good guess.
+/// the window, each as far as it has been a good guess. Sets the readouts of the pair to the estimates.
 void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
+  timing_.setReadouts(estimates_.rig.leftReadout(), estimates_.rig.rightReadout());
   const double step = secondsSinceLast(pair);
   RowInformation::Vector mean = RowInformation::Vector::Zero(), spread = RowInformation::Vector::Zero();
   for (const WindowFrame& frame : window_)
@@ -63,7 +64,7 @@ void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
   extrapolated.head<6>() += step * extrapolated.segment<6>(6);
   extrapolated.tail<3>().setZero();
   mean.tail<9>().setZero();
-  const RowInformation::Vector errors = roughness_.variancesAfter(step);
+  const RowInformation::Vector errors = estimates_.roughness.variancesAfter(step);
   const RowInformation::Vector share = spread.array() / (spread + errors).array().max(1e-12);
   expected_variances_ = share.cwiseProduct(errors);
   const RowInformation::Vector expected = mean + share.cwiseProduct(extrapolated - mean);
@@ -105,7 +106,7 @@ void VisualTrack::buildRowProblem(const Draft& draft, int position, const Exposu
   problem.settings = settings_.rolling_shutter;
   problem.expected = expected;
   problem.variances = variances;
-  problem.readout_stddev = rig_.leftReadoutStddev();
+  problem.readout_stddev = draft.estimates.rig.leftReadoutStddev();
   addRowPoints(draft, position, draft.window[position].T_world_camera, RigSide::left);
 }
 
@@ -120,7 +121,7 @@ void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Is
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_camera_anchor;
   for (const WindowFrame& frame : draft.window)
     T_camera_anchor.push_back(T_world_camera.inverse() * frame.T_world_camera);
-  const RigCorrection rig = rig_.correction();
+  const RigCorrection rig = draft.estimates.rig.correction();
   for (const Landmark& landmark : draft.landmarks) {
     if (!landmark.hasDepth() || landmark.observations.size() < 2) continue;
     const Observation* seen = landmark.find(draft.window[position].index);
@@ -162,9 +163,9 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
   const int newest = static_cast<int>(poses.size()) - 1;
   const bool enough_pairs = draft.window.size() >= kFirstWindow;
-  if (enough_pairs) roughness_.update(poses, last_stddev_);
+  if (enough_pairs) draft.estimates.roughness.update(poses, last_stddev_);
   buildRowProblem(draft, newest, motionByPoses(poses, newest),
-                  roughness_.variances(poses, newest, last_stddev_));
+                  draft.estimates.roughness.variances(poses, newest, last_stddev_));
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
   const bool use = found.converged && enough_pairs;
@@ -176,12 +177,12 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   }
   const std::size_t first = firstToCorrect(draft.window);
   for (int i = static_cast<int>(first); i <= newest; ++i)
-    updateMotion(poses, i, last_stddev_, draft.window[i]);
+    updateMotion(poses, i, last_stddev_, draft);
   if (use) {
-    updateRowConsistency(draft.window);
+    updateRowConsistency(draft);
     updateReadouts(draft, poses);
   }
-  timing_.setReadouts(rig_.leftReadout(), rig_.rightReadout());
+  timing_.setReadouts(draft.estimates.rig.leftReadout(), draft.estimates.rig.rightReadout());
   correctRows(camera_, timing_, draft.window, first, settings_.tracking.predicted_inverse_depth,
               draft.landmarks);
   return use ? std::optional(found.pose_covariance_by_motion) : std::nullopt;
@@ -189,13 +190,13 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
 
 /// Compares the motions about the last two exposures with the motion between their poses: the errors that the
 /// rows of several pictures have in common are not part of their covariances.
-void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
-  const WindowFrame &from = window[window.size() - 2], &to = window.back();
+void VisualTrack::updateRowConsistency(Draft& draft) const {
+  const WindowFrame &from = draft.window[draft.window.size() - 2], &to = draft.window.back();
   const double step = secondsBetween(from, to);
   const Vector6d velocity_variances =
       from.rows->covariance.diagonal().head<6>() + to.rows->covariance.diagonal().head<6>();
-  roughness_.compare(excessMotion(from, to),
-                     0.25 * step * step * velocity_variances + last_stddev_.cwiseAbs2());
+  draft.estimates.roughness.compare(excessMotion(from, to),
+                                    0.25 * step * step * velocity_variances + last_stddev_.cwiseAbs2());
 }
 
 /// Updates the motion about the newest exposure by the adjusted poses, and sets the twist. Widens its
@@ -204,8 +205,8 @@ void VisualTrack::updateRowConsistency(const std::vector<WindowFrame>& window) {
 void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const {
   WindowFrame& pair = draft.window.back();
   updateMotion(timedPoses(draft.window), static_cast<int>(draft.window.size()) - 1,
-               motion.stddevByLandmarks(), pair);
-  const double factor = roughness_.varianceFactor();
+               motion.stddevByLandmarks(), draft);
+  const double factor = draft.estimates.roughness.varianceFactor();
   motion.twist = ExposureTwist{pair.motion->velocity, factor * pair.rows->covariance.topLeftCorner<6, 6>()};
   motion.error.by_rows = factor * by_rows;
 }
@@ -220,7 +221,7 @@ std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) 
 /// Updates the readouts by the rows of a pair in the middle of the window, weighted by the square of the
 /// poses' least share in the motions since: where the poses tell a motion badly, its error would pass for one
 /// of the readout, and in a vibration always with the same sign.
-void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
+void VisualTrack::updateReadouts(Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
   double share_of_poses = 1.0;
@@ -229,31 +230,35 @@ void VisualTrack::updateReadouts(const Draft& draft, const TimedPoses& poses) {
         std::min(share_of_poses, draft.window[i].rows->expected_share.diagonal().head<6>().minCoeff());
   const double weight = std::pow(std::max(share_of_poses, 0.0), 2);
   const bool right_is_due = frame.index % kReadoutInterval == 0;
-  const int left_interval = rig_.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
+  const int left_interval =
+      draft.estimates.rig.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;
   const ExposureMotion expected =
       motionByPolynomial(poses, position, position - kReadoutNeighbours, position + kReadoutNeighbours);
-  buildRowProblem(draft, position, expected, roughness_.variances(poses, position, last_stddev_));
+  buildRowProblem(draft, position, expected,
+                  draft.estimates.roughness.variances(poses, position, last_stddev_));
   row_problem_.start = expected;
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    rig_.updateLeftReadout(found.readout, weight * left_interval);
+    draft.estimates.rig.updateLeftReadout(found.readout, weight * left_interval);
   if (!right_is_due) return;
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   row_problem_.expected = row_problem_.start =
       motionAbout(expected, frame.offset, T_left_right, timing_.range());
-  row_problem_.readout_stddev = rig_.rightReadoutStddev();
+  row_problem_.readout_stddev = draft.estimates.rig.rightReadoutStddev();
   addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
                RigSide::right);
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    rig_.updateRightReadout(found.readout, weight * kReadoutInterval);
+    draft.estimates.rig.updateRightReadout(found.readout, weight * kReadoutInterval);
 }
 
 /// Updates the motion about the exposure of the pair at `position` in the window: that of the poses and of
 /// the pair's rows, each by its covariance.
 void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev,
-                               WindowFrame& pair) const {
+                               Draft& draft) const {
+  WindowFrame& pair = draft.window[position];
   const ExposureMotion expected = motionByPoses(poses, position);
-  const MotionPrior prior{vectorOf(expected), roughness_.variances(poses, position, motion_stddev),
+  const MotionPrior prior{vectorOf(expected),
+                          draft.estimates.roughness.variances(poses, position, motion_stddev),
                           settings_.rolling_shutter.prior_freedom};
   pair.rows.emplace(pair.row_information, prior);
   pair.motion = pair.rows->of(expected);

@@ -44,7 +44,7 @@ std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<Wi
       window.back().T_world_camera * newestRightFromLeft(timedPoses(window), camera_.baseline).inverse();
   problem.expected = problem.start;
   toPosePoints(landmarks, window, camera_, problem.points, chosen_);
-  toRightCameraPoints(landmarks, chosen_, camera_, rig_.correction(), problem.points);
+  toRightCameraPoints(landmarks, chosen_, camera_, estimates_.rig.correction(), problem.points);
   if (static_cast<int>(problem.points.size()) < settings_.validity.minimum_matches) return std::nullopt;
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
   const auto found = pose_finder_.find(problem, settings_.pose_search, random);
@@ -69,7 +69,8 @@ void VisualTrack::checkRightCamera(const PreparedPair& pair, Draft& draft, Integ
                          2.0 * offset * velocity_.value_or(Vector6d::Zero()));
   }
   matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
-                     newestRightFromLeft(timedPoses(draft.window), camera_.baseline), rig_, draft.landmarks);
+                     newestRightFromLeft(timedPoses(draft.window), camera_.baseline), estimates_.rig,
+                     draft.landmarks);
   const RightMotion right = frozen_camera_.update(localiseRight(draft.window, draft.landmarks),
                                                   pair.left_exposure_ns, evidence.left_repeats);
   discardLastStereo(draft.landmarks);

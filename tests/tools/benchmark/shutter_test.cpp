@@ -97,6 +97,7 @@ ShutterAccuracy example(const std::string& sequence, const ShutterCase& seen, Re
   one.accuracy.evaluation.short_segments.all = {0.0, 50, translation, 1e-4};
   one.accuracy.evaluation.relative_translation = 0.5 * translation;
   one.accuracy.evaluation.relative_rotation = 1e-5;
+  one.accuracy.consistency.velocity = NormalisedErrors({{125.0, 100}}, 0);
   return one;
 }
 
@@ -142,6 +143,7 @@ TEST(ShutterJson, HasOneRowPerResultAndSummary) {
   EXPECT_NEAR(ignored["relative_rate_error"], 0.1, 1e-9);
   EXPECT_NEAR(ignored["valid_share"], 0.98, 1e-9);
   EXPECT_TRUE(ignored["nees_motion"].is_null());
+  EXPECT_NEAR(ignored["nees_velocity"], 1.25, 1e-12);
 }
 
 TEST(ShutterPlot, DrawsReadoutsAndVibrations) {

@@ -28,6 +28,10 @@ double validShare(const SequenceAccuracy& accuracy) {
              : 1.0 - static_cast<double>(accuracy.invalid) / static_cast<double>(accuracy.pairs - 1);
 }
 
+std::string nees(const NormalisedErrors& errors) {
+  return errors.groups() == 0 ? kNoValue : significant(errors.mean());
+}
+
 std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
   const ErrorCells errors = errorCells(a.evaluation, ratiosToGlobal(one, all));
@@ -40,7 +44,8 @@ std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<Shu
           errors.segment_ratios,
           errors.relative,
           errors.relative_ratios,
-          a.consistency.motion.groups() == 0 ? kNoValue : significant(a.consistency.motion.mean()),
+          nees(a.consistency.motion),
+          nees(a.consistency.velocity),
           std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
           fixed(100.0 * validShare(a), 1),
           std::to_string(a.wrong)};
@@ -53,10 +58,10 @@ constexpr const char* kLegend =
     "mount. model: known: the odometry has the true readout; estimated: it begins with 32 ms and 15 %;\n"
     "ignored: it assumes a global shutter. Errors of the left camera's path (cartvo-evaluate(1)): segments\n"
     "of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg). x: as multiples of the errors\n"
-    "with a global shutter on the same drive. NEES: mean of the squared error of motions over its\n"
-    "covariance, per dimension: 1 is consistent. rates: RMS error of the published angular velocity at the\n"
-    "exposure over the RMS of the true one. wrong: valid, but off by more than 5 cm or 0.5 deg and five\n"
-    "standard deviations.\n";
+    "with a global shutter on the same drive. NEES: mean of the squared error of motions and of\n"
+    "published velocities over its covariance, per dimension: 1 is consistent. rates: RMS error of the\n"
+    "published angular velocity at the exposure over the RMS of the true one. wrong: valid, but off by more\n"
+    "than 5 cm or 0.5 deg and five standard deviations.\n";
 
 Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
@@ -75,8 +80,10 @@ Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all
             {"evaluation", evaluationOfDrivesJson(a.evaluation)},
             {"ratio_to_global", ratiosJson(ratiosToGlobal(one, all))},
             {"nees_motion", nullptr},
+            {"nees_velocity", nullptr},
             {"relative_rate_error", nullptr}};
   if (a.consistency.motion.groups() > 0) json["nees_motion"] = a.consistency.motion.mean();
+  if (a.consistency.velocity.groups() > 0) json["nees_velocity"] = a.consistency.velocity.mean();
   if (std::isfinite(one.rates.relative())) json["relative_rate_error"] = one.rates.relative();
   return json;
 }
@@ -123,7 +130,7 @@ std::string readoutName(const StereoReadout& readout) {
 
 std::string shutterTable(const std::vector<ShutterAccuracy>& accuracies, ReportFormat format) {
   Table table({"sequence", "readout", "right camera", "shaken", "model", "5–40 m: % / deg/m", "x",
-               "RPE: mm / deg", "x", "NEES", "rates, %", "valid, %", "wrong"});
+               "RPE: mm / deg", "x", "NEES motion", "NEES velocity", "rates, %", "valid, %", "wrong"});
   const std::vector<ShutterAccuracy> all = withAllWorlds(accuracies);
   for (const ShutterAccuracy& one : all)
     table.add(cells(one, all));

@@ -70,9 +70,10 @@ OdometrySettings smallSettings() {
 
 class VisualTrackTest : public testing::Test {
  protected:
-  VisualTrack begin(const OdometrySettings& settings = smallSettings()) {
-    return VisualTrack(kCamera, settings, RowTiming(kCamera, {}), prepared(drivePair(0), 0),
-                       {RigCalibrationFilter{}, StillRegions(kCamera)}, reinitialiser_, observer_);
+  VisualTrack begin(const OdometrySettings& settings = smallSettings(), const StereoShutters& shutters = {}) {
+    return VisualTrack(kCamera, settings, RowTiming(kCamera, shutters), prepared(drivePair(0), 0),
+                       {RigCalibrationFilter({}, shutters), StillRegions(kCamera)}, reinitialiser_,
+                       observer_);
   }
   TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
     return track.process(prepared(images, index), observer_);
@@ -209,8 +210,7 @@ TEST_F(VisualTrackTest, ImplausibleMotionLeavesTheEstimatesUnchanged) {
     *shutter = {.readout = 0.03, .readout_stddev = 0.005, .rows = {}};
   OdometrySettings settings = smallSettings();
   settings.validity.maximum_speed = 1.5 * kStep / 0.05;
-  VisualTrack track(kCamera, settings, RowTiming(kCamera, shutters), prepared(drivePair(0), 0),
-                    {RigCalibrationFilter({}, shutters), StillRegions(kCamera)}, reinitialiser_, observer_);
+  VisualTrack track = begin(settings, shutters);
   for (int i = 1; i < 6; ++i)
     ASSERT_TRUE(show(track, drivePair(i), i).valid()) << i;
   const auto readout = [&] { return track.readouts().value().left; };

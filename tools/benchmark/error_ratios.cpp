@@ -68,4 +68,12 @@ nlohmann::ordered_json evaluationOfDrivesJson(const Evaluation& evaluation) {
   return json;
 }
 
+std::string neesCell(const NormalisedErrors& errors) {
+  return errors.groups() == 0 ? kNoValue : significant(errors.mean());
+}
+
+nlohmann::ordered_json neesJson(const NormalisedErrors& errors) {
+  return errors.groups() == 0 ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(errors.mean());
+}
+
 }  // namespace cartvo::benchmark

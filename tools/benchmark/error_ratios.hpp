@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/evaluate/consistency.hpp"
 #include "tools/evaluate/evaluation.hpp"
 
 // What the reports of errors over time offsets and over readouts have in common.
@@ -31,6 +32,10 @@ struct ErrorCells {
   std::string segments, segment_ratios, relative, relative_ratios;
 };
 ErrorCells errorCells(const Evaluation& evaluation, const std::optional<ErrorRatios>& ratios);
+
+/// The mean NEES as a cell of a table and as JSON; null if there are no errors.
+std::string neesCell(const NormalisedErrors& errors);
+nlohmann::ordered_json neesJson(const NormalisedErrors& errors);
 
 /// The evaluation as JSON; values that are not defined for several drives together are null.
 nlohmann::ordered_json evaluationOfDrivesJson(const Evaluation& evaluation);

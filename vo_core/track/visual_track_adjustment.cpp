@@ -54,7 +54,7 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
 /// Adjusts the window, and once more if the rig's correction changes by that: older poses are fixed, so that
 /// a wrong scale would last as long as the window. Updates the rig.
 BundleResult VisualTrack::adjustWithRig(Draft& draft) {
-  RigCorrection rig = estimates_.rig.correction();
+  RigCorrection rig = draft.estimates.rig.correction();
   buildBundleProblem(draft, rig);
   BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
   RigCalibrationFilter updated_rig = updatedRig(result, draft, rig);

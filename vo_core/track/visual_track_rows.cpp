@@ -162,10 +162,11 @@ void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Is
 std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
   const int newest = static_cast<int>(poses.size()) - 1;
+  MotionRoughness& roughness = draft.estimates.roughness;
   const bool enough_pairs = draft.window.size() >= kFirstWindow;
-  if (enough_pairs) draft.estimates.roughness.update(poses, last_stddev_);
+  if (enough_pairs) roughness.update(poses, last_stddev_);
   buildRowProblem(draft, newest, motionByPoses(poses, newest),
-                  draft.estimates.roughness.variances(poses, newest, last_stddev_));
+                  roughness.variances(poses, newest, last_stddev_));
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
   const bool use = found.converged && enough_pairs;
@@ -224,14 +225,14 @@ std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) 
 void VisualTrack::updateReadouts(Draft& draft, const TimedPoses& poses) {
   const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
   const WindowFrame& frame = draft.window[position];
+  RigCalibrationFilter& rig = draft.estimates.rig;
   double share_of_poses = 1.0;
   for (std::size_t i = position; i < draft.window.size(); ++i)
     share_of_poses =
         std::min(share_of_poses, draft.window[i].rows->expected_share.diagonal().head<6>().minCoeff());
   const double weight = std::pow(std::max(share_of_poses, 0.0), 2);
   const bool right_is_due = frame.index % kReadoutInterval == 0;
-  const int left_interval =
-      draft.estimates.rig.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
+  const int left_interval = rig.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
   if (frame.index % left_interval != 0) return;
   const ExposureMotion expected =
       motionByPolynomial(poses, position, position - kReadoutNeighbours, position + kReadoutNeighbours);
@@ -239,16 +240,16 @@ void VisualTrack::updateReadouts(Draft& draft, const TimedPoses& poses) {
                   draft.estimates.roughness.variances(poses, position, last_stddev_));
   row_problem_.start = expected;
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    draft.estimates.rig.updateLeftReadout(found.readout, weight * left_interval);
+    rig.updateLeftReadout(found.readout, weight * left_interval);
   if (!right_is_due) return;
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   row_problem_.expected = row_problem_.start =
       motionAbout(expected, frame.offset, T_left_right, timing_.range());
-  row_problem_.readout_stddev = draft.estimates.rig.rightReadoutStddev();
+  row_problem_.readout_stddev = rig.rightReadoutStddev();
   addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
                RigSide::right);
   if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    draft.estimates.rig.updateRightReadout(found.readout, weight * kReadoutInterval);
+    rig.updateRightReadout(found.readout, weight * kReadoutInterval);
 }
 
 /// Updates the motion about the exposure of the pair at `position` in the window: that of the poses and of

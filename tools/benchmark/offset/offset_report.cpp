@@ -22,10 +22,6 @@ const OffsetAccuracy* synchronisedReference(const OffsetAccuracy& one,
   return found == all.end() ? nullptr : &*found;
 }
 
-std::string consistencyCell(const NormalisedErrors& errors) {
-  return errors.groups() == 0 ? kNoValue : significant(errors.mean());
-}
-
 std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
   const Evaluation& e = a.evaluation;
@@ -42,8 +38,8 @@ std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<Offs
           std::to_string(a.invalid),
           std::to_string(a.resets),
           std::to_string(a.wrong),
-          consistencyCell(a.consistency.motion),
-          consistencyCell(a.consistency.pose)};
+          neesCell(a.consistency.motion),
+          neesCell(a.consistency.pose)};
 }
 
 constexpr const char* kLegend =
@@ -58,9 +54,6 @@ constexpr const char* kLegend =
 
 Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
-  const auto mean = [](const NormalisedErrors& errors) {
-    return errors.groups() == 0 ? Json(nullptr) : Json(errors.mean());
-  };
   return {{"sequence", one.sequence},
           {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
           {"offset_ms", 1e3 * one.clock.offset_s},
@@ -73,8 +66,8 @@ Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) 
           {"wrong_while_valid", a.wrong},
           {"evaluation", evaluationOfDrivesJson(a.evaluation)},
           {"ratio_to_0_ms", ratiosJson(ratiosOf(one, all))},
-          {"nees_motion", mean(a.consistency.motion)},
-          {"nees_pose", mean(a.consistency.pose)}};
+          {"nees_motion", neesJson(a.consistency.motion)},
+          {"nees_pose", neesJson(a.consistency.pose)}};
 }
 
 std::vector<OffsetAccuracy> withAllWorlds(std::vector<OffsetAccuracy> accuracies) {

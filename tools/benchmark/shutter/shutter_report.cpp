@@ -28,10 +28,6 @@ double validShare(const SequenceAccuracy& accuracy) {
              : 1.0 - static_cast<double>(accuracy.invalid) / static_cast<double>(accuracy.pairs - 1);
 }
 
-std::string nees(const NormalisedErrors& errors) {
-  return errors.groups() == 0 ? kNoValue : significant(errors.mean());
-}
-
 std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
   const ErrorCells errors = errorCells(a.evaluation, ratiosToGlobal(one, all));
@@ -44,8 +40,8 @@ std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<Shu
           errors.segment_ratios,
           errors.relative,
           errors.relative_ratios,
-          nees(a.consistency.motion),
-          nees(a.consistency.velocity),
+          neesCell(a.consistency.motion),
+          neesCell(a.consistency.velocity),
           std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
           fixed(100.0 * validShare(a), 1),
           std::to_string(a.wrong)};
@@ -79,11 +75,9 @@ Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all
             {"wrong_while_valid", a.wrong},
             {"evaluation", evaluationOfDrivesJson(a.evaluation)},
             {"ratio_to_global", ratiosJson(ratiosToGlobal(one, all))},
-            {"nees_motion", nullptr},
-            {"nees_velocity", nullptr},
+            {"nees_motion", neesJson(a.consistency.motion)},
+            {"nees_velocity", neesJson(a.consistency.velocity)},
             {"relative_rate_error", nullptr}};
-  if (a.consistency.motion.groups() > 0) json["nees_motion"] = a.consistency.motion.mean();
-  if (a.consistency.velocity.groups() > 0) json["nees_velocity"] = a.consistency.velocity.mean();
   if (std::isfinite(one.rates.relative())) json["relative_rate_error"] = one.rates.relative();
   return json;
 }

@@ -56,13 +56,6 @@ RowInformation::Vector MotionRoughness::variances(std::span<const TimedPose> pos
   return variances;
 }
 
-RowInformation::Vector MotionRoughness::variancesAfter(double time_step) const {
-  const Vector6d jerk = newestJerk();
-  RowInformation::Vector variances;
-  variances << std::pow(0.5 * time_step * time_step, 2) * jerk, time_step * time_step * jerk, jerk.tail<3>();
-  return variances;
-}
-
 void MotionRoughness::compare(const Vector6d& difference, const Vector6d& variances) {
   inconsistency_ =
       memory_ * inconsistency_ + (1.0 - memory_) * difference.cwiseAbs2().cwiseQuotient(variances);

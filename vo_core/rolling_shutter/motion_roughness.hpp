@@ -23,9 +23,6 @@ class MotionRoughness {
   /// of the motion from pair to pair.
   RowInformation::Vector variances(std::span<const TimedPose> poses, int index,
                                    const Vector6d& motion_stddev) const;
-  /// Variances of the difference between the velocity and acceleration `time_step` seconds after an exposure
-  /// and those extrapolated from it.
-  RowInformation::Vector variancesAfter(double time_step) const;
 
   /// Updates with the jerk between the last four poses.
   void update(std::span<const TimedPose> poses, const Vector6d& motion_stddev);

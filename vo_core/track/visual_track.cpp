@@ -69,7 +69,8 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       frozen_camera_(settings.standstill),
       estimates_{learnt.rig,
                  learnt.still_regions,
-                 {settings.rolling_shutter, settings.self_calibration.correlated_pairs}},
+                 {settings.rolling_shutter, settings.self_calibration.correlated_pairs},
+                 PredictionErrors(settings.self_calibration.correlated_pairs)},
       last_exposure_ns_(first.left_exposure_ns),
       draft_{{}, {}, estimates_},
       row_regression_(settings.self_calibration) {
@@ -147,7 +148,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   Draft& draft = draft_;
   draft.window = window_;
   draft.window.push_back(frameOf(pair));
-  if (timing_.isRolling()) expectMotion(pair, draft);
+  if (timing_.isRolling()) predictMotion(pair, draft);
   trackLandmarks(pair, draft, motion, observer);
   {
     const StageScope stage(observer, Stage::motion);

@@ -16,6 +16,7 @@
 #include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/rolling_shutter/motion_prediction.hpp"
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
 #include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
@@ -99,6 +100,7 @@ class VisualTrack {
     RigCalibrationFilter rig;  ///< without RigRefinement::correct, only its readouts change
     StillRegions still_regions;
     MotionRoughness roughness;
+    PredictionErrors prediction_errors;
   };
 
   /// Landmarks, window and estimates with the current pair, before it is accepted.
@@ -108,6 +110,7 @@ class VisualTrack {
     Estimates estimates;                                      ///< set by adjust()
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
     bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
+    MotionPredictions predictions{};                          ///< with rolling shutters
   };
 
   // visual_track.cpp
@@ -140,7 +143,7 @@ class VisualTrack {
 
   // visual_track_rows.cpp
   enum class RigSide : std::uint8_t { left, right };
-  void expectMotion(const PreparedPair& pair, Draft& draft);
+  void predictMotion(const PreparedPair& pair, Draft& draft);
   void addRowNoise(const Draft& draft);
   std::optional<Matrix6d> estimateRowMotion(Draft& draft);
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
@@ -165,7 +168,7 @@ class VisualTrack {
   StereoCamera camera_;
   OdometrySettings settings_;
   RowTiming timing_;  ///< with the readouts of the current pair
-  RowInformation::Vector expected_variances_ = RowInformation::Vector::Zero();  ///< of the expected motion
+  RowInformation::Vector predicted_variances_ = RowInformation::Vector::Zero();
   LandmarkTracker tracker_;
   SubsetRandom random_;
   BundleNoises noise_;

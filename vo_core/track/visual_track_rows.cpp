@@ -50,29 +50,23 @@ Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
 
 }  // namespace
 
-/// Expects the motion about the pair's exposure: that about the last exposure extrapolated and the mean of
-/// the window, each as far as it has been a good guess. Sets the readouts of the pair to the estimates.
-void VisualTrack::expectMotion(const PreparedPair& pair, Draft& draft) {
+/// Predicts the motion about the pair's exposure. Sets the readouts of the pair to the estimates.
+void VisualTrack::predictMotion(const PreparedPair& pair, Draft& draft) {
   timing_.setReadouts(estimates_.rig.leftReadout(), estimates_.rig.rightReadout());
-  const double step = secondsSinceLast(pair);
-  RowInformation::Vector mean = RowInformation::Vector::Zero(), spread = RowInformation::Vector::Zero();
+  MotionPredictions& predictions = draft.predictions;
+  predictions.extrapolated = vectorOf(*window_.back().motion);
+  predictions.extrapolated.head<6>() += secondsSinceLast(pair) * predictions.extrapolated.segment<6>(6);
+  predictions.extrapolated.tail<3>().setZero();
+  predictions.mean.setZero();
   for (const WindowFrame& frame : window_)
-    mean += vectorOf(*frame.motion) / static_cast<double>(window_.size());
-  for (const WindowFrame& frame : window_)
-    spread += (vectorOf(*frame.motion) - mean).cwiseAbs2() / static_cast<double>(window_.size());
-  RowInformation::Vector extrapolated = vectorOf(*window_.back().motion);
-  extrapolated.head<6>() += step * extrapolated.segment<6>(6);
-  extrapolated.tail<3>().setZero();
-  mean.tail<9>().setZero();
-  const RowInformation::Vector errors = estimates_.roughness.variancesAfter(step);
-  const RowInformation::Vector share = spread.array() / (spread + errors).array().max(1e-12);
-  expected_variances_ = share.cwiseProduct(errors);
-  const RowInformation::Vector expected = mean + share.cwiseProduct(extrapolated - mean);
+    predictions.mean.head<6>() += frame.motion->velocity / static_cast<double>(window_.size());
+  const PredictedMotion predicted = estimates_.prediction_errors.combine(predictions);
+  predicted_variances_ = predicted.variances;
   WindowFrame& newest = draft.window.back();
-  newest.motion = motionOf(expected);
+  newest.motion = motionOf(predicted.motion);
   newest.rows = MotionBlend();
   newest.rows->expected_share.setZero();
-  newest.rows->by_rows = expected;
+  newest.rows->by_rows = predicted.motion;
 }
 
 /// Computes the row shifts of the newest pair's observations for the left camera at `T_world_camera`.
@@ -83,9 +77,9 @@ void VisualTrack::correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_wor
               settings_.tracking.predicted_inverse_depth, draft.landmarks);
 }
 
-/// Adds the uncertainty of the expected motion to the noise of the points of the pose search.
+/// Adds the uncertainty of the predicted motion to the noise of the points of the pose search.
 void VisualTrack::addRowNoise(const Draft& draft) {
-  const RowInformation::Vector& variances = expected_variances_;
+  const RowInformation::Vector& variances = predicted_variances_;
   const double translation = variances.head<3>().mean(), rotation = variances.segment<3>(3).mean();
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     PosePoint& point = pose_problem_.points[i];
@@ -179,6 +173,7 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   const std::size_t first = firstToCorrect(draft.window);
   for (int i = static_cast<int>(first); i <= newest; ++i)
     updateMotion(poses, i, last_stddev_, draft);
+  draft.estimates.prediction_errors.update(draft.predictions, *draft.window.back().motion);
   if (use) {
     updateRowConsistency(draft);
     updateReadouts(draft, poses);

@@ -18,14 +18,15 @@ constexpr int kPairs = 32, kSettledPairs = 8;
 struct Drive {
   double readout = kReadout;
   double offset = 0.0;
-  double shake = 0.0;  ///< rad, amplitude of a vibration in pitch at 6 Hz
+  double shake = 0.0;            ///< rad, amplitude of a vibration in pitch
+  double shake_frequency = 6.0;  ///< Hz
 
   Eigen::Isometry3d pose(double time) const {
     Vector6d motion = Vector6d::Zero();
     motion[2] = 1.5 * time;
     motion[0] = 0.15 * std::sin(2.0 * time);
     motion[4] = 0.12 * std::sin(3.0 * time);
-    motion[3] = 0.01 * std::sin(7.0 * time) + shake * std::sin(2.0 * M_PI * 6.0 * time);
+    motion[3] = 0.01 * std::sin(7.0 * time) + shake * std::sin(2.0 * M_PI * shake_frequency * time);
     return motionFromVector(motion);
   }
 
@@ -124,6 +125,13 @@ TEST(RollingShutter, ShowsAShakenMountByItsRows) {
   EXPECT_LT(rolling.translation, 0.3 * ignored.translation);
   EXPECT_LT(rolling.rotation, 0.3 * ignored.rotation);
   EXPECT_LT(rolling.rates, 0.1);  // of 0.11 rad/s RMS
+  EXPECT_LT(rolling.consistency, 2.0);
+}
+
+TEST(RollingShutter, KeepsTheTrackInAVibrationAboveHalfTheFrameRate) {
+  const Errors rolling = errorsOf({.shake = 0.006, .shake_frequency = 12.0}, shuttersOf(kReadout, 0.0));
+  EXPECT_EQ(rolling.valid, kPairs - kSettledPairs);
+  EXPECT_LT(rolling.rotation, 0.001);
   EXPECT_LT(rolling.consistency, 2.0);
 }
 

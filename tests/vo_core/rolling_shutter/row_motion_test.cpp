@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "support/vo_core/landmark_scene.hpp"
+#include "vo_core/rolling_shutter/motion_prediction.hpp"
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
 #include "vo_core/shutter.hpp"
 
@@ -305,6 +306,46 @@ TEST(MotionRoughness, TakesTheNewestJerkAtOnce) {
   const Vector6d variances =
       roughness.variances(posesUntil(kTimeStep * 49, kerb), 4, Vector6d::Zero()).head<6>();
   EXPECT_NEAR(std::sqrt(variances[1]), 0.02 / kTimeStep / 3.0, 1e-3);
+}
+
+/// Motions that `errors` has learnt from, with a component of velocity along x at each pair: predicted from
+/// the previous ones. Returns the prediction of the last one.
+PredictedMotion predictLast(const std::vector<double>& velocities, PredictionErrors& errors) {
+  PredictedMotion predicted;
+  for (std::size_t i = 2; i < velocities.size(); ++i) {
+    MotionPredictions predictions;
+    predictions.extrapolated[0] = 2.0 * velocities[i - 1] - velocities[i - 2];
+    for (std::size_t j = 0; j < i; ++j)
+      predictions.mean[0] += velocities[j] / static_cast<double>(i);
+    predicted = errors.combine(predictions);
+    ExposureMotion found;
+    found.velocity[0] = velocities[i];
+    errors.update(predictions, found);
+  }
+  return predicted;
+}
+
+TEST(PredictionErrors, ExtrapolatesASteadyAcceleration) {
+  std::vector<double> velocities;
+  for (int i = 0; i < 30; ++i)
+    velocities.push_back(0.1 * i);
+  PredictionErrors errors(10.0);
+  const PredictedMotion predicted = predictLast(velocities, errors);
+  EXPECT_NEAR(predicted.motion[0], velocities.back(), 1e-6);
+  EXPECT_LT(predicted.variances[0], 1e-6);
+}
+
+TEST(PredictionErrors, TakeTheMeanOfAFastVibration) {
+  std::vector<double> velocities;
+  double squares = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    velocities.push_back(1.0 + std::sin(2.0 * M_PI * 12.0 * kPeriod * i));
+    squares += std::pow(velocities.back() - 1.0, 2) / 60.0;
+  }
+  PredictionErrors errors(10.0);
+  const PredictedMotion predicted = predictLast(velocities, errors);
+  EXPECT_NEAR(predicted.motion[0], 1.0, 0.3);
+  EXPECT_NEAR(predicted.variances[0], squares, 0.4 * squares);
 }
 
 }  // namespace

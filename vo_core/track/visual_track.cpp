@@ -256,7 +256,9 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
-  motion.ambiguous = !velocity_ && isAmbiguous(*found);
+  // Without a velocity prior, a vehicle that fills the view can win the search.
+  const double others = 1.0 - found->inlier_ratio;
+  motion.ambiguous = !velocity_ && others > kMajority * found->inlier_ratio;
   if (motion.ambiguous) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
@@ -282,17 +284,6 @@ std::optional<FoundPose> VisualTrack::findPose() {
     return beyond;
   pose_problem_.admissible_change = gate;
   return search();  // sets the points' flags again
-}
-
-/// Whether the outliers of the found pose agree on another one that has nearly as much weight. Without a
-/// velocity prior, a vehicle that fills the view can win the RANSAC.
-bool VisualTrack::isAmbiguous(const FoundPose& found) const {
-  PoseProblem outliers = pose_problem_;
-  std::erase_if(outliers.points, [](const PosePoint& point) { return point.inlier; });
-  SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
-  const auto second = PoseFinder().find(outliers, settings_.pose_search, random);
-  return second && second->inliers >= settings_.validity.minimum_inliers &&
-         second->weight > kMajority * found.weight;
 }
 
 /// Motion gate from the maximum acceleration.

@@ -51,7 +51,7 @@ struct TrackedMotion {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   MotionError error;
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
-  bool ambiguous = false;              ///< the first motion, and another one has nearly as many inliers
+  bool ambiguous = false;              ///< the first motion, and less than two thirds of the landmarks agree
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 
@@ -124,7 +124,6 @@ class VisualTrack {
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   std::optional<FoundPose> findPose();
-  bool isAmbiguous(const FoundPose& found) const;
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
   void matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,

@@ -86,7 +86,7 @@ class VisualTrackTest : public testing::Test {
     return index + 1;
   }
 
-  PitchReinitialiser reinitialiser_{kCamera};
+  PitchReinitialiser reinitialiser_{kCamera, TrackingSettings{}.levels};
   NullStageObserver observer_;
 };
 
@@ -324,7 +324,7 @@ TEST_F(VisualTrackTest, KeepsHiddenLandmarksDuringAStandstill) {
 
 TEST_F(VisualTrackTest, StartsWithTheGivenRigCalibration) {
   RigCalibrationFilter known;
-  known.reinitialisePitch(1e-3);
+  known.reinitialisePitch({1e-3, 3e-3});
   const auto pitch_of = [](const VisualTrack& track) {
     return track.rigCalibrationError().value().pitch.value;
   };

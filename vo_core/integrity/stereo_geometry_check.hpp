@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "vo_core/image/image_pyramid.hpp"
-#include "vo_core/integrity/patch_search.hpp"
+#include "vo_core/image/patch_search.hpp"
 #include "vo_core/integrity/stereo_look.hpp"
 #include "vo_core/odometry_estimate.hpp"
 

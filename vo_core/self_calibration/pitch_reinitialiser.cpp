@@ -1,45 +1,87 @@
 // Reinitialisation of the rig's pitch when stereo matches are missing.
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <utility>
 
-#include "vo_core/estimation/window_problems.hpp"
-#include "vo_core/self_calibration/pitch_search.hpp"
-
 namespace cartvo::vo {
+namespace {
 
-bool PitchReinitialiser::tryReinitialise(const MatchedPair& pair, RigCalibrationFilter& rig) {
-  const std::int64_t index = pair.window.back().index;
-  if (index < next_pair_ || !hasFewMatches(pair.landmarks)) return false;
-  next_pair_ = index + kSearchInterval;
-  std::vector<Landmark> landmarks = pair.landmarks;
-  const auto pitch =
-      findPitch(landmarks, camera_.focal_length, [&](std::vector<Landmark>& trial, double trial_pitch) {
-        RigCalibrationFilter trial_rig = rig;
-        trial_rig.reinitialisePitch(trial_pitch);
-        pair.match(trial, trial_rig);
-      });
-  if (!pitch) return false;
-  RigCalibrationFilter found = rig;
-  found.reinitialisePitch(*pitch);
-  const RigCalibrationFilter refined_rig = refined(pair, std::move(landmarks), found);
-  const double change = refined_rig.error().pitch.value - found.error().pitch.value;
-  if (!(std::abs(change) <= pitchSearchRange(camera_.focal_length))) return false;
-  rig = refined_rig;
-  return true;
+constexpr double kFewMatchesShare = 0.2;       // of landmarks: with a correct rig a quarter is matched
+constexpr std::size_t kMinimumLandmarks = 50;  // for a meaningful share
+constexpr std::size_t kMinimumPatches = 24;    // twice what ten mismatches can outvote
+constexpr double kRowTolerance = 3.0;          // px: rows move between the exposures, too
+constexpr double kRowNoise = 0.15;             // px, least error of rows, of good lenses
+constexpr double kMaximumPitch = 0.0105;       // rad, 0.6 degrees
+constexpr int kDisparityShare = 4;             // width over the largest displacement to both sides
+// In the dark, patches correlate badly, but those that are unique agree.
+constexpr PatchDemands kAnyPatch{.texture = 0.0, .correlation = 0.0};
+
+bool hasFewMatches(const std::vector<Landmark>& landmarks) {
+  return landmarks.size() >= kMinimumLandmarks &&
+         static_cast<double>(countStereo(landmarks)) <
+             kFewMatchesShare * static_cast<double>(landmarks.size());
 }
 
-/// Refines the pitch, known to a step of the search, from the rows of the matches at it: in the first round
-/// of those near enough, in the second of all.
-RigCalibrationFilter PitchReinitialiser::refined(const MatchedPair& pair, std::vector<Landmark> landmarks,
-                                                 RigCalibrationFilter rig) const {
-  for (int round = 0; round < 2; ++round) {
-    discardLastStereo(landmarks);
-    pair.match(landmarks, rig);
-    rig.reinitialisePitch(buildNewestPairProblem(landmarks, pair.window, camera_));
+/// Pitches of the right camera (rad) by the rows at which patches of the left image are found in the right
+/// one. The rotation between the exposures is known, the parallax is taken as horizontal.
+std::vector<double> pitchesOfPatches(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                                     PatchSearch& search) {
+  const StereoCamera& camera = pair.camera;
+  const std::vector<Eigen::Vector2i>& centres = search.choosePatches(pair.left);
+  search.setSearched(pair.right, kDisparityShare);
+  std::vector<double> pitches;
+  for (const Eigen::Vector2i& centre : centres) {
+    const std::optional<Eigen::Vector2d> shift = search.find(pair.left, centre);
+    if (!shift) continue;
+    const Eigen::Vector2d left = search.fullPixel(centre);
+    const double expected = project(camera, T_right_left.linear() * bearingOf(camera, left)).y();
+    const double y = (expected - camera.cy) / camera.focal_length;
+    pitches.push_back((left.y() + shift->y() - expected) / (camera.focal_length * (1.0 + y * y)));
   }
-  return rig;
+  return pitches;
+}
+
+/// Moves the median of the values to their middle and returns it.
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The median, if at least half of the values are within `tolerance` of it, with the standard deviation of a
+/// value by the median of the deviations: patches share errors, which do not average out.
+std::optional<EstimateWithStddev> agreedValue(std::vector<double> values, double tolerance) {
+  constexpr double kStddevOfDeviation = 1.4826;  // of a normal distribution
+  const double agreed = median(values);
+  for (double& value : values)
+    value = std::abs(value - agreed);
+  const double deviation = median(values);
+  if (deviation > tolerance) return std::nullopt;
+  return EstimateWithStddev{agreed, kStddevOfDeviation * deviation};
+}
+
+}  // namespace
+
+PitchReinitialiser::PitchReinitialiser(const StereoCamera& camera, int levels)
+    : search_(camera.width, kAnyPatch, levels) {}
+
+bool PitchReinitialiser::tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
+                                         const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig) {
+  const std::int64_t index = pair.window.back().index;
+  if (index < next_pair_ || !hasFewMatches(landmarks)) return false;
+  next_pair_ = index + kSearchInterval;
+  std::vector<double> pitches = pitchesOfPatches(pair, T_right_left, search_);
+  if (pitches.size() < kMinimumPatches) return false;
+  const double pixel = 1.0 / pair.camera.focal_length;  // rad
+  auto pitch = agreedValue(std::move(pitches), kRowTolerance * pixel);
+  if (!pitch || std::abs(pitch->value) > kMaximumPitch) return false;
+  pitch->stddev = std::max(pitch->stddev, kRowNoise * pixel);
+  rig.reinitialisePitch(*pitch);
+  return true;
 }
 
 }  // namespace cartvo::vo

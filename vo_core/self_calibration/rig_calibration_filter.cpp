@@ -145,22 +145,13 @@ void RigCalibrationFilter::updateRightReadout(const ReadoutEquation& equation, d
   updateReadout(kReadoutDifference, equation, rightReadout() - leftReadout(), images);
 }
 
-void RigCalibrationFilter::reinitialisePitch(double pitch) {
+void RigCalibrationFilter::reinitialisePitch(const EstimateWithStddev& pitch) {
   for (const int angle : {int{RowPatterns::kRoll}, int{kYaw}})
     bump(angle);
-  estimate_[RowPatterns::kPitch] += pitch;
+  estimate_[RowPatterns::kPitch] = pitch.value;
   covariance_.row(RowPatterns::kPitch).setZero();
   covariance_.col(RowPatterns::kPitch).setZero();
-  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = prior_variances_[RowPatterns::kPitch];
-}
-
-void RigCalibrationFilter::reinitialisePitch(const BundleProblem& matches) {
-  const RowMeasurement rows = RowRegression(settings_).measure(matches, expectedRows({}));
-  if (!(rows.precision > 0.0)) return;
-  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) += square(settings_.maximum_rotation);
-  Equations equations = equationsOf(rows);
-  equations.images = settings_.correlated_pairs;  // there is no other pair
-  update(equations);
+  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = square(pitch.stddev);
 }
 
 RowPatterns::Vector RigCalibrationFilter::expectedRows(const RigCorrection& applied) const {

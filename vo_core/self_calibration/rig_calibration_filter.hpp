@@ -38,12 +38,8 @@ class RigCalibrationFilter {
   void updateLeftReadout(const ReadoutEquation& equation, double images);
   void updateRightReadout(const ReadoutEquation& equation, double images);
 
-  /// Adds a pitch (rad) that a coarse search found after a bump.
-  void reinitialisePitch(double pitch);
-
-  /// Measures the pitch after a bump from the rows of one pair's uncorrected stereo matches
-  /// (buildNewestPairProblem()).
-  void reinitialisePitch(const BundleProblem& matches);
+  /// Sets the pitch (rad) that a search found after a bump.
+  void reinitialisePitch(const EstimateWithStddev& pitch);
 
   /// Row patterns that the state lets expect in rows that were corrected by `applied`.
   RowPatterns::Vector expectedRows(const RigCorrection& applied) const;

@@ -64,7 +64,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       tracker_(camera, settings),
       random_(settings.seed),
       cell_noise_(settings.self_calibration.correlated_pairs, settings.history.half_weight_stddevs),
-      pitch_reinitialiser_(camera),
+      pitch_reinitialiser_(camera, settings.tracking.levels),
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
       estimates_{learnt.rig,
@@ -310,15 +310,11 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
-  const auto match_rotated = [&](std::vector<Landmark>& wanted, const RigCalibrationFilter& rig) {
-    matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, window}, T_right_left, rig,
-                       wanted);
-  };
-  const StereoMatchFunction match = std::cref(match_rotated);  // a reference: a copy would be allocated
-  match(landmarks, estimates_.rig);
-  if (estimatesRig() && reinitialiser.tryReinitialise({landmarks, window, match}, estimates_.rig)) {
+  const NewestPair newest{tracker_, camera_, timing_, *pair.left, *pair.right, window};
+  matchStereoRotated(newest, T_right_left, estimates_.rig, landmarks);
+  if (estimatesRig() && reinitialiser.tryReinitialise(newest, T_right_left, landmarks, estimates_.rig)) {
     discardLastStereo(landmarks);  // matches at the wrong pitch are by chance
-    match(landmarks, estimates_.rig);
+    matchStereoRotated(newest, T_right_left, estimates_.rig, landmarks);
   }
 
   const RigCorrection rig = estimates_.rig.correction();

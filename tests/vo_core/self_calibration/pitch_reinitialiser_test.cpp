@@ -1,79 +1,130 @@
-// Tests of the interval between searches for the pitch, and of what they refuse.
+// Tests of the search for a lost pitch, on rendered images of a turned right camera.
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/vo_core/corridor_world.hpp"
+
 namespace cartvo::vo {
 namespace {
 
-constexpr StereoCamera kCamera{480.0, 340.0, 210.0, 0.115, 680, 420};
+constexpr StereoCamera kCamera{300.0, 208.0, 112.0, 0.115, 416, 224};
 constexpr int kInterval = PitchReinitialiser::kSearchInterval;
+constexpr double kDegree = M_PI / 180.0;
 
-/// Whether the pitch is searched for at a pair whose landmarks have no stereo match.
-bool searches(PitchReinitialiser& reinitialiser, int index) {
-  std::vector<Landmark> landmarks(100);
-  for (Landmark& landmark : landmarks)
-    landmark.observations.resize(1);
-  std::vector<WindowFrame> window(1);
-  window.back().index = index;
-  bool searched = false;
-  RigCalibrationFilter rig;
-  const StereoMatchFunction match = [&](std::vector<Landmark>&, const RigCalibrationFilter&) {
-    searched = true;
-  };
-  EXPECT_FALSE(reinitialiser.tryReinitialise({landmarks, window, match}, rig));
-  return searched;
+cv::Mat leftView() {
+  return test::CorridorWorld(3).view(kCamera, Eigen::Isometry3d::Identity());
 }
 
-TEST(PitchReinitialiser, SearchesAtIntervals) {
-  PitchReinitialiser reinitialiser(kCamera);
-  for (int i = 0; i < 3 * kInterval; ++i)
-    EXPECT_EQ(searches(reinitialiser, i), i % kInterval == 0) << i;
+/// View of the right camera, turned down by `pitch` (rad).
+cv::Mat rightView(double pitch, std::uint64_t seed = 3) {
+  Eigen::Isometry3d right(Eigen::Translation3d(kCamera.baseline, 0.0, 0.0));
+  right.rotate(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()));
+  return test::CorridorWorld(seed).view(kCamera, right);
 }
 
-TEST(PitchReinitialiser, SearchesOncePerPairForTwoTracks) {
-  PitchReinitialiser reinitialiser(kCamera);
-  for (int i = 0; i < 2 * kInterval; ++i) {
-    EXPECT_EQ(searches(reinitialiser, i), i % kInterval == 0) << i;
-    EXPECT_FALSE(searches(reinitialiser, i)) << i;
+/// One pair whose landmarks have no stereo match, but for a share of them.
+class Search {
+ public:
+  /// The pitch that is found in pair `index` (rad).
+  std::optional<double> find(PitchReinitialiser& reinitialiser, const cv::Mat& left, const cv::Mat& right,
+                             int index = 0) {
+    const int levels = TrackingSettings{}.levels;
+    const ImagePyramid left_pyramid = buildPyramid(left, levels), right_pyramid = buildPyramid(right, levels);
+    window_.back().index = index;
+    RigCalibrationFilter rig;
+    const bool found = reinitialiser.tryReinitialise(
+        {tracker_, kCamera, timing_, left_pyramid, right_pyramid, window_}, T_right_left_, landmarks_, rig);
+    if (!found) return std::nullopt;
+    return rig.error().pitch.value;
+  }
+  std::optional<double> find(const cv::Mat& left, const cv::Mat& right) {
+    PitchReinitialiser reinitialiser(kCamera, TrackingSettings{}.levels);
+    return find(reinitialiser, left, right);
+  }
+  void match(int landmarks) {
+    for (int i = 0; i < landmarks; ++i)
+      landmarks_[i].observations.back().stereo = true;
+  }
+  void turnBetweenExposures(double pitch) {
+    T_right_left_.rotate(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()));
+  }
+
+ private:
+  LandmarkTracker tracker_{kCamera, {}};
+  RowTiming timing_{kCamera, {}};
+  std::vector<WindowFrame> window_{1};
+  std::vector<Landmark> landmarks_ = [] {
+    std::vector<Landmark> landmarks(100);
+    for (Landmark& landmark : landmarks)
+      landmark.observations.resize(1);
+    return landmarks;
+  }();
+  Eigen::Isometry3d T_right_left_{Eigen::Translation3d(-kCamera.baseline, 0.0, 0.0)};
+};
+
+TEST(PitchReinitialiser, FindsThePitch) {
+  for (const double degrees : {-0.55, -0.3, 0.3, 0.55}) {
+    const std::optional<double> pitch = Search().find(leftView(), rightView(degrees * kDegree));
+    ASSERT_TRUE(pitch) << degrees;
+    EXPECT_NEAR(*pitch, degrees * kDegree, 0.5 / kCamera.focal_length) << degrees;
   }
 }
 
-constexpr double kPitch = 0.008;  // rad
-
-/// Searches with matches only near kPitch, whose rows in the right image are lower by
-/// -`row_offset` px. Returns the pitch that is then set, rad.
-double pitchFoundByRows(double row_offset) {
-  std::vector<Landmark> landmarks;
-  for (int i = 0; i < 100; ++i) {
-    Landmark& landmark = landmarks.emplace_back();
-    landmark.observations.resize(1);
-    landmark.observations.back().left = {50.0 + 6.0 * i, 30.0 + std::fmod(37.0 * i, 360.0)};
-    landmark.inverse_depth = 0.1;
-    landmark.information = 1e4;
-  }
-  std::vector<WindowFrame> window(1);
-  window.back().index = 0;
-  RigCalibrationFilter rig;
-  const StereoMatchFunction match = [&](std::vector<Landmark>& wanted, const RigCalibrationFilter& trial) {
-    if (trial.error().pitch.value < 0.5 * kPitch) return;
-    for (Landmark& landmark : wanted) {
-      Observation& seen = landmark.observations.back();
-      seen.stereo = true;
-      seen.stereo_offset = {0.1 * kCamera.focal_length * kCamera.baseline, row_offset};
-    }
-  };
-  PitchReinitialiser(kCamera).tryReinitialise({landmarks, window, match}, rig);
-  return rig.error().pitch.value;
+/// A sixth of the light, and the noise of a camera.
+cv::Mat atNight(const cv::Mat& image, int seed) {
+  cv::RNG random(static_cast<std::uint64_t>(seed));
+  cv::Mat noise(image.size(), CV_16SC1), dark, night;
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
+  image.convertTo(dark, CV_16SC1, 0.16, 16.0);
+  cv::Mat(dark + noise).convertTo(night, CV_8UC1);
+  return night;
 }
 
-TEST(PitchReinitialiser, RefusesAPitchThatItsMatchesContradict) {
-  EXPECT_NEAR(pitchFoundByRows(-kPitch * kCamera.focal_length), kPitch, 0.1 * kPitch);
-  for (const double row_offset : {-40.0, 4.0, 40.0})
-    EXPECT_EQ(pitchFoundByRows(row_offset), 0.0) << row_offset;
+TEST(PitchReinitialiser, FindsThePitchAtNight) {
+  const auto pitch = Search().find(atNight(leftView(), 1), atNight(rightView(0.5 * kDegree), 2));
+  ASSERT_TRUE(pitch);
+  EXPECT_NEAR(*pitch, 0.5 * kDegree, 1.0 / kCamera.focal_length);
+}
+
+TEST(PitchReinitialiser, RefusesImagesOfTwoScenesAtNight) {
+  EXPECT_FALSE(Search().find(atNight(leftView(), 1), atNight(rightView(0.0, 4), 2)));
+}
+
+TEST(PitchReinitialiser, AllowsForTheRotationBetweenTheExposures) {
+  Search search;
+  search.turnBetweenExposures(-0.3 * kDegree);
+  const std::optional<double> pitch = search.find(leftView(), rightView(0.5 * kDegree));
+  ASSERT_TRUE(pitch);
+  EXPECT_NEAR(*pitch, 0.2 * kDegree, 0.5 / kCamera.focal_length);
+}
+
+TEST(PitchReinitialiser, RefusesImagesOfTwoScenes) {
+  EXPECT_FALSE(Search().find(leftView(), rightView(0.0, 4)));
+}
+
+TEST(PitchReinitialiser, RefusesAPitchBeyondSelfCalibration) {
+  EXPECT_FALSE(Search().find(leftView(), rightView(1.0 * kDegree)));
+}
+
+TEST(PitchReinitialiser, SearchesOnlyWhereMatchesAreMissing) {
+  Search search;
+  search.match(30);
+  EXPECT_FALSE(search.find(leftView(), rightView(0.3 * kDegree)));
+}
+
+TEST(PitchReinitialiser, SearchesAtIntervalsAndOncePerPair) {
+  PitchReinitialiser reinitialiser(kCamera, TrackingSettings{}.levels);
+  const cv::Mat left = leftView(), right = rightView(0.3 * kDegree);
+  Search search;
+  for (int i = 0; i < 2 * kInterval + 1; ++i) {
+    EXPECT_EQ(search.find(reinitialiser, left, right, i).has_value(), i % kInterval == 0) << i;
+    EXPECT_FALSE(search.find(reinitialiser, left, right, i)) << i;
+  }
 }
 
 }  // namespace

@@ -168,9 +168,9 @@ TEST(RigCalibrationFilter, FollowsClocksThatBeginToDiffer) {
 
 TEST(RigCalibrationFilter, ExpectsAReinitialisedPitch) {
   RigCalibrationFilter rig;
-  rig.reinitialisePitch(-5e-3);
+  rig.reinitialisePitch({-5e-3, 1e-3});
   EXPECT_NEAR(rig.expected().pitch, -5e-3, 1e-6);
-  EXPECT_NEAR(rig.error().pitch.stddev, SelfCalibrationSettings{}.calibration_stddev, 1e-6);
+  EXPECT_NEAR(rig.error().pitch.stddev, 1e-3, 1e-6);
   EXPECT_EQ(rig.error().delay.value, 0.0);
 }
 

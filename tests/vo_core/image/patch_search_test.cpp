@@ -1,5 +1,5 @@
 // Tests of the search for patches, on images shifted by a known amount.
-#include "vo_core/integrity/patch_search.hpp"
+#include "vo_core/image/patch_search.hpp"
 
 #include <algorithm>
 

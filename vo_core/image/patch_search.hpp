@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,13 +15,20 @@
 
 namespace cartvo::vo {
 
+/// What makes a patch worth searching, and a match.
+struct PatchDemands {
+  double texture = 4.0;       ///< grey values^2, of the weaker direction's mean squared gradient
+  double correlation = 0.85;  ///< at the finest level, as that of the stereo search (StereoSettings)
+};
+
 /// Finds patches by normalised cross-correlation at a coarse pyramid level, within a share of the image's
 /// width to both sides and a 24th of it up and down, and refines them to some tenths of a pixel. Integer
 /// arithmetic up to the sums, so that the result is the same on all processors.
 class PatchSearch {
  public:
-  /// `width`: of the full images, px.
-  explicit PatchSearch(int width);
+  /// `width`: of the full images, px. `most_levels`: grey levels of the pyramids, if they are limited.
+  explicit PatchSearch(int width, const PatchDemands& demands = {},
+                       int most_levels = std::numeric_limits<int>::max());
 
   /// Grey levels that the pyramids must have.
   int levels() const { return coarse_level_ + 1; }
@@ -49,6 +57,7 @@ class PatchSearch {
   void correlateRow(const Eigen::Vector2i& first, int count, float* scores);
   std::optional<Eigen::Vector2i> uniquePeak(int columns, int rows, float norm) const;
 
+  PatchDemands demands_;
   int coarse_level_ = 0;
   const ImagePyramid* searched_ = nullptr;
   int column_share_ = 1;

@@ -1,5 +1,5 @@
 // Search for patches over both signs of the displacement.
-#include "vo_core/integrity/patch_search.hpp"
+#include "vo_core/image/patch_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,13 +27,11 @@ constexpr int kRowShare = 24;    // width over the largest displacement up and d
 constexpr int kFineRadius = 5;   // px, of the patch at the levels of the refinement
 constexpr int kFineReach = 2;    // px, by which a coarser level may be wrong
 constexpr int kFinestLevel = 1;  // unless the coarse level is 1: finer texture is mostly noise
-// As those of the stereo search (StereoSettings), but lower at the coarse level, where patches deform more.
-constexpr double kMinimumCoarseCorrelation = 0.7, kMinimumFineCorrelation = 0.85;
+constexpr double kMinimumCoarseCorrelation = 0.7;  // lower than at the finest level: patches deform more
 constexpr double kUniqueness = 0.8;
 constexpr int kPeakRadius = 2;                         // px around a peak that belong to it
 constexpr int kGridColumns = 14, kGridRows = 8;        // about a hundred patches
 constexpr int kTextureRadius = 3, kTextureStride = 4;  // px
-constexpr double kMinimumTexture = 4.0;  // grey values^2, of the weaker direction's mean squared gradient
 
 /// Mean squared gradient in the direction with the least texture.
 double textureAt(const PyramidLevel& level, int x, int y) {
@@ -118,8 +116,8 @@ std::optional<FinePeak> finePeak(const PyramidLevel& from, const Vector2i& centr
 
 }  // namespace
 
-PatchSearch::PatchSearch(int width) {
-  while ((width >> coarse_level_) > kCoarseWidth)
+PatchSearch::PatchSearch(int width, const PatchDemands& demands, int most_levels) : demands_(demands) {
+  while ((width >> coarse_level_) > kCoarseWidth && levels() < most_levels)
     ++coarse_level_;
   centres_.reserve(kGridColumns * kGridRows);
 }
@@ -134,7 +132,7 @@ const std::vector<Vector2i>& PatchSearch::choosePatches(const ImagePyramid& imag
   for (int cell = 0; cell < kGridColumns * kGridRows; ++cell) {
     const int column = cell % kGridColumns;
     const int row = cell / kGridColumns;
-    double best = kMinimumTexture;
+    double best = demands_.texture;
     std::optional<Vector2i> chosen;
     for (int y = kMargin + row * height / kGridRows; y < kMargin + (row + 1) * height / kGridRows;
          y += kTextureStride) {
@@ -295,7 +293,7 @@ std::optional<Vector2d> PatchSearch::find(const ImagePyramid& image, const Vecto
     if (!finer) return std::nullopt;
     peak = *finer;
   } while (level > finest);
-  if (peak.correlation < kMinimumFineCorrelation) return std::nullopt;
+  if (peak.correlation < demands_.correlation) return std::nullopt;
   return levelScale(level) * (peak.displacement.cast<double>() + peak.subpixel);
 }
 

@@ -32,8 +32,8 @@ class ReprojectionOdometry final : public OdometryMethod {
         settings_(settings),
         timing_(camera, shutters),
         left_pyramids_(settings.tracking.levels, ImageMask(masks.left)),
-        right_pyramids_(settings_.tracking.levels, ImageMask(masks.right)),
-        pitch_reinitialiser_(camera, settings.tracking.levels) {}
+        right_pyramids_(settings.tracking.levels, ImageMask(masks.right)),
+        pitch_reinitialiser_(camera, settings.self_calibration, settings.tracking.levels) {}
 
   OdometryEstimate process(const StereoImages& images, IntegrityMonitor& integrity,
                            StageObserver& observer) override;

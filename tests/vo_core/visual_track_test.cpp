@@ -86,7 +86,7 @@ class VisualTrackTest : public testing::Test {
     return index + 1;
   }
 
-  PitchReinitialiser reinitialiser_{kCamera, TrackingSettings{}.levels};
+  PitchReinitialiser reinitialiser_{kCamera, {}, TrackingSettings{}.levels};
   NullStageObserver observer_;
 };
 

@@ -251,12 +251,13 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   FoundPose found{*pose};
   forEachError(problem, points.blocks, *pose, squares,
                [&](int point, double error) { problem.points[point].inlier = error < settings.gate; });
+  double weight = 0.0;
   for (const PosePoint& point : problem.points) {
     if (!point.inlier) continue;
     ++found.inliers;
-    found.weight += point.weight;
+    weight += point.weight;
   }
-  found.inlier_ratio = search.weight() > 0.0 ? found.weight / search.weight() : 0.0;
+  found.inlier_ratio = search.weight() > 0.0 ? weight / search.weight() : 0.0;
   return found;
 }
 

@@ -47,8 +47,7 @@ struct PoseProblem {
 struct FoundPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   int inliers = 0;            ///< number of points
-  double weight = 0.0;        ///< sum of the inliers' weights
-  double inlier_ratio = 0.0;  ///< `weight` over the weight of all points
+  double inlier_ratio = 0.0;  ///< weight of the inliers over the weight of all points
 };
 
 /// Whether the inliers suffice to accept the pose.

@@ -118,29 +118,6 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
   }
 }
 
-BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
-                                     const std::vector<WindowFrame>& window, const StereoCamera& camera) {
-  BundleProblem problem;
-  problem.camera = camera;
-  problem.poses = timedPoses(window);
-  const int newest = static_cast<int>(problem.poses.size()) - 1;
-  const Eigen::Isometry3d T_right_left = newestRightFromLeft(problem.poses, camera.baseline);
-  for (const Landmark& landmark : landmarks) {
-    const Observation& last = landmark.last();
-    if (!last.stereo) continue;
-    const Eigen::Vector2d left = last.leftAtExposure(), right = last.rightAtExposure();
-    const auto found = triangulate(camera, T_right_left, left, right);
-    if (!found) continue;
-    BundleLandmark& item = problem.landmarks.emplace_back();
-    item.bearing = bearingOf(camera, left);
-    item.inverse_depth = found->inverse_depth;
-    item.weight = landmark.trust;
-    item.level = landmark.level;
-    item.observations.push_back({newest, true, left, right, last.relative_noise});
-  }
-  return problem;
-}
-
 void updateDepth(const BundleLandmark& adjusted, Landmark& landmark) {
   const double information =
       landmark.hasDepth() ? adjusted.information : adjusted.information / kFollowerWeight;

@@ -38,11 +38,6 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
                        const StereoCamera& camera, const RigCorrection& rig,
                        std::vector<BundleLandmark>& items, std::vector<std::size_t>& chosen);
 
-/// Builds a problem of the newest pair's stereo matches alone: anchored in that pair, with the depths of
-/// their own disparities. Its row residuals do not depend on the rest of the window.
-BundleProblem buildNewestPairProblem(const std::vector<Landmark>& landmarks,
-                                     const std::vector<WindowFrame>& window, const StereoCamera& camera);
-
 /// Updates a landmark's depth with the adjusted one. A landmark without a depth gets one only if the motion
 /// has made it certain.
 void updateDepth(const BundleLandmark& adjusted, Landmark& landmark);

@@ -15,7 +15,7 @@
 
 namespace cartvo::vo {
 
-/// What makes a patch worth searching, and a match.
+/// Least texture of a patch that is searched for, and least correlation of one that is found.
 struct PatchDemands {
   double texture = 4.0;       ///< grey values^2, of the weaker direction's mean squared gradient
   double correlation = 0.85;  ///< at the finest level, as that of the stereo search (StereoSettings)

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "vo_core/self_calibration/pitch_reinitialiser.hpp"
+
 namespace cartvo::vo {
 namespace {
 
@@ -20,8 +22,8 @@ using Matrix = Eigen::Matrix<double, kCauses, kCauses>;
 // Wide, so that they decide only what the matches leave open.
 const Vector kPriorStddev(0.1, 0.1, 0.1, 3.0);
 constexpr int kMinimumMatches = 24;  // twice what ten mismatches can outvote
-// rad, rotations up to which self-calibration corrects (PitchSearch; PitchRollFilter and YawFilter 0.01 rad).
-constexpr double kCorrectableAngle = 0.0105;
+// rad, rotations up to which self-calibration corrects
+constexpr double kCorrectableAngle = PitchReinitialiser::kMaximumPitch;
 constexpr double kRowTolerance = 2.0;  // px; the search is wrong by less, a mismatch mostly by more
 constexpr double kDisagreeingShare = 0.5, kAgreeingShare = 0.7, kRotatedShare = 0.9;  // of the matches
 constexpr double kSignificance = 3.0;                                                 // standard deviations

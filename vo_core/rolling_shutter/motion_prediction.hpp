@@ -4,14 +4,15 @@
 
 namespace cartvo::vo {
 
-/// A motion about an exposure and the variances of its error, in the order of RowInformation.
+/// A motion about an exposure and the variances of its error: m, rad and s, in the order of RowInformation.
 struct PredictedMotion {
   RowInformation::Vector motion = RowInformation::Vector::Zero(), variances = RowInformation::Vector::Zero();
 };
 
-/// Two predictions of the motion about the next exposure: that about the last one with a constant
-/// acceleration, and the mean velocity of the window.
+/// Two predictions of the motion about the next exposure, in the order of RowInformation.
 struct MotionPredictions {
+  double time_step = 0.0;  ///< s since the last motion
+  /// The last motion with a constant acceleration, and the mean velocity of the window.
   RowInformation::Vector extrapolated = RowInformation::Vector::Zero(), mean = RowInformation::Vector::Zero();
 };
 
@@ -19,18 +20,22 @@ struct MotionPredictions {
 /// contradicts the extrapolation, a turn the mean.
 class PredictionErrors {
  public:
-  /// `pairs`: half of a mean is older than about 0.7 times as many.
+  /// `pairs`: memory of the means; the last 0.7 `pairs` motions have half of the weight.
   explicit PredictionErrors(double pairs) : memory_(1.0 - 1.0 / pairs) {}
 
-  /// The weighted mean of both, each component by the inverse variances of its errors.
+  /// The weighted mean of both, each component by the inverse variances of its errors, which are taken as
+  /// independent.
   PredictedMotion combine(const MotionPredictions& predictions) const;
 
-  /// Updates with the predictions of a motion and the motion found.
+  /// Updates with the predictions of a motion and the motion found. The first motion of a track is compared
+  /// with none: its size is what the second prediction may be wrong by.
   void update(const MotionPredictions& predictions, const ExposureMotion& found);
 
  private:
   double memory_;  ///< weight of the previous pairs, per pair
-  MotionPredictions squares_;
+  /// Squared errors of the mean, and of the extrapolation over one second: its errors are those of a jerk.
+  RowInformation::Vector mean_ = RowInformation::Vector::Zero(),
+                         extrapolated_ = RowInformation::Vector::Zero();
 };
 
 }  // namespace cartvo::vo

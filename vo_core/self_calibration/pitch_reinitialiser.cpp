@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kFewMatchesShare = 0.2;       // of landmarks: with a correct rig a quarter is matched
 constexpr std::size_t kMinimumLandmarks = 50;  // for a meaningful share
-constexpr std::size_t kMinimumPatches = 24;    // twice what ten mismatches can outvote
-constexpr double kRowTolerance = 3.0;          // px: rows move between the exposures, too
+constexpr std::size_t kMinimumPatches = 24;    // of two scenes a fifth agrees by chance
+constexpr double kSearchedRows = 1.5;          // px, half the range of the stereo search over rows
+constexpr double kRowTolerance = 3.0;          // px: near points move up and down between the exposures
 constexpr double kRowNoise = 0.15;             // px, least error of rows, of good lenses
-constexpr double kMaximumPitch = 0.0105;       // rad, 0.6 degrees
 constexpr int kDisparityShare = 4;             // width over the largest displacement to both sides
 // In the dark, patches correlate badly, but those that are unique agree.
 constexpr PatchDemands kAnyPatch{.texture = 0.0, .correlation = 0.0};
@@ -27,18 +27,22 @@ bool hasFewMatches(const std::vector<Landmark>& landmarks) {
 }
 
 /// Pitches of the right camera (rad) by the rows at which patches of the left image are found in the right
-/// one. The rotation between the exposures is known, the parallax is taken as horizontal.
+/// one. The rotation between the exposures is that of the poses, the parallax is taken as horizontal.
 std::vector<double> pitchesOfPatches(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                                      PatchSearch& search) {
   const StereoCamera& camera = pair.camera;
+  const RowTransform right_from_left(camera, pair.timing, pair.window.back(), T_right_left);
   const std::vector<Eigen::Vector2i>& centres = search.choosePatches(pair.left);
   search.setSearched(pair.right, kDisparityShare);
   std::vector<double> pitches;
+  pitches.reserve(centres.size());
   for (const Eigen::Vector2i& centre : centres) {
-    const std::optional<Eigen::Vector2d> shift = search.find(pair.left, centre);
-    if (!shift) continue;
     const Eigen::Vector2d left = search.fullPixel(centre);
-    const double expected = project(camera, T_right_left.linear() * bearingOf(camera, left)).y();
+    if (!pair.left.mask.allows(left, 0)) continue;
+    const std::optional<Eigen::Vector2d> shift = search.find(pair.left, centre);
+    if (!shift || !pair.right.mask.allows(left + *shift, 0)) continue;
+    const Eigen::Vector3d turned = right_from_left.at(left).linear() * bearingOf(camera, left);
+    const double expected = project(camera, turned).y();
     const double y = (expected - camera.cy) / camera.focal_length;
     pitches.push_back((left.y() + shift->y() - expected) / (camera.focal_length * (1.0 + y * y)));
   }
@@ -66,20 +70,23 @@ std::optional<EstimateWithStddev> agreedValue(std::vector<double> values, double
 
 }  // namespace
 
-PitchReinitialiser::PitchReinitialiser(const StereoCamera& camera, int levels)
-    : search_(camera.width, kAnyPatch, levels) {}
+PitchReinitialiser::PitchReinitialiser(const StereoCamera& camera, const SelfCalibrationSettings& settings,
+                                       int levels)
+    : settings_(settings), search_(camera.width, kAnyPatch, levels) {}
 
 bool PitchReinitialiser::tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                                          const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig) {
-  const std::int64_t index = pair.window.back().index;
-  if (index < next_pair_ || !hasFewMatches(landmarks)) return false;
-  next_pair_ = index + kSearchInterval;
+  const WindowFrame& newest = pair.window.back();
+  if (newest.index < next_pair_ || !hasFewMatches(landmarks)) return false;
+  next_pair_ = newest.index + kSearchInterval;
   std::vector<double> pitches = pitchesOfPatches(pair, T_right_left, search_);
   if (pitches.size() < kMinimumPatches) return false;
   const double pixel = 1.0 / pair.camera.focal_length;  // rad
   auto pitch = agreedValue(std::move(pitches), kRowTolerance * pixel);
   if (!pitch || std::abs(pitch->value) > kMaximumPitch) return false;
-  pitch->stddev = std::max(pitch->stddev, kRowNoise * pixel);
+  if (std::abs(pitch->value - rig.expected().pitch) < kSearchedRows * pixel) return false;
+  const double rate = pair.window.size() > 1 ? settings_.rate_stddev : settings_.unknown_rate_stddev;
+  pitch->stddev = std::hypot(std::max(pitch->stddev, kRowNoise * pixel), rate * newest.offset);
   rig.reinitialisePitch(*pitch);
   return true;
 }

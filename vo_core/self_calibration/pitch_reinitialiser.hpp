@@ -11,22 +11,25 @@
 namespace cartvo::vo {
 
 /// Reinitialises the rig's pitch when almost no stereo matches are found, as after a bump against the right
-/// camera. Patches that are found without a calibration show it. The search takes some milliseconds, so that
-/// it runs at intervals.
+/// camera. Patches that are found without a calibration show the pitch. The search takes some milliseconds,
+/// so that it runs at intervals.
 class PitchReinitialiser {
  public:
-  static constexpr int kSearchInterval = 20;  ///< pairs from one search to the next
+  static constexpr int kSearchInterval = 20;       ///< pairs from one search to the next
+  static constexpr double kMaximumPitch = 0.0105;  ///< rad, 0.6 degrees
 
   /// `levels`: grey levels of both cameras' pyramids.
-  PitchReinitialiser(const StereoCamera& camera, int levels);
+  PitchReinitialiser(const StereoCamera& camera, const SelfCalibrationSettings& settings, int levels);
 
   /// Searches for the pitch if matches of `landmarks`, the pair's, are missing and a search is due. Returns
   /// whether one was found, which is then set in `rig`. `T_right_left`: newestRightFromLeft(). None is found
-  /// if the rows of most patches contradict it, as in images of two scenes.
+  /// if most patches contradict it, as in images of two scenes, or if it is the one that the matches were
+  /// searched with: then the scene hides them.
   bool tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
                        const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig);
 
  private:
+  SelfCalibrationSettings settings_;
   PatchSearch search_;
   std::int64_t next_pair_ = 0;  ///< index of the first pair of the next search
 };

@@ -38,7 +38,8 @@ class RigCalibrationFilter {
   void updateLeftReadout(const ReadoutEquation& equation, double images);
   void updateRightReadout(const ReadoutEquation& equation, double images);
 
-  /// Sets the pitch (rad) that a search found after a bump.
+  /// Sets the pitch (rad) that was found after a bump, without correlations. Roll and yaw get the variance of
+  /// a bump.
   void reinitialisePitch(const EstimateWithStddev& pitch);
 
   /// Row patterns that the state lets expect in rows that were corrected by `applied`.

@@ -205,8 +205,7 @@ RowMeasurement RowRegression::measure(const BundleProblem& adjusted, const Vecto
           sumOf(sums.products[i][j]) / (noise * noise);
   }
   measurement.mean_products = measurement.information / measurement.precision;
-  const double rate = adjusted.poses.size() > 1 ? settings_.rate_stddev : settings_.unknown_rate_stddev;
-  const double rotation = rate * adjusted.poses.back().offset;
+  const double rotation = settings_.rate_stddev * adjusted.poses.back().offset;
   const Matrix factor = rotationUncertaintyFactor(measurement.information, rotation * rotation);
   measurement.information = factor * measurement.information.eval();
   measurement.gradient = factor * measurement.gradient.eval();

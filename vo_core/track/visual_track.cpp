@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "vo_core/estimation/bundle_noise.hpp"
@@ -64,7 +63,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       tracker_(camera, settings),
       random_(settings.seed),
       cell_noise_(settings.self_calibration.correlated_pairs, settings.history.half_weight_stddevs),
-      pitch_reinitialiser_(camera, settings.tracking.levels),
+      pitch_reinitialiser_(camera, settings.self_calibration, settings.tracking.levels),
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
       estimates_{learnt.rig,

@@ -54,8 +54,9 @@ Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
 void VisualTrack::predictMotion(const PreparedPair& pair, Draft& draft) {
   timing_.setReadouts(estimates_.rig.leftReadout(), estimates_.rig.rightReadout());
   MotionPredictions& predictions = draft.predictions;
+  predictions.time_step = secondsSinceLast(pair);
   predictions.extrapolated = vectorOf(*window_.back().motion);
-  predictions.extrapolated.head<6>() += secondsSinceLast(pair) * predictions.extrapolated.segment<6>(6);
+  predictions.extrapolated.head<6>() += predictions.time_step * predictions.extrapolated.segment<6>(6);
   predictions.extrapolated.tail<3>().setZero();
   predictions.mean.setZero();
   for (const WindowFrame& frame : window_)

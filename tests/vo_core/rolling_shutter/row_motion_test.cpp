@@ -308,12 +308,13 @@ TEST(MotionRoughness, TakesTheNewestJerkAtOnce) {
   EXPECT_NEAR(std::sqrt(variances[1]), 0.02 / kTimeStep / 3.0, 1e-3);
 }
 
-/// Motions that `errors` has learnt from, with a component of velocity along x at each pair: predicted from
-/// the previous ones. Returns the prediction of the last one.
+/// Lets `errors` learn from motions with these velocities along x, one per period, each predicted from the
+/// previous ones. Returns the prediction of the last one.
 PredictedMotion predictLast(const std::vector<double>& velocities, PredictionErrors& errors) {
   PredictedMotion predicted;
   for (std::size_t i = 2; i < velocities.size(); ++i) {
     MotionPredictions predictions;
+    predictions.time_step = kPeriod;
     predictions.extrapolated[0] = 2.0 * velocities[i - 1] - velocities[i - 2];
     for (std::size_t j = 0; j < i; ++j)
       predictions.mean[0] += velocities[j] / static_cast<double>(i);
@@ -346,6 +347,22 @@ TEST(PredictionErrors, TakeTheMeanOfAFastVibration) {
   const PredictedMotion predicted = predictLast(velocities, errors);
   EXPECT_NEAR(predicted.motion[0], 1.0, 0.3);
   EXPECT_NEAR(predicted.variances[0], squares, 0.4 * squares);
+}
+
+TEST(PredictionErrors, TrustAnExtrapolationLessAfterAGap) {
+  std::vector<double> velocities;
+  for (int i = 0; i < 60; ++i)
+    velocities.push_back(std::sin(2.0 * M_PI * 2.0 * kPeriod * i));
+  PredictionErrors errors(10.0);
+  const PredictedMotion usual = predictLast(velocities, errors);
+  MotionPredictions predictions;
+  predictions.extrapolated[0] = 1.0;
+  predictions.time_step = kPeriod;
+  const double share = errors.combine(predictions).motion[0];
+  predictions.time_step = 4.0 * kPeriod;
+  EXPECT_GT(share, 0.5);
+  EXPECT_LT(errors.combine(predictions).motion[0], 0.5 * share);
+  EXPECT_GT(errors.combine(predictions).variances[0], 2.0 * usual.variances[0]);
 }
 
 }  // namespace

@@ -168,7 +168,10 @@ TEST(RigCalibrationFilter, FollowsClocksThatBeginToDiffer) {
 
 TEST(RigCalibrationFilter, ExpectsAReinitialisedPitch) {
   RigCalibrationFilter rig;
+  rig.reinitialisePitch({2e-3, 1e-3});
+  const double yaw_stddev = rig.error().yaw.stddev;
   rig.reinitialisePitch({-5e-3, 1e-3});
+  EXPECT_GT(rig.error().yaw.stddev, yaw_stddev);
   EXPECT_NEAR(rig.expected().pitch, -5e-3, 1e-6);
   EXPECT_NEAR(rig.error().pitch.stddev, 1e-3, 1e-6);
   EXPECT_EQ(rig.error().delay.value, 0.0);

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "vo_core/geometry/image_cells.hpp"
-#include "vo_core/geometry/triangulation.hpp"
+#include "vo_core/geometry/reprojection.hpp"
 
 namespace cartvo::vo {
 namespace {

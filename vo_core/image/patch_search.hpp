@@ -26,6 +26,9 @@ struct PatchDemands {
 /// arithmetic up to the sums, so that the result is the same on all processors.
 class PatchSearch {
  public:
+  /// Width over the largest disparity of either sign that is searched for.
+  static constexpr int kDisparityShare = 4;
+
   /// `width`: of the full images, px. `most_levels`: grey levels of the pyramids, if they are limited.
   explicit PatchSearch(int width, const PatchDemands& demands = {},
                        int most_levels = std::numeric_limits<int>::max());

@@ -17,8 +17,7 @@ constexpr int kFirstLooks = 4;  // at the first pairs, one after the other
 // contradicts, when patches and motion have changed. At 5 Hz four looks then name a fault within 5 s.
 constexpr std::int64_t kInterval = 3'000'000'000, kUnsettledInterval = 1'000'000'000;
 constexpr std::int64_t kContestedInterval = 150'000'000;
-// Width over the largest displacement to both sides: disparities, and the motion in a period.
-constexpr int kDisparityShare = 4, kFlowShare = 8;
+constexpr int kFlowShare = 8;           // width over the largest motion in a period, to both sides
 constexpr int kSamePicturePairs = 20;   // unequal pairs that end the fault; a stream may skip some
 constexpr double kPeriodGrowth = 1.01;  // per pair, so that the period follows a slower camera
 
@@ -108,7 +107,7 @@ std::int64_t StereoGeometryCheck::nextInterval() const {
 void StereoGeometryCheck::match(const ImagePyramid& left, const ImagePyramid& right) {
   const std::vector<Eigen::Vector2i>& centres = search_.choosePatches(left);
   matches_.clear();
-  search_.setSearched(right, kDisparityShare);
+  search_.setSearched(right, PatchSearch::kDisparityShare);
   found_.clear();
   for (const Eigen::Vector2i& centre : centres) {
     const std::optional<Eigen::Vector2d> shift = search_.find(left, centre);

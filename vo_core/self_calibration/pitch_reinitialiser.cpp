@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/statistics.hpp"
+
 namespace cartvo::vo {
 namespace {
 
@@ -16,7 +18,6 @@ constexpr std::size_t kMinimumPatches = 24;    // of two scenes a fifth agrees b
 constexpr double kSearchedRows = 1.5;          // px, half the range of the stereo search over rows
 constexpr double kRowTolerance = 3.0;          // px: near points move up and down between the exposures
 constexpr double kRowNoise = 0.15;             // px, least error of rows, of good lenses
-constexpr int kDisparityShare = 4;             // width over the largest displacement to both sides
 // In the dark, patches correlate badly, but those that are unique agree.
 constexpr PatchDemands kAnyPatch{.texture = 0.0, .correlation = 0.0};
 
@@ -33,7 +34,7 @@ std::vector<double> pitchesOfPatches(const NewestPair& pair, const Eigen::Isomet
   const StereoCamera& camera = pair.camera;
   const RowTransform right_from_left(camera, pair.timing, pair.window.back(), T_right_left);
   const std::vector<Eigen::Vector2i>& centres = search.choosePatches(pair.left);
-  search.setSearched(pair.right, kDisparityShare);
+  search.setSearched(pair.right, PatchSearch::kDisparityShare);
   std::vector<double> pitches;
   pitches.reserve(centres.size());
   for (const Eigen::Vector2i& centre : centres) {
@@ -49,23 +50,15 @@ std::vector<double> pitchesOfPatches(const NewestPair& pair, const Eigen::Isomet
   return pitches;
 }
 
-/// Moves the median of the values to their middle and returns it.
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The median, if at least half of the values are within `tolerance` of it, with the standard deviation of a
-/// value by the median of the deviations: patches share errors, which do not average out.
+/// single value: patches share errors, which do not average out.
 std::optional<EstimateWithStddev> agreedValue(std::vector<double> values, double tolerance) {
-  constexpr double kStddevOfDeviation = 1.4826;  // of a normal distribution
   const double agreed = median(values);
   for (double& value : values)
     value = std::abs(value - agreed);
-  const double deviation = median(values);
-  if (deviation > tolerance) return std::nullopt;
-  return EstimateWithStddev{agreed, kStddevOfDeviation * deviation};
+  const double stddev = stddevFromMedian(values);
+  if (kMedianOfNormal * stddev > tolerance) return std::nullopt;
+  return EstimateWithStddev{agreed, stddev};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/vo_core/corridor_world.hpp"
+#include "support/vo_core/night.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -77,28 +78,24 @@ class Search {
   Eigen::Isometry3d T_right_left_{Eigen::Translation3d(-kCamera.baseline, 0.0, 0.0)};
 };
 
-TEST(PitchReinitialiser, FindsThePitch) {
-  for (const double degrees : {-0.55, -0.3, 0.3, 0.55}) {
-    const std::optional<double> pitch = Search().find(leftView(), rightView(degrees * kDegree));
-    ASSERT_TRUE(pitch) << degrees;
-    EXPECT_NEAR(*pitch, degrees * kDegree, 0.5 / kCamera.focal_length) << degrees;
-  }
+/// Expects a pitch that was found, within a tolerance in px.
+void expectPitch(const std::optional<double>& found, double degrees, double tolerance) {
+  ASSERT_TRUE(found) << degrees;
+  EXPECT_NEAR(*found, degrees * kDegree, tolerance / kCamera.focal_length) << degrees;
 }
 
-/// A sixth of the light, and the noise of a camera.
+TEST(PitchReinitialiser, FindsThePitch) {
+  for (const double degrees : {-0.55, -0.3, 0.3, 0.55})
+    expectPitch(Search().find(leftView(), rightView(degrees * kDegree)), degrees, 0.5);
+}
+
 cv::Mat atNight(const cv::Mat& image, int seed) {
   cv::RNG random(static_cast<std::uint64_t>(seed));
-  cv::Mat noise(image.size(), CV_16SC1), dark, night;
-  random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
-  image.convertTo(dark, CV_16SC1, 0.16, 16.0);
-  cv::Mat(dark + noise).convertTo(night, CV_8UC1);
-  return night;
+  return test::atNight(image, random);
 }
 
 TEST(PitchReinitialiser, FindsThePitchAtNight) {
-  const auto pitch = Search().find(atNight(leftView(), 1), atNight(rightView(0.5 * kDegree), 2));
-  ASSERT_TRUE(pitch);
-  EXPECT_NEAR(*pitch, 0.5 * kDegree, 1.0 / kCamera.focal_length);
+  expectPitch(Search().find(atNight(leftView(), 1), atNight(rightView(0.5 * kDegree), 2)), 0.5, 1.0);
 }
 
 TEST(PitchReinitialiser, RefusesImagesOfTwoScenesAtNight) {
@@ -108,9 +105,7 @@ TEST(PitchReinitialiser, RefusesImagesOfTwoScenesAtNight) {
 TEST(PitchReinitialiser, AllowsForTheRotationBetweenTheExposures) {
   Search search;
   search.turnBetweenExposures(-0.2 * kDegree);
-  const std::optional<double> pitch = search.find(leftView(), rightView(0.55 * kDegree));
-  ASSERT_TRUE(pitch);
-  EXPECT_NEAR(*pitch, 0.35 * kDegree, 0.5 / kCamera.focal_length);
+  expectPitch(search.find(leftView(), rightView(0.55 * kDegree)), 0.35, 0.5);
 }
 
 TEST(PitchReinitialiser, RefusesImagesOfTwoScenes) {
@@ -133,9 +128,7 @@ TEST(PitchReinitialiser, LeavesAPitchThatIsRight) {
 TEST(PitchReinitialiser, ReplacesAKnownPitch) {
   Search search;
   search.know(-0.3 * kDegree);
-  const std::optional<double> pitch = search.find(leftView(), rightView(0.3 * kDegree));
-  ASSERT_TRUE(pitch);
-  EXPECT_NEAR(*pitch, 0.3 * kDegree, 0.5 / kCamera.focal_length);
+  expectPitch(search.find(leftView(), rightView(0.3 * kDegree)), 0.3, 0.5);
   EXPECT_LT(search.stddev(), 1e-3);
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/units.hpp"
 #include "support/vo_core/corridor_world.hpp"
+#include "support/vo_core/night.hpp"
 #include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -16,7 +17,6 @@ namespace {
 const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
 constexpr double kTolerance = 0.03 * kRadiansPerDegree;
-constexpr double kLightAtNight = 0.16, kNoiseAtNight = 2.0;  // share of daylight; grey values
 constexpr int kFeatures = 400, kFeaturesAtNight = 1000;
 constexpr int kPairs = 16;
 
@@ -107,18 +107,11 @@ TEST(RigCalibrationError, FindsMostOfAYawWithinThreeMetres) {
   EXPECT_GT(error.yaw.value, 1.1 * yaw);
 }
 
-/// The drive at night: a sixth of the light, and camera noise.
 std::vector<StereoImages> atNight(std::vector<StereoImages> pairs) {
   cv::RNG random(7);
   for (StereoImages& pair : pairs)
-    for (cv::Mat* image : {&pair.left, &pair.right}) {
-      cv::Mat noise(image->size(), CV_16SC1), dark;
-      random.fill(noise, cv::RNG::NORMAL, 0.0, kNoiseAtNight);
-      image->convertTo(dark, CV_16SC1, kLightAtNight, 16.0);
-      cv::Mat night;  // the day image is shared
-      cv::Mat(dark + noise).convertTo(night, CV_8UC1);
-      *image = night;
-    }
+    for (cv::Mat* image : {&pair.left, &pair.right})
+      *image = test::atNight(*image, random);
   return pairs;
 }
 

@@ -93,11 +93,8 @@ struct RefinementSettings {
 struct PoseSearchSettings {
   int subsets = 60;   ///< maximum number of random subsets
   double gate = 3.0;  ///< standard deviations of a residual within which a point is an inlier
-  double sufficient_support =
-      0.75;  ///< share of the points' weight; a start with as many inliers ends the search
   double maximum_acceleration = 30.0;  ///< m/s^2 and rad/s^2, gate of the change of the motion
-  /// Share of the landmarks that must agree on a pose which the last motion did not predict.
-  double minimum_surprised_share = 0.05;
+  double minimum_share = 0.05;           ///< of the landmarks with a depth, lost ones included, as inliers
 };
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included

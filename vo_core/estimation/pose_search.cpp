@@ -131,7 +131,7 @@ class Search {
   std::optional<Eigen::Isometry3d> run() {
     explore(start_);
     if (const auto refined = refine(start_, 3.0 * settings_.gate)) explore(*refined);
-    if (highest_support_ < settings_.sufficient_support * weight_) drawSubsets();
+    if (highest_support_ < kUnambiguousShare * weight_) drawSubsets();
     if (highest_score_ < 0.0) return std::nullopt;
     return best_;
   }

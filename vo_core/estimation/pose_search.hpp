@@ -50,6 +50,11 @@ struct FoundPose {
   double inlier_ratio = 0.0;  ///< weight of the inliers over the weight of all points
 };
 
+/// Share of the weight from which a pose is unambiguous: no other one can have more than half of its inliers.
+/// The search ends with such a pose, and one that the last motion does not support must be: the first of a
+/// track, or one beyond the motion gate.
+constexpr double kUnambiguousShare = 2.0 / 3.0;
+
 /// Whether the inliers suffice to accept the pose.
 inline bool hasEnoughInliers(const FoundPose& found, const ValiditySettings& validity) {
   return found.inliers >= validity.minimum_inliers && found.inlier_ratio >= validity.minimum_inlier_ratio;

@@ -250,15 +250,11 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  if (draft.prediction_failed &&
-      found->inliers < settings_.pose_search.minimum_surprised_share * countWithDepth(landmarks_)) {
-    motion.reason = OdometryReason::too_few_inliers;
-    return false;
-  }
   // Without a velocity prior, a vehicle that fills the view can win the search.
-  const double others = 1.0 - found->inlier_ratio;
-  motion.ambiguous = !velocity_ && others > kMajority * found->inlier_ratio;
-  if (motion.ambiguous) {
+  motion.ambiguous = !velocity_ && found->inlier_ratio < kUnambiguousShare;
+  const bool by_chance =
+      found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
+  if (motion.ambiguous || by_chance) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
@@ -272,15 +268,14 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond
-/// the gate, too: a pose that three quarters of the landmarks agree on is measured, whatever the cart can do.
+/// the gate, too: an unambiguous pose is measured, whatever the cart can do.
 std::optional<FoundPose> VisualTrack::findPose() {
   const auto search = [&] { return pose_finder_.find(pose_problem_, settings_.pose_search, random_); };
   auto within_gate = search();
   if (!pose_problem_.admissible_change) return within_gate;
   if (within_gate && within_gate->inlier_ratio >= kMajority) return within_gate;
   const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
-  if (auto beyond = search(); beyond && beyond->inlier_ratio >= settings_.pose_search.sufficient_support)
-    return beyond;
+  if (auto beyond = search(); beyond && beyond->inlier_ratio >= kUnambiguousShare) return beyond;
   pose_problem_.admissible_change = gate;
   return search();  // sets the points' flags again
 }

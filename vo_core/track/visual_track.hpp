@@ -51,7 +51,7 @@ struct TrackedMotion {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   MotionError error;
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
-  bool ambiguous = false;              ///< the first motion, and less than two thirds of the weight agree
+  bool ambiguous = false;              ///< the first motion, below kUnambiguousShare
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 

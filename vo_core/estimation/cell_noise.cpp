@@ -15,10 +15,8 @@ double CellNoise::weightAt(const StereoCamera& camera, const Eigen::Vector2d& pi
 }
 
 void CellNoise::update(const BundleProblem& adjusted) {
-  const double kept = 1.0 - 1.0 / pairs_;
-  for (std::array<double, kCells>* sums : {&squares_, &counts_})
-    for (double& sum : *sums)
-      sum *= kept;
+  for (ResidualVariance& cell : residuals_)
+    cell.fade(pairs_);
   const int newest = static_cast<int>(adjusted.poses.size()) - 1;
   std::array<int, kCells> landmarks{};
   int all = 0;
@@ -26,15 +24,13 @@ void CellNoise::update(const BundleProblem& adjusted) {
     const BundleObservation& last = landmark.observations.back();
     if (last.pose != newest) continue;
     const int cell = cellOf(adjusted.camera, last.left);
-    squares_[cell] += std::min(landmark.error * landmark.error, largest_square_);
-    counts_[cell] += 1.0;
+    residuals_[cell].add(std::min(landmark.error * landmark.error, largest_square_));
     ++landmarks[cell];
     ++all;
   }
   double sum = 0.0;
   for (int cell = 0; cell < kCells; ++cell) {
-    // The prior is one landmark of the expected residuals, seen in all remembered pairs.
-    weights_[cell] = (counts_[cell] + pairs_) / (squares_[cell] + pairs_);
+    weights_[cell] = residuals_[cell].weight(pairs_);
     sum += landmarks[cell] * weights_[cell];
   }
   if (all == 0) return;

@@ -5,6 +5,7 @@
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/geometry/image_cells.hpp"
+#include "vo_core/geometry/residual_variance.hpp"
 
 namespace cartvo::vo {
 
@@ -13,7 +14,7 @@ namespace cartvo::vo {
 class CellNoise {
  public:
   /// `correlated_pairs`: memory in pairs, see SelfCalibrationSettings. `outlier_stddevs`: largest normalised
-  /// residual that counts; larger ones are the landmark's own, see Landmark::trust.
+  /// residual that counts; larger ones are the landmark's own.
   CellNoise(double correlated_pairs, double outlier_stddevs);
 
   /// Factor on the weight of a landmark that was last seen at `pixel`: inverse of the cell's variance over
@@ -27,7 +28,7 @@ class CellNoise {
  private:
   double pairs_;
   double largest_square_;
-  std::array<double, kCells> squares_{}, counts_{};  ///< sums over the landmarks of the remembered pairs
+  std::array<ResidualVariance, kCells> residuals_;
   std::array<double, kCells> weights_;
 };
 

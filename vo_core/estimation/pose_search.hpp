@@ -21,7 +21,7 @@ struct PosePoint {
   double inverse_depth = 0.0;                          ///< 1/m
   double inverse_depth_stddev = 0.0;                   ///< 1/m
   Eigen::Vector2d left = Eigen::Vector2d::Zero();      ///< px, position in the current pair
-  double weight = 1.0;                                 ///< Landmark::trust
+  double weight = 1.0;                                 ///< Landmark::weight
   int level = 0;                                       ///< pyramid level, see Landmark
   /// px, stddev of each coordinate of `left` by the unknown motion from the exposure to that of its row.
   double row_noise = 0.0;

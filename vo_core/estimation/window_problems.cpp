@@ -64,7 +64,7 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
     point.inverse_depth = landmark.inverse_depth;
     point.inverse_depth_stddev = 1.0 / std::sqrt(landmark.information);
     point.left = landmark.last().leftAtExposure();
-    point.weight = landmark.trust;
+    point.weight = landmark.weight;
     point.level = landmark.level;
     points.push_back(point);
     chosen.push_back(i);
@@ -98,7 +98,7 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     const Landmark& landmark = landmarks[chosen[i]];
     BundleLandmark& item = items[i] = {};
     item.bearing = bearingOf(camera, landmark.anchor().leftAtExposure());
-    item.weight = landmark.trust;
+    item.weight = landmark.weight;
     item.level = landmark.level;
     item.inverse_depth = landmark.inverse_depth;
     item.prior_inverse_depth = landmark.prior_inverse_depth;

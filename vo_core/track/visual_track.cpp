@@ -260,11 +260,19 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   draft.window.back().T_world_camera = found->T_world_camera;
   correctNewestRows(draft, found->T_world_camera);
+  const double gate = settings_.pose_search.gate;
   for (std::size_t i = 0; i < chosen_.size(); ++i)
-    if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].trust *= 0.5;
-  std::erase_if(draft.landmarks,
-                [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
+    if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].residuals.add(gate * gate);
+  weighLandmarks(draft.landmarks);
   return true;
+}
+
+/// Weighs the landmarks by their residuals and removes those with little weight.
+void VisualTrack::weighLandmarks(std::vector<Landmark>& landmarks) const {
+  for (Landmark& landmark : landmarks)
+    landmark.weight = landmark.residuals.weight(settings_.self_calibration.correlated_pairs);
+  std::erase_if(landmarks,
+                [&](const Landmark& landmark) { return landmark.weight < settings_.history.minimum_weight; });
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

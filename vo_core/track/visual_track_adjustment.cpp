@@ -104,7 +104,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   accept(pair, draft);
 }
 
-/// Updates the landmarks' depths, and their trust from their residuals. Landmarks in still regions have no
+/// Updates the landmarks' depths, and their weights from their residuals. Landmarks in still regions have no
 /// depth and so no say in the poses.
 void VisualTrack::updateLandmarks(Draft& draft) {
   StillRegions& still_regions = draft.estimates.still_regions;
@@ -112,16 +112,14 @@ void VisualTrack::updateLandmarks(Draft& draft) {
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     Landmark& landmark = draft.landmarks[chosen_[i]];
     const BundleLandmark& adjusted = bundle_.landmarks[i];
-    const double ratio = adjusted.error / settings_.history.half_weight_stddevs;
-    const double square = ratio * ratio;
-    landmark.trust = 0.5 * (landmark.trust + 1.0 / (1.0 + square * square));
+    landmark.residuals.fade(settings_.self_calibration.correlated_pairs);
+    landmark.residuals.add(adjusted.error * adjusted.error);
     if (still_regions.contains(landmark.last().left))
       landmark.information = 0.0;
     else
       updateDepth(adjusted, landmark);
   }
-  std::erase_if(draft.landmarks,
-                [&](const Landmark& landmark) { return landmark.trust < settings_.history.minimum_weight; });
+  weighLandmarks(draft.landmarks);
 }
 
 /// Whether the adjusted motion is a stop that the pair's evidence excludes; sets the reason.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vo_core/geometry/fixed_vector.hpp"
+#include "vo_core/geometry/residual_variance.hpp"
 #include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -38,7 +39,8 @@ struct Observation {
 struct Landmark {
   int level = 0;       ///< pyramid level of the patch, below kLandmarkLevels
   int age = 0;         ///< number of pairs with an observation, including those before a change of the anchor
-  double trust = 1.0;  ///< in [0, 1]: weight as part of the static world
+  ResidualVariance residuals;  ///< of its observations
+  double weight = 1.0;         ///< as part of the static world: ResidualVariance::weight()
 
   FixedVector<Observation, kMaximumWindowPairs> observations;  ///< anchor first; never empty
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();          ///< of the patch, anchor to last left image

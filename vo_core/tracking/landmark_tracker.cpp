@@ -306,7 +306,7 @@ void LandmarkTracker::replenish(std::vector<Landmark>& landmarks, const ImagePyr
   now.reserve(landmarks.capacity());
   now.order.clear();
   for (std::size_t i = 0; i < landmarks.size(); ++i)
-    now.order.emplace_back(-landmarks[i].trust * std::min(landmarks[i].age, 10), i);
+    now.order.emplace_back(-landmarks[i].weight * std::min(landmarks[i].age, 10), i);
   std::sort(now.order.begin(), now.order.end());
   now.kept.clear();
   for (const auto& [merit, index] : now.order) {

@@ -229,7 +229,7 @@ TEST_F(LandmarkTrackerTest, KeepsTheMoreTrustedOfTwoCloseLandmarks) {
   ASSERT_FALSE(landmarks_.empty());
   Landmark close = landmarks_.front();
   close.observations.front().left += Eigen::Vector2d(1.0, 1.0);
-  close.trust = 0.5;
+  close.weight = 0.5;
   const Eigen::Vector2d position = close.last().left;
   landmarks_.push_back(close);
   tracker_.replenish(landmarks_, *window_.front().left, 0);

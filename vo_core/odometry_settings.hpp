@@ -94,7 +94,7 @@ struct PoseSearchSettings {
   int subsets = 60;   ///< maximum number of random subsets
   double gate = 3.0;  ///< standard deviations of a residual within which a point is an inlier
   double maximum_acceleration = 30.0;  ///< m/s^2 and rad/s^2, gate of the change of the motion
-  double minimum_share = 0.05;           ///< of the landmarks with a depth, lost ones included, as inliers
+  double minimum_share = 0.05;         ///< of the landmarks with a depth, lost ones included, as inliers
 };
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included

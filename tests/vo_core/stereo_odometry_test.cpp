@@ -282,7 +282,7 @@ TEST_P(EachEstimator, RejectsImagesOfAnotherSize) {
 // Key frames show the world ahead of their pose, which residuals do not show.
 TEST(CodecErrors, ShiftOfKeyFramesIsInTheCovariances) {
   constexpr int kPairs = 18, kInterval = 8;
-  constexpr double kAhead = 0.001;  // m
+  constexpr double kAhead = 0.0012;  // m
   const test::CorridorWorld world(1);
   std::vector<StereoImages> pairs;
   for (int i = 0; i < kPairs; ++i) {

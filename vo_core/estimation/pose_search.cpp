@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "vo_core/estimation/pose_residuals.hpp"
+#include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo::vo {
@@ -115,6 +116,24 @@ std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, cons
     if (change.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
   }
   return pose;
+}
+
+/// Share of the inliers in an image cell, mean of the cells with points.
+double meanCellRatio(const PoseProblem& problem) {
+  std::array<int, kCells> all{}, inliers{};
+  for (const PosePoint& point : problem.points) {
+    const int cell = cellOf(problem.camera, point.left);
+    ++all[cell];
+    inliers[cell] += point.inlier ? 1 : 0;
+  }
+  double sum = 0.0;
+  int occupied = 0;
+  for (int cell = 0; cell < kCells; ++cell) {
+    if (all[cell] == 0) continue;
+    sum += static_cast<double>(inliers[cell]) / all[cell];
+    ++occupied;
+  }
+  return occupied > 0 ? sum / occupied : 0.0;
 }
 
 /// One RANSAC search.
@@ -255,9 +274,11 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   for (const PosePoint& point : problem.points) {
     if (!point.inlier) continue;
     ++found.inliers;
+    found.still_inliers += point.still ? 1 : 0;
     weight += point.weight;
   }
   found.inlier_ratio = search.weight() > 0.0 ? weight / search.weight() : 0.0;
+  found.cell_ratio = meanCellRatio(problem);
   return found;
 }
 

@@ -65,6 +65,7 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
     point.inverse_depth_stddev = 1.0 / std::sqrt(landmark.information);
     point.left = landmark.last().leftAtExposure();
     point.weight = landmark.weight;
+    point.still = landmark.lastFlow() < kStillFlow;
     point.level = landmark.level;
     points.push_back(point);
     chosen.push_back(i);

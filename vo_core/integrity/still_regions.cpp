@@ -14,7 +14,6 @@ namespace cartvo::vo {
 namespace {
 
 constexpr double kExpectedFlow = 3.0;  // px; less says nothing about a landmark
-constexpr double kStillFlow = 0.5;     // px; the most that matching noise and a video codec move a still one
 constexpr double kMovedFlow = 1.5;     // px; more shows that the cell moves
 constexpr double kMinimumPairs = 8.0;  // half a second of a turning or driving cart
 constexpr double kMinimumRatio = 4.0;  // pairs in which the cell was still, over those in which it moved
@@ -61,9 +60,8 @@ void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vec
   std::fill(moved_.begin(), moved_.end(), 0);
   const ExpectedFlow expected(camera_, window);
   for (const Landmark& landmark : landmarks) {
-    const auto count = landmark.observations.size();
-    if (count < 2 || landmark.last().frame != window.back().index) continue;
-    const double flow = (landmark.last().left - landmark.observations[count - 2].left).norm();
+    if (landmark.observations.size() < 2 || landmark.last().frame != window.back().index) continue;
+    const double flow = landmark.lastFlow();
     const int cell = cellOf(camera_, landmark.last().left);
     if (flow > kMovedFlow)
       ++moved_[cell];

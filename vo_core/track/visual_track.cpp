@@ -252,9 +252,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   motion.counts.inliers = found->inliers;
   // Without a velocity prior, a vehicle that fills the view can win the search.
   motion.ambiguous = !velocity_ && found->inlier_ratio < kUnambiguousShare;
-  const bool by_chance =
-      found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
-  if (motion.ambiguous || by_chance) {
+  const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
+  if (motion.ambiguous || by_chance || found->isFixedToImage()) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
@@ -267,10 +266,10 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   return true;
 }
 
-/// Weighs the landmarks by their residuals and removes those with little weight.
+/// Weighs the landmarks by their residuals, at most as expected, and removes those with little weight.
 void VisualTrack::weighLandmarks(std::vector<Landmark>& landmarks) const {
   for (Landmark& landmark : landmarks)
-    landmark.weight = landmark.residuals.weight(settings_.self_calibration.correlated_pairs);
+    landmark.weight = std::min(1.0, landmark.residuals.weight(settings_.self_calibration.correlated_pairs));
   std::erase_if(landmarks,
                 [&](const Landmark& landmark) { return landmark.weight < settings_.history.minimum_weight; });
 }

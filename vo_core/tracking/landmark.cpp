@@ -29,7 +29,7 @@ LandmarkView viewOf(const Landmark& landmark, std::int64_t previous) {
           .right_y = right.y(),
           .previous_x = previous_left.x(),
           .previous_y = previous_left.y(),
-          .weight = static_cast<float>(std::min(landmark.weight, 1.0)),
+          .weight = static_cast<float>(landmark.weight),
           .age = landmark.age,
           .inverse_depth = landmark.hasDepth() ? static_cast<float>(landmark.inverse_depth) : kUnknown};
 }

@@ -32,13 +32,15 @@ struct Observation {
   Eigen::Vector2d rightAtExposure() const { return right() - right_row_shift.cast<double>(); }
 };
 
+constexpr double kStillFlow = 0.5;  ///< px, the most that noise and a video codec move a still landmark
+
 /// A patch of the world tracked through the left images. Its anchor, the first pair of its observations,
 /// defines the template that is compared with all later images, so that no error accumulates. Its position is
 /// the anchor's pixel and an inverse depth (J. Civera, A. Davison, J. Montiel, "Inverse depth parametrization
 /// for monocular SLAM", 2008), which suits points at infinity as well as near ones.
 struct Landmark {
-  int level = 0;       ///< pyramid level of the patch, below kLandmarkLevels
-  int age = 0;         ///< number of pairs with an observation, including those before a change of the anchor
+  int level = 0;  ///< pyramid level of the patch, below kLandmarkLevels
+  int age = 0;    ///< number of pairs with an observation, including those before a change of the anchor
   ResidualVariance residuals;  ///< of its observations
   double weight = 1.0;         ///< as part of the static world: ResidualVariance::weight()
 
@@ -60,6 +62,11 @@ struct Landmark {
 
   const Observation& anchor() const { return observations.front(); }
   const Observation& last() const { return observations.back(); }
+  /// Length (px) of the way from the last but one to the last left position; 0 with one observation.
+  double lastFlow() const {
+    const auto count = observations.size();
+    return count > 1 ? (last().left - observations[count - 2].left).norm() : 0.0;
+  }
   /// The observation by the pair with this index, or nullptr.
   const Observation* find(std::int64_t frame) const {
     const auto found = std::find_if(observations.begin(), observations.end(),

@@ -57,8 +57,8 @@ class LandmarkTracker {
   TrackingOutcome track(const std::vector<Landmark>& previous, std::vector<Landmark>& tracked,
                         const TrackedImage& image);
 
-  /// Removes landmarks that are too close to each other or exceed the target count, those with less weight and
-  /// age first, and fills up with new corners.
+  /// Removes landmarks that are too close to each other or exceed the target count, those with less weight
+  /// and age first, and fills up with new corners.
   void replenish(std::vector<Landmark>& landmarks, const ImagePyramid& left, std::int64_t frame);
 
   /// Matches the landmarks' last observations, which must be in this pair, in the right image, where it is

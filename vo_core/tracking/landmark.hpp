@@ -42,7 +42,7 @@ struct Landmark {
   int level = 0;  ///< pyramid level of the patch, below kLandmarkLevels
   int age = 0;    ///< number of pairs with an observation, including those before a change of the anchor
   ResidualVariance residuals;  ///< of its observations
-  double weight = 1.0;         ///< as part of the static world: ResidualVariance::weight()
+  double weight = 1.0;         ///< as part of the static world: ResidualVariance::weight(), at most 1
 
   FixedVector<Observation, kMaximumWindowPairs> observations;  ///< anchor first; never empty
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();          ///< of the patch, anchor to last left image

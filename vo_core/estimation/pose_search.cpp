@@ -249,6 +249,13 @@ class Search {
 
 }  // namespace
 
+bool isFixedToImage(const PoseProblem& searched, const FoundPose& found) {
+  const auto& points = searched.points;
+  const auto still = std::count_if(points.begin(), points.end(),
+                                   [](const PosePoint& point) { return point.inlier && point.still; });
+  return static_cast<double>(still) > kMajority * found.inliers && meanCellRatio(searched) < kMajority;
+}
+
 struct PoseFinder::Work {
   PointBlocks points;
   std::vector<SquareLanes> squares;
@@ -268,17 +275,18 @@ std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearch
   const auto pose = search.run();
   if (!pose) return std::nullopt;
   FoundPose found{*pose};
-  forEachError(problem, points.blocks, *pose, squares,
-               [&](int point, double error) { problem.points[point].inlier = error < settings.gate; });
+  forEachError(problem, points.blocks, *pose, squares, [&](int index, double error) {
+    PosePoint& point = problem.points[index];
+    point.inlier = error < settings.gate;
+    point.outlier = error > kWide * settings.gate;
+  });
   double weight = 0.0;
   for (const PosePoint& point : problem.points) {
     if (!point.inlier) continue;
     ++found.inliers;
-    found.still_inliers += point.still ? 1 : 0;
     weight += point.weight;
   }
   found.inlier_ratio = search.weight() > 0.0 ? weight / search.weight() : 0.0;
-  found.cell_ratio = meanCellRatio(problem);
   return found;
 }
 

@@ -25,11 +25,12 @@ struct PosePoint {
   int level = 0;                                       ///< pyramid level, see Landmark
   /// px, stddev of each coordinate of `left` by the unknown motion from the exposure to that of its row.
   double row_noise = 0.0;
-  bool still = false;   ///< whether it has kept its place in the left image
-  bool inlier = false;  ///< result: within the gate of the pose found
+  bool still = false;    ///< whether it has kept its place in the left image
+  bool inlier = false;   ///< result: within the gate of the pose found
+  bool outlier = false;  ///< result: beyond the gate of inaccurate poses, which is twice as wide
 };
 
-/// Input of the pose search; the points' `inlier` is output.
+/// Input of the pose search; the points' `inlier` and `outlier` are output.
 struct PoseProblem {
   StereoCamera camera;
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> anchors;  ///< T_world_camera of the window's pairs
@@ -49,13 +50,11 @@ struct FoundPose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   int inliers = 0;            ///< number of points
   double inlier_ratio = 0.0;  ///< weight of the inliers over the weight of all points
-  int still_inliers = 0;      ///< inliers that have kept their place in the image
-  double cell_ratio = 0.0;    ///< share of the inliers in an image cell, mean of the cells with points
-
-  /// Whether most inliers have kept their place in the image, but less than half of the image agrees: a part
-  /// of the cart or dirt on the lens seems to stand at any motion, and fits a standstill exactly.
-  bool isFixedToImage() const { return still_inliers > kMajority * inliers && cell_ratio < kMajority; }
 };
+
+/// Whether most inliers have kept their place in the image, but less than half of the image agrees: a part of
+/// the cart or dirt on the lens seems to stand at any motion, and fits a standstill exactly.
+bool isFixedToImage(const PoseProblem& searched, const FoundPose& found);
 
 /// Share of the weight from which a pose is unambiguous: no other one can have more than half of its inliers.
 /// The search ends with such a pose, and one that the last motion does not support must be: the first of a

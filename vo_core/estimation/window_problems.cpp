@@ -17,9 +17,6 @@ constexpr double kUnknownInverseDepth = 0.03;  // 1/m
 constexpr double kUnknownInformation = 1.0;    // m^2, of a stddev of 1 / m
 // m^2, of a stddev of 0.05 / m: a depth from motion that is more certain than this is used.
 constexpr double kCertainInformation = 400.0;
-// Factor on the weight of a landmark without a depth: its depth follows from the poses, but it has no say in
-// them. With a wrong depth, or a vague one, it would take part of the rotation for translation.
-constexpr double kFollowerWeight = 1e-2;
 
 /// Bounds the weight of each cell of the image to that of the median cell, so that a lettering or a dirty
 /// spot with many corners does not outvote a scene with few.
@@ -99,12 +96,13 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     const Landmark& landmark = landmarks[chosen[i]];
     BundleLandmark& item = items[i] = {};
     item.bearing = bearingOf(camera, landmark.anchor().leftAtExposure());
-    item.weight = landmark.weight;
+    item.weight = landmark.poseWeight();
     item.level = landmark.level;
     item.inverse_depth = landmark.inverse_depth;
     item.prior_inverse_depth = landmark.prior_inverse_depth;
     item.prior_information = landmark.prior_information;
     item.prior_dinverse_depth_doffset = landmark.prior_dinverse_depth_doffset;
+    // With a wrong depth, or a vague one, a landmark would take part of the rotation for translation.
     if (!landmark.hasDepth()) {
       item.inverse_depth = item.prior_inverse_depth = kUnknownInverseDepth;
       item.prior_information = kFollowerWeight * kUnknownInformation;

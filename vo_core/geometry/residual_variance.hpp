@@ -11,8 +11,9 @@ struct ResidualVariance {
   double squares = 0.0, count = 0.0;  ///< sums over the remembered residuals
 
   void fade(double pairs) {
-    squares *= 1.0 - 1.0 / pairs;
-    count *= 1.0 - 1.0 / pairs;
+    const double kept = 1.0 - 1.0 / pairs;
+    squares *= kept;
+    count *= kept;
   }
   void add(double square) {
     squares += square;

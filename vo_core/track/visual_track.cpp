@@ -253,25 +253,15 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   // Without a velocity prior, a vehicle that fills the view can win the search.
   motion.ambiguous = !velocity_ && found->inlier_ratio < kUnambiguousShare;
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
-  if (motion.ambiguous || by_chance || found->isFixedToImage()) {
+  if (motion.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
   draft.window.back().T_world_camera = found->T_world_camera;
   correctNewestRows(draft, found->T_world_camera);
-  const double gate = settings_.pose_search.gate;
   for (std::size_t i = 0; i < chosen_.size(); ++i)
-    if (!pose_problem_.points[i].inlier) draft.landmarks[chosen_[i]].residuals.add(gate * gate);
-  weighLandmarks(draft.landmarks);
+    draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
   return true;
-}
-
-/// Weighs the landmarks by their residuals, at most as expected, and removes those with little weight.
-void VisualTrack::weighLandmarks(std::vector<Landmark>& landmarks) const {
-  for (Landmark& landmark : landmarks)
-    landmark.weight = std::min(1.0, landmark.residuals.weight(settings_.self_calibration.correlated_pairs));
-  std::erase_if(landmarks,
-                [&](const Landmark& landmark) { return landmark.weight < settings_.history.minimum_weight; });
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

@@ -104,22 +104,25 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   accept(pair, draft);
 }
 
-/// Updates the landmarks' depths, and their weights from their residuals. Landmarks in still regions have no
-/// depth and so no say in the poses.
+/// Updates the landmarks' depths, and their weights from their residuals; removes those with little weight.
+/// Landmarks in still regions have no depth and so no say in the poses.
 void VisualTrack::updateLandmarks(Draft& draft) {
   StillRegions& still_regions = draft.estimates.still_regions;
   still_regions.update(draft.landmarks, draft.window);
+  const double memory = settings_.self_calibration.correlated_pairs;
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     Landmark& landmark = draft.landmarks[chosen_[i]];
     const BundleLandmark& adjusted = bundle_.landmarks[i];
-    landmark.residuals.fade(settings_.self_calibration.correlated_pairs);
+    landmark.residuals.fade(memory);
     landmark.residuals.add(adjusted.error * adjusted.error);
+    landmark.weight = std::min(1.0, landmark.residuals.weight(memory));
     if (still_regions.contains(landmark.last().left))
       landmark.information = 0.0;
     else
       updateDepth(adjusted, landmark);
   }
-  weighLandmarks(draft.landmarks);
+  std::erase_if(draft.landmarks,
+                [&](const Landmark& landmark) { return landmark.weight < settings_.history.minimum_weight; });
 }
 
 /// Whether the adjusted motion is a stop that the pair's evidence excludes; sets the reason.

@@ -145,7 +145,7 @@ void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Is
     }
     point.inverse_depth_information = landmark.information;
     point.relative_noise = seen->relative_noise;
-    point.weight = landmark.weight;
+    point.weight = landmark.poseWeight();
     point.level = landmark.level;
     points.push_back(point);
   }

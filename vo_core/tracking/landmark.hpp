@@ -18,6 +18,7 @@ namespace cartvo::vo {
 struct Observation {
   std::int64_t frame = -1;                                  ///< index of the pair
   bool stereo = false;                                      ///< whether it has a match in the right image
+  bool outlier = false;                                     ///< PosePoint::outlier of the pair's pose search
   Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< px
   Eigen::Vector2d stereo_offset = Eigen::Vector2d::Zero();  ///< px, left minus right position; x: disparity
   /// Stddev of each coordinate of `left` relative to that of a typical patch.
@@ -32,6 +33,8 @@ struct Observation {
   Eigen::Vector2d rightAtExposure() const { return right() - right_row_shift.cast<double>(); }
 };
 
+/// Factor on the weight of a landmark that has no say in the poses: its depth follows from them.
+constexpr double kFollowerWeight = 1e-2;
 constexpr double kStillFlow = 0.5;  ///< px, the most that noise and a video codec move a still landmark
 
 /// A patch of the world tracked through the left images. Its anchor, the first pair of its observations,
@@ -74,6 +77,8 @@ struct Landmark {
     return found == observations.end() ? nullptr : &*found;
   }
   bool hasDepth() const { return information > 0.0; }
+  /// Weight in the estimation of poses and motions: an outlier of the last pair has no say.
+  double poseWeight() const { return last().outlier ? kFollowerWeight * weight : weight; }
 };
 
 /// The landmark where its last pair observed it. `previous`: index of the pair tracked before.

@@ -202,6 +202,29 @@ TEST(PoseSearch, NormalisesErrorsByPixelAndDepthNoise) {
   }
 }
 
+TEST(PoseSearch, MarksOutliersBeyondTwiceTheGate) {
+  PoseProblem problem = simulateStreet({.noise = 0.0, .depth_noise = 0.0}, 1);
+  const double gate = PoseSearchSettings().gate;
+  // The error is the RMS of two coordinates.
+  const double stddev = std::sqrt(2.0) * problem.noise[0].pixel;
+  const auto move = [&](int index, double errors) {
+    problem.points[index].level = 0;
+    problem.points[index].inverse_depth_stddev = 0.0;
+    problem.points[index].left.y() += errors * stddev;
+  };
+  move(0, 0.9 * gate);
+  move(1, 1.5 * gate);
+  move(2, 2.2 * gate);
+  ASSERT_TRUE(search(problem).has_value());
+  const auto expectFlags = [&](int index, bool inlier, bool outlier) {
+    EXPECT_EQ(problem.points[index].inlier, inlier) << index;
+    EXPECT_EQ(problem.points[index].outlier, outlier) << index;
+  };
+  expectFlags(0, true, false);
+  expectFlags(1, false, false);
+  expectFlags(2, false, true);
+}
+
 TEST(PoseSearch, RejectsPointBehindTheCamera) {
   PoseProblem problem = simulateStreet({}, 1);
   problem.points.front().bearing = {0.0, 0.0, -1.0};

@@ -40,7 +40,7 @@ class LandmarkDetectorTest : public testing::Test {
   static Landmark landmarkAt(const LandmarkCorner& corner) {
     Landmark landmark;
     landmark.level = corner.level;
-    landmark.observations.push_back({0, false, corner.pixel});
+    landmark.observations.push_back({.frame = 0, .left = corner.pixel});
     return landmark;
   }
 

@@ -102,11 +102,9 @@ void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector
     item.prior_inverse_depth = landmark.prior_inverse_depth;
     item.prior_information = landmark.prior_information;
     item.prior_dinverse_depth_doffset = landmark.prior_dinverse_depth_doffset;
-    // With a wrong depth, or a vague one, a landmark would take part of the rotation for translation.
     if (!landmark.hasDepth()) {
       item.inverse_depth = item.prior_inverse_depth = kUnknownInverseDepth;
       item.prior_information = kFollowerWeight * kUnknownInformation;
-      item.weight *= kFollowerWeight;
       item.prior_dinverse_depth_doffset = 0.0;
     }
     for (const Observation& observation : landmark.observations)

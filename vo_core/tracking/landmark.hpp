@@ -77,8 +77,9 @@ struct Landmark {
     return found == observations.end() ? nullptr : &*found;
   }
   bool hasDepth() const { return information > 0.0; }
-  /// Weight in the estimation of poses and motions: an outlier of the last pair has no say.
-  double poseWeight() const { return last().outlier ? kFollowerWeight * weight : weight; }
+  /// Weight in the estimation of poses and motions. An outlier of the last pair follows, and a landmark
+  /// without a depth: with a wrong depth, or a vague one, it would take part of the rotation for translation.
+  double poseWeight() const { return hasDepth() && !last().outlier ? weight : kFollowerWeight * weight; }
 };
 
 /// The landmark where its last pair observed it. `previous`: index of the pair tracked before.

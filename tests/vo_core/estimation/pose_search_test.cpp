@@ -216,13 +216,13 @@ TEST(PoseSearch, MarksOutliersBeyondTwiceTheGate) {
   move(1, 1.5 * gate);
   move(2, 2.2 * gate);
   ASSERT_TRUE(search(problem).has_value());
-  const auto expectFlags = [&](int index, bool inlier, bool outlier) {
+  const auto expect_flags = [&](int index, bool inlier, bool outlier) {
     EXPECT_EQ(problem.points[index].inlier, inlier) << index;
     EXPECT_EQ(problem.points[index].outlier, outlier) << index;
   };
-  expectFlags(0, true, false);
-  expectFlags(1, false, false);
-  expectFlags(2, false, true);
+  expect_flags(0, true, false);
+  expect_flags(1, false, false);
+  expect_flags(2, false, true);
 }
 
 TEST(PoseSearch, RejectsPointBehindTheCamera) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "vo_core/estimation/pose_residuals.hpp"
 #include "vo_core/geometry/image_cells.hpp"
@@ -116,6 +118,33 @@ std::optional<Eigen::Isometry3d> iterate(Eigen::Isometry3d pose, int steps, cons
     if (change.lpNorm<Eigen::Infinity>() < kConvergedStep) break;
   }
   return pose;
+}
+
+bool isInlier(const PosePoint& point) {
+  return point.inlier;
+}
+
+/// Weight of the points that fulfil a condition.
+template <typename Condition>
+double weightWhere(const PoseProblem& problem, const Condition& condition) {
+  double weight = 0.0;
+  for (const PosePoint& point : problem.points)
+    if (condition(point)) weight += point.weight;
+  return weight;
+}
+
+/// Copies the problem with the points that fulfil a condition.
+template <typename Condition>
+void copyWhere(const PoseProblem& problem, const Condition& condition, PoseProblem& part) {
+  part.camera = problem.camera;
+  part.anchors = problem.anchors;
+  part.start = problem.start;
+  part.expected = problem.expected;
+  part.noise = problem.noise;
+  part.admissible_change = problem.admissible_change;
+  part.points.reserve(problem.points.capacity());
+  part.points.clear();
+  std::copy_if(problem.points.begin(), problem.points.end(), std::back_inserter(part.points), condition);
 }
 
 /// Share of the inliers in an image cell, mean of the cells with points.
@@ -249,16 +278,20 @@ class Search {
 
 }  // namespace
 
-bool isFixedToImage(const PoseProblem& searched, const FoundPose& found) {
+int countStillInliers(const PoseProblem& searched) {
   const auto& points = searched.points;
-  const auto still = std::count_if(points.begin(), points.end(),
-                                   [](const PosePoint& point) { return point.inlier && point.still; });
-  return static_cast<double>(still) > kMajority * found.inliers && meanCellRatio(searched) < kMajority;
+  return static_cast<int>(std::count_if(points.begin(), points.end(),
+                                        [](const PosePoint& point) { return point.inlier && point.still; }));
+}
+
+bool isFixedToImage(const PoseProblem& searched, const FoundPose& found) {
+  return countStillInliers(searched) > kMajority * found.inliers && meanCellRatio(searched) < kMajority;
 }
 
 struct PoseFinder::Work {
   PointBlocks points;
   std::vector<SquareLanes> squares;
+  PoseProblem part;  ///< of findAlternative()
 };
 
 PoseFinder::PoseFinder() : work_(std::make_unique<Work>()) {}
@@ -269,25 +302,40 @@ PoseFinder::~PoseFinder() = default;
 std::optional<FoundPose> PoseFinder::find(PoseProblem& problem, const PoseSearchSettings& settings,
                                           SubsetRandom& random) {
   if (static_cast<int>(problem.points.size()) <= kSubsetSize) return std::nullopt;
-  auto& [points, squares] = *work_;
-  points.reset(problem);
-  Search search(problem, points.blocks, settings, random);
+  work_->points.reset(problem);
+  Search search(problem, work_->points.blocks, settings, random);
   const auto pose = search.run();
   if (!pose) return std::nullopt;
-  FoundPose found{*pose};
-  forEachError(problem, points.blocks, *pose, squares, [&](int index, double error) {
+  setFlags(problem, *pose, settings.gate);
+  const auto inliers = std::count_if(problem.points.begin(), problem.points.end(), isInlier);
+  const double ratio = search.weight() > 0.0 ? weightWhere(problem, isInlier) / search.weight() : 0.0;
+  return FoundPose{*pose, static_cast<int>(inliers), ratio};
+}
+
+std::optional<AlternativePose> PoseFinder::findAlternative(const PoseProblem& searched,
+                                                           const PoseSearchSettings& settings,
+                                                           int minimum_inliers, SubsetRandom& random) {
+  PoseProblem& part = work_->part;
+  copyWhere(searched, std::not_fn(isInlier), part);
+  const auto found = find(part, settings, random);
+  if (!found || found->inliers < minimum_inliers) return std::nullopt;
+  AlternativePose other{found->T_world_camera, weightWhere(part, isInlier)};
+  copyWhere(searched, isInlier, part);
+  work_->points.reset(part);
+  setFlags(part, other.T_world_camera, settings.gate);
+  other.weight_of_found = weightWhere(part, std::not_fn(isInlier));
+  other.still_of_found =
+      weightWhere(part, [](const PosePoint& point) { return !point.inlier && point.still; });
+  return other;
+}
+
+/// Sets the flags of the points, which are those of work_->points, at a pose.
+void PoseFinder::setFlags(PoseProblem& problem, const Eigen::Isometry3d& T_world_camera, double gate) {
+  forEachError(problem, work_->points.blocks, T_world_camera, work_->squares, [&](int index, double error) {
     PosePoint& point = problem.points[index];
-    point.inlier = error < settings.gate;
-    point.outlier = error > kWide * settings.gate;
+    point.inlier = error < gate;
+    point.outlier = error > kWide * gate;
   });
-  double weight = 0.0;
-  for (const PosePoint& point : problem.points) {
-    if (!point.inlier) continue;
-    ++found.inliers;
-    weight += point.weight;
-  }
-  found.inlier_ratio = search.weight() > 0.0 ? weight / search.weight() : 0.0;
-  return found;
 }
 
 }  // namespace cartvo::vo

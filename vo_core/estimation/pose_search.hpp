@@ -52,13 +52,24 @@ struct FoundPose {
   double inlier_ratio = 0.0;  ///< weight of the inliers over the weight of all points
 };
 
+/// A pose beside the one found, and what tells them apart. Points that fit both tell nothing: far ones fit
+/// any short motion, whether the near ones show the road, a vehicle or a part of the cart.
+struct AlternativePose {
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  double weight = 0.0;           ///< of the points that fit this pose only
+  double weight_of_found = 0.0;  ///< of the points that fit the pose found only
+  double still_of_found = 0.0;   ///< of those among them that have kept their place in the image
+};
+
+/// Number of inliers that have kept their place in the image.
+int countStillInliers(const PoseProblem& searched);
+
 /// Whether most inliers have kept their place in the image, but less than half of the image agrees: a part of
 /// the cart or dirt on the lens seems to stand at any motion, and fits a standstill exactly.
 bool isFixedToImage(const PoseProblem& searched, const FoundPose& found);
 
-/// Share of the weight from which a pose is unambiguous: no other one can have more than half of its inliers.
-/// The search ends with such a pose, and one that the last motion does not support must be: the first of a
-/// track, or one beyond the motion gate.
+/// Share of the weight from which a pose is unambiguous: the outliers have half of its weight at most. The
+/// search ends with such a pose, and a pose beyond the motion gate must be one.
 constexpr double kUnambiguousShare = 2.0 / 3.0;
 
 /// Whether the inliers suffice to accept the pose.
@@ -83,7 +94,15 @@ class PoseFinder {
   std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
                                 SubsetRandom& random);
 
+  /// Finds another pose within the motion gate: the one that most outliers of the pose found agree on, with
+  /// at least `minimum_inliers`. `searched`: as find() returned it.
+  std::optional<AlternativePose> findAlternative(const PoseProblem& searched,
+                                                 const PoseSearchSettings& settings, int minimum_inliers,
+                                                 SubsetRandom& random);
+
  private:
+  void setFlags(PoseProblem& problem, const Eigen::Isometry3d& T_world_camera, double gate);
+
   struct Work;
   std::unique_ptr<Work> work_;  // reused: keeps its memory from call to call
 };

@@ -9,6 +9,7 @@
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
 
@@ -250,8 +251,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  // Without a velocity prior, a vehicle that fills the view can win the search.
-  motion.ambiguous = !velocity_ && found->inlier_ratio < kUnambiguousShare;
+  motion.ambiguous = isAmbiguous(pair, *found);
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
   if (motion.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
     motion.reason = OdometryReason::too_few_inliers;
@@ -262,6 +262,23 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
   return true;
+}
+
+/// Whether the landmarks may as well show another pose: one that explains more than half as much as the pose
+/// found does, without what fits both. If the last motion is known, only a pose is in doubt whose own
+/// landmarks keep their place in the image, as those on a part of the cart do, and only if the cart can make
+/// the other motion.
+bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
+  if (velocity_ ? countStillInliers(pose_problem_) == 0 : found.inlier_ratio >= kUnambiguousShare)
+    return false;
+  SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
+  const auto other = pose_finder_.findAlternative(pose_problem_, settings_.pose_search,
+                                                  settings_.validity.minimum_inliers, random);
+  if (!other || other->weight <= kMajority * other->weight_of_found) return false;
+  if (!velocity_) return true;
+  const double step = secondsSinceLast(pair);
+  const Vector6d change = vectorFromMotion(pose_problem_.expected.inverse() * other->T_world_camera) / step;
+  return other->still_of_found > kMajority * other->weight_of_found && canStop(change, step);
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

@@ -51,7 +51,7 @@ struct TrackedMotion {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   MotionError error;
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
-  bool ambiguous = false;              ///< the first motion, below kUnambiguousShare
+  bool ambiguous = false;              ///< the landmarks may as well show another one
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 
@@ -83,6 +83,7 @@ class VisualTrack {
 
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   Matrix6d poseCovariance() const;
+  bool hasMotion() const { return velocity_.has_value(); }
   std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   /// Adds the landmarks that the pair with this index observed.
@@ -123,6 +124,7 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  bool isAmbiguous(const PreparedPair& pair, const FoundPose& found);
   std::optional<FoundPose> findPose();
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);

@@ -243,6 +243,16 @@ TEST_F(VisualTrackTest, FirstMotionIsNotAmbiguousWithASmallMovingPart) {
   EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }
 
+/// Two fifths of the image move in two other ways, neither of which has half of the weight of the first one.
+TEST_F(VisualTrackTest, FirstMotionIsNotAmbiguousBesideTwoOtherOnes) {
+  VisualTrack track = begin();
+  const StereoImages stands = beside(drivePair(1), drivePair(0), kCamera.width * 3 / 5);
+  const TrackedMotion motion = show(track, beside(stands, drivePair(3), kCamera.width * 4 / 5), 1);
+  EXPECT_FALSE(motion.ambiguous);
+  ASSERT_TRUE(motion.valid());
+  EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
+}
+
 /// With a velocity prior another motion in half of the image does not make the motion ambiguous.
 TEST_F(VisualTrackTest, LaterMotionIsNotAmbiguous) {
   VisualTrack track = begin();

@@ -24,11 +24,12 @@ struct Street {
   int points = 200;
   double bus = 0.0;          ///< fraction of points on a bus
   double scattered = 0.0;    ///< fraction of points with random positions
+  double far = 0.0;          ///< fraction of points at infinity, which fit the bus and the street
   double noise = 0.15;       ///< px
   double depth_noise = 1.0;  ///< in units of the assumed noise
 };
 
-/// Simulates a problem. The first points are on the bus, the next ones are scattered.
+/// Simulates a problem. The first points are on the bus, the next ones are scattered, the last ones far.
 PoseProblem simulateStreet(const Street& street, std::uint64_t seed) {
   test::Noise random(seed);
   PoseProblem problem;
@@ -43,6 +44,7 @@ PoseProblem simulateStreet(const Street& street, std::uint64_t seed) {
         bearingOf(kRigCamera, {kRigCamera.width * random.uniform(), kRigCamera.height * random.uniform()});
     point.inverse_depth = 1.0 / 30.0 + 0.2 * random.uniform();
     point.inverse_depth_stddev = 0.003;
+    if (i >= (1.0 - street.far) * street.points) point.inverse_depth = 0.0;
     const double assumed_inverse_depth =
         point.inverse_depth + street.depth_noise * point.inverse_depth_stddev * random.gaussian();
     const bool on_bus = i < street.bus * street.points;
@@ -67,6 +69,11 @@ std::optional<FoundPose> search(PoseProblem& problem, std::uint64_t seed = 1,
                                 const PoseSearchSettings& settings = {}) {
   SubsetRandom random(seed);
   return PoseFinder().find(problem, settings, random);
+}
+
+std::optional<AlternativePose> findAlternative(const PoseProblem& searched) {
+  SubsetRandom random(1);
+  return PoseFinder().findAlternative(searched, {}, 15, random);
 }
 
 void expectPose(const std::optional<FoundPose>& found, const Eigen::Isometry3d& expected, int seed) {
@@ -223,6 +230,38 @@ TEST(PoseSearch, MarksOutliersBeyondTwiceTheGate) {
   expect_flags(0, true, false);
   expect_flags(1, false, false);
   expect_flags(2, false, true);
+}
+
+/// 60 points are on a bus, 80 on the street and 60 far; the street keeps its place in the image.
+TEST(PoseSearch, AlternativeIsComparedWithoutThePointsThatFitBoth) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    PoseProblem problem = simulateStreet({.bus = 0.3, .far = 0.3}, seed);
+    for (int i = 60; i < 140; ++i)
+      problem.points[i].still = true;
+    expectPose(search(problem), kNow, seed);
+    const auto other = findAlternative(problem);
+    ASSERT_TRUE(other.has_value()) << seed;
+    const Eigen::Isometry3d error = (kNow * kBusMotion).inverse() * other->T_world_camera;
+    EXPECT_LT(error.translation().norm(), 0.03) << seed;
+    EXPECT_NEAR(other->weight, 60.0, 5.0) << seed;
+    EXPECT_NEAR(other->weight_of_found, 80.0, 5.0) << seed;
+    EXPECT_NEAR(other->still_of_found, 80.0, 5.0) << seed;
+  }
+}
+
+TEST(PoseSearch, ScatteredMatchesHaveNoAlternative) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    PoseProblem problem = simulateStreet({.scattered = 0.45}, seed);
+    ASSERT_TRUE(search(problem).has_value()) << seed;
+    EXPECT_FALSE(findAlternative(problem).has_value()) << seed;
+  }
+}
+
+TEST(PoseSearch, AlternativeIsWithinTheMotionGate) {
+  PoseProblem problem = simulateStreet({.bus = 0.4}, 1);
+  setMotionGate(problem);
+  ASSERT_TRUE(search(problem).has_value());
+  EXPECT_FALSE(findAlternative(problem).has_value());
 }
 
 TEST(PoseSearch, RejectsPointBehindTheCamera) {

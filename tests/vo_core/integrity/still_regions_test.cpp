@@ -1,6 +1,9 @@
 // Tests of the odometry with images in which a part does not move with the scene.
 #include "vo_core/integrity/still_regions.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/vo_core/corridor_world.hpp"
@@ -51,6 +54,33 @@ TEST(StillRegions, AreTheOnesThatDoNotMoveWithTheScene) {
 TEST(StillRegions, AreAbsentFromAnUnobstructedView) {
   for (const OdometryEstimate& estimate : driven(false))
     EXPECT_TRUE(estimate.still_regions.empty());
+}
+
+/// A departure with a part of the cart in view, which fits the standstill, as the far end of the corridor
+/// does: pairs are INVALID until the landmarks of the stand show the motion, and no way is lost.
+TEST(PartOfTheCartInView, HidesNoDeparture) {
+  constexpr int kStand = 10;             // pairs
+  constexpr double kAcceleration = 1.0;  // m/s^2
+  constexpr double kTolerance = 0.006;   // m, about a pixel of flow of the walls
+  static const test::CorridorWorld world(1);
+  OdometrySettings settings;
+  settings.features = 400;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  int valid = 0;
+  for (int i = 0; i < kPairs; ++i) {
+    const double time = 1e-9 * kPeriod * std::max(i - kStand, 0);
+    const double way = 0.5 * kAcceleration * time * time;
+    StereoImages images =
+        world.render(kCamera, Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, way)), i * kPeriod);
+    test::drawStillOverlay(images, kBonnet, kDisparity);
+    const OdometryEstimate estimate = odometry.process(images, observer);
+    EXPECT_EQ(estimate.reset_counter, 0) << i;
+    if (!estimate.valid) continue;
+    ++valid;
+    EXPECT_NEAR(estimate.T_world_camera.translation().z(), way, kTolerance) << i;
+  }
+  EXPECT_GE(valid, kPairs - 4);  // the first pair, and three of the departure
 }
 
 }  // namespace

@@ -265,9 +265,9 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
 }
 
 /// Whether the landmarks may as well show another pose: one that explains more than half as much as the pose
-/// found does, without what fits both. If the last motion is known, only a pose is in doubt whose own
-/// landmarks keep their place in the image, as those on a part of the cart do, and only if the cart can make
-/// the other motion.
+/// found does, without what fits both. After the first motion only a pose whose own landmarks keep their
+/// place in the image is ambiguous, as a part of the cart does, and only if the cart can make the other
+/// motion.
 bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
   if (velocity_ ? countStillInliers(pose_problem_) == 0 : found.inlier_ratio >= kUnambiguousShare)
     return false;

@@ -134,10 +134,10 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Integ
   pair.state = integrity.state();
   TrackedMotion motion = track_->process(pair, observer);
   IntegrityAction action = integrity.update(motion.evidence);
-  // A track without a motion restarts at once: in a later pair more of a vehicle would be found again than of
-  // the static world. Otherwise wait: the farther the cart has come, the more landmarks tell the poses apart.
-  if (motion.ambiguous && !track_->hasMotion()) return startTrack(pair, motion.reason, observer);
-  if (motion.ambiguous && !pair.evidence.late) return toEstimate(pair, motion);
+  // The first motion: restart at once, as in a later pair more of a vehicle would be found again than of the
+  // static world.
+  if (motion.evidence.ambiguous && !track_->hasMotion()) return startTrack(pair, motion.reason, observer);
+  if (action == IntegrityAction::wait) return toEstimate(pair, motion);
   if (action == IntegrityAction::relocalise) action = tryRelocalise(pair, integrity, motion, observer);
   if (action == IntegrityAction::reject) return reject(pair, OdometryReason::repeated_picture);
   if (action == IntegrityAction::relocalise) return handleLoss(pair, motion, observer);

@@ -230,7 +230,7 @@ TEST_F(VisualTrackTest, ImplausibleMotionLeavesTheEstimatesUnchanged) {
 TEST_F(VisualTrackTest, RejectsAnAmbiguousFirstMotion) {
   VisualTrack track = begin();
   const TrackedMotion motion = show(track, beside(drivePair(0), drivePair(1), kCamera.width / 2), 1);
-  EXPECT_TRUE(motion.ambiguous);
+  EXPECT_TRUE(motion.evidence.ambiguous);
   EXPECT_EQ(motion.reason, OdometryReason::too_few_inliers);
   EXPECT_EQ(track.pose().matrix(), Eigen::Matrix4d::Identity());
 }
@@ -238,7 +238,7 @@ TEST_F(VisualTrackTest, RejectsAnAmbiguousFirstMotion) {
 TEST_F(VisualTrackTest, FirstMotionIsNotAmbiguousWithASmallMovingPart) {
   VisualTrack track = begin();
   const TrackedMotion motion = show(track, beside(drivePair(1), drivePair(0), kCamera.width * 3 / 4), 1);
-  EXPECT_FALSE(motion.ambiguous);
+  EXPECT_FALSE(motion.evidence.ambiguous);
   ASSERT_TRUE(motion.valid());
   EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }
@@ -248,7 +248,7 @@ TEST_F(VisualTrackTest, FirstMotionIsNotAmbiguousBesideTwoOtherOnes) {
   VisualTrack track = begin();
   const StereoImages stands = beside(drivePair(1), drivePair(0), kCamera.width * 3 / 5);
   const TrackedMotion motion = show(track, beside(stands, drivePair(3), kCamera.width * 4 / 5), 1);
-  EXPECT_FALSE(motion.ambiguous);
+  EXPECT_FALSE(motion.evidence.ambiguous);
   ASSERT_TRUE(motion.valid());
   EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }
@@ -259,7 +259,7 @@ TEST_F(VisualTrackTest, LaterMotionIsNotAmbiguous) {
   for (int i = 1; i < 4; ++i)
     ASSERT_TRUE(show(track, drivePair(i), i).valid()) << i;
   const TrackedMotion motion = show(track, beside(drivePair(4), drivePair(3), kCamera.width / 2), 4);
-  EXPECT_FALSE(motion.ambiguous);
+  EXPECT_FALSE(motion.evidence.ambiguous);
   ASSERT_TRUE(motion.valid());
   EXPECT_NEAR(motion.T_previous_current.translation().z(), kStep, 0.05 * kStep);
 }

@@ -51,6 +51,9 @@ constexpr std::array kTransitions = std::to_array<IntegrityTransition>({
     {kAny, {&E::tracked}, {}, tracking, publish},
     {setOf(left_frozen), {&E::lost}, {}, left_frozen, relocalise},
     {setOf(both_frozen), {&E::lost}, {}, both_frozen, relocalise},
+    // The farther the cart has come, the more of the track's landmarks tell two motions apart; those of a
+    // candidate track begin here.
+    {kLeftRuns, {&E::lost, &E::ambiguous}, &E::by_candidate, lost, wait},
     {kLeftRuns, {&E::lost}, {}, lost, relocalise},
 });
 

@@ -27,6 +27,7 @@ struct IntegrityEvidence {
   bool tracked = false;        ///< the motion is valid
   bool zero_velocity = false;  ///< it is a zero-velocity update
   bool lost = false;           ///< the motion is invalid
+  bool ambiguous = false;      ///< because the landmarks may as well show another one
 };
 
 /// What the odometry does with a pair.
@@ -34,6 +35,7 @@ enum class IntegrityAction : std::uint8_t {
   measure,      ///< no transition applies yet: more evidence is needed
   publish,      ///< its motion is valid
   reject,       ///< the last pose is repeated
+  wait,         ///< the same, until the track's landmarks tell the motions apart
   relocalise,   ///< the same, and the candidate track is tried
   start_epoch,  ///< a new epoch starts at the pair
 };

@@ -251,9 +251,9 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  motion.ambiguous = isAmbiguous(pair, *found);
+  motion.evidence.ambiguous = isAmbiguous(pair, *found);
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
-  if (motion.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
+  if (motion.evidence.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }

@@ -51,7 +51,6 @@ struct TrackedMotion {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   MotionError error;
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
-  bool ambiguous = false;              ///< the landmarks may as well show another one
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 

@@ -28,7 +28,7 @@ using Condition = IntegrityTransition::Condition;
 constexpr std::array kStates{tracking, standstill, left_frozen, right_frozen, both_frozen, lost};
 constexpr std::array<const char*, 6> kStateNames{"tracking",     "standstill",  "left frozen",
                                                  "right frozen", "both frozen", "lost"};
-const std::array<std::pair<Condition, const char*>, 13> kConditions{{
+const std::array<std::pair<Condition, const char*>, 14> kConditions{{
     {&E::left_repeats, "left repeats"},
     {&E::right_repeats, "right repeats"},
     {&E::cannot_stop, "cannot stop"},
@@ -42,6 +42,7 @@ const std::array<std::pair<Condition, const char*>, 13> kConditions{{
     {&E::tracked, "tracked"},
     {&E::zero_velocity, "zero velocity"},
     {&E::lost, "lost"},
+    {&E::ambiguous, "ambiguous"},
 }};
 
 E evidenceOf(unsigned bits) {
@@ -57,7 +58,7 @@ bool isPossible(const E& e) {
   return !(e.stands && e.moves) && !(e.tracked && e.lost) && (!e.zero_velocity || (e.tracked && e.stands)) &&
          (!e.tracked || seen) && !(e.right_moves && e.right_stays) &&
          (e.stands || !(e.right_moves || e.right_stays)) &&
-         !(e.no_track && (e.late || e.by_candidate || seen));
+         !(e.no_track && (e.late || e.by_candidate || seen)) && (!e.ambiguous || (e.lost && !seen));
 }
 
 const std::vector<E>& possibleEvidence() {
@@ -165,6 +166,10 @@ TEST(IntegrityTable, FreezesAndRecoversAsNamed) {
       {left_frozen, {.late = true}, left_frozen, measure},
       {left_frozen, {.late = true, .stands = true}, left_frozen, reject},
       {left_frozen, {.late = true, .moves = true, .tracked = true}, lost, start_epoch},
+      // A part of the cart in view hides a departure: the track waits, a candidate is replaced.
+      {standstill, {.lost = true, .ambiguous = true}, lost, wait},
+      {lost, {.lost = true, .ambiguous = true}, lost, wait},
+      {lost, {.by_candidate = true, .lost = true, .ambiguous = true}, lost, relocalise},
       {both_frozen, {.by_candidate = true, .moves = true, .tracked = true}, lost, relocalise},
       {lost, {.by_candidate = true, .moves = true, .tracked = true}, tracking, publish},
   };
@@ -260,8 +265,8 @@ std::string tableText() {
       if (known == condition) return std::string(text);
     return std::string("?");
   };
-  constexpr std::array<const char*, 5> kActions{"measure", "publish", "reject", "relocalise",
-                                                "start an epoch"};
+  constexpr std::array<const char*, 6> kActions{"measure", "publish",    "reject",
+                                                "wait",    "relocalise", "start an epoch"};
   std::string text = "| from | if | to | pair |\n| --- | --- | --- | --- |\n";
   for (const IntegrityTransition& row : integrityTransitions()) {
     std::string from, others, conditions;

@@ -115,10 +115,10 @@ struct ExposureTwist {
 /// T_true = T * motionFromVector(perturbation), in the axes of the current camera.
 ///
 /// Reference: the motion is relative to the last pair with a valid pose, which is the previous pair unless
-/// that one was invalid. After an invalid pair lost features are searched for over `tracking.search_again`
-/// pairs. If they are found, the pose continues, and time_step and motion span the gap. Otherwise the next
-/// valid motion starts a new epoch: reset_counter increments, and the pose restarts from the identity at the
-/// pair before that motion.
+/// that one was invalid. Lost features are searched for over `tracking.search_again` pairs, and ambiguous
+/// ones for maximum_time_step. If found, the pose continues, and time_step and motion span the gap. Otherwise
+/// the next valid motion starts a new epoch: reset_counter increments, and the pose restarts from the
+/// identity at the pair before that motion.
 ///
 /// Within an epoch the pose has no jumps: T_world_camera = reference pose * T_previous_current, up to what a
 /// pair corrects of its reference, which has already been published.

@@ -51,6 +51,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   void compensateCodecShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate startTrack(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate startEpoch(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
+  OdometryEstimate wait(const PreparedPair& pair, const TrackedMotion& ambiguous, StageObserver& observer);
   OdometryEstimate handleLoss(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
   OdometryEstimate toEstimate(const PreparedPair& pair, const TrackedMotion& motion) const;
 
@@ -134,10 +135,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Integ
   pair.state = integrity.state();
   TrackedMotion motion = track_->process(pair, observer);
   IntegrityAction action = integrity.update(motion.evidence);
-  // The first motion: restart at once, as in a later pair more of a vehicle would be found again than of the
-  // static world.
-  if (motion.evidence.ambiguous && !track_->hasMotion()) return startTrack(pair, motion.reason, observer);
-  if (action == IntegrityAction::wait) return toEstimate(pair, motion);
+  if (action == IntegrityAction::wait) return wait(pair, motion, observer);
   if (action == IntegrityAction::relocalise) action = tryRelocalise(pair, integrity, motion, observer);
   if (action == IntegrityAction::reject) return reject(pair, OdometryReason::repeated_picture);
   if (action == IntegrityAction::relocalise) return handleLoss(pair, motion, observer);
@@ -225,6 +223,18 @@ OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, Odom
                                                   StageObserver& observer) {
   ++epoch_;
   return startTrack(pair, reason, observer);
+}
+
+/// Keeps the track at a pair with an ambiguous motion. A track without a motion starts anew at the pair: in a
+/// later one more of a vehicle would be found again than of the static world.
+OdometryEstimate ReprojectionOdometry::wait(const PreparedPair& pair, const TrackedMotion& ambiguous,
+                                            StageObserver& observer) {
+  if (!track_->hasMotion()) return startTrack(pair, ambiguous.reason, observer);
+  candidate_track_.reset();
+  TrackedMotion motion = ambiguous;
+  motion.counts.detected = track_->landmarkCount();
+  motion.counts.stereo = track_->stereoCount();
+  return toEstimate(pair, motion);
 }
 
 /// Starts a candidate track at a pair that the running track has lost. After tracking.search_again pairs it

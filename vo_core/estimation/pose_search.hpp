@@ -94,8 +94,8 @@ class PoseFinder {
   std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
                                 SubsetRandom& random);
 
-  /// Finds another pose within the motion gate: the one that most outliers of the pose found agree on, with
-  /// at least `minimum_inliers`. `searched`: as find() returned it.
+  /// Finds another pose, within the motion gate if there is one: the one that most outliers of the pose found
+  /// agree on, with at least `minimum_inliers`. `searched`: as find() returned it.
   std::optional<AlternativePose> findAlternative(const PoseProblem& searched,
                                                  const PoseSearchSettings& settings, int minimum_inliers,
                                                  SubsetRandom& random);

@@ -72,6 +72,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
                  {settings.rolling_shutter, settings.self_calibration.correlated_pairs},
                  PredictionErrors(settings.self_calibration.correlated_pairs)},
       last_exposure_ns_(first.left_exposure_ns),
+      unambiguous_ns_(first.left_exposure_ns),
       draft_{{}, {}, estimates_},
       row_regression_(settings.self_calibration) {
   // All buffers reserve the capacity of these lists.
@@ -251,8 +252,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   motion.counts.inliers = found->inliers;
-  motion.evidence.ambiguous = isAmbiguous(pair, *found);
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
+  motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found);
   if (motion.evidence.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
@@ -264,21 +265,32 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   return true;
 }
 
-/// Whether the landmarks may as well show another pose: one that explains more than half as much as the pose
-/// found does, without what fits both. After the first motion only a pose whose own landmarks keep their
-/// place in the image is ambiguous, as a part of the cart does, and only if the cart can make the other
-/// motion.
-bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
-  if (velocity_ ? countStillInliers(pose_problem_) == 0 : found.inlier_ratio >= kUnambiguousShare)
-    return false;
+/// Finds another pose that explains more than half as much as the pose found does, without what fits both. If
+/// the pose found is not a first one with few inliers, its own landmarks must keep their place in the image,
+/// too, as on a part of the cart.
+std::optional<AlternativePose> VisualTrack::findAlternative(const FoundPose& found) {
+  const bool is_weak = !velocity_ && found.inlier_ratio < kUnambiguousShare;
+  if (!is_weak && countStillInliers(pose_problem_) == 0) return std::nullopt;
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
-  const auto other = pose_finder_.findAlternative(pose_problem_, settings_.pose_search,
-                                                  settings_.validity.minimum_inliers, random);
-  if (!other || other->weight <= kMajority * other->weight_of_found) return false;
-  if (!velocity_) return true;
-  const double step = secondsSinceLast(pair);
-  const Vector6d change = vectorFromMotion(pose_problem_.expected.inverse() * other->T_world_camera) / step;
-  return other->still_of_found > kMajority * other->weight_of_found && canStop(change, step);
+  auto other = pose_finder_.findAlternative(pose_problem_, settings_.pose_search,
+                                            settings_.validity.minimum_inliers, random);
+  if (!other || other->weight <= kMajority * other->weight_of_found) return std::nullopt;
+  if (!is_weak && other->still_of_found <= kMajority * other->weight_of_found) return std::nullopt;
+  return other;
+}
+
+/// Whether the landmarks may as well show another pose. If the last motion is known, the cart must be able to
+/// make the other one since the last pair without an alternative: a standstill hides a slow departure at
+/// first.
+bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
+  const auto other = findAlternative(found);
+  if (!other) {
+    unambiguous_ns_ = pair.left_exposure_ns;
+    return false;
+  }
+  const double step = seconds(pair.left_exposure_ns - unambiguous_ns_);
+  const Vector6d change = vectorFromMotion(pose_problem_.expected.inverse() * other->T_world_camera);
+  return !velocity_ || canStop(change / step, step);
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

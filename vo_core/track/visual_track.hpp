@@ -123,6 +123,7 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  std::optional<AlternativePose> findAlternative(const FoundPose& found);
   bool isAmbiguous(const PreparedPair& pair, const FoundPose& found);
   std::optional<FoundPose> findPose();
   Vector6d admissibleChange(const PreparedPair& pair) const;
@@ -184,6 +185,7 @@ class VisualTrack {
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
   Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByLandmarks() of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
+  std::int64_t unambiguous_ns_ = 0;          ///< exposure of the last pair without an alternative pose
   // State of the current pair; members to reuse their memory.
   Draft draft_;
   std::vector<std::size_t>

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <iterator>
 
 #include "vo_core/estimation/pose_residuals.hpp"
 #include "vo_core/geometry/image_cells.hpp"
@@ -136,15 +135,9 @@ double weightWhere(const PoseProblem& problem, const Condition& condition) {
 /// Copies the problem with the points that fulfil a condition.
 template <typename Condition>
 void copyWhere(const PoseProblem& problem, const Condition& condition, PoseProblem& part) {
-  part.camera = problem.camera;
-  part.anchors = problem.anchors;
-  part.start = problem.start;
-  part.expected = problem.expected;
-  part.noise = problem.noise;
-  part.admissible_change = problem.admissible_change;
   part.points.reserve(problem.points.capacity());
-  part.points.clear();
-  std::copy_if(problem.points.begin(), problem.points.end(), std::back_inserter(part.points), condition);
+  part = problem;
+  std::erase_if(part.points, std::not_fn(condition));
 }
 
 /// Share of the inliers in an image cell, mean of the cells with points.

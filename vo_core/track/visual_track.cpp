@@ -265,10 +265,10 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   return true;
 }
 
-/// Finds another pose that explains more than half as much as the pose found does, without what fits both. If
-/// the pose found is not a first one with few inliers, its own landmarks must keep their place in the image,
-/// too, as on a part of the cart.
-std::optional<AlternativePose> VisualTrack::findAlternative(const FoundPose& found) {
+/// Finds another pose that explains more than half as much as the pose found does, without what fits both.
+/// Unless the pose found is a first one with few inliers, its own landmarks must keep their place in the
+/// image, too, as on a part of the cart.
+std::optional<AlternativePose> VisualTrack::findLikelyAlternative(const FoundPose& found) {
   const bool is_weak = !velocity_ && found.inlier_ratio < kUnambiguousShare;
   if (!is_weak && countStillInliers(pose_problem_) == 0) return std::nullopt;
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
@@ -283,7 +283,7 @@ std::optional<AlternativePose> VisualTrack::findAlternative(const FoundPose& fou
 /// make the other one since the last pair without an alternative: a standstill hides a slow departure at
 /// first.
 bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
-  const auto other = findAlternative(found);
+  const auto other = findLikelyAlternative(found);
   if (!other) {
     unambiguous_ns_ = pair.left_exposure_ns;
     return false;

@@ -123,7 +123,7 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  std::optional<AlternativePose> findAlternative(const FoundPose& found);
+  std::optional<AlternativePose> findLikelyAlternative(const FoundPose& found);
   bool isAmbiguous(const PreparedPair& pair, const FoundPose& found);
   std::optional<FoundPose> findPose();
   Vector6d admissibleChange(const PreparedPair& pair) const;

@@ -2,7 +2,6 @@
 #include "vo_core/integrity/still_regions.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -61,15 +60,14 @@ TEST(StillRegions, AreAbsentFromAnUnobstructedView) {
 class PartOfTheCartInView : public testing::TestWithParam<double> {};
 
 TEST_P(PartOfTheCartInView, HidesNoDeparture) {
-  constexpr int kStand = 10;            // pairs
-  constexpr double kTolerance = 0.006;  // m, about a pixel of flow of the walls
+  constexpr int kStand = 10, kDriven = 10;  // pairs
+  constexpr double kTolerance = 0.006;      // m, about a pixel of flow of the walls
   static const test::CorridorWorld world(1);
   OdometrySettings settings;
   settings.features = 400;
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
   int valid = 0;
-  constexpr int kDriven = 10;  // pairs
   for (int i = 0; i < kStand + kDriven; ++i) {
     const double time = 1e-9 * kPeriod * std::max(i - kStand, 0);
     const double way = 0.5 * GetParam() * time * time;

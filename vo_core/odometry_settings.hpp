@@ -160,7 +160,6 @@ struct ValiditySettings {
   double maximum_offset_uncertainty = 0.01;  ///< s, standard deviation of the time offset
   double maximum_speed = 50.0;               ///< m/s
   double maximum_rate = 4.0;                 ///< rad/s
-  double maximum_stddev = 0.1;               ///< m and rad, of each component of a motion
 };
 
 struct OdometrySettings {

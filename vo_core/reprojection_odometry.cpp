@@ -198,7 +198,9 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
 /// soon.
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
   if (!track_)
-    return {RigCalibrationFilter(settings_.self_calibration, timing_.shutters()), StillRegions(camera_)};
+    return {RigCalibrationFilter(settings_.self_calibration),
+            {timing_.shutters(), settings_.self_calibration},
+            StillRegions(camera_)};
   LearntByTracks learnt = track_->learnt();
   if (candidate_track_) learnt.rig = candidate_track_->rig();
   return learnt;

@@ -124,7 +124,6 @@ constexpr TunedConstant kLimits[] = {
     CONSTANT(validity.maximum_offset_uncertainty, "s", 0, 10, "beyond, depths are unknown"),
     CONSTANT(validity.maximum_speed, "m/s", 0.1, 1000, "of any vehicle with this daemon"),
     CONSTANT(validity.maximum_rate, "rad/s", 0.01, 100, "the same"),
-    CONSTANT(validity.maximum_stddev, "m, rad", 1e-4, 100, "a worse motion is of no use to a controller"),
 };
 
 #undef CONSTANT

@@ -9,9 +9,9 @@ namespace cartvo::daemon {
 namespace {
 
 // A sensor of 2 to 4 MP reads its rows in 0.96 of its own frame period, which is 1/30 s whatever frame rate
-// is set; sensors differ by 15 %.
-constexpr double kUsualReadout = 0.96 / 30.0;                 // s
-constexpr double kUsualReadoutStddev = 0.15 * kUsualReadout;  // s
+// is set. Sensors differ by 15 %, and one in seven or so has a global shutter.
+constexpr double kUsualReadout = 0.96 / 30.0;                // s
+constexpr double kUsualReadoutStddev = 0.4 * kUsualReadout;  // s
 
 vo::Shutter shutter(const calib::CameraModel& camera, calib::RowShareGrid shares, AbsentReadout absent) {
   vo::Shutter shutter;

@@ -28,7 +28,6 @@ void bindValidity(py::module_& module) {
       "s, standard deviation of the time offset");
   add(validity, "maximum_speed", &Validity::maximum_speed, "m/s");
   add(validity, "maximum_rate", &Validity::maximum_rate, "rad/s");
-  add(validity, "maximum_stddev", &Validity::maximum_stddev, "m and rad, of each component of a motion");
 }
 
 void bindStereo(py::module_& module) {

@@ -57,7 +57,6 @@ class ValiditySettings:
     maximum_offset_uncertainty: float
     maximum_speed: float
     maximum_rate: float
-    maximum_stddev: float
 
 class StereoSettings:
     """Stereo matching from left to right. The attributes can be set."""

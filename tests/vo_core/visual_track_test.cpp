@@ -192,7 +192,8 @@ TEST_F(VisualTrackTest, NamesTheReasonOfAnInvalidMotion) {
   OdometrySettings slow = smallSettings();
   slow.validity.maximum_speed = 0.5 * kStep / 0.05;
   OdometrySettings strict = smallSettings();
-  strict.validity.maximum_stddev = 1e-4;  // m: below the standard deviation of any pair here
+  // m/s^2: the motion between two pairs that it allows is below the standard deviation of any pair here.
+  strict.pose_search.maximum_acceleration = 0.04;
   for (const auto& [settings, reason] : {std::pair(slow, OdometryReason::implausible_motion),
                                          std::pair(strict, OdometryReason::degenerate_geometry)}) {
     VisualTrack track = begin(settings);

@@ -16,23 +16,25 @@ struct MotionError {
   Matrix6d by_rows = Matrix6d::Zero();        ///< uncertain motion about the exposures of rolling shutters
   Matrix6d by_standstill = Matrix6d::Zero();  ///< of a zero-velocity update, or of the pose where it ended
   Matrix6d by_codec_shift =
-      Matrix6d::Zero();                   ///< of the shifts of key frames that were removed from the motion
-  Vector6d by_offset = Vector6d::Zero();  ///< error for one stddev of the time offset
-  double startup_inflation = 1.0;         ///< see startupInflation()
+      Matrix6d::Zero();                    ///< of the shifts of key frames that were removed from the motion
+  Vector6d by_offset = Vector6d::Zero();   ///< error for one stddev of the time offset
+  Vector6d by_readout = Vector6d::Zero();  ///< error for one stddev of the readouts, while they are unknown
+  double startup_inflation = 1.0;          ///< see startupInflation()
   double codec_inflation =
       1.0;  ///< of measurements in inter-coded pictures: CodecErrorModel::poseNoiseInflation()
 
   Matrix6d offsetCovariance() const { return by_offset * by_offset.transpose(); }
+  Matrix6d readoutCovariance() const { return by_readout * by_readout.transpose(); }
 
   /// What the measurements show. It decides whether the geometry is degenerate: an inflation makes a motion
   /// uncertain, but not degenerate.
-  Matrix6d measured() const { return by_landmarks + offsetCovariance(); }
+  Matrix6d measured() const { return by_landmarks + offsetCovariance() + readoutCovariance(); }
 
   /// Covariance of the motion. The inflations apply to what follows from image measurements: the scale
   /// depends on disparities, which codec errors affect too.
   Matrix6d covariance() const {
     return startup_inflation * codec_inflation * (by_landmarks + by_scale + by_rows) + offsetCovariance() +
-           by_standstill + by_codec_shift;
+           readoutCovariance() + by_standstill + by_codec_shift;
   }
 };
 

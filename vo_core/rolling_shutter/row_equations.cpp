@@ -94,7 +94,7 @@ inline void see(const PointLanes& point, const RowState& state, InstantView& see
   const Eigen::Matrix3d& R = state.change.linear();
   const Eigen::Vector3d& t = state.change.translation();
   const auto& [velocity, acceleration, angular_jerk] = state.motion;
-  seen.instant = point.instant + state.readout_change * point.share;
+  seen.instant = point.instant;
   seen.half_square = 0.5 * seen.instant * seen.instant;
   const DoubleLanes sixth_cube = seen.half_square * seen.instant / 3.0;
   DoubleLanes step[6];

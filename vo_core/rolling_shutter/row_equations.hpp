@@ -25,11 +25,11 @@ struct RowUnknowns {
   using Vector = Eigen::Matrix<double, kSize, 1>;
 };
 
-/// Iterate: changes of the pose and the readout (s) from the first guess, and the motion.
+/// Iterate: change of the pose from the first guess, and the motion. The readout is considered, not
+/// estimated.
 struct RowState {
   Eigen::Isometry3d change = Eigen::Isometry3d::Identity();
   ExposureMotion motion;
-  double readout_change = 0.0;
 };
 
 /// Normal equations.

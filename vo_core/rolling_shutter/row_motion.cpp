@@ -15,34 +15,34 @@ constexpr double kSmallDecrease = 0.01;  // of the cost, by a step that is far b
 constexpr int kMotionSize = RowInformation::kSize;
 constexpr int kMotion = RowUnknowns::kMotion, kDepths = RowUnknowns::kDepths;
 constexpr int kReadout = RowUnknowns::kReadout, kUnknowns = RowUnknowns::kSize;
-constexpr double kKnown = 1e-9;  // s, standard deviation of a known readout
 constexpr std::size_t kMinimumPoints = 15;
 
-using StateMatrix = RowUnknowns::Matrix;
-using StateVector = RowUnknowns::Vector;
+constexpr int kEstimated = kReadout;  // all unknowns but the readout, which is considered
+using EstimatedMatrix = Eigen::Matrix<double, kEstimated, kEstimated>;
+using EstimatedVector = Eigen::Matrix<double, kEstimated, 1>;
 
 /// Sets what the rows tell of the motion, all else eliminated, and the covariances. `without_prior`:
 /// equations without the prior of the motion; `with_prior`: with it, factored.
-void conclude(const RowEquations& without_prior, const Eigen::LDLT<StateMatrix>& with_prior,
+void conclude(const RowEquations& without_prior, const Eigen::LDLT<EstimatedMatrix>& with_prior,
               const ExposureMotion& at, RowMotion& result) {
-  constexpr int kAfter = kUnknowns - kDepths, kOthers = 6 + kAfter;
+  constexpr int kAfter = kEstimated - kDepths, kOthers = 6 + kAfter;
   using OthersMatrix = Eigen::Matrix<double, kOthers, kOthers>;
   using CrossMatrix = Eigen::Matrix<double, kOthers, kMotionSize>;
-  const StateMatrix& hessian = without_prior.hessian;
+  const EstimatedMatrix hessian = without_prior.hessian.topLeftCorner<kEstimated, kEstimated>();
   OthersMatrix others;
   others << hessian.topLeftCorner<6, 6>(), hessian.topRightCorner<6, kAfter>(),
       hessian.bottomLeftCorner<kAfter, 6>(), hessian.bottomRightCorner<kAfter, kAfter>();
   CrossMatrix cross;
   cross << hessian.block<6, kMotionSize>(0, kMotion), hessian.block<kAfter, kMotionSize>(kDepths, kMotion);
   Eigen::Matrix<double, kOthers, 1> gradient;
-  gradient << without_prior.gradient.head<6>(), without_prior.gradient.tail<kAfter>();
+  gradient << without_prior.gradient.head<6>(), without_prior.gradient.segment<kAfter>(kDepths);
   const CrossMatrix solved = Eigen::LDLT<OthersMatrix>(others).solve(cross);
   result.rows.information =
       hessian.block<kMotionSize, kMotionSize>(kMotion, kMotion) - cross.transpose() * solved;
   const RowInformation::Vector now = vectorOf(at);
   result.rows.gradient = without_prior.gradient.segment<kMotionSize>(kMotion) -
                          solved.transpose() * gradient + result.rows.information * now;
-  const StateMatrix covariance = with_prior.solve(StateMatrix::Identity());
+  const EstimatedMatrix covariance = with_prior.solve(EstimatedMatrix::Identity());
   result.covariance = covariance.block<kMotionSize, kMotionSize>(kMotion, kMotion);
   // Of the pose: what is added to the covariance with all else known.
   result.pose_covariance_by_motion =
@@ -50,16 +50,15 @@ void conclude(const RowEquations& without_prior, const Eigen::LDLT<StateMatrix>&
       Eigen::LDLT<Matrix6d>(hessian.topLeftCorner<6, 6>()).solve(Matrix6d::Identity());
 }
 
-/// Sets the equation for the readout. `sums`: equations with the priors of all other unknowns.
-void concludeReadout(const RowEquations& sums, double readout_change, RowMotion& result) {
-  constexpr int n = kReadout;
-  using OthersMatrix = Eigen::Matrix<double, n, n>;
-  using OthersVector = Eigen::Matrix<double, n, 1>;
-  const Eigen::LDLT<OthersMatrix> factor(sums.hessian.topLeftCorner<n, n>());
-  const OthersVector by_readout = factor.solve(OthersVector(sums.hessian.col(n).head<n>()));
-  result.readout.information = sums.hessian(n, n) - sums.hessian.col(n).head<n>().dot(by_readout);
-  result.readout.gradient = sums.gradient[n] - by_readout.dot(sums.gradient.head<n>()) +
-                            result.readout.information * readout_change;
+/// Sets the equation for the readout, and the sensitivity to it. `with_prior`: equations with the priors of
+/// all unknowns but the readout, and these factored.
+void concludeReadout(const RowEquations& with_prior, const Eigen::LDLT<EstimatedMatrix>& factor,
+                     RowMotion& result) {
+  const EstimatedVector by_readout = with_prior.hessian.col(kReadout).head<kEstimated>();
+  const EstimatedVector error = factor.solve(by_readout);
+  result.error_by_readout = error.segment<kMotionSize>(kMotion);
+  result.readout.information = with_prior.hessian(kReadout, kReadout) - by_readout.dot(error);
+  result.readout.gradient = with_prior.gradient[kReadout] - error.dot(with_prior.gradient.head<kEstimated>());
 }
 
 }  // namespace
@@ -75,7 +74,6 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
   points_->set(problem);
   RowState state;
   state.motion = problem.start;
-  const double readout_information = 1.0 / std::pow(std::max(problem.readout_stddev, kKnown), 2);
   const RollingShutterSettings& settings = problem.settings;
   const MotionPrior prior{vectorOf(problem.expected), problem.variances, settings.prior_freedom};
   RowInformation::Vector prior_information = prior.variances.cwiseInverse();
@@ -91,21 +89,17 @@ RowMotion RowMotionEstimator::estimate(const RowMotionProblem& problem) {
     RowEquations with_motion = sums;
     for (int i = 0; i < kMotionSize; ++i)
       with_motion.addPrior(kMotion + i, prior_information[i], difference[i]);
-    RowEquations all = with_motion;
-    all.addPrior(kReadout, readout_information, -state.readout_change);
-    const Eigen::LDLT<StateMatrix> factor(all.hessian);
-    const StateVector step = factor.solve(all.gradient);
+    const EstimatedVector gradient = with_motion.gradient.head<kEstimated>();
+    const Eigen::LDLT<EstimatedMatrix> factor(with_motion.hessian.topLeftCorner<kEstimated, kEstimated>());
+    const EstimatedVector step = factor.solve(gradient);
     if (factor.info() != Eigen::Success || !step.allFinite()) return result;
-    const bool last =
-        iteration + 1 == kIterations || (iteration > 0 && step.dot(all.gradient) < kSmallDecrease);
+    const bool last = iteration + 1 == kIterations || (iteration > 0 && step.dot(gradient) < kSmallDecrease);
     if (last) {
-      concludeReadout(with_motion, state.readout_change, result);
-      sums.addPrior(kReadout, readout_information, -state.readout_change);
       conclude(sums, factor, state.motion, result);
+      concludeReadout(with_motion, factor, result);
     }
     state.change = orthonormalised(state.change * motionFromVector(step.head<6>()));
     state.motion = motionOf(vectorOf(state.motion) + step.segment<kMotionSize>(kMotion));
-    state.readout_change += step[kReadout];
     if (last) break;
   }
   result.motion = state.motion;

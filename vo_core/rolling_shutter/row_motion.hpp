@@ -36,7 +36,6 @@ struct RowMotionProblem {
   ExposureMotion expected;           ///< prior of the motion
   RowInformation::Vector variances;  ///< of its difference from the true motion
   ExposureMotion start;              ///< first guess of the motion
-  double readout_stddev = 0.0;       ///< s; 0: known
   double robust_width = 1.5;         ///< see BundleSettings
   double depth_scale_stddev = UncertaintySettings().scale_stddev;
   RollingShutterSettings settings;
@@ -55,18 +54,22 @@ struct RowMotion {
   ExposureMotion motion;
   RowInformation rows;                                                 ///< without the prior
   RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of `motion`
-  /// What the uncertainties of motion, depths and readout add to the covariance of the pose.
+  /// What the uncertainties of motion and depths add to the covariance of the pose.
   Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
+  /// Error of `motion` for each second by which the readout is longer than assumed.
+  RowInformation::Vector error_by_readout = RowInformation::Vector::Zero();
   ReadoutEquation readout;
 };
 
 class RowPoints;
 
 /// Estimates the motion of a camera, with its pose, by Gauss-Newton steps on the residuals of all rows of its
-/// image, each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated.
-/// Components of the motion that contradict the prior lose it (Student's t distribution), so that a kerb or a
-/// shaken mount is measured by the rows alone. The other camera's image is left out: depths come from
-/// disparities, and would tell what was assumed of the motion between the exposures when they were measured.
+/// image, each at its own instant, with Cauchy weights and the landmarks' inverse depths eliminated. The
+/// readout is considered: it is not changed, but what the image says of it and what its error does are
+/// results. Components of the motion that contradict the prior lose it (Student's t distribution), so that a
+/// kerb or a shaken mount is measured by the rows alone. The other camera's image is left out: depths come
+/// from disparities, and would tell what was assumed of the motion between the exposures when they were
+/// measured.
 class RowMotionEstimator {
  public:
   RowMotionEstimator();

@@ -18,10 +18,6 @@ double clampedTo(double value, double limit) {
   return std::clamp(value, -limit, limit);
 }
 
-std::optional<double> knownReadout(const Shutter& shutter) {
-  return shutter.readout_stddev > 0.0 ? std::nullopt : std::optional(shutter.readout);
-}
-
 /// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
 /// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
 /// non-negative garrote", 1998), zero for values below their standard deviation.
@@ -39,27 +35,18 @@ double yawRate(const BundleProblem& adjusted) {
 
 }  // namespace
 
-RigCalibrationFilter::RigCalibrationFilter(const SelfCalibrationSettings& settings,
-                                           const StereoShutters& shutters)
-    : settings_(settings),
-      known_left_(knownReadout(shutters.left)),
-      known_right_(knownReadout(shutters.right)) {
+RigCalibrationFilter::RigCalibrationFilter(const SelfCalibrationSettings& settings) : settings_(settings) {
   Vector stddev = Vector::Constant(settings.calibration_stddev);
   stddev[kSkew] = settings.skew_stddev;
   stddev[RowPatterns::kDelay] = settings.delay_stddev;
-  stddev[kLeftReadout] = known_left_ ? settings.readout_stddev : shutters.left.readout_stddev;
-  stddev[kReadoutDifference] = known_right_ ? settings.readout_stddev : shutters.right.readout_stddev;
   prior_variances_ = stddev.cwiseAbs2();
   covariance_ = prior_variances_.asDiagonal();
-  estimate_[kLeftReadout] = shutters.left.readout;
-  estimate_[kReadoutDifference] = shutters.right.readout - shutters.left.readout;
 }
 
 void RigCalibrationFilter::predict(double time_step) {
   Vector drift = Vector::Constant(settings_.rotation_drift);
   drift[kSkew] = settings_.skew_drift;
   drift[RowPatterns::kDelay] = settings_.delay_drift;
-  drift[kLeftReadout] = drift[kReadoutDifference] = 0.0;
   covariance_.diagonal() += time_step * drift.cwiseAbs2();
   pairs_ *= std::exp(-time_step / settings_.pattern_memory);
 }
@@ -67,7 +54,7 @@ void RigCalibrationFilter::predict(double time_step) {
 /// Updates with the equations, whose images share errors with others. A change beyond innovation_limit is
 /// reduced to it, with its information.
 void RigCalibrationFilter::update(const Equations& equations) {
-  const double weight = equations.images / settings_.correlated_pairs;
+  const double weight = 1.0 / settings_.correlated_pairs;
   const Matrix information = weight * equations.information;
   const Matrix after = (Matrix::Identity() + covariance_ * information).partialPivLu().solve(covariance_);
   const Vector change = weight * after * equations.gradient;
@@ -126,23 +113,6 @@ void RigCalibrationFilter::updateDisparities(const BundleProblem& adjusted, cons
   equations.information = observed.transpose() * result.rig_information * observed;
   equations.gradient = observed.transpose() * (result.rig_gradient - result.rig_information * remaining);
   update(equations);
-}
-
-void RigCalibrationFilter::updateReadout(Index index, const ReadoutEquation& equation, double used,
-                                         double images) {
-  Equations equations;
-  equations.images = images;
-  equations.information(index, index) = equation.information;
-  equations.gradient[index] = equation.gradient - equation.information * (estimate_[index] - used);
-  update(equations);
-}
-
-void RigCalibrationFilter::updateLeftReadout(const ReadoutEquation& equation, double images) {
-  updateReadout(kLeftReadout, equation, leftReadout(), images);
-}
-
-void RigCalibrationFilter::updateRightReadout(const ReadoutEquation& equation, double images) {
-  updateReadout(kReadoutDifference, equation, rightReadout() - leftReadout(), images);
 }
 
 void RigCalibrationFilter::reinitialisePitch(const EstimateWithStddev& pitch) {
@@ -207,31 +177,6 @@ RigCalibrationError RigCalibrationFilter::error() const {
           estimate(RowPatterns::kDelay),
           {observability(RowPatterns::kPitch), observability(kYaw), observability(RowPatterns::kRoll),
            observability(RowPatterns::kDelay)}};
-}
-
-EstimateWithStddev RigCalibrationFilter::readout(Index index) const {
-  return {estimate_[index], std::sqrt(covariance_(index, index) + square(settings_.readout_model_stddev))};
-}
-
-double RigCalibrationFilter::leftReadout() const {
-  return known_left_.value_or(estimate_[kLeftReadout]);
-}
-
-double RigCalibrationFilter::rightReadout() const {
-  return known_right_.value_or(leftReadout() + estimate_[kReadoutDifference]);
-}
-
-double RigCalibrationFilter::leftReadoutStddev() const {
-  return known_left_ ? 0.0 : readout(kLeftReadout).stddev;
-}
-
-double RigCalibrationFilter::rightReadoutStddev() const {
-  return known_right_ ? 0.0 : readout(kReadoutDifference).stddev;
-}
-
-ReadoutEstimates RigCalibrationFilter::readouts() const {
-  const EstimateWithStddev left = readout(kLeftReadout), difference = readout(kReadoutDifference);
-  return {left, {left.value + difference.value, std::hypot(left.stddev, difference.stddev)}};
 }
 
 }  // namespace cartvo::vo

@@ -1,27 +1,21 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/rig_calibration_error.hpp"
-#include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
 #include "vo_core/self_calibration_settings.hpp"
-#include "vo_core/shutter.hpp"
 
 namespace cartvo::vo {
 
 /// Information filter for the errors of the rig's calibration while driving. Its state: pitch, roll, yaw, p2,
-/// delay, the other errors that RowPatterns names, and both readouts. Rows of stereo matches measure all but
-/// the readouts, of yaw and p2 only a sum; disparities measure yaw and p2; rows of single images measure
-/// readouts. Each error does a random walk (process noise). One whose innovations are larger than that allows
-/// has been bumped, and its variance grows by that of a bump.
+/// delay, and the other errors that RowPatterns names. Rows of stereo matches measure all of them, of yaw and
+/// p2 only a sum; disparities measure yaw and p2. Each error does a random walk (process noise). One whose
+/// innovations are larger than that allows has been bumped, and its variance grows by that of a bump.
 class RigCalibrationFilter {
  public:
-  /// A readout that `shutters` know is estimated to check it, but the estimate is not used.
-  explicit RigCalibrationFilter(const SelfCalibrationSettings& settings = {},
-                                const StereoShutters& shutters = {});
+  explicit RigCalibrationFilter(const SelfCalibrationSettings& settings = {});
 
   /// Adds the process noise of `time_step` (s).
   void predict(double time_step);
@@ -32,11 +26,6 @@ class RigCalibrationFilter {
   /// Updates with the disparities of an adjusted problem, whose right pixels were corrected by `applied`.
   void updateDisparities(const BundleProblem& adjusted, const BundleResult& result,
                          const RigCorrection& applied);
-
-  /// Update with the rows of left or right images, timed with leftReadout() and rightReadout(). `images`:
-  /// number of images that the equation stands for.
-  void updateLeftReadout(const ReadoutEquation& equation, double images);
-  void updateRightReadout(const ReadoutEquation& equation, double images);
 
   /// Sets the pitch (rad) that was found after a bump, without correlations. Roll and yaw get the variance of
   /// a bump.
@@ -53,27 +42,10 @@ class RigCalibrationFilter {
 
   RigCalibrationError error() const;
 
-  /// Readouts (s) to time rows with: known ones, else the estimates.
-  double leftReadout() const;
-  double rightReadout() const;
-  /// Standard deviations (s): 0 if known; of the right readout with a given left one.
-  double leftReadoutStddev() const;
-  double rightReadoutStddev() const;
-  /// Estimates of known and unknown readouts.
-  ReadoutEstimates readouts() const;
-
  private:
   // The first components are those of RowPatterns, with kSkew in the place of the cross term, which is
-  // yaw + 2 p2 + skew. The map is made with the rows of the left camera, so that those of the right one
-  // measure the difference of the readouts.
-  enum Index {
-    kSkew = RowPatterns::kCrossTerm,
-    kYaw = RowPatterns::kSize,
-    kP2,
-    kLeftReadout,
-    kReadoutDifference,
-    kSize
-  };
+  // yaw + 2 p2 + skew.
+  enum Index { kSkew = RowPatterns::kCrossTerm, kYaw = RowPatterns::kSize, kP2, kSize };
   static constexpr std::array<int, 3> kAngles{RowPatterns::kPitch, kYaw, RowPatterns::kRoll};
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
@@ -82,20 +54,16 @@ class RigCalibrationFilter {
   struct Equations {
     Matrix information = Matrix::Zero();
     Vector gradient = Vector::Zero();
-    double images = 1.0;            ///< that they stand for
     double pattern_variance = 0.0;  ///< of the error of the model, in units of the noise's
   };
 
   void update(const Equations& equations);
-  void updateReadout(Index index, const ReadoutEquation& equation, double used, double images);
   void bump(int index);
   Equations equationsOf(const RowMeasurement& rows) const;
   RowPatterns::Vector patternVariances() const;
   RigCorrection limited(RigCorrection correction) const;
-  EstimateWithStddev readout(Index index) const;
 
   SelfCalibrationSettings settings_;
-  std::optional<double> known_left_, known_right_;  ///< s
   Vector estimate_ = Vector::Zero();
   Vector prior_variances_;
   Matrix covariance_;

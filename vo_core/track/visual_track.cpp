@@ -68,6 +68,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
       estimates_{learnt.rig,
+                 learnt.readouts,
                  learnt.still_regions,
                  {settings.rolling_shutter, settings.self_calibration.correlated_pairs},
                  PredictionErrors(settings.self_calibration.correlated_pairs)},
@@ -75,6 +76,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       unambiguous_ns_(first.left_exposure_ns),
       draft_{{}, {}, estimates_},
       row_regression_(settings.self_calibration) {
+  timing_.setReadouts(learnt.readouts.left.used(), learnt.readouts.right.used());
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
@@ -97,8 +99,8 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
 }
 
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
-  if (!timing_.isRolling()) return std::nullopt;
-  return estimates_.rig.readouts();
+  if (!timing_.mayRoll()) return std::nullopt;
+  return estimates_.readouts.estimates();
 }
 
 void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {

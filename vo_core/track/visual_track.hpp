@@ -20,6 +20,7 @@
 #include "vo_core/rolling_shutter/motion_roughness.hpp"
 #include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
+#include "vo_core/self_calibration/readout_estimator.hpp"
 #include "vo_core/self_calibration/rig_calibration_filter.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
@@ -56,6 +57,10 @@ struct TrackedMotion {
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
   Vector6d stddevByLandmarks() const { return error.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt(); }
+  /// Of what poses tell of the motion about an exposure.
+  Vector6d stddevByPoses() const {
+    return (error.by_landmarks.diagonal().cwiseMax(0.0) + error.by_readout.cwiseAbs2()).cwiseSqrt();
+  }
   /// Whether it is one of the first motions: the noise level is still an assumption.
   bool noiseIsUncalibrated() const { return error.startup_inflation > 1.0; }
 };
@@ -63,6 +68,7 @@ struct TrackedMotion {
 /// What tracks learn about the cameras, handed from one to the next.
 struct LearntByTracks {
   RigCalibrationFilter rig;
+  ReadoutEstimators readouts;
   StillRegions still_regions;
 };
 
@@ -91,13 +97,14 @@ class VisualTrack {
   const RigCalibrationFilter& rig() const { return estimates_.rig; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
   const StillRegions& stillRegions() const { return estimates_.still_regions; }
-  LearntByTracks learnt() const { return {estimates_.rig, estimates_.still_regions}; }
-  std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters
+  LearntByTracks learnt() const { return {estimates_.rig, estimates_.readouts, estimates_.still_regions}; }
+  std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters that are known
 
  private:
   /// What motions tell of cameras and road.
   struct Estimates {
-    RigCalibrationFilter rig;  ///< without RigRefinement::correct, only its readouts change
+    RigCalibrationFilter rig;
+    ReadoutEstimators readouts;
     StillRegions still_regions;
     MotionRoughness roughness;
     PredictionErrors prediction_errors;
@@ -144,21 +151,31 @@ class VisualTrack {
 
   // visual_track_rows.cpp
   enum class RigSide : std::uint8_t { left, right };
+  /// A camera of a pair at its own exposure, and its motion about it.
+  struct ReadoutView {
+    std::int64_t index = 0;
+    Eigen::Isometry3d T_world_camera;
+    ExposureMotion motion;
+  };
   void predictMotion(const PreparedPair& pair, Draft& draft);
   void addRowNoise(const Draft& draft);
   std::optional<Matrix6d> estimateRowMotion(Draft& draft);
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
   void updateRowConsistency(Draft& draft) const;
   void concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const;
-  void buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
-                       const RowInformation::Vector& variances);
-  void addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera, RigSide side);
-  void updateReadouts(Draft& draft, const TimedPoses& poses);
+  void setRowProblem(const ExposureMotion& expected, const RowInformation::Vector& variances);
+  void addRowPoints(const Draft& draft);
+  std::optional<ReadoutEquation> measureReadout(const Draft& draft, const TimedPoses& poses, int position,
+                                                RigSide side);
+  void addReadoutPoints(const Draft& draft, const ReadoutView& before, const ReadoutView& now, RigSide side);
+  void updateReadouts(Draft& draft);
+  void timeAnew(Draft& draft);
   void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev, Draft& draft) const;
 
   // visual_track_adjustment.cpp
   void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
   BundleResult adjustWithRig(Draft& draft);
+  std::optional<Eigen::Isometry3d> motionByLongerReadouts(Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
@@ -183,7 +200,7 @@ class VisualTrack {
   std::vector<Landmark> landmarks_;
   std::vector<WindowFrame> window_;   ///< oldest first; never empty
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
-  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByLandmarks() of the last motion
+  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByPoses() of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
   std::int64_t unambiguous_ns_ = 0;          ///< exposure of the last pair without an alternative pose
   // State of the current pair; members to reuse their memory.
@@ -193,6 +210,7 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   BundleProblem bundle_;
+  std::vector<Landmark> kept_landmarks_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
   RowMotionProblem row_problem_;

@@ -69,11 +69,36 @@ BundleResult VisualTrack::adjustWithRig(Draft& draft) {
   return result;
 }
 
+/// The newest motion if both readouts were longer by one standard deviation: what they do to it is the
+/// difference from the motion itself. Nothing if the adjustment does not converge.
+std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draft) {
+  const auto factorOf = [](const ReadoutEstimator& readout) {
+    const double share = readout.used() == 0.0 ? 0.0 : readout.stddev() / std::abs(readout.used());
+    return static_cast<float>(1.0 + share);
+  };
+  const float left = factorOf(draft.estimates.readouts.left),
+              right = factorOf(draft.estimates.readouts.right);
+  kept_landmarks_ = draft.landmarks;
+  for (Landmark& landmark : draft.landmarks) {
+    for (Observation& observation : landmark.observations) {
+      observation.left_row_shift *= left;
+      observation.right_row_shift *= right;
+    }
+  }
+  buildBundleProblem(draft, draft.estimates.rig.correction());
+  draft.landmarks.swap(kept_landmarks_);
+  if (!adjuster_.adjust(bundle_, settings_.bundle).converged) return std::nullopt;
+  const auto& poses = bundle_.poses;
+  return poses[poses.size() - 2].T_world_camera.inverse() * poses.back().T_world_camera;
+}
+
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   draft.estimates = estimates_;
   std::optional<Matrix6d> by_rows;
   if (timing_.isRolling()) by_rows = estimateRowMotion(draft);
+  std::optional<Eigen::Isometry3d> by_longer_readouts;
+  if (draft.estimates.readouts.areUnknown()) by_longer_readouts = motionByLongerReadouts(draft);
   const BundleResult result = adjustWithRig(draft);
   if (!result.converged) {
     motion.reason = OdometryReason::degenerate_geometry;
@@ -85,10 +110,12 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.error = updateUncertainties(
       bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
       settings_.uncertainty, draft.window);
-  if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
+  if (by_longer_readouts)
+    motion.error.by_readout = vectorFromMotion(motion.T_previous_current.inverse() * *by_longer_readouts);
+  if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
@@ -97,9 +124,10 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     motion.twist->covariance += motion.error.offsetCovariance() / (motion.time_step * motion.time_step);
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  last_stddev_ = motion.stddevByLandmarks();
+  last_stddev_ = motion.stddevByPoses();
   cell_noise_.update(bundle_);
   noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
+  if (timing_.mayRoll()) updateReadouts(draft);
   std::swap(estimates_, draft.estimates);
   accept(pair, draft);
 }
@@ -137,8 +165,10 @@ OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
   const ValiditySettings& validity = settings_.validity;
   if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
-  if (!(motion.error.measured().diagonal().maxCoeff() <= std::pow(validity.maximum_stddev, 2)))
-    return OdometryReason::degenerate_geometry;
+  // A motion that is known less well than the cart's inertia lets expect it is no measurement.
+  const Vector6d stddev = motion.error.measured().diagonal().cwiseSqrt();
+  const double gate = settings_.pose_search.maximum_acceleration * motion.time_step * motion.time_step;
+  if (!(stddev.maxCoeff() <= gate)) return OdometryReason::degenerate_geometry;
   return OdometryReason::none;
 }
 

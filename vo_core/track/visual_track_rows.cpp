@@ -13,8 +13,8 @@ namespace {
 // Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
 // between its exposures.
 constexpr std::size_t kFirstWindow = 5;
-// Pairs from one estimate of a readout to the next: of an unknown left one, and of all others.
-constexpr int kUnknownReadoutInterval = 1, kReadoutInterval = 4;
+// Pairs from one measurement of a known readout, to check it, to the next.
+constexpr int kCheckInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
@@ -50,9 +50,8 @@ Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
 
 }  // namespace
 
-/// Predicts the motion about the pair's exposure. Sets the readouts of the pair to the estimates.
+/// Predicts the motion about the pair's exposure.
 void VisualTrack::predictMotion(const PreparedPair& pair, Draft& draft) {
-  timing_.setReadouts(estimates_.rig.leftReadout(), estimates_.rig.rightReadout());
   MotionPredictions& predictions = draft.predictions;
   predictions.time_step = secondsSinceLast(pair);
   predictions.extrapolated = vectorOf(*window_.back().motion);
@@ -90,9 +89,8 @@ void VisualTrack::addRowNoise(const Draft& draft) {
   }
 }
 
-/// Sets the problem of the rows of the left image of a pair, `position` in the window.
-void VisualTrack::buildRowProblem(const Draft& draft, int position, const ExposureMotion& expected,
-                                  const RowInformation::Vector& variances) {
+/// Sets all of a row problem but its points.
+void VisualTrack::setRowProblem(const ExposureMotion& expected, const RowInformation::Vector& variances) {
   RowMotionProblem& problem = row_problem_;
   problem.camera = camera_;
   problem.noise = noise_;
@@ -101,48 +99,34 @@ void VisualTrack::buildRowProblem(const Draft& draft, int position, const Exposu
   problem.settings = settings_.rolling_shutter;
   problem.expected = expected;
   problem.variances = variances;
-  problem.readout_stddev = draft.estimates.rig.leftReadoutStddev();
-  addRowPoints(draft, position, draft.window[position].T_world_camera, RigSide::left);
 }
 
-/// Fills the points of the problem for a camera of the pair at `position` in the window, at `T_world_camera`.
-/// The left camera's readout timed the anchors, too: a steady turn shears all its images alike, so that only
-/// points whose rows change tell the readout.
-void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Isometry3d& T_world_camera,
-                               RigSide side) {
+/// Fills the points of the problem for the left camera of the newest pair. The left camera's readout timed
+/// the anchors, too.
+void VisualTrack::addRowPoints(const Draft& draft) {
   std::vector<RowPoint>& points = row_problem_.points;
   points.clear();
   points.reserve(draft.landmarks.capacity());
+  const WindowFrame& newest = draft.window.back();
   FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_camera_anchor;
   for (const WindowFrame& frame : draft.window)
-    T_camera_anchor.push_back(T_world_camera.inverse() * frame.T_world_camera);
-  const RigCorrection rig = draft.estimates.rig.correction();
+    T_camera_anchor.push_back(newest.T_world_camera.inverse() * frame.T_world_camera);
   for (const Landmark& landmark : draft.landmarks) {
     if (!landmark.hasDepth() || landmark.observations.size() < 2) continue;
-    const Observation* seen = landmark.find(draft.window[position].index);
+    const Observation* seen = landmark.find(newest.index);
     const std::optional<int> anchor = findFrameIndex(draft.window, landmark.anchor().frame);
-    if (!anchor || *anchor == position || seen == nullptr) continue;
+    if (!anchor || seen == nullptr) continue;
     RowPoint point;
-    if (side == RigSide::left) {
-      point.pixel = seen->left;
-      point.instant = timing_.left(seen->left);
-      point.share = timing_.leftShare(seen->left);
-    } else {
-      if (!seen->stereo) continue;
-      point.pixel = correctedRight(camera_, rig, seen->right());
-      point.instant = timing_.right(seen->right());
-      point.share = timing_.rightShare(seen->right());
-    }
+    point.pixel = seen->left;
+    point.instant = timing_.left(seen->left);
+    point.share = timing_.leftShare(seen->left);
     const Eigen::Isometry3d& T = T_camera_anchor[*anchor];
     point.bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
     point.ray = T.linear() * point.bearing + landmark.inverse_depth * T.translation();
     point.ray_by_inverse_depth = T.translation();
     point.inverse_depth = landmark.inverse_depth;
-    if (side == RigSide::left) {
-      const Vector6d& velocity = draft.window[*anchor].motion->velocity;
-      const Vector6d moved = timing_.leftShare(landmark.anchor().left) * velocity;
-      point.ray_by_readout = rayByAnchorMotion(T, moved, point);
-    }
+    const Vector6d& velocity = draft.window[*anchor].motion->velocity;
+    point.ray_by_readout = rayByAnchorMotion(T, timing_.leftShare(landmark.anchor().left) * velocity, point);
     point.inverse_depth_information = landmark.information;
     point.relative_noise = seen->relative_noise;
     point.weight = landmark.poseWeight();
@@ -151,35 +135,36 @@ void VisualTrack::addRowPoints(const Draft& draft, int position, const Eigen::Is
   }
 }
 
-/// Estimates the newest pair's motion from the rows of its left image, the readouts, and from them all row
-/// shifts of the window. Returns what the motion about the exposure adds to the covariance of its pose;
-/// nothing in a short window, or if the rows tell no motion.
+/// Estimates the newest pair's motion from the rows of its left image, and from it the row shifts of the
+/// window. Returns what the motion about the exposure adds to the covariance of its pose; nothing in a short
+/// window, or if the rows tell no motion.
 std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
   const int newest = static_cast<int>(poses.size()) - 1;
   MotionRoughness& roughness = draft.estimates.roughness;
   const bool enough_pairs = draft.window.size() >= kFirstWindow;
   if (enough_pairs) roughness.update(poses, last_stddev_);
-  buildRowProblem(draft, newest, motionByPoses(poses, newest),
-                  roughness.variances(poses, newest, last_stddev_));
+  setRowProblem(motionByPoses(poses, newest), roughness.variances(poses, newest, last_stddev_));
+  addRowPoints(draft);
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
-  const bool use = found.converged && enough_pairs;
+  // Rows that are timed with a wrong readout would keep the motion that timed their map, whatever the poses
+  // say.
+  const bool use = found.converged && enough_pairs && !draft.estimates.readouts.left.isUnknown();
   if (use) {
     // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
     const WindowFrame& before = draft.window[draft.window.size() - 2];
-    draft.window.back().row_information =
-        before.rows ? withMapError(found.rows, before.rows->covariance) : found.rows;
+    RowInformation::Matrix common = RowInformation::Matrix::Zero();
+    if (before.rows) common = before.rows->covariance;
+    const RowInformation::Vector by_readout = draft.estimates.readouts.left.stddev() * found.error_by_readout;
+    common += by_readout * by_readout.transpose();
+    draft.window.back().row_information = withMapError(found.rows, common);
   }
   const std::size_t first = firstToCorrect(draft.window);
   for (int i = static_cast<int>(first); i <= newest; ++i)
     updateMotion(poses, i, last_stddev_, draft);
   draft.estimates.prediction_errors.update(draft.predictions, *draft.window.back().motion);
-  if (use) {
-    updateRowConsistency(draft);
-    updateReadouts(draft, poses);
-  }
-  timing_.setReadouts(draft.estimates.rig.leftReadout(), draft.estimates.rig.rightReadout());
+  if (use) updateRowConsistency(draft);
   correctRows(camera_, timing_, draft.window, first, settings_.tracking.predicted_inverse_depth,
               draft.landmarks);
   return use ? std::optional(found.pose_covariance_by_motion) : std::nullopt;
@@ -201,55 +186,128 @@ void VisualTrack::updateRowConsistency(Draft& draft) const {
 /// inconsistent.
 void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const {
   WindowFrame& pair = draft.window.back();
-  updateMotion(timedPoses(draft.window), static_cast<int>(draft.window.size()) - 1,
-               motion.stddevByLandmarks(), draft);
+  updateMotion(timedPoses(draft.window), static_cast<int>(draft.window.size()) - 1, motion.stddevByPoses(),
+               draft);
   const double factor = draft.estimates.roughness.varianceFactor();
   motion.twist = ExposureTwist{pair.motion->velocity, factor * pair.rows->covariance.topLeftCorner<6, 6>()};
   motion.error.by_rows = factor * by_rows;
 }
 
 /// Position in the window of the first pair whose motion and row shifts are not up to date: older poses and
-/// motions hardly change, unless the rows tell the readout.
+/// motions hardly change.
 std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) const {
-  const bool all_change = timing_.shutters().areUncertain();
-  return all_change || window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;
+  return window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;
 }
 
-/// Updates the readouts by the rows of a pair in the middle of the window, weighted by the square of the
-/// poses' least share in the motions since: where the poses tell a motion badly, its error would pass for one
-/// of the readout, and in a vibration always with the same sign.
-void VisualTrack::updateReadouts(Draft& draft, const TimedPoses& poses) {
-  const int position = static_cast<int>(draft.window.size()) - 1 - kReadoutNeighbours;
-  const WindowFrame& frame = draft.window[position];
-  RigCalibrationFilter& rig = draft.estimates.rig;
-  double share_of_poses = 1.0;
-  for (std::size_t i = position; i < draft.window.size(); ++i)
-    share_of_poses =
-        std::min(share_of_poses, draft.window[i].rows->expected_share.diagonal().head<6>().minCoeff());
-  const double weight = std::pow(std::max(share_of_poses, 0.0), 2);
-  const bool right_is_due = frame.index % kReadoutInterval == 0;
-  const int left_interval = rig.leftReadoutStddev() > 0.0 ? kUnknownReadoutInterval : kReadoutInterval;
-  if (frame.index % left_interval != 0) return;
-  const ExposureMotion expected =
-      motionByPolynomial(poses, position, position - kReadoutNeighbours, position + kReadoutNeighbours);
-  buildRowProblem(draft, position, expected,
-                  draft.estimates.roughness.variances(poses, position, last_stddev_));
-  row_problem_.start = expected;
-  if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    rig.updateLeftReadout(found.readout, weight * left_interval);
-  if (!right_is_due) return;
+/// What the rows of a camera tell of its readout: its image of the pair at `position` in the window against
+/// its image two pairs before, each row at its own instant in the motion that the polynomials through the
+/// poses make. Both images are timed with the same readout, so that a steady turn, which shears all images
+/// alike, tells nothing. Nothing if too few landmarks are seen in both.
+std::optional<ReadoutEquation> VisualTrack::measureReadout(const Draft& draft, const TimedPoses& poses,
+                                                           int position, RigSide side) {
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
-  row_problem_.expected = row_problem_.start =
-      motionAbout(expected, frame.offset, T_left_right, timing_.range());
-  row_problem_.readout_stddev = rig.rightReadoutStddev();
-  addRowPoints(draft, position, frame.T_world_camera * expected.at(frame.offset) * T_left_right,
-               RigSide::right);
-  if (const RowMotion found = row_motion_.estimate(row_problem_); found.converged)
-    rig.updateRightReadout(found.readout, weight * kReadoutInterval);
+  const auto viewOf = [&](int at) {
+    ExposureMotion motion = motionByPolynomial(poses, at, at - kReadoutNeighbours, at + kReadoutNeighbours);
+    Eigen::Isometry3d T_world_camera = poses[at].T_world_camera;
+    if (side == RigSide::right) {
+      T_world_camera = T_world_camera * motion.at(poses[at].offset) * T_left_right;
+      motion = motionAbout(motion, poses[at].offset, T_left_right, timing_.range());
+    }
+    return ReadoutView{draft.window[at].index, T_world_camera, motion};
+  };
+  const ReadoutView before = viewOf(position - kReadoutNeighbours), now = viewOf(position);
+  setRowProblem(now.motion, 2.0 * draft.estimates.roughness.variances(poses, position, last_stddev_));
+  row_problem_.start = now.motion;
+  addReadoutPoints(draft, before, now, side);
+  const RowMotion found = row_motion_.estimate(row_problem_);
+  return found.converged ? std::optional(found.readout) : std::nullopt;
+}
+
+/// Fills the points of the problem of measureReadout().
+void VisualTrack::addReadoutPoints(const Draft& draft, const ReadoutView& before, const ReadoutView& now,
+                                   RigSide side) {
+  std::vector<RowPoint>& points = row_problem_.points;
+  points.clear();
+  points.reserve(draft.landmarks.capacity());
+  const Eigen::Isometry3d T_now_before = now.T_world_camera.inverse() * before.T_world_camera;
+  FixedVector<Eigen::Isometry3d, kMaximumWindowPairs> T_before_anchor;
+  for (const WindowFrame& frame : draft.window)
+    T_before_anchor.push_back(before.T_world_camera.inverse() * frame.T_world_camera);
+  const RigCorrection rig = draft.estimates.rig.correction();
+  const bool right = side == RigSide::right;
+  const auto pixelOf = [&](const Observation& seen) {
+    return right ? correctedRight(camera_, rig, seen.right()) : seen.left;
+  };
+  const auto shareOf = [&](const Observation& seen) {
+    return right ? timing_.rightShare(seen.right()) : timing_.leftShare(seen.left);
+  };
+  const auto instantOf = [&](const Observation& seen) {
+    return right ? timing_.right(seen.right()) : timing_.left(seen.left);
+  };
+  for (const Landmark& landmark : draft.landmarks) {
+    if (!landmark.hasDepth()) continue;
+    const Observation *first = landmark.find(before.index), *last = landmark.find(now.index);
+    const std::optional<int> anchor = findFrameIndex(draft.window, landmark.anchor().frame);
+    if (!anchor || first == nullptr || last == nullptr) continue;
+    if (right && !(first->stereo && last->stereo)) continue;
+    const Eigen::Vector3d place =
+        T_before_anchor[*anchor].linear() * bearingOf(camera_, landmark.anchor().leftAtExposure()) +
+        landmark.inverse_depth * T_before_anchor[*anchor].translation();
+    RowPoint point;
+    point.inverse_depth = landmark.inverse_depth / std::max(place.z(), kNearestRay);
+    point.bearing = bearingOf(camera_, pixelAtExposure(camera_, before.motion, instantOf(*first),
+                                                       pixelOf(*first), point.inverse_depth));
+    point.pixel = pixelOf(*last);
+    point.instant = instantOf(*last);
+    point.share = shareOf(*last);
+    point.ray = T_now_before.linear() * point.bearing + point.inverse_depth * T_now_before.translation();
+    point.ray_by_inverse_depth = T_now_before.translation();
+    point.ray_by_readout = rayByAnchorMotion(T_now_before, shareOf(*first) * before.motion.velocity, point);
+    point.inverse_depth_information = landmark.information;
+    point.relative_noise = last->relative_noise;
+    point.weight = landmark.poseWeight();
+    point.level = landmark.level;
+    points.push_back(point);
+  }
+}
+
+/// Updates the readouts by the images in the middle of the window, where the polynomial through five poses is
+/// the best known motion: a readout times a wrong motion would be a wrong readout.
+void VisualTrack::updateReadouts(Draft& draft) {
+  const TimedPoses poses = timedPoses(draft.window);
+  const int position = static_cast<int>(poses.size()) - 1 - kReadoutNeighbours;
+  if (position < 2 * kReadoutNeighbours) return;
+  ReadoutEstimators& readouts = draft.estimates.readouts;
+  const auto update = [&](RigSide side, ReadoutEstimator& readout) {
+    if (readout.stddev() == 0.0 && draft.window.back().index % kCheckInterval != 0) return false;
+    const auto measured = measureReadout(draft, poses, position, side);
+    return measured && readout.update(*measured);
+  };
+  const bool left = update(RigSide::left, readouts.left), right = update(RigSide::right, readouts.right);
+  if (!left && !right) return;
+  timing_.setReadouts(readouts.left.used(), readouts.right.used());
+  timeAnew(draft);
+}
+
+/// Computes motions and row shifts of the whole window after a change of a readout.
+void VisualTrack::timeAnew(Draft& draft) {
+  const TimedPoses poses = timedPoses(draft.window);
+  for (std::size_t i = 0; i < draft.window.size(); ++i) {
+    WindowFrame& pair = draft.window[i];
+    pair.row_information = {};
+    pair.rows.reset();
+    pair.motion.reset();
+    if (timing_.isRolling()) updateMotion(poses, static_cast<int>(i), last_stddev_, draft);
+  }
+  for (Landmark& landmark : draft.landmarks)
+    for (Observation& observation : landmark.observations)
+      observation.left_row_shift = observation.right_row_shift = Eigen::Vector2f::Zero();
+  correctRows(camera_, timing_, draft.window, 0, settings_.tracking.predicted_inverse_depth, draft.landmarks);
 }
 
 /// Updates the motion about the exposure of the pair at `position` in the window: that of the poses and of
-/// the pair's rows, each by its covariance.
+/// the pair's rows, each by its covariance. Rows that show what the cart cannot do between two pairs count
+/// for nothing.
 void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev,
                                Draft& draft) const {
   WindowFrame& pair = draft.window[position];
@@ -259,6 +317,12 @@ void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vect
                           settings_.rolling_shutter.prior_freedom};
   pair.rows.emplace(pair.row_information, prior);
   pair.motion = pair.rows->of(expected);
+  const auto by_rows = (pair.motion->velocity - expected.velocity).cwiseAbs();
+  const double step = std::abs(parabolaTimes(poses, position).near);
+  if (step == 0.0 || by_rows.maxCoeff() <= settings_.pose_search.maximum_acceleration * step) return;
+  pair.row_information = {};
+  pair.rows.emplace(pair.row_information, prior);
+  pair.motion = expected;
 }
 
 }  // namespace cartvo::vo

@@ -20,9 +20,12 @@ namespace cartvo::vo {
 class RowTiming {
  public:
   RowTiming(const StereoCamera& camera, const StereoShutters& shutters)
-      : camera_(camera), shutters_(shutters), rolling_(shutters.areRolling()) {}
+      : camera_(camera), shutters_(shutters), may_roll_(shutters.areRolling()) {}
 
-  bool isRolling() const { return rolling_; }
+  /// Whether pixels are taken to be exposed at different instants.
+  bool isRolling() const { return shutters_.left.readout != 0.0 || shutters_.right.readout != 0.0; }
+  /// Whether they may be: not with global shutters that are known.
+  bool mayRoll() const { return may_roll_; }
   double left(const Eigen::Vector2d& pixel) const { return instant(shutters_.left, pixel); }    ///< s
   double right(const Eigen::Vector2d& pixel) const { return instant(shutters_.right, pixel); }  ///< s
   double leftShare(const Eigen::Vector2d& pixel) const {
@@ -49,7 +52,7 @@ class RowTiming {
 
   StereoCamera camera_;
   StereoShutters shutters_;
-  bool rolling_ = false;
+  bool may_roll_ = false;
 };
 
 /// Transform of points from the left camera at the instant of a left pixel to the right camera at the instant

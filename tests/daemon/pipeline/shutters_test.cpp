@@ -29,7 +29,7 @@ TEST(Shutters, StartAtTheUsualReadoutIfItIsUnknown) {
   rig.right.readout = 0.0;
   const vo::StereoShutters shutters = shuttersOf(rig, AbsentReadout::unknown);
   EXPECT_NEAR(shutters.left.readout, 0.032, 1e-9);
-  EXPECT_NEAR(shutters.left.readout_stddev, 0.0048, 1e-9);
+  EXPECT_NEAR(shutters.left.readout_stddev, 0.0128, 1e-9);
   EXPECT_FALSE(shutters.right.isRolling());
 }
 

@@ -260,26 +260,8 @@ TEST(RigCalibrationFilter, IgnoresNan) {
   rows.precision = 1.0;
   rows.gradient.setConstant(nan);
   rig.updateRows(rows);
-  rig.updateLeftReadout({1.0, nan}, 1.0);
   EXPECT_EQ(rig.error().yaw.value, before.yaw.value);
   EXPECT_EQ(rig.error().pitch.value, before.pitch.value);
-  EXPECT_EQ(rig.leftReadout(), 0.0);
-}
-
-TEST(RigCalibrationFilter, EstimatesReadoutsButUsesKnownOnes) {
-  const StereoShutters shutters{{0.03, 0.0, {}}, {0.03, 0.01, {}}};
-  RigCalibrationFilter rig({}, shutters);
-  constexpr double kLeft = 0.032, kRight = 0.027, kInformation = 1e8;
-  for (int i = 0; i < 300; ++i) {
-    rig.updateLeftReadout({kInformation, kInformation * (kLeft - rig.leftReadout())}, 1.0);
-    const double difference = kRight - kLeft - (rig.rightReadout() - rig.leftReadout());
-    rig.updateRightReadout({kInformation, kInformation * difference}, 1.0);
-  }
-  EXPECT_EQ(rig.leftReadout(), 0.03);
-  EXPECT_EQ(rig.leftReadoutStddev(), 0.0);
-  EXPECT_GT(rig.rightReadoutStddev(), 0.0);
-  EXPECT_NEAR(rig.readouts().left.value, kLeft, 1e-4);
-  EXPECT_NEAR(rig.readouts().right.value, kRight, 1e-4);
 }
 
 /// Filter after a drive with a wrongly calibrated rig, whose pairs are adjusted with the correction so far.

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "vo_core/rig_calibration_error.hpp"
+#include "vo_core/rolling_shutter/row_motion.hpp"
+#include "vo_core/self_calibration_settings.hpp"
+#include "vo_core/shutter.hpp"
+
+// A readout that nobody has stated.
+
+namespace cartvo::vo {
+
+/// Estimates the readout of a camera (s) by a Kalman filter on how much the images differ from the readout
+/// that their rows are timed with. As long as the estimate is uncertain it is considered in the motions'
+/// covariances (S. Schmidt, "Application of state-space methods to navigation problems", 1966), and the rows
+/// tell no motion: these would make the motions that measure the readout.
+///
+/// Images that share errors of poses count as one; images that scatter more than stated count less.
+class ReadoutEstimator {
+ public:
+  /// A known readout (`shutter.readout_stddev` is 0) is measured to check it, and stays.
+  ReadoutEstimator(const Shutter& shutter, const SelfCalibrationSettings& settings);
+
+  /// Adds the equation of an image whose rows were timed with used(). Returns whether used() has changed.
+  bool update(const ReadoutEquation& equation);
+
+  double used() const { return used_; }  ///< s, to time rows with; 0: a global shutter
+  /// s, of used(); 0 if known
+  double stddev() const { return known_ ? 0.0 : estimate().stddev; }
+  /// Whether used() may be far off: the images have not shown it yet.
+  bool isUnknown() const { return stddev() > 3.0 * model_stddev_; }
+  /// What the images show, of a known readout, too.
+  EstimateWithStddev estimate() const;
+
+ private:
+  void addImage(double measured, double variance);
+
+  bool known_;
+  double model_stddev_;  ///< s, error of an estimate that no number of images reduces
+  double used_, estimate_;
+  double variance_;       ///< s^2, of estimate_, without the model's
+  double scatter_ = 1.0;  ///< mean square of the innovations relative to their variances
+};
+
+/// Of both cameras.
+struct ReadoutEstimators {
+  ReadoutEstimator left, right;
+
+  ReadoutEstimators(const StereoShutters& shutters, const SelfCalibrationSettings& settings)
+      : left(shutters.left, settings), right(shutters.right, settings) {}
+  bool areUnknown() const { return left.isUnknown() || right.isUnknown(); }
+  ReadoutEstimates estimates() const { return {left.estimate(), right.estimate()}; }
+};
+
+}  // namespace cartvo::vo

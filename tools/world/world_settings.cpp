@@ -1,4 +1,4 @@
-// Names of the scenarios.
+// Names of the scenarios and the start of the pictures.
 #include "tools/world/world_settings.hpp"
 
 #include <array>
@@ -63,6 +63,12 @@ Scenario scenarioFromName(std::string_view name) {
     known += (known.empty() ? "" : ", ") + std::string(candidate);
   }
   throw std::invalid_argument("unknown scenario '" + std::string(name) + "'; there are: " + known);
+}
+
+double startOf(const WorldSettings& settings) {
+  constexpr double kUntilFullSpeed = 3.0;  // s
+  if (settings.start_seconds) return *settings.start_seconds;
+  return settings.liveliness > 0.0 ? settings.lead_in_seconds + kUntilFullSpeed : 0.0;
 }
 
 }  // namespace cartvo::world

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,9 +57,13 @@ struct Shake {
 /// Settings of a drive and its two cameras. The same settings give the same bytes.
 struct WorldSettings {
   Scenario scenario = Scenario::campus;
-  std::uint64_t seed = 1;         ///< of campus, traffic and sensor noise
-  double seconds = 60.0;          ///< length of the drive, s
-  double lead_in_seconds = 2.0;   ///< standstill at the start, s
+  std::uint64_t seed = 1;        ///< of campus, traffic and sensor noise
+  double seconds = 60.0;         ///< length of the drive, s
+  double liveliness = 0.0;       ///< of the drive, 0: calm, to 1: weaves, meets kerbs, accelerates briskly
+  double lead_in_seconds = 2.0;  ///< standstill at the start of the drive, s
+  /// Instant of the drive at which the pictures begin, s; none: 0 for a calm drive, a lively one is in
+  /// motion.
+  std::optional<double> start_seconds;
   double frame_rate = 18.0;       ///< of each camera, Hz
   double offset_s = 0.0;          ///< right minus left exposure at the start, s
   double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
@@ -72,5 +77,8 @@ struct WorldSettings {
   double noise = 1.0;             ///< factor on the sensor noise; 0: none
   int threads = 2;                ///< for rendering; the images do not depend on it
 };
+
+/// Instant of the drive at which the pictures begin, s.
+double startOf(const WorldSettings& settings);
 
 }  // namespace cartvo::world

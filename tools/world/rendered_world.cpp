@@ -45,8 +45,8 @@ const WorldSettings& validated(const WorldSettings& s) {
   require(s.seconds > 0.0 && s.seconds <= 3600.0, "seconds must lie in (0, 3600]");
   require(s.frame_rate > 0.0 && s.frame_rate <= 240.0, "frame_rate must lie in (0, 240] Hz");
   require(s.liveliness >= 0.0 && s.liveliness <= 1.0, "liveliness must lie in [0, 1]");
-  require(s.liveliness == 0.0 || s.scenario != Scenario::motorway,
-          "liveliness is that of a golf cart, not of a drive on a motorway");
+  require(s.liveliness == 0.0 || canBeLively(s.scenario),
+          "liveliness must be 0 in the scenario " + std::string(scenarioName(s.scenario)));
   require(s.lead_in_seconds >= 0.0, "lead_in_seconds must not be negative");
   require(startOf(s) >= 0.0 && startOf(s) <= 3600.0, "start_seconds must lie in [0, 3600]");
   require(std::abs(s.offset_s) <= 1.0, "offset_s must lie in [-1, 1] s");

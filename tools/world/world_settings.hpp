@@ -48,6 +48,9 @@ std::string_view scenarioName(Scenario scenario);
 /// The scenario of a name. Throws std::invalid_argument that lists all names if there is none.
 Scenario scenarioFromName(std::string_view name);
 
+/// Whether a drive of the scenario may be lively: not at the speed of a motorway.
+bool canBeLively(Scenario scenario);
+
 /// A vibration of the cameras' mount about its own place, in pitch and roll.
 struct Shake {
   double frequency = 0.0;  ///< Hz
@@ -77,6 +80,13 @@ struct WorldSettings {
   double noise = 1.0;             ///< factor on the sensor noise; 0: none
   int threads = 2;                ///< for rendering; the images do not depend on it
 };
+
+/// A drive's name as benchmarks take it: that of its scenario, and then "+lively" if it is lively.
+std::string driveName(const WorldSettings& settings);
+
+/// Scenario and liveliness of a name; all other settings have their defaults. Throws std::invalid_argument if
+/// there is no such drive.
+WorldSettings driveFromName(std::string_view name);
 
 /// Instant of the drive at which the pictures begin, s.
 double startOf(const WorldSettings& settings);

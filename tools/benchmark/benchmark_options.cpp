@@ -34,20 +34,19 @@ fs::path foundData(const fs::path& given) {
   return {};
 }
 
-/// Values of --scenarios: "all", "none" and the names of the scenarios.
-std::vector<std::string> scenarioChoices() {
+/// Values of --scenarios: "all", "none", the names of the scenarios and those of their lively drives.
+std::vector<std::string> driveNames() {
   std::vector<std::string> names{kAllScenarios, kNoScenario};
-  for (const world::Scenario scenario : world::allScenarios())
-    names.emplace_back(world::scenarioName(scenario));
+  world::WorldSettings drive;
+  for (const double liveliness : {0.0, 1.0}) {
+    for (const world::Scenario scenario : world::allScenarios()) {
+      if (liveliness > 0.0 && !world::canBeLively(scenario)) continue;
+      drive.scenario = scenario;
+      drive.liveliness = liveliness;
+      names.push_back(world::driveName(drive));
+    }
+  }
   return names;
-}
-
-/// scenarioChoices as one line of text.
-std::string scenarioList() {
-  std::string list;
-  for (const std::string& name : scenarioChoices())
-    list += (list.empty() ? "" : ", ") + name;
-  return list;
 }
 
 std::optional<WorldSet> chosenSet(const WorldChoice& choice) {
@@ -62,23 +61,34 @@ void requireSet(const std::optional<WorldSet>& chosen, WorldSet set, const std::
                            std::string(benchmark::worldSetName(*chosen)) + " set; give --set " + name);
 }
 
-std::vector<world::Scenario> chosenScenarios(const WorldChoice& choice) {
+/// The drives of both sets or of one.
+std::vector<world::WorldSettings> allDrives(const std::optional<WorldSet>& chosen) {
+  std::vector<world::WorldSettings> drives;
+  for (const WorldSet set : {WorldSet::tuning, WorldSet::reporting}) {
+    if (chosen && *chosen != set) continue;
+    const std::vector<world::WorldSettings> all = benchmark::drivesOf(set);
+    drives.insert(drives.end(), all.begin(), all.end());
+  }
+  return drives;
+}
+
+std::vector<world::WorldSettings> chosenDrives(const WorldChoice& choice) {
   const std::optional<WorldSet> set = chosenSet(choice);
   std::vector<std::string> names = choice.scenarios;
   if (names.empty())
     names = set == WorldSet::tuning ? choice.tuning_scenarios : std::vector<std::string>{kAllScenarios};
-  std::vector<world::Scenario> scenarios;
+  std::vector<world::WorldSettings> drives;
   for (const std::string& name : names) {
     if (name == kNoScenario) continue;
     if (name == kAllScenarios) {
-      const std::vector<world::Scenario> all = set ? benchmark::scenariosOf(*set) : world::allScenarios();
-      scenarios.insert(scenarios.end(), all.begin(), all.end());
+      const std::vector<world::WorldSettings> all = allDrives(set);
+      drives.insert(drives.end(), all.begin(), all.end());
     } else {
-      scenarios.push_back(world::scenarioFromName(name));
-      requireSet(set, benchmark::setOf(scenarios.back()), "scenario " + name);
+      drives.push_back(world::driveFromName(name));
+      requireSet(set, benchmark::setOf(drives.back().scenario), "scenario " + name);
     }
   }
-  return scenarios;
+  return drives;
 }
 
 /// The seeds with which a scenario is rendered.
@@ -197,23 +207,34 @@ CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice) {
                       std::to_string(benchmark::defaultSeed(WorldSet::reporting)) + " reporting)")
       ->delimiter(',')
       ->type_name("LIST");
+  command
+      .add_option("--liveliness", choice.liveliness,
+                  "How much the drives named NAME+lively weave, bump, accelerate and brake")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--start-at", choice.start_seconds,
+                  "Instant of each drive, s, at which the pictures begin (default: 0, at standstill;\n"
+                  "lively drives: in motion)")
+      ->check(CLI::Range(0.0, 3600.0));
   return command
       .add_option("--scenarios", choice.scenarios,
-                  "Rendered drives: " + scenarioList() + "\n(default: " + joined(choice.tuning_scenarios) +
-                      " tuning, all reporting)")
+                  "Rendered drives; NAME+lively is the lively one of a scenario\n(default: " +
+                      joined(choice.tuning_scenarios) + " tuning, all reporting)")
       ->delimiter(',')
-      ->check(CLI::IsMember(scenarioChoices()))
+      ->check(CLI::IsMember(driveNames()))
       ->type_name("LIST");
 }
 
 std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads) {
   std::vector<world::WorldSettings> worlds;
-  for (const world::Scenario scenario : chosenScenarios(choice)) {
-    for (const std::uint64_t seed : seedsOf(choice, scenario)) {
-      world::WorldSettings& world = worlds.emplace_back();
-      world.scenario = scenario;
+  for (const world::WorldSettings& drive : chosenDrives(choice)) {
+    for (const std::uint64_t seed : seedsOf(choice, drive.scenario)) {
+      world::WorldSettings& world = worlds.emplace_back(drive);
       world.seed = seed;
       world.threads = threads;
+      world.start_seconds = choice.start_seconds;
+      if (world.liveliness > 0.0) world.liveliness = choice.liveliness;
     }
   }
   return worlds;

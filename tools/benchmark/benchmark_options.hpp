@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,22 +63,25 @@ struct WorldChoice {
   std::vector<std::string> tuning_scenarios{kAllScenarios};
   std::vector<std::uint64_t> tuning_seeds{benchmark::defaultSeed(benchmark::WorldSet::tuning)};
 
-  std::string set{};                     ///< "tuning", "reporting", or "" for both
-  std::vector<std::string> scenarios{};  ///< names of scenarios, "all", "none"; empty: the default of the set
-  std::vector<std::uint64_t> seeds{};    ///< empty: the default of each scenario's set
+  std::string set{};                      ///< "tuning", "reporting", or "" for both
+  std::vector<std::string> scenarios{};   ///< names of drives, "all", "none"; empty: the default of the set
+  std::vector<std::uint64_t> seeds{};     ///< empty: the default of each scenario's set
+  double liveliness = 1.0;                ///< of the drives whose names say that they are lively
+  std::optional<double> start_seconds{};  ///< see WorldSettings
 };
 
-/// Adds --set, --scenarios and --seeds, and returns the second. `choice` must live as long as the command.
+/// Adds --set, --seeds, --liveliness, --start-at and --scenarios, and returns the last. `choice` must live as
+/// long as the command.
 CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice);
 
-/// The worlds of each scenario with each seed; other settings have their defaults. Throws std::runtime_error
+/// The worlds of each drive with each seed; other settings have their defaults. Throws std::runtime_error
 /// that names the scenario or seed which does not belong to the set.
 std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads);
 
 /// A line that says of which set the rendered worlds of a report are; empty if there are none.
 std::string worldSetLine(const std::vector<world::WorldSettings>& worlds);
 
-/// Options of rendered drives, which start moving half a second after the first pair.
+/// Options of rendered drives. Those that begin at standstill start moving half a second later.
 struct DriveOptions {
   WorldChoice worlds{.set = "tuning"};
   double seconds = 20.0;

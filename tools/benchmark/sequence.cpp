@@ -86,8 +86,17 @@ Sequence renderedSequence(const world::WorldSettings& settings, const WorldCache
 }
 
 std::string worldName(const world::WorldSettings& settings) {
-  std::string name =
-      std::string(world::scenarioName(settings.scenario)) + " " + std::to_string(settings.seed);
+  std::string name = world::driveName(settings) + " " + std::to_string(settings.seed);
+  if (settings.liveliness > 0.0 && settings.liveliness < 1.0) {
+    char liveliness[32];
+    std::snprintf(liveliness, sizeof liveliness, " (%g)", settings.liveliness);
+    name += liveliness;
+  }
+  if (settings.start_seconds) {
+    char start[32];
+    std::snprintf(start, sizeof start, " from %g s", *settings.start_seconds);
+    name += start;
+  }
   if (settings.offset_s != 0.0) {
     char offset[32];
     std::snprintf(offset, sizeof offset, " %+g ms", 1e3 * settings.offset_s);

@@ -1,15 +1,22 @@
 // Assigns scenarios and seeds to the tuning set or to the reporting set.
 #include "tools/benchmark/world_sets.hpp"
 
-#include <algorithm>
-#include <iterator>
+#include <array>
 #include <stdexcept>
 #include <string>
 
 namespace cartvo::benchmark {
 namespace {
 
+using world::Scenario;
+
 constexpr std::uint64_t kFirstReportingSeed = 10;
+
+/// The scenarios that are driven in a lively way, too: winding and wide roads, traffic, stops, rough ground,
+/// narrow ways, hills, a dark place, drops on the lens.
+constexpr std::array kLivelyScenarios{
+    Scenario::campus, Scenario::turns,  Scenario::traffic, Scenario::stop_and_go, Scenario::bumpy,
+    Scenario::garage, Scenario::hedges, Scenario::rain,    Scenario::slope,       Scenario::crowd};
 
 }  // namespace
 
@@ -25,8 +32,7 @@ WorldSet worldSetNamed(std::string_view name) {
 }
 
 // Without a default: the compiler asks for the set of a new scenario.
-WorldSet setOf(world::Scenario scenario) {
-  using world::Scenario;
+WorldSet setOf(Scenario scenario) {
   switch (scenario) {
     case Scenario::campus:
     case Scenario::loop:
@@ -68,11 +74,18 @@ std::optional<WorldSet> setOf(const world::WorldSettings& world) {
   return set == setOfSeed(world.seed) ? std::optional(set) : std::nullopt;
 }
 
-std::vector<world::Scenario> scenariosOf(WorldSet set) {
-  std::vector<world::Scenario> scenarios;
-  std::copy_if(world::allScenarios().begin(), world::allScenarios().end(), std::back_inserter(scenarios),
-               [set](world::Scenario scenario) { return setOf(scenario) == set; });
-  return scenarios;
+std::vector<world::WorldSettings> drivesOf(WorldSet set) {
+  std::vector<world::WorldSettings> drives;
+  const auto add = [&](Scenario scenario, double liveliness) {
+    if (setOf(scenario) != set) return;
+    drives.emplace_back().scenario = scenario;
+    drives.back().liveliness = liveliness;
+  };
+  for (const Scenario scenario : world::allScenarios())
+    add(scenario, 0.0);
+  for (const Scenario scenario : kLivelyScenarios)
+    add(scenario, 1.0);
+  return drives;
 }
 
 std::uint64_t defaultSeed(WorldSet set) {

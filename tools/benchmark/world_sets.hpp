@@ -31,8 +31,8 @@ WorldSet setOfSeed(std::uint64_t seed);
 /// The set of both the scenario and the seed; nothing if theirs differ: such a world is of neither set.
 std::optional<WorldSet> setOf(const world::WorldSettings& world);
 
-/// The scenarios of a set, in the order of the enumeration.
-std::vector<world::Scenario> scenariosOf(WorldSet set);
+/// The drives of a set: its scenarios in the order of the enumeration, then some of them as lively drives.
+std::vector<world::WorldSettings> drivesOf(WorldSet set);
 
 /// The seed with which worlds of the set are rendered unless others are given: 1 or 11.
 std::uint64_t defaultSeed(WorldSet set);

@@ -30,8 +30,21 @@ auto validatorFor(Parse parse) {
   };
 }
 
-/// Options of the rolling shutter and of what makes it matter.
+/// Options of the drive's motion and of the rolling shutter, to which it matters.
 void addMotionOptions(CLI::App& group, SimulateOptions& options, CLI::Option* sequence) {
+  group
+      .add_option("--liveliness", options.drive.liveliness,
+                  "How lively the drive is, from 0 to 1: it weaves, meets kerbs and bumps, accelerates\n"
+                  "and brakes briskly (not motorway)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->excludes(sequence)
+      ->capture_default_str();
+  group
+      .add_option("--start-at", options.drive.start_seconds,
+                  "Instant of the drive, s, at which the pictures begin (default: 0, at standstill; of\n"
+                  "a lively drive: 5, in motion)")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->excludes(sequence);
   addReadoutOption(group, options.readout_ms, "default: 32, or 0.96 of a shorter frame period")
       ->excludes(sequence);
   CLI::Option* frequency = group
@@ -123,7 +136,7 @@ void addCameraOptions(CLI::App& command, SimulateOptions& options) {
       ->capture_default_str();
   group
       ->add_option("--lead-in", options.lead_in,
-                   "Seconds before the content, with its first picture (a sequence: blank)")
+                   "Seconds before the content, with its first picture (blank if that may be in motion)")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   group->add_option("--latency-ms", options.latency_ms, "Delay from the exposure of a picture to its sending")

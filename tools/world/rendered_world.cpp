@@ -44,7 +44,11 @@ void require(bool holds, const std::string& what) {
 const WorldSettings& validated(const WorldSettings& s) {
   require(s.seconds > 0.0 && s.seconds <= 3600.0, "seconds must lie in (0, 3600]");
   require(s.frame_rate > 0.0 && s.frame_rate <= 240.0, "frame_rate must lie in (0, 240] Hz");
+  require(s.liveliness >= 0.0 && s.liveliness <= 1.0, "liveliness must lie in [0, 1]");
+  require(s.liveliness == 0.0 || canBeLively(s.scenario),
+          "liveliness must be 0 in the scenario " + std::string(scenarioName(s.scenario)));
   require(s.lead_in_seconds >= 0.0, "lead_in_seconds must not be negative");
+  require(startOf(s) >= 0.0 && startOf(s) <= 3600.0, "start_seconds must lie in [0, 3600]");
   require(std::abs(s.offset_s) <= 1.0, "offset_s must lie in [-1, 1] s");
   require(std::abs(s.offset_drift_ppm) <= 10000.0, "offset_drift_ppm must lie in [-10000, 10000]");
   for (const double readout : {s.left_readout, s.right_readout}) {
@@ -126,8 +130,11 @@ class RenderedWorld::Implementation {
         shake(settings, 0.5 * (T_body_camera[0].translation() + T_body_camera[1].translation())),
         T_start_map(T_map_body(0.0).inverse()) {}
 
+  /// Instant of the drive, s, at `seconds` after the content's start.
+  double driveInstant(double seconds) const { return startOf(settings) + seconds; }
+
   Eigen::Isometry3d T_map_body(double seconds) const {
-    return drive.T_map_body(seconds) * shake.T_body_shaken(seconds);
+    return drive.T_map_body(driveInstant(seconds)) * shake.T_body_shaken(driveInstant(seconds));
   }
 
   double readout(std::size_t camera) const {
@@ -210,8 +217,9 @@ class RenderedWorld::Implementation {
     Scene& scene = scene_state->scene;
     for (int step = 0; step < scene.timeSteps(); ++step) {
       const double share = scene.timeSteps() == 1 ? 0.0 : static_cast<double>(step) / (kTimeSteps - 1) - 0.5;
-      scene_state->traffic.placeAt(seconds + share * readout, scene_state->campus.instances);
-      scene_state->wind.placeAt(seconds + share * readout, scene_state->campus.instances);
+      const double instant = driveInstant(seconds + share * readout);
+      scene_state->traffic.placeAt(instant, scene_state->campus.instances);
+      scene_state->wind.placeAt(instant, scene_state->campus.instances);
       scene.place(step);
     }
     scene.update();
@@ -351,6 +359,10 @@ Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {
   return implementation_->T_start_map * implementation_->T_map_body(seconds);
 }
 
+bool RenderedWorld::startsAtStandstill() const {
+  return implementation_->drive.speed(implementation_->driveInstant(0.0)) == 0.0;
+}
+
 Trajectory RenderedWorld::truth() const {
   Trajectory truth;
   for (int index = 0; index < pairCount(); ++index) {
@@ -370,6 +382,8 @@ std::string RenderedWorld::cacheKey() const {
       << s.focal_length << "-b" << s.baseline << "-edge" << s.edge_samples << "-noise" << s.noise;
   if (s.left_readout != 0.0 || s.right_readout != 0.0)
     key << "-readout" << s.left_readout << '_' << s.right_readout << 's';
+  if (s.liveliness != 0.0) key << "-lively" << s.liveliness;
+  if (startOf(s) != 0.0) key << "-start" << startOf(s) << 's';
   if (s.shake.amplitude != 0.0) key << "-shake" << s.shake.frequency << "Hz" << s.shake.amplitude << "rad";
   return key.str();
 }

@@ -36,6 +36,7 @@ class RenderedWorld final : public simulate::Content {
   std::int64_t rightInstant(int index) const override;
   /// Thread-safe; calls are serialised, each renders on `threads` threads.
   void images(int index, cv::Mat& left, cv::Mat& right) const override;
+  bool startsAtStandstill() const override;
   Trajectory truth() const override;
   std::string cacheKey() const override;
 
@@ -59,7 +60,8 @@ class RenderedWorld final : public simulate::Content {
   double rowInstant(int index, capture::CameraSide side, double row) const;
 
   /// The cart's exact pose at `seconds` after the content's start, with the vibration of the cameras' mount;
-  /// world: the body axes at 0. Before its start and after its end, the drive goes on at the same speed.
+  /// world: the body axes at 0. Before its start and after its end, the drive goes on at the same
+  /// speed, a lively one for two seconds.
   Eigen::Isometry3d T_world_body(double seconds) const;
 
  private:

@@ -11,6 +11,7 @@ constexpr LightLevels kOvercast{.sun = 0.15F, .sky = 0.6F, .ground = 0.15F};  //
 constexpr LightLevels kDusk{.sun = 0.0F, .sky = 0.23F * 0.05F, .ground = 0.06F * 0.05F};
 constexpr LightLevels kLamps{.sun = 0.0F, .sky = 0.08F, .ground = 0.04F};
 constexpr double kRough = 0.032;  // m, amplitude of a rough road
+constexpr double kRocks = 0.19;   // m, obstacles of a rough road
 constexpr float kSmooth = 0.3F;   // contrast of smooth surfaces
 
 std::vector<Eigen::Vector2d> campusLap() {
@@ -113,6 +114,7 @@ ScenarioTraits lowTexture() {
 ScenarioTraits bumpy() {
   ScenarioTraits traits = campus();
   traits.roughness = kRough;
+  traits.obstacles = kRocks;
   return traits;
 }
 

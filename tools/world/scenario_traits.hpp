@@ -38,6 +38,7 @@ struct ScenarioTraits {
   Terrain terrain;
   RoadProfile road;
   double roughness = 0.006;  ///< m, amplitude of the road's heights
+  double obstacles = 0.055;  ///< m, height of the highest kerb that the wheels of a lively drive meet
 
   bool garage = false;  ///< indoors, in place of the campus
   bool sparse = false;  ///< few objects

@@ -1,4 +1,4 @@
-// Names of the scenarios.
+// Names of scenarios and drives, and the start of the pictures.
 #include "tools/world/world_settings.hpp"
 
 #include <array>
@@ -36,6 +36,8 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 25> kNames{{
     {Scenario::tunnel, "tunnel"},
 }};
 
+constexpr std::string_view kLively = "+lively";
+
 }  // namespace
 
 const std::vector<Scenario>& allScenarios() {
@@ -63,6 +65,32 @@ Scenario scenarioFromName(std::string_view name) {
     known += (known.empty() ? "" : ", ") + std::string(candidate);
   }
   throw std::invalid_argument("unknown scenario '" + std::string(name) + "'; there are: " + known);
+}
+
+bool canBeLively(Scenario scenario) {
+  return scenario != Scenario::motorway;
+}
+
+std::string driveName(const WorldSettings& settings) {
+  std::string name(scenarioName(settings.scenario));
+  if (settings.liveliness > 0.0) name += kLively;
+  return name;
+}
+
+WorldSettings driveFromName(std::string_view name) {
+  WorldSettings settings;
+  if (name.ends_with(kLively)) {
+    settings.liveliness = 1.0;
+    name.remove_suffix(kLively.size());
+  }
+  settings.scenario = scenarioFromName(name);
+  return settings;
+}
+
+double startOf(const WorldSettings& settings) {
+  constexpr double kUntilFullSpeed = 3.0;  // s
+  if (settings.start_seconds) return *settings.start_seconds;
+  return settings.liveliness > 0.0 ? settings.lead_in_seconds + kUntilFullSpeed : 0.0;
 }
 
 }  // namespace cartvo::world

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,9 @@ std::string_view scenarioName(Scenario scenario);
 /// The scenario of a name. Throws std::invalid_argument that lists all names if there is none.
 Scenario scenarioFromName(std::string_view name);
 
+/// Whether a drive of the scenario may be lively: not at the speed of a motorway.
+bool canBeLively(Scenario scenario);
+
 /// A vibration of the cameras' mount about its own place, in pitch and roll.
 struct Shake {
   double frequency = 0.0;  ///< Hz
@@ -56,9 +60,13 @@ struct Shake {
 /// Settings of a drive and its two cameras. The same settings give the same bytes.
 struct WorldSettings {
   Scenario scenario = Scenario::campus;
-  std::uint64_t seed = 1;         ///< of campus, traffic and sensor noise
-  double seconds = 60.0;          ///< length of the drive, s
-  double lead_in_seconds = 2.0;   ///< standstill at the start, s
+  std::uint64_t seed = 1;        ///< of campus, traffic and sensor noise
+  double seconds = 60.0;         ///< length of the drive, s
+  double liveliness = 0.0;       ///< of the drive, 0: calm, to 1: weaves, meets kerbs, accelerates briskly
+  double lead_in_seconds = 2.0;  ///< standstill at the start of the drive, s
+  /// Instant of the drive at which the pictures begin, s; none: 0 for a calm drive, a lively one is in
+  /// motion.
+  std::optional<double> start_seconds;
   double frame_rate = 18.0;       ///< of each camera, Hz
   double offset_s = 0.0;          ///< right minus left exposure at the start, s
   double offset_drift_ppm = 0.0;  ///< relative excess of the right camera's period, 1e-6
@@ -72,5 +80,15 @@ struct WorldSettings {
   double noise = 1.0;             ///< factor on the sensor noise; 0: none
   int threads = 2;                ///< for rendering; the images do not depend on it
 };
+
+/// A drive's name as benchmarks take it: that of its scenario, and then "+lively" if it is lively.
+std::string driveName(const WorldSettings& settings);
+
+/// Scenario and liveliness of a name; all other settings have their defaults. Throws std::invalid_argument if
+/// there is no such drive.
+WorldSettings driveFromName(std::string_view name);
+
+/// Instant of the drive at which the pictures begin, s.
+double startOf(const WorldSettings& settings);
 
 }  // namespace cartvo::world

@@ -61,6 +61,8 @@ TEST(BenchmarkCommand, ReportsImpossibleRequestsBeforeTheWork) {
        {std::pair("accuracy --data /no/such/folder --scenarios none", "/no/such/folder: is no folder"),
         std::pair("accuracy --data none --scenarios none", "nothing to measure"),
         std::pair("accuracy --set tuning --scenarios rain", "scenario rain belongs to the reporting set"),
+        std::pair("accuracy --set tuning --scenarios rain+lively",
+                  "rain+lively belongs to the reporting set"),
         std::pair("accuracy --set reporting --seeds 1", "seed 1 belongs to the tuning set"),
         std::pair("robustness --scenarios tunnel", "give --set reporting"),
         std::pair("ablation --seeds 11", "seed 11 belongs to the reporting set"),

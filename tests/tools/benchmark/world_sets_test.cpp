@@ -1,9 +1,9 @@
 // Verifies that the worlds which choose a number and those which report it share nothing.
 #include "tools/benchmark/world_sets.hpp"
 
-#include <algorithm>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,15 +20,36 @@ world::WorldSettings worldOf(Scenario scenario, std::uint64_t seed) {
   return settings;
 }
 
+std::set<Scenario> scenariosOf(WorldSet set) {
+  std::set<Scenario> scenarios;
+  for (const world::WorldSettings& drive : drivesOf(set))
+    scenarios.insert(drive.scenario);
+  return scenarios;
+}
+
 TEST(WorldSets, ShareNoScenario) {
-  const std::vector<Scenario> tuning = scenariosOf(WorldSet::tuning);
-  const std::vector<Scenario> reporting = scenariosOf(WorldSet::reporting);
+  const std::set<Scenario> tuning = scenariosOf(WorldSet::tuning);
+  const std::set<Scenario> reporting = scenariosOf(WorldSet::reporting);
   EXPECT_GE(tuning.size(), 16U);
   EXPECT_GE(reporting.size(), 9U);
   EXPECT_EQ(tuning.size() + reporting.size(), world::allScenarios().size());
-  std::set<Scenario> both(tuning.begin(), tuning.end());
+  std::set<Scenario> both = tuning;
   both.insert(reporting.begin(), reporting.end());
   EXPECT_EQ(both.size(), world::allScenarios().size());
+}
+
+TEST(WorldSets, HaveLivelyDrives) {
+  for (const WorldSet set : {WorldSet::tuning, WorldSet::reporting}) {
+    std::set<std::string> names;
+    int lively = 0;
+    const std::vector<world::WorldSettings> drives = drivesOf(set);
+    for (const world::WorldSettings& drive : drives) {
+      names.insert(world::driveName(drive));
+      if (drive.liveliness == 1.0) ++lively;
+    }
+    EXPECT_EQ(names.size(), drives.size()) << "a drive is listed twice";
+    EXPECT_EQ(lively, 5);
+  }
 }
 
 TEST(WorldSets, ShareNoSeed) {

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SimulateCommand, RejectsInvalidArguments) {
-  const std::array<std::pair<const char*, const char*>, 10> invalid{{
+  const std::array<std::pair<const char*, const char*>, 12> invalid{{
       {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
       {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
       {"--left-address here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
@@ -28,6 +28,8 @@ TEST(SimulateCommand, RejectsInvalidArguments) {
       {"--readout-ms 320", "'320' is not the readout of both cameras or LEFT,RIGHT in ms"},
       {"--shake-degrees 0.3", "--shake-degrees requires --shake-hz"},
       {"--sequence folder --readout-ms 32", "--sequence excludes --readout-ms"},
+      {"--sequence folder --start-at 3", "--sequence excludes --start-at"},
+      {"--liveliness 2", "--liveliness"},
       {"--world campus --sequence folder", "--world excludes --sequence"},
   }};
   for (const auto& [arguments, message] : invalid) {

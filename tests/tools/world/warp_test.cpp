@@ -90,6 +90,15 @@ TEST_P(RollingShutterWarp, NextImageMatchesImageByRows) {
       test::warpResiduals(world_, {110, capture::CameraSide::right}, {111, capture::CameraSide::right}));
 }
 
+TEST(LivelyDriveWarp, ImagesMatchByRows) {
+  world::WorldSettings settings = cleanDrive(world::Scenario::campus, 2);
+  settings.liveliness = 1.0;
+  settings.left_readout = settings.right_readout = 0.032;
+  const world::RenderedWorld world(settings);
+  expectExact(test::warpResiduals(world, {40, capture::CameraSide::left}, {40, capture::CameraSide::right}));
+  expectExact(test::warpResiduals(world, {40, capture::CameraSide::left}, {41, capture::CameraSide::left}));
+}
+
 INSTANTIATE_TEST_SUITE_P(Readouts, RollingShutterWarp,
                          testing::Values(std::tuple(0.032, 0.038), std::tuple(-0.032, -0.032)),
                          [](const auto& readouts) {

@@ -39,8 +39,7 @@ class OffsetRun {
       capture::StereoSource source = model == OffsetModel::simultaneous
                                          ? openSimultaneous(sequence.folder)
                                          : capture::openSource(sequence.folder);
-      add(std::string(world::scenarioName(world.scenario)), clock, model,
-          measure(sequence, source, model, settings_.odometry));
+      add(world::driveName(world), clock, model, measure(sequence, source, model, settings_.odometry));
     }
   }
 

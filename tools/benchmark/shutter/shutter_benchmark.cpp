@@ -132,7 +132,7 @@ std::vector<ShutterAccuracy> runShutterBenchmark(const ShutterSettings& settings
       for (const ReadoutModel model : settings.models) {
         if (!isMeasured(seen, model)) continue;
         results.push_back(measure(sequence, model, settings, observer));
-        results.back().sequence = world::scenarioName(world.scenario);
+        results.back().sequence = world::driveName(world);
         results.back().seen = seen;
       }
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/world/motion/obstacles.hpp"
 #include "tools/world/motion/speed_profile.hpp"
 #include "tools/world/scenario_traits.hpp"
 #include "tools/world/surface/hash.hpp"
@@ -30,11 +31,52 @@ struct Spring {
   }
 };
 
+/// Of the springs above the wheels, rad/s. A lively cart has stiff ones.
+double springFrequency(double liveliness) {
+  return Spring().frequency + 4.0 * liveliness;
+}
+
 /// Deviation of the road's height below a wheel, m, `distance` m along the path and `lateral` m to its left.
 double roughness(double distance, double lateral, double amplitude, std::uint32_t seed) {
   return amplitude *
          noise(static_cast<float>(distance), static_cast<float>(lateral), 0.3F, {9.6F, 0.6F, 0.62F}, seed);
 }
+
+/// The springs above the four wheels, on the road's roughness and on obstacles.
+class Wheels {
+ public:
+  explicit Wheels(const WorldSettings& settings)
+      : seed_(hashOf({static_cast<std::uint32_t>(settings.seed), 501U})),
+        roughness_(traitsOf(settings.scenario).roughness),
+        obstacles_(settings) {
+    for (int wheel = 0; wheel < 4; ++wheel)
+      springs_[wheel] = {.frequency = springFrequency(settings.liveliness), .x = height(0.0, wheel)};
+  }
+
+  void step(double distance, double seconds) {
+    for (int wheel = 0; wheel < 4; ++wheel)
+      springs_[wheel].step(height(distance, wheel), seconds);
+  }
+
+  double heave() const { return 0.5 * (springs_[0].x + springs_[1].x); }
+  double pitch() const { return (heave() - 0.5 * (springs_[2].x + springs_[3].x)) / kWheelbase; }
+  double roll() const {
+    return (0.5 * (springs_[1].x + springs_[3].x) - 0.5 * (springs_[0].x + springs_[2].x)) / kTrack;
+  }
+
+ private:
+  double height(double distance, int wheel) const {
+    const double along = distance + ((wheel & 2) != 0 ? kWheelbase : 0.0);
+    const bool left = (wheel & 1) != 0;
+    return roughness(along, left ? 0.5 * kTrack : -0.5 * kTrack, roughness_, seed_) +
+           obstacles_.height(along, left);
+  }
+
+  std::uint32_t seed_;
+  double roughness_;  ///< m
+  Obstacles obstacles_;
+  std::array<Spring, 4> springs_;  ///< right rear, left rear, right front, left front
+};
 
 /// Kicks of a rough road in one axis: impulses of acceleration, one at a random instant of each second.
 class Kicks {
@@ -93,20 +135,14 @@ KickRates kickRates(Scenario scenario) {
 Drive::Drive(const Path& path, const WorldSettings& settings)
     : path_(path),
       terrain_(traitsOf(settings.scenario).terrain),
-      speed_(kSpeedStep, speedProfile(path, settings)) {
+      weave_(path, settings),
+      speed_(kSpeedStep, speedProfile(path, weave_, settings)) {
   constexpr double kPitchPerAcceleration = -0.011;  // rad/(m/s^2): the nose rises under acceleration
   constexpr double kRollPerAcceleration = 0.014;    // rad/(m/s^2): the body rolls outward in a bend
-  const auto seed = hashOf({static_cast<std::uint32_t>(settings.seed), 501U});
-  const double amplitude = traitsOf(settings.scenario).roughness;
-  const auto wheel_height = [&](double distance, int wheel) {
-    return roughness(distance + ((wheel & 2) != 0 ? kWheelbase : 0.0),
-                     (wheel & 1) != 0 ? 0.5 * kTrack : -0.5 * kTrack, amplitude, seed);
-  };
-  std::array<Spring, 4> corners;  // right rear, left rear, right front, left front
-  for (int wheel = 0; wheel < 4; ++wheel)
-    corners[wheel].x = wheel_height(0.0, wheel);
+  Wheels wheels(settings);
   Spring squat{7.0, 0.45};
   Spring lean{7.0, 0.45};
+  const double softness = std::pow(Spring().frequency / springFrequency(settings.liveliness), 2);
   const KickRates rates = kickRates(settings.scenario);
   Kicked kicked_yaw{Kicks(settings.seed, 502, rates.yaw)};
   Kicked kicked_pitch{Kicks(settings.seed, 503, rates.pitch)};
@@ -117,35 +153,56 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
   std::vector<double> heave;
   std::vector<double> pitch;
   std::vector<double> roll;
-  const int steps = static_cast<int>(std::ceil((settings.seconds + 2.0) / kSpeedStep));
+  const int steps = speedSteps(settings);
   constexpr double kStep = kSpeedStep / kSubsteps;
   for (int i = 0; i < steps * kSubsteps; ++i) {
     const double time = i * kStep;
     const double along = speed_.integral(time);
     const double v = speed_.value(time);
     const double acceleration = (speed_.value(time + kStep) - v) / kStep;
-    for (int wheel = 0; wheel < 4; ++wheel)
-      corners[wheel].step(wheel_height(along, wheel), kStep);
-    squat.step(kPitchPerAcceleration * acceleration, kStep);
-    lean.step(kRollPerAcceleration * v * v * path.at(along).curvature, kStep);
+    wheels.step(along, kStep);
+    squat.step(softness * kPitchPerAcceleration * acceleration, kStep);
+    lean.step(softness * kRollPerAcceleration * v * v * (path.at(along).curvature + weave_.curvature(along)),
+              kStep);
     if (time > settings.lead_in_seconds) {
       for (Kicked* kicked : {&kicked_yaw, &kicked_pitch, &kicked_heave, &kicked_roll})
         kicked->step(time, kStep);
     }
     if (i % kSubsteps != 0) continue;
-    const double rear = 0.5 * (corners[0].x + corners[1].x);
-    const double front = 0.5 * (corners[2].x + corners[3].x);
-    const double left = 0.5 * (corners[1].x + corners[3].x);
-    const double right = 0.5 * (corners[0].x + corners[2].x);
-    heave.push_back(rear + kicked_heave.spring.x);
-    pitch.push_back((rear - front) / kWheelbase + squat.x + kicked_pitch.spring.x);
-    roll.push_back((left - right) / kTrack + lean.x + kicked_roll.spring.x);
+    heave.push_back(wheels.heave() + kicked_heave.spring.x);
+    pitch.push_back(wheels.pitch() + squat.x + kicked_pitch.spring.x);
+    roll.push_back(wheels.roll() + lean.x + kicked_roll.spring.x);
     if (has_yaw) yaw.push_back(kicked_yaw.spring.x);
   }
   heave_ = UniformSpline(kSpeedStep, std::move(heave));
   pitch_ = UniformSpline(kSpeedStep, std::move(pitch));
   roll_ = UniformSpline(kSpeedStep, std::move(roll));
   if (has_yaw) yaw_ = UniformSpline(kSpeedStep, std::move(yaw));
+  if (settings.liveliness > 0.0) course_ = weavingCourse(steps);
+}
+
+Drive::Course Drive::weavingCourse(int steps) const {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> yaw;
+  for (int i = 0; i < steps; ++i) {
+    const double along = distance(i * kSpeedStep);
+    const PathPoint at = path_.at(along);
+    const Eigen::Vector2d place = at.beside(weave_.lateral(along));
+    x.push_back(place.x());
+    y.push_back(place.y());
+    const double heading = std::atan2(at.tangent.y(), at.tangent.x()) + std::atan(weave_.slope(along));
+    yaw.push_back(yaw.empty() ? heading : yaw.back() + std::remainder(heading - yaw.back(), 2.0 * M_PI));
+  }
+  return {UniformSpline(kSpeedStep, std::move(x)), UniformSpline(kSpeedStep, std::move(y)),
+          UniformSpline(kSpeedStep, std::move(yaw))};
+}
+
+PathPoint Drive::placeAt(double seconds) const {
+  if (!course_) return path_.at(distance(seconds));
+  const double yaw = course_->yaw.value(seconds);
+  return {.position = {course_->x.value(seconds), course_->y.value(seconds)},
+          .tangent = {std::cos(yaw), std::sin(yaw)}};
 }
 
 Eigen::Isometry3d Drive::T_map_body(double seconds) const {
@@ -155,7 +212,7 @@ Eigen::Isometry3d Drive::T_map_body(double seconds) const {
                      Eigen::AngleAxisd(roll_.value(seconds), Eigen::Vector3d::UnitX()))
                         .toRotationMatrix();
   if (yaw_) sprung.rotate(Eigen::AngleAxisd(yaw_->value(seconds), Eigen::Vector3d::UnitZ()));
-  return groundPose(terrain_, path_.at(distance(seconds)), 0.0, kWheelbase) * sprung;
+  return groundPose(terrain_, placeAt(seconds), 0.0, kWheelbase) * sprung;
 }
 
 }  // namespace cartvo::world

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "tools/world/motion/uniform_spline.hpp"
+#include "tools/world/motion/weave.hpp"
 #include "tools/world/scene/path.hpp"
 #include "tools/world/scene/terrain.hpp"
 #include "tools/world/world_settings.hpp"
@@ -11,8 +12,8 @@
 namespace cartvo::world {
 
 /// The cart's motion: along a path, at the scenario's speed limited by bends, motor and brakes, on springs
-/// excited by the road's roughness and by acceleration. All quantities are twice continuously differentiable
-/// in time.
+/// excited by the road's roughness and by acceleration. A lively drive weaves about the path and meets kerbs
+/// and bumps. All quantities are twice continuously differentiable in time.
 class Drive {
  public:
   /// `path` must outlive the drive.
@@ -25,9 +26,20 @@ class Drive {
   Eigen::Isometry3d T_map_body(double seconds) const;
 
  private:
+  /// Place and heading of a lively drive over time, in campus axes.
+  struct Course {
+    UniformSpline x, y;  ///< m
+    UniformSpline yaw;   ///< rad
+  };
+
+  Course weavingCourse(int steps) const;
+  PathPoint placeAt(double seconds) const;
+
   const Path& path_;
   Terrain terrain_;
+  Weave weave_;
   UniformSpline speed_;
+  std::optional<Course> course_;      ///< of a lively drive; else the path itself
   UniformSpline heave_;               ///< m
   UniformSpline pitch_;               ///< rad, nose down is positive
   UniformSpline roll_;                ///< rad, left side up is positive

@@ -14,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from running_cart import VALID, Cameras, Daemon, Listener, await_, camera_section  # noqa: E402
 
 CONTENT = ["--world", "loop", "--seconds", "4", "--size", "340x210", "--frame-rate", "9"]
-STATUS = 8 + 6 * 8  # offset of odometry_t.status, after the fingerprint and six instants
+STATUS = 8 + 7 * 8  # offset of odometry_t.status, after the fingerprint and seven numbers of 8 bytes
 LEAST_MESSAGES = 30  # VALID, of the recorded seconds
 
 

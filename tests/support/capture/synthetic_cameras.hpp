@@ -36,11 +36,17 @@ inline calib::Rig smallRig() {
   return rig;
 }
 
-inline daemon::PairProcessor smallProcessor(const calib::Rig& rig) {
+/// Limits that no bound exceeds: a small world may be known less well than a cart asks.
+constexpr daemon::AlertLimits kNoAlertLimits{1e6, 1e6, 1e6, 1e6};
+
+inline daemon::PairProcessor smallProcessor(const calib::Rig& rig,
+                                            const daemon::AlertLimits& alert_limits = kNoAlertLimits) {
   const calib::RectificationSettings settings;
   vo::OdometrySettings odometry;
   odometry.features = 300;
-  return {rig, calib::Rectifier(rig, settings, calib::buildTables(rig, settings)), odometry};
+  return {rig,
+          calib::Rectifier(rig, settings, calib::buildTables(rig, settings)),
+          {.odometry = odometry, .alert_limits = alert_limits}};
 }
 
 /// Image of two walls of random texture: in the upper half 4 m ahead (disparity 12 px), in the lower half 2 m
